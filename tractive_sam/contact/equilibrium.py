@@ -1,0 +1,118 @@
+"""One steady state of a model, solved and put back into mm, N and MPa."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from tractive_sam.contact.guess import Guess
+from tractive_sam.contact.in_sequence import in_sequence
+from tractive_sam.contact.message import message
+from tractive_sam.contact.model import Model
+from tractive_sam.contact.result import Contact
+from tractive_sam.contact.together import projected, together
+from tractive_sam.solvers.outcome import Outcome, Status
+
+DepthInPass = Callable[[np.ndarray, np.ndarray], np.ndarray]
+"""(p_n in MPa, s/V) -> depth of wear in mm below every element."""
+
+
+def equilibrium(
+    model: Model,
+    depth: np.ndarray | DepthInPass | None = None,
+    start: Contact | None = None,
+) -> Contact:
+    """Solve one steady state.
+
+    Parameters
+    ----------
+    model : Model
+        The scene in numbers.
+    depth : ndarray, shape (n_x, n_y), or callable, optional
+        Depth worn off both bodies, mm. As a function of pressure and slip it is updated within
+        the iteration, as the paper does it; that is for ``method = "uzawa"`` only.
+    start : Contact, optional
+        A contact nearby, as first guess.
+
+    Returns
+    -------
+    Contact
+        Converged or not: see its status and message.
+    """
+    first = None if start is None else Guess.of(model, start)
+    gap, in_pass = model.undeformed_gap, None
+    if callable(depth):
+        in_pass = _dimensionless(model, depth)
+    elif depth is not None:
+        gap = gap + depth
+    gap = gap / model.units.gap
+    if model.scene.solver.method == "uzawa":
+        outcome = projected(model, gap, first, in_pass)
+    elif model.dissimilar and model.transmits:
+        outcome = together(model, gap, first)
+    else:
+        outcome = in_sequence(model, gap, first)
+    return _contact(model, outcome, depth)
+
+
+def _dimensionless(model: Model, depth: DepthInPass) -> DepthInPass:
+    units = model.units
+
+    def scaled(pressure: np.ndarray, slip: np.ndarray) -> np.ndarray:
+        return depth(units.pressure * pressure, _slip(model, slip)) / units.gap
+
+    return scaled
+
+
+def _slip(model: Model, scaled: np.ndarray) -> np.ndarray:
+    """s/V at the elements' centres.
+
+    The upwind difference is the elastic slip at the leading side of an element. The mean of its two
+    sides belongs to the point where pressure and traction are taken: with it frictional work and
+    energy law agree to rounding. The paper's scheme takes the leading side;
+    ``slip = "upwind"`` keeps that.
+    """
+    slip = model.units.slip * model.frame.slip_to_physical(scaled)
+    if model.scene.solver.slip != "upwind":
+        elastic = slip - model.rigid_slip
+        slip[:, 1:] = model.rigid_slip[:, 1:] + 0.5 * (elastic[:, 1:] + elastic[:, :-1])
+    return slip
+
+
+def _contact(model: Model, outcome: Outcome, depth: np.ndarray | DepthInPass | None) -> Contact:
+    units = model.units
+    touching = outcome.pressure > 0.0
+    pressure = units.pressure * outcome.pressure
+    slip = np.where(touching, _slip(model, outcome.slip), 0.0)
+    if callable(depth):
+        depth = depth(pressure, slip)
+    elif depth is None:
+        depth = np.zeros(model.grid.elements)
+    size = np.hypot(*(outcome.traction - outcome.slip))
+    xi_x, xi_y, spin = model.creepages(outcome.creepage)
+    status = outcome.status
+    if outcome.converged and _at_edge(touching):
+        status = Status.OFF_GRID
+    return Contact(
+        model.scene,
+        model.grid,
+        pressure,
+        units.pressure * model.frame.to_physical(outcome.traction),
+        slip,
+        units.gap * outcome.gap,
+        depth,
+        units.gap * outcome.approach,
+        xi_x,
+        xi_y,
+        spin,
+        touching & (size > outcome.pressure),
+        status,
+        message(status, outcome, model),
+        outcome.residual,
+        outcome.cost,
+        outcome.trace,
+    )
+
+
+def _at_edge(touching: np.ndarray) -> bool:
+    sides = (touching[0], touching[-1], touching[:, 0], touching[:, -1])
+    return any(side.any() for side in sides)

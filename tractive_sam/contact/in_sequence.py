@@ -1,0 +1,103 @@
+"""First the normal problem, then the tangential one: all that bodies of equal material need."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from tractive_sam.contact.guess import Guess
+from tractive_sam.contact.model import Model
+from tractive_sam.solvers.anderson import anderson
+from tractive_sam.solvers.conjugate_gradients import conjugate_gradients
+from tractive_sam.solvers.fixed_point import ANDERSON_STEP, TangentialMap
+from tractive_sam.solvers.nested import nested_normal, nested_tangential
+from tractive_sam.solvers.newton import newton
+from tractive_sam.solvers.outcome import Outcome
+from tractive_sam.solvers.problem import NormalProblem, TangentialProblem
+
+
+def solve_normal(model: Model, gap: np.ndarray, first: Guess | None, tolerance: float) -> Outcome:
+    """The normal problem without the lift by tractions."""
+    problem = NormalProblem(model.half_space, gap, model.load, model.given_approach)
+    if first is None or not first.pressure.any():
+        return nested_normal(problem, tolerance, conjugate_gradients)
+    return conjugate_gradients(problem, tolerance, first.pressure)
+
+
+def solve_tangential(
+    model: Model, pressure: np.ndarray, rigid: np.ndarray, first: Guess | None, tolerance: float
+) -> Outcome:
+    """The tangential problem under a given pressure, on the rectangle around the contact."""
+    box = _rectangle(pressure > 0.0)
+    problem = TangentialProblem(
+        model.half_space_of(pressure[box].shape), rigid[:, *box], pressure[box], model.transmission
+    )
+    begin = None if first is None else first.traction[:, *box]
+    outcome = _by_method(model, problem, begin, first, tolerance)
+    return replace(
+        outcome,
+        traction=_placed(outcome.traction, box, pressure.shape),
+        slip=_placed(outcome.slip, box, pressure.shape),
+    )
+
+
+def _by_method(model, problem, begin, first, tolerance) -> Outcome:
+    method = model.scene.solver.method
+    if method == "anderson":
+        return _anderson(problem, tolerance, begin)
+    if begin is None:
+        outcome = nested_tangential(problem, tolerance, newton)
+    else:
+        outcome = newton(problem, tolerance, begin, first.creepage)
+    outcome = replace(outcome, trace=(*outcome.trace, f"newton: {outcome.status}"))
+    if outcome.converged or method == "newton" or len(problem.transmission):
+        return outcome
+    return _anderson(problem, tolerance, outcome.traction).after(outcome)
+
+
+def _anderson(problem: TangentialProblem, tolerance: float, begin: np.ndarray | None) -> Outcome:
+    if begin is None or not np.isfinite(begin).all():
+        begin = np.zeros_like(problem.rigid)
+    outcome = anderson(TangentialMap(problem, ANDERSON_STEP), tolerance, begin)
+    return replace(outcome, trace=(f"anderson: {outcome.status}",))
+
+
+def in_sequence(model: Model, gap: np.ndarray, first: Guess | None) -> Outcome:
+    """Solve the normal problem and then, where there is cause for traction, the tangential one."""
+    tolerance = model.scene.solver.tolerance
+    normal = solve_normal(model, gap, first, tolerance)
+    normal = replace(normal, trace=(f"conjugate gradients: {normal.status}",))
+    pressure = normal.pressure
+    if not (normal.converged and model.transmits and pressure.any()):
+        rigid = model.scaled_rigid_slip + slip_by_pressure(model, pressure)
+        slip = np.where(pressure > 0.0, rigid, 0.0)
+        return replace(normal, traction=np.zeros_like(slip), slip=slip)
+    tangential = solve_tangential(model, pressure, model.scaled_rigid_slip, first, tolerance)
+    return replace(
+        tangential.after(normal),
+        pressure=pressure,
+        gap=normal.gap,
+        approach=normal.approach,
+        residual=max(normal.residual, tangential.residual),
+    )
+
+
+def slip_by_pressure(model: Model, pressure: np.ndarray) -> np.ndarray | float:
+    """Slip that the pressure on dissimilar bodies causes, scaled and dimensionless."""
+    if not model.dissimilar:
+        return 0.0
+    tractions = np.zeros((2, *pressure.shape))
+    return model.half_space.coupled(np.concatenate((pressure[None], tractions)))[1:]
+
+
+def _rectangle(contact: np.ndarray) -> tuple[slice, slice]:
+    """The contact and one more row behind it, whose slip the one at an element's centre needs."""
+    i = np.flatnonzero(contact.any(axis=1))
+    j = np.flatnonzero(contact.any(axis=0))
+    return slice(max(i[0] - 1, 0), i[-1] + 1), slice(j[0], j[-1] + 1)
+
+
+def _placed(field: np.ndarray, box: tuple[slice, slice], shape: tuple[int, int]) -> np.ndarray:
+    """A field on the rectangle as a field on the mesh, zero around it."""
+    whole = np.zeros((2, *shape))
+    whole[:, *box] = field
+    return whole

@@ -1,0 +1,41 @@
+"""The mesh of a scene that does not give one."""
+
+import numpy as np
+
+from tractive_sam.operators import Grid
+from tractive_sam.scene import Scene
+
+MARGIN = 1.15
+"""Half length of the domain over the semi-axis of the Hertzian contact."""
+
+WORN_MARGIN = 3.0
+"""The same in the lateral direction of a scene that wears: discs flatten to several widths."""
+
+ACROSS = 64
+"""Elements across the shorter axis of the contact."""
+
+
+def choose_grid(scene: Scene, measured=None) -> Grid:
+    """The scene's [grid], or one chosen from the Hertzian contact or the measured gap.
+
+    Elements are at most twice as long as wide or the reverse; their number is odd, so that one is
+    centred on the axis.
+    """
+    if scene.grid is not None:
+        return Grid(tuple(scene.grid.half_length), tuple(scene.grid.elements))
+    if scene.hertz is None:
+        x, y, _ = measured
+        half_length = (float(max(-x[0], x[-1])), float(max(-y[0], y[-1])))
+        across = 0.5 * min(half_length)
+        side = (2.0 * across / ACROSS,) * 2
+    else:
+        a, b = scene.hertz.a, scene.hertz.b
+        lateral = MARGIN if scene.wear is None else WORN_MARGIN
+        half_length = (MARGIN * a, lateral * b)
+        shorter = 2.0 * min(a, b) / ACROSS
+        longest = 2.0 * shorter
+        side = (min(2.0 * a / ACROSS, longest), min(2.0 * b / ACROSS, longest))
+    elements = tuple(
+        int(2 * np.ceil(length / s - 0.5) + 1) for length, s in zip(half_length, side, strict=True)
+    )
+    return Grid(half_length, elements)

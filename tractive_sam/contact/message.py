@@ -1,0 +1,32 @@
+"""What a status means, and what to try where it is not a solution."""
+
+from tractive_sam.contact.model import Model
+from tractive_sam.solvers.outcome import Outcome, Status
+
+
+def message(status: Status, outcome: Outcome, model: Model) -> str:
+    """Explain how a solve ended."""
+    solver = model.scene.solver
+    if status is Status.CONVERGED:
+        return f"contact conditions hold to {outcome.residual:.1e}"
+    if status is Status.OFF_GRID:
+        return (
+            "the contact reaches the edge of the mesh: enlarge grid.half_length "
+            f"(now {model.grid.half_length[0]:g} x {model.grid.half_length[1]:g} mm) and "
+            "grid.elements with it"
+        )
+    reached = (
+        f"not converged: residual {outcome.residual:.1e} after {outcome.iterations} iterations "
+        f"({', '.join(outcome.trace)}), asked for {solver.tolerance:.1e}; "
+    )
+    if len(model.transmission):
+        return reached + (
+            "the force to transmit may be more than friction can carry beside the other creepages "
+            "and the spin: lower load.traction_x or load.traction_y, or raise friction.mu"
+        )
+    if solver.method in ("uzawa", "anderson"):
+        return reached + 'try solver.method = "auto"'
+    return reached + (
+        "raise solver.tolerance, or refine the mesh with grid.elements where the contact is only a "
+        "few elements wide"
+    )

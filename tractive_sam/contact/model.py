@@ -1,0 +1,195 @@
+"""A scene put into numbers: mesh, undeformed gap, rigid slip, units and operators."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.interpolate import RegularGridInterpolator
+
+from tractive_sam.contact.mesh import choose_grid
+from tractive_sam.contact.wear_law import WearLaw
+from tractive_sam.operators import Frame, Grid, HalfSpace, Mesh
+from tractive_sam.scene import Scene
+from tractive_sam.solvers.problem import Transmission
+
+Gap = tuple[np.ndarray, np.ndarray, np.ndarray]
+"""Coordinates x (n,), y (m,) and separation (n, m) of a measured gap, mm."""
+
+
+@dataclass(frozen=True)
+class Units:
+    """Units in which a problem is of order one (see `operators.half_space`).
+
+    Attributes
+    ----------
+    pressure : float
+        p*, MPa.
+    length : float
+        l, mm.
+    gap : float
+        g* = p* l / E*, mm.
+    slip : float
+        s* = mu1 mu2 p* / G, dimensionless.
+    """
+
+    pressure: float
+    length: float
+    gap: float
+    slip: float
+
+
+class Model:
+    """The contact problems of a scene on its mesh.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is asked.
+    measured : Gap, optional
+        The measured separation that the scene's [gap] names; required where it names a file.
+    grid : Grid, optional
+        Mesh to use instead of the scene's.
+    """
+
+    def __init__(self, scene: Scene, measured: Gap | None = None, grid: Grid | None = None):
+        self.scene = scene
+        self.material = scene.material
+        self.measured = measured
+        self.grid = grid or choose_grid(scene, measured)
+        self._boxes: dict[tuple[int, int], HalfSpace] = {}
+
+    @cached_property
+    def undeformed_gap(self) -> np.ndarray:
+        """Separation of the unworn, undeformed bodies, zero at closest approach, mm."""
+        x, y = self.grid.x[:, None], self.grid.y[None, :]
+        radius_x, radius_y = self.scene.body.radii
+        gap = 0.5 * (x**2 / radius_x + y**2 / radius_y)
+        if self.measured is not None:
+            gap = gap + _resampled(self.measured, self.grid)
+        return gap - gap.min()
+
+    @cached_property
+    def frame(self) -> Frame:
+        """Scaled tribological frame; unit coefficients where there is no friction."""
+        friction = self.scene.friction
+        return Frame() if friction is None else Frame(friction.mu, np.deg2rad(friction.angle))
+
+    @cached_property
+    def wear_law(self) -> WearLaw | None:
+        """The law of wear, where the scene has one."""
+        wear = self.scene.wear
+        return None if wear is None else WearLaw(wear.intensity, self.frame.angle)
+
+    @cached_property
+    def units(self) -> Units:
+        """Units taken from the Hertzian contact, or from the mesh where there is none."""
+        hertz, E = self.scene.hertz, self.material.E_star
+        if hertz is not None:
+            pressure, length = hertz.p0, float(np.sqrt(hertz.a * hertz.b))
+        else:
+            length = 0.5 * float(np.sqrt(self.grid.half_length[0] * self.grid.half_length[1]))
+            load = self.scene.load
+            if load.normal is not None:
+                pressure = load.normal / (np.pi * length**2)
+            else:
+                pressure = E * load.approach / length
+        mu1, mu2 = self.frame.mu
+        return Units(
+            pressure, length, pressure * length / E, mu1 * mu2 * pressure / self.material.shear
+        )
+
+    @cached_property
+    def half_space(self) -> HalfSpace:
+        """Operators on the whole mesh."""
+        return self._operators(self.grid.elements)
+
+    def _operators(self, shape: tuple[int, int]) -> HalfSpace:
+        mesh = Mesh(shape, self.grid.dx, self.grid.dy)
+        return HalfSpace(mesh, self.material, self.units.length, self.frame)
+
+    def half_space_of(self, shape: tuple[int, int]) -> HalfSpace:
+        """Operators on a part of the mesh, kept for the next contact of that shape."""
+        if shape == self.grid.elements:
+            return self.half_space
+        if shape not in self._boxes:
+            if len(self._boxes) >= 8:
+                self._boxes.pop(next(iter(self._boxes)))
+            self._boxes[shape] = self._operators(shape)
+        return self._boxes[shape]
+
+    @cached_property
+    def dissimilar(self) -> bool:
+        """Whether pressure makes the surfaces slip and tractions make them lift (K != 0)."""
+        return self.material.coupling != 0.0
+
+    @cached_property
+    def free(self) -> tuple[bool, bool]:
+        """Which of (xi_x, xi_y) is unknown because a force is given instead."""
+        load = self.scene.load
+        return load.traction_x is not None, load.traction_y is not None
+
+    @cached_property
+    def transmits(self) -> bool:
+        """Whether there is any cause for tangential traction."""
+        creepage = self.scene.creepage
+        moving = creepage.longitudinal or creepage.lateral or creepage.spin
+        return self.scene.friction is not None and bool(
+            moving or any(self.free) or self.dissimilar
+        )
+
+    @cached_property
+    def rigid_slip(self) -> np.ndarray:
+        """Slip of the undeformed bodies by the given creepages, s/V, shape (2, n_x, n_y)."""
+        creepage = self.scene.creepage
+        x, y = self.grid.x[:, None], self.grid.y[None, :]
+        longitudinal = creepage.longitudinal - creepage.spin * y
+        lateral = creepage.lateral + creepage.spin * x
+        return np.stack(np.broadcast_arrays(longitudinal, lateral))
+
+    @cached_property
+    def scaled_rigid_slip(self) -> np.ndarray:
+        """`rigid_slip` in the scaled frame and in units of slip."""
+        return self.frame.slip_to_scaled(self.rigid_slip) / self.units.slip
+
+    @property
+    def given_approach(self) -> float:
+        """The approach in units of gap where it is given, else zero."""
+        given = self.scene.load.approach
+        return 0.0 if given is None else given / self.units.gap
+
+    @cached_property
+    def load(self) -> float | None:
+        """Sum of the dimensionless pressure over the elements, where the load is given."""
+        normal = self.scene.load.normal
+        return None if normal is None else normal / (self.units.pressure * self.grid.element_area)
+
+    @cached_property
+    def transmission(self) -> Transmission:
+        """Forces given in place of creepages, dimensionless."""
+        load = self.scene.load
+        given = [(k, q) for k, q in enumerate((load.traction_x, load.traction_y)) if q is not None]
+        if not given:
+            return Transmission()
+        unit = self.units.pressure * self.grid.element_area
+        vectors = np.stack([self.frame.matrix[:, k] for k, _ in given])
+        return Transmission(vectors, np.array([q / unit for _, q in given]))
+
+    def creepages(self, found: np.ndarray | None) -> tuple[float, float, float]:
+        """(xi_x, xi_y, spin), those given and those found."""
+        creepage = self.scene.creepage
+        values = [creepage.longitudinal, creepage.lateral]
+        if found is not None:
+            unknown = [k for k in (0, 1) if self.free[k]]
+            for k, value in zip(unknown, found, strict=True):
+                values[k] = float(value) * self.units.slip
+        return values[0], values[1], creepage.spin
+
+
+def _resampled(measured: Gap, grid: Grid) -> np.ndarray:
+    """The measured separation at the elements; beyond its edge, its value there."""
+    x, y, separation = measured
+    interpolate = RegularGridInterpolator((x, y), separation, method="linear")
+    points = np.meshgrid(
+        np.clip(grid.x, x[0], x[-1]), np.clip(grid.y, y[0], y[-1]), indexing="ij"
+    )
+    return interpolate(tuple(points))

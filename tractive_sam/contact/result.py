@@ -1,0 +1,155 @@
+"""A solved contact: fields, resultants, and how well it is solved."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from tractive_sam.operators import Grid
+from tractive_sam.scene import Scene
+from tractive_sam.solvers import Cost, Status
+
+
+class NotConverged(RuntimeError):  # noqa: N818 - the name says what happened
+    """A contact was not solved; `contact` holds what was reached."""
+
+    def __init__(self, contact: "Contact"):
+        super().__init__(contact.message)
+        self.contact = contact
+
+
+@dataclass(frozen=True)
+class Contact:
+    """One steady state of rolling contact.
+
+    Fields have the shape (n_x, n_y) of the grid, vectors (2, n_x, n_y) with the x-component first.
+    Tractions act on body A; slip is that of A over B per unit rolling speed.
+
+    Attributes
+    ----------
+    scene : Scene
+        What was asked.
+    grid : Grid
+        The mesh.
+    pressure : ndarray
+        p_n >= 0, MPa.
+    traction : ndarray
+        (p_x, p_y) on body A, MPa.
+    slip : ndarray
+        (s_x, s_y)/V, dimensionless; zero outside the contact.
+    gap : ndarray
+        Separation of the deformed surfaces, mm.
+    wear : ndarray
+        Depth worn off both bodies together, mm.
+    approach : float
+        Rigid-body approach, mm.
+    xi_x, xi_y, spin : float
+        Longitudinal and lateral creepage; spin in 1/mm.
+    sliding : ndarray of bool
+        Elements in contact whose traction has reached the friction bound.
+    status : Status
+        CONVERGED, or why not.
+    message : str
+        What the status means and, where it is not converged, what to try.
+    residual : float
+        Relative natural residual of all contact conditions.
+    cost : Cost
+        Applications of operators and preconditioners.
+    trace : tuple of str
+        Steps that led to the solution.
+    """
+
+    scene: Scene
+    grid: Grid
+    pressure: np.ndarray
+    traction: np.ndarray
+    slip: np.ndarray
+    gap: np.ndarray
+    wear: np.ndarray
+    approach: float
+    xi_x: float
+    xi_y: float
+    spin: float
+    sliding: np.ndarray
+    status: Status
+    message: str
+    residual: float
+    cost: Cost
+    trace: tuple[str, ...] = ()
+
+    @property
+    def converged(self) -> bool:
+        """Whether the contact conditions hold to the tolerance of the scene."""
+        return self.status is Status.CONVERGED
+
+    @cached_property
+    def touching(self) -> np.ndarray:
+        """Elements in contact, bool."""
+        return self.pressure > 0.0
+
+    @cached_property
+    def sticking(self) -> np.ndarray:
+        """Elements in contact that do not slip, bool."""
+        return self.touching & ~self.sliding
+
+    def _integral(self, field: np.ndarray) -> float:
+        return float(field.sum() * self.grid.element_area)
+
+    @cached_property
+    def P(self) -> float:
+        """Normal load, N."""
+        return self._integral(self.pressure)
+
+    @cached_property
+    def Qx(self) -> float:
+        """Longitudinal force on A, N."""
+        return self._integral(self.traction[0])
+
+    @cached_property
+    def Qy(self) -> float:
+        """Lateral force on A, N."""
+        return self._integral(self.traction[1])
+
+    @cached_property
+    def Mz(self) -> float:
+        """Spin moment on A, N mm."""
+        x, y = self.grid.x[:, None], self.grid.y[None, :]
+        return self._integral(x * self.traction[1] - y * self.traction[0])
+
+    @property
+    def p_max(self) -> float:
+        """Largest pressure of an element, MPa."""
+        return float(self.pressure.max())
+
+    @cached_property
+    def p_max_at(self) -> tuple[float, float]:
+        """Where the pressure is largest, (x, y) in mm."""
+        i, j = np.unravel_index(np.argmax(self.pressure), self.pressure.shape)
+        return float(self.grid.x[i]), float(self.grid.y[j])
+
+    @property
+    def half_width_x(self) -> float:
+        """Half the extent of the contact in x, in whole elements, mm."""
+        return 0.5 * self.grid.dx * _extent(self.touching.any(axis=1))
+
+    @property
+    def half_width_y(self) -> float:
+        """Half the extent of the contact in y, in whole elements, mm."""
+        return 0.5 * self.grid.dy * _extent(self.touching.any(axis=0))
+
+    @property
+    def stick_fraction(self) -> float:
+        """Share of the contact area that sticks."""
+        contact = np.count_nonzero(self.touching)
+        return float(np.count_nonzero(self.sticking) / contact) if contact else 0.0
+
+    @property
+    def dissipation(self) -> float:
+        """Frictional work per unit distance rolled, the integral of -p_t . s/V, N."""
+        return -self._integral((self.traction * self.slip).sum(axis=0))
+
+
+def _extent(occupied: np.ndarray) -> int:
+    """Number of elements from the first to the last occupied one."""
+    where = np.flatnonzero(occupied)
+    return int(where[-1] - where[0] + 1) if where.size else 0

@@ -1,0 +1,94 @@
+"""Pressure and tractions at once: dissimilar bodies, and the paper's own scheme."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from tractive_sam.contact.guess import Guess
+from tractive_sam.contact.in_sequence import slip_by_pressure, solve_normal, solve_tangential
+from tractive_sam.contact.model import Model
+from tractive_sam.solvers.anderson import anderson
+from tractive_sam.solvers.coupled_newton import coupled_newton
+from tractive_sam.solvers.fixed_point import ANDERSON_STEP, UZAWA_STEP, CoupledMap
+from tractive_sam.solvers.load_control import under_load
+from tractive_sam.solvers.outcome import Outcome
+from tractive_sam.solvers.problem import CoupledProblem
+from tractive_sam.solvers.uzawa import uzawa
+
+_ROUGHLY = 1e-3
+"""Residual of the problems solved one after the other, from which the coupled method starts."""
+
+
+def _problem(model: Model, gap: np.ndarray) -> CoupledProblem:
+    return CoupledProblem(
+        model.half_space,
+        gap,
+        model.scaled_rigid_slip,
+        model.load,
+        model.given_approach,
+        model.transmission,
+    )
+
+
+def together(model: Model, gap: np.ndarray, first: Guess | None) -> Outcome:
+    """The coupled problem of dissimilar bodies, by Newton's or Anderson's method."""
+    solver = model.scene.solver
+    earlier = None
+    if first is None:
+        first, earlier = _one_after_the_other(model, gap)
+    if solver.method == "anderson":
+        outcome = projected(model, gap, first)
+    else:
+        outcome = coupled_newton(
+            _problem(model, gap),
+            solver.tolerance,
+            first.pressure,
+            first.traction,
+            first.approach,
+            first.creepage,
+        )
+        outcome = replace(outcome, trace=(f"coupled newton: {outcome.status}",))
+    return outcome if earlier is None else outcome.after(earlier)
+
+
+def _one_after_the_other(model: Model, gap: np.ndarray) -> tuple[Guess, Outcome]:
+    normal = solve_normal(model, gap, None, _ROUGHLY)
+    rigid = model.scaled_rigid_slip + slip_by_pressure(model, normal.pressure)
+    tangential = solve_tangential(model, normal.pressure, rigid, None, _ROUGHLY)
+    guess = Guess(normal.pressure, tangential.traction, normal.approach, tangential.creepage)
+    return guess, tangential.after(normal)
+
+
+def projected(
+    model: Model,
+    gap: np.ndarray,
+    first: Guess | None,
+    wear: Callable[[np.ndarray, np.ndarray], np.ndarray] | None = None,
+) -> Outcome:
+    """Uzawa's or Anderson's method on pressure and tractions at once (paper, section 7.5).
+
+    Parameters
+    ----------
+    model : Model
+        The scene in numbers.
+    gap : ndarray, shape (n_x, n_y)
+        Undeformed separation, dimensionless.
+    first : Guess, optional
+        Where to start; the normal problem solved roughly by default.
+    wear : callable, optional
+        Dimensionless wear of a pass, from dimensionless pressure and slip, added to the gap.
+    """
+    solver = model.scene.solver
+    if first is None:
+        normal = solve_normal(model, gap, None, _ROUGHLY)
+        none = np.zeros((2, *gap.shape))
+        first = Guess(normal.pressure, none, normal.approach, np.zeros(0))
+    method, step = (anderson, ANDERSON_STEP) if solver.method == "anderson" else (uzawa, UZAWA_STEP)
+    mapping = CoupledMap(_problem(model, gap), first.pressure > 0.0, wear, step)
+    if model.load is None:
+        outcome = method(mapping, solver.tolerance, first.state)
+        outcome = replace(outcome, approach=model.given_approach)
+    else:
+        outcome = under_load(method, mapping, solver.tolerance, first.state, first.approach)
+    return replace(outcome, trace=(f"{solver.method}: {outcome.status}",))

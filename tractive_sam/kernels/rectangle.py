@@ -1,0 +1,135 @@
+"""Point kernels of the half-space surface integrated over a rectangle, as scalar formulas.
+
+The rectangle is centred at the origin with sides ``dx`` and ``dy``; ``(x, y)`` is observer minus
+centre. Six integrals describe every surface influence coefficient of any pair of materials
+(Kalker 1990, section 4.2; Juliá & Rodríguez-Tembleque 2025, appendix A). Their parities, by which
+one quadrant gives the whole plane:
+
+========  ==================  ==========  ==========
+name      integrand           in x        in y
+========  ==================  ==========  ==========
+``r1``    1/r                 even        even
+``xx``    x²/r³               even        even
+``yy``    y²/r³               even        even
+``xy``    x y/r³              odd         odd
+``x2``    x/r²                odd         even
+``y2``    y/r²                even        odd
+========  ==================  ==========  ==========
+
+Near the rectangle the integrals are differences of antiderivatives at its four corners. Far away
+that difference cancels (its terms grow like r ln r, the result falls like 1/r: at 1,000 sides its
+relative error is 4e-9 for a square and 7e-8 for sides 20:1), so beyond ``FAR`` sides a 4 x 4
+Gauss-Legendre rule takes over, whose own relative error is below 2e-13 from there on.
+"""
+
+from math import atan2, hypot, log, sqrt
+
+from numba import njit
+
+FAR = 12.0
+"""Distance, in longest sides of the rectangle, beyond which quadrature is the more accurate."""
+
+# Gauss-Legendre rule of four points on [-1/2, 1/2].
+_NODES = (-0.43056815579702629, -0.16999052179242813, 0.16999052179242813, 0.43056815579702629)
+_WEIGHTS = (0.17392742256872693, 0.32607257743127307, 0.32607257743127307, 0.17392742256872693)
+
+
+@njit(cache=True)
+def x_log(x, y):
+    """Antiderivative x ln(y + r) of y²/r³; zero in the limit x = 0.
+
+    For y < 0 the sum y + r cancels and is replaced by its equal x²/(r - y).
+    """
+    if x == 0.0:
+        return 0.0
+    r = hypot(x, y)
+    return x * (log(y + r) if y >= 0.0 else 2.0 * log(abs(x)) - log(r - y))
+
+
+@njit(cache=True)
+def log_arctan(x, y):
+    """Antiderivative y ln r + x atan(y/x) of x/r², with its limits at x = 0 and at the origin."""
+    if x == 0.0:
+        return y * log(abs(y)) if y != 0.0 else 0.0
+    # atan(y/x) and atan2(y, |x|) differ only in the sign of x, which the factor x carries.
+    return y * log(hypot(x, y)) + abs(x) * atan2(y, abs(x))
+
+
+@njit(cache=True)
+def corner(x, y):
+    """Antiderivatives of the six integrands at one corner, in the order r1, xx, yy, xy, x2, y2."""
+    along_x = x_log(y, x)
+    along_y = x_log(x, y)
+    return (
+        along_x + along_y,
+        along_x,
+        along_y,
+        -hypot(x, y),
+        log_arctan(x, y),
+        log_arctan(y, x),
+    )
+
+
+@njit(cache=True)
+def point(x, y):
+    """The six integrands themselves at (x, y) != (0, 0)."""
+    r2 = x * x + y * y
+    r = sqrt(r2)
+    r3 = r * r2
+    return 1.0 / r, x * x / r3, y * y / r3, x * y / r3, x / r2, y / r2
+
+
+@njit(cache=True)
+def near(x, y, dx, dy):
+    """The six integrals by corner differences; exact up to cancellation far away."""
+    x1, x2 = x - 0.5 * dx, x + 0.5 * dx
+    y1, y2 = y - 0.5 * dy, y + 0.5 * dy
+    pp, mm = corner(x2, y2), corner(x1, y1)
+    pm, mp = corner(x2, y1), corner(x1, y2)
+    return (
+        pp[0] + mm[0] - pm[0] - mp[0],
+        pp[1] + mm[1] - pm[1] - mp[1],
+        pp[2] + mm[2] - pm[2] - mp[2],
+        pp[3] + mm[3] - pm[3] - mp[3],
+        pp[4] + mm[4] - pm[4] - mp[4],
+        pp[5] + mm[5] - pm[5] - mp[5],
+    )
+
+
+@njit(cache=True)
+def far(x, y, dx, dy):
+    """The six integrals by Gauss-Legendre quadrature; exact far from the rectangle."""
+    r1 = xx = yy = xy = x2 = y2 = 0.0
+    for i in range(4):
+        xi = x - dx * _NODES[i]
+        for j in range(4):
+            w = _WEIGHTS[i] * _WEIGHTS[j] * dx * dy
+            a, b, c, d, e, f = point(xi, y - dy * _NODES[j])
+            r1 += w * a
+            xx += w * b
+            yy += w * c
+            xy += w * d
+            x2 += w * e
+            y2 += w * f
+    return r1, xx, yy, xy, x2, y2
+
+
+@njit(cache=True)
+def integrals(x, y, dx, dy):
+    """Integrals of the six point kernels over the rectangle.
+
+    Parameters
+    ----------
+    x, y : float
+        Observer minus centre of the rectangle, mm.
+    dx, dy : float
+        Sides of the rectangle, mm.
+
+    Returns
+    -------
+    r1, xx, yy, xy, x2, y2 : float
+        Integrals of 1/r, x²/r³, y²/r³, x y/r³, x/r² and y/r², mm.
+    """
+    if hypot(x, y) > FAR * max(dx, dy):
+        return far(x, y, dx, dy)
+    return near(x, y, dx, dy)

@@ -1,0 +1,8 @@
+"""Linear maps from tractions to displacement and slip: planned once, applied many times."""
+
+from tractive_sam.operators.convolution import Convolution
+from tractive_sam.operators.grid import Grid
+from tractive_sam.operators.half_space import Frame, HalfSpace
+from tractive_sam.operators.influence import Mesh
+
+__all__ = ["Convolution", "Frame", "Grid", "HalfSpace", "Mesh"]

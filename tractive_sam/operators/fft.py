@@ -1,0 +1,106 @@
+"""Zero-padded real transforms through FFTW (pyfftw is imported in this room only)."""
+
+from functools import cache, lru_cache
+
+import numpy as np
+import pyfftw
+
+from tractive_sam.operators import wisdom
+
+PLANNING_SECONDS = 10.0
+"""Longest time FFTW may search for the best plan of one transform."""
+
+
+def padded_length(n: int) -> int:
+    """Shortest even length that FFTW transforms fast and that holds a linear convolution of n."""
+    length = pyfftw.next_fast_len(2 * n - 1)
+    while length % 2:
+        length = pyfftw.next_fast_len(length + 1)
+    return length
+
+
+class PaddedTransform:
+    """Forward and backward transform of ``fields`` zero-padded arrays, planned once.
+
+    A padded two-dimensional transform is done axis by axis, so that the rows known to be zero are
+    neither transformed on the way in nor computed on the way out: three quarters of the work of
+    the full transform.
+
+    The arrays returned belong to the plan and are overwritten by its next call.
+
+    Parameters
+    ----------
+    fields : int
+        Number of arrays transformed together.
+    shape : tuple of int
+        Shape (n_x, n_y) of an array without its padding.
+    threads : int
+        Threads that FFTW may use.
+    """
+
+    def __init__(self, fields: int, shape: tuple[int, int], threads: int = 1):
+        nx, ny = shape
+        self.shape = shape
+        self.padded = (padded_length(nx), padded_length(ny))
+        px, py = self.padded
+        half = (fields, px, py // 2 + 1)
+        self._real = pyfftw.zeros_aligned((fields, nx, py))
+        self._rows = pyfftw.zeros_aligned(half, dtype=complex)
+        self._spectrum = pyfftw.zeros_aligned(half, dtype=complex)
+
+        def plan(source, target, axis, direction, *flags):
+            return pyfftw.FFTW(
+                source,
+                target,
+                axes=(axis,),
+                direction=direction,
+                flags=("FFTW_MEASURE", *flags),
+                threads=threads,
+                planning_timelimit=PLANNING_SECONDS,
+            )
+
+        # Forward along x keeps its input, so that the padding of `_rows` stays zero for good.
+        self._forward_y = plan(self._real, self._rows[:, :nx], 2, "FFTW_FORWARD")
+        self._forward_x = plan(self._rows, self._spectrum, 1, "FFTW_FORWARD")
+        self._backward_x = plan(self._spectrum, self._spectrum, 1, "FFTW_BACKWARD")
+        self._backward_y = plan(
+            self._spectrum[:, :nx], self._real, 2, "FFTW_BACKWARD", "FFTW_DESTROY_INPUT"
+        )
+        self._rows[:] = 0.0  # planning wrote into it
+
+    def forward(self, fields: np.ndarray) -> np.ndarray:
+        """Spectra, shape (fields, p_x, p_y/2 + 1), of arrays of shape (fields, n_x, n_y)."""
+        ny = self.shape[1]
+        self._real[..., :ny] = fields
+        self._real[..., ny:] = 0.0
+        self._forward_y.execute()
+        self._forward_x.execute()
+        return self._spectrum
+
+    def backward(self) -> np.ndarray:
+        """Arrays, shape (fields, n_x, n_y), of the spectra that `forward` returned, times p_x p_y.
+
+        The normalisation is left to the spectra of the kernel, which carry it at no cost.
+        """
+        self._backward_x.execute()
+        self._backward_y.execute()
+        return self._real[..., : self.shape[1]]
+
+
+@cache
+def _recall_wisdom() -> None:
+    wisdom.load()
+
+
+@lru_cache(maxsize=16)
+def transform(fields: int, shape: tuple[int, int], threads: int = 1) -> PaddedTransform:
+    """The plan for ``fields`` arrays of ``shape``, made on its first use in the process."""
+    _recall_wisdom()
+    plan = PaddedTransform(fields, shape, threads)
+    wisdom.save()
+    return plan
+
+
+def spectrum(table: np.ndarray) -> np.ndarray:
+    """Spectrum of a periodic kernel table, divided by its size (see `PaddedTransform.backward`)."""
+    return np.fft.rfft2(table) / (table.shape[-2] * table.shape[-1])

@@ -1,0 +1,52 @@
+"""The regular mesh of the potential contact."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A rectangle centred at the origin, divided into equal elements.
+
+    Parameters
+    ----------
+    half_length : tuple of float
+        Half lengths (L_x, L_y) of the domain, mm (the paper's L_x, L_y).
+    elements : tuple of int
+        Number of elements (n_x, n_y).
+    """
+
+    half_length: tuple[float, float]
+    elements: tuple[int, int]
+
+    @property
+    def dx(self) -> float:
+        """Side of an element in the rolling direction, mm."""
+        return 2.0 * self.half_length[0] / self.elements[0]
+
+    @property
+    def dy(self) -> float:
+        """Side of an element in the lateral direction, mm."""
+        return 2.0 * self.half_length[1] / self.elements[1]
+
+    @property
+    def element_area(self) -> float:
+        """Area of an element, mm²."""
+        return self.dx * self.dy
+
+    @cached_property
+    def x(self) -> np.ndarray:
+        """Centres in the rolling direction, ascending, shape (n_x,), mm."""
+        return _centres(self.half_length[0], self.elements[0])
+
+    @cached_property
+    def y(self) -> np.ndarray:
+        """Centres in the lateral direction, ascending, shape (n_y,), mm."""
+        return _centres(self.half_length[1], self.elements[1])
+
+
+def _centres(half_length: float, elements: int) -> np.ndarray:
+    # Mirrored exactly about zero, so that symmetric scenes stay symmetric to the last bit.
+    return (np.arange(elements) - 0.5 * (elements - 1)) * (2.0 * half_length / elements)

@@ -1,0 +1,206 @@
+"""The dimensionless operators of one contact problem.
+
+With a unit of pressure p*, of gap g* = p* l / E* and of slip s* = mu1 mu2 p* / G, and with the
+tractions in the scaled tribological frame, p~ = M^-1 R p_t and s~ = M R s, every quantity that a
+solver meets is of order one and both penalty-like factors of the contact conditions are unity:
+
+    gap   eta   = h/g* - delta/g* + A_nn pi_n + A_nt pi_t,    pi_n = max(0, pi_n - eta)
+    slip  sigma = s~_rigid/s*     + D_tn pi_n + D_tt pi_t,    pi_t = disc(pi_t - sigma; pi_n)
+
+Isotropic friction drops out of D_tt altogether. The scaled frame turns orthotropic friction into
+isotropic friction of unit coefficient.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from tractive_sam.kernels import spectral
+from tractive_sam.operators import influence
+from tractive_sam.operators.convolution import Convolution
+from tractive_sam.operators.fft import spectrum
+from tractive_sam.operators.influence import Mesh
+from tractive_sam.reference import CombinedMaterial
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The scaled tribological frame of orthotropic friction.
+
+    Parameters
+    ----------
+    mu : tuple of float
+        Friction coefficients (mu1, mu2) along the tribological axes.
+    angle : float
+        Angle beta of the first axis, counter-clockwise from x, radians.
+    """
+
+    mu: tuple[float, float] = (1.0, 1.0)
+    angle: float = 0.0
+
+    @cached_property
+    def matrix(self) -> np.ndarray:
+        """F = M R: slip into the frame, s~ = F s; traction out of it, p_t = F^T p~."""
+        c, s = np.cos(self.angle), np.sin(self.angle)
+        return np.diag(self.mu) @ np.array([[c, s], [-s, c]])
+
+    def to_scaled(self, traction: np.ndarray) -> np.ndarray:
+        """p~ = F^-T p_t for a field of shape (2, ...)."""
+        return np.tensordot(np.linalg.inv(self.matrix).T, traction, axes=1)
+
+    def to_physical(self, scaled: np.ndarray) -> np.ndarray:
+        """p_t = F^T p~ for a field of shape (2, ...)."""
+        return np.tensordot(self.matrix.T, scaled, axes=1)
+
+    def slip_to_scaled(self, slip: np.ndarray) -> np.ndarray:
+        """s~ = F s for a field of shape (2, ...)."""
+        return np.tensordot(self.matrix, slip, axes=1)
+
+    def slip_to_physical(self, scaled: np.ndarray) -> np.ndarray:
+        """s = F^-1 s~ for a field of shape (2, ...)."""
+        return np.tensordot(np.linalg.inv(self.matrix), scaled, axes=1)
+
+
+class HalfSpace:
+    """Operators of a pair of half-spaces on a mesh, dimensionless, each made on its first use.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Elements; lengths in mm.
+    material : CombinedMaterial
+        G, nu and K of the pair.
+    length : float
+        The length l of the unit of gap, mm.
+    frame : Frame
+        Scaled tribological frame.
+    threads : int
+        Threads of the transforms.
+    """
+
+    def __init__(
+        self,
+        mesh: Mesh,
+        material: CombinedMaterial,
+        length: float,
+        frame: Frame | None = None,
+        threads: int = 1,
+    ):
+        self.mesh = mesh
+        self.material = material
+        self.length = length
+        self.frame = frame or Frame()
+        self.threads = threads
+
+    def on(self, mesh: Mesh) -> "HalfSpace":
+        """The same bodies and units on another mesh."""
+        return HalfSpace(mesh, self.material, self.length, self.frame, self.threads)
+
+    @cached_property
+    def coarsened(self) -> "HalfSpace":
+        """The same bodies and units on elements of twice the size."""
+        return self.on(self.mesh.coarsened())
+
+    @property
+    def _per_gap(self) -> float:
+        """p*/g*, MPa/mm."""
+        return self.material.E_star / self.length
+
+    @property
+    def _per_slip(self) -> float:
+        """p*/s*, MPa."""
+        return self.material.shear / (self.frame.mu[0] * self.frame.mu[1])
+
+    @cached_property
+    def _displacement(self) -> dict[str, np.ndarray]:
+        return {k: spectrum(t) for k, t in self._displacement_tables.items()}
+
+    @property
+    def _displacement_tables(self) -> dict[str, np.ndarray]:
+        return influence.displacement(self.mesh, self.material)
+
+    @cached_property
+    def _slip_tables(self) -> dict[str, np.ndarray]:
+        return influence.slip(self.mesh, self.material)
+
+    def _convolution(self, spectra, product, fields: int) -> Convolution:
+        return Convolution(np.ascontiguousarray(spectra), product, fields, self.mesh.shape, self.threads)
+
+    def _tangential(self, xx, xy, yy):
+        """Entries (11, 12, 22) of F [[xx, xy], [xy, yy]] F^T, any kind of array."""
+        (a, b), (c, d) = self.frame.matrix
+        return (
+            a * a * xx + 2.0 * a * b * xy + b * b * yy,
+            a * c * xx + (a * d + b * c) * xy + b * d * yy,
+            c * c * xx + 2.0 * c * d * xy + d * d * yy,
+        )
+
+    @cached_property
+    def normal(self) -> Convolution:
+        """pi_n -> A_nn pi_n."""
+        zz = self._displacement["zz"].real * self._per_gap
+        return self._convolution([zz], spectral.scale, 1)
+
+    @cached_property
+    def normal_inverse(self) -> Convolution:
+        """Circulant inverse of `normal`, its preconditioner."""
+        zz = self._displacement["zz"].real * self._per_gap
+        size = np.prod(self.mesh.padded) ** 2
+        return self._convolution([1.0 / (zz * size)], spectral.scale, 1)
+
+    @cached_property
+    def slip(self) -> Convolution:
+        """pi_t -> D_tt pi_t."""
+        entries = self._tangential(*(spectrum(self._slip_tables[k]) for k in ("xx", "xy", "yy")))
+        return self._convolution(self._per_slip * np.stack(entries), spectral.symmetric_2x2, 2)
+
+    @cached_property
+    def slip_of_itself(self) -> tuple[float, float, float]:
+        """Entries (11, 12, 22) of D_tt of an element on itself."""
+        entries = self._tangential(*(self._slip_tables[k][0, 0] for k in ("xx", "xy", "yy")))
+        return tuple(float(self._per_slip * e) for e in entries)
+
+    @cached_property
+    def tangential(self) -> Convolution:
+        """pi_t -> A_tt pi_t / dx in units of slip: the displacement whose upwind difference is slip."""
+        return self._convolution(self._displacement_per_dx, spectral.symmetric_2x2, 2)
+
+    @cached_property
+    def tangential_inverse(self) -> Convolution:
+        """Circulant inverse of `tangential`."""
+        a11, a12, a22 = self._displacement_per_dx
+        size = np.prod(self.mesh.padded) ** 2
+        determinant = (a11 * a22 - a12 * a12) * size
+        inverse = np.stack((a22, -a12, a11)) / determinant
+        return self._convolution(inverse, spectral.symmetric_2x2, 2)
+
+    @property
+    def _displacement_per_dx(self) -> np.ndarray:
+        entries = self._tangential(*(self._displacement[k].real for k in ("xx", "xy", "yy")))
+        return self._per_slip / self.mesh.dx * np.stack(entries)
+
+    @cached_property
+    def coupled(self) -> Convolution:
+        """(pi_n, pi_t) -> (A_nn pi_n + A_nt pi_t, D_tn pi_n + D_tt pi_t)."""
+        d11, d12, d22 = self._tangential(
+            *(spectrum(self._slip_tables[k]) for k in ("xx", "xy", "yy"))
+        )
+        F, per_gap, per_slip = self.frame.matrix, self._per_gap, self._per_slip
+        # Reciprocity: u_n from p_x is minus u_x from p_n, A_zx = -A_xz.
+        gap = [-1j * self._displacement[k].imag for k in ("xz", "yz")]
+        drag = [spectrum(self._slip_tables[k]) for k in ("xz", "yz")]
+        entries = np.stack(
+            (
+                per_gap * self._displacement["zz"].real + 0j,
+                per_gap * (F[0, 0] * gap[0] + F[0, 1] * gap[1]),
+                per_gap * (F[1, 0] * gap[0] + F[1, 1] * gap[1]),
+                per_slip * (F[0, 0] * drag[0] + F[0, 1] * drag[1]),
+                per_slip * d11,
+                per_slip * d12,
+                per_slip * (F[1, 0] * drag[0] + F[1, 1] * drag[1]),
+                per_slip * d12,
+                per_slip * d22,
+            )
+        )
+        return self._convolution(entries, spectral.full_3x3, 3)

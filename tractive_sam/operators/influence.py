@@ -1,0 +1,114 @@
+"""Periodic tables of influence coefficients, from which every operator is made.
+
+Names follow the grammar ``displacement_xz``: u_x from p_z. A table holds the coefficient of the
+offset (i, j) elements at index (i mod p_x, j mod p_y). The offsets that a linear convolution never
+reads are filled with true coefficients as well: the operators do not notice, but the circulant
+inverses used as preconditioners do. With zeros there, the preconditioned slip operator has a
+condition number of 121 instead of 5 on the scene `spheres` at 45 x 45.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from tractive_sam.kernels.tables import quadrant
+from tractive_sam.operators.fft import padded_length
+from tractive_sam.reference import CombinedMaterial
+
+COMPONENTS = ("xx", "xy", "yy", "zz", "xz", "yz")
+"""The six independent kernels; A_zx = -A_xz and A_zy = -A_yz (reciprocity)."""
+
+_PARITY = {"xx": (1, 1), "xy": (-1, -1), "yy": (1, 1), "zz": (1, 1), "xz": (-1, 1), "yz": (1, -1)}
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """Number of elements and their sides: all that a convolution knows of a grid."""
+
+    shape: tuple[int, int]
+    dx: float
+    dy: float
+
+    @property
+    def padded(self) -> tuple[int, int]:
+        """Periods (p_x, p_y) of the tables."""
+        return padded_length(self.shape[0]), padded_length(self.shape[1])
+
+    def coarsened(self) -> "Mesh":
+        """The mesh of elements twice as long and wide that covers this one."""
+        nx, ny = self.shape
+        return Mesh(((nx + 1) // 2, (ny + 1) // 2), 2.0 * self.dx, 2.0 * self.dy)
+
+
+@lru_cache(maxsize=8)
+def _quadrant(px: int, py: int, dx: float, dy: float) -> np.ndarray:
+    # Two more offsets in x than half a period, for the difference at the last one.
+    return quadrant(px // 2 + 2, py // 2 + 1, dx, dy)
+
+
+def _coefficients(mesh: Mesh, material: CombinedMaterial) -> dict[str, np.ndarray]:
+    """Displacement per unit traction at the offsets of one quadrant, mm/MPa."""
+    r1, xx, yy, xy, x2, y2 = _quadrant(*mesh.padded, mesh.dx, mesh.dy)
+    nu, K = material.poisson, material.coupling
+    c = 1.0 / (np.pi * material.shear)
+    return {
+        "xx": c * ((1.0 - nu) * r1 + nu * xx),
+        "xy": c * nu * xy,
+        "yy": c * ((1.0 - nu) * r1 + nu * yy),
+        "zz": c * (1.0 - nu) * r1,
+        "xz": -c * K * x2,
+        "yz": -c * K * y2,
+    }
+
+
+def _periodic(table: np.ndarray, parity: tuple[int, int], mesh: Mesh, shift: int) -> np.ndarray:
+    """Unfold a quadrant by its parities; ``shift`` elements are added to the offset in x."""
+    px, py = mesh.padded
+    i = np.arange(px)
+    i = np.where(i > px // 2, i - px, i) + shift
+    j = np.arange(py)
+    j = np.where(j > py // 2, j - py, j)
+    unfolded = table[np.abs(i)[:, None], np.abs(j)[None, :]]
+    if parity[0] < 0:
+        unfolded = unfolded * np.sign(i)[:, None]
+    if parity[1] < 0:
+        unfolded = unfolded * np.sign(j)[None, :]
+    return unfolded
+
+
+def displacement(mesh: Mesh, material: CombinedMaterial) -> dict[str, np.ndarray]:
+    """Relative displacement u_A - u_B at an element's centre per unit traction on another.
+
+    Juliá & Rodríguez-Tembleque (2025), eq. (43), integrated over the element; the signs of the
+    coupling terms are those of a z-axis that points into body A.
+
+    Returns
+    -------
+    dict of ndarray, shape (p_x, p_y)
+        By component of `COMPONENTS`, mm/MPa.
+    """
+    coefficients = _coefficients(mesh, material)
+    return {k: _periodic(coefficients[k], _PARITY[k], mesh, 0) for k in COMPONENTS}
+
+
+def slip(mesh: Mesh, material: CombinedMaterial) -> dict[str, np.ndarray]:
+    """Slip -du/dx per unit traction, by the first-order upwind difference of the paper, eq. (28).
+
+    The difference is taken of the coefficients, once, so that an evaluation of the slip is a
+    single convolution.
+
+    Returns
+    -------
+    dict of ndarray, shape (p_x, p_y)
+        By component of `COMPONENTS`, 1/MPa.
+    """
+    coefficients = _coefficients(mesh, material)
+    return {
+        k: (
+            _periodic(coefficients[k], _PARITY[k], mesh, 0)
+            - _periodic(coefficients[k], _PARITY[k], mesh, 1)
+        )
+        / mesh.dx
+        for k in COMPONENTS
+    }

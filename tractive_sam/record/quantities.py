@@ -1,0 +1,65 @@
+"""Names, units and descriptions of everything that is recorded.
+
+The one table behind the results file, the JSON of `tractive-sam show` and the labels of figures.
+"""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A recorded quantity.
+
+    Attributes
+    ----------
+    unit : str
+        Unit; "1" where it has none.
+    long_name : str
+        Description for people.
+    """
+
+    unit: str
+    long_name: str
+
+
+SCALARS: dict[str, Quantity] = {
+    "revolution": Quantity("1", "revolutions rolled"),
+    "P": Quantity("N", "normal load"),
+    "Qx": Quantity("N", "longitudinal force on body A"),
+    "Qy": Quantity("N", "lateral force on body A"),
+    "Mz": Quantity("N mm", "spin moment on body A"),
+    "Qx_over_P": Quantity("1", "longitudinal force over normal load"),
+    "Qy_over_P": Quantity("1", "lateral force over normal load"),
+    "approach": Quantity("mm", "rigid-body approach"),
+    "p_max": Quantity("MPa", "largest pressure"),
+    "half_width_x": Quantity("mm", "half width of the contact in the rolling direction"),
+    "half_width_y": Quantity("mm", "half width of the contact in the lateral direction"),
+    "wear_max": Quantity("mm", "largest wear depth, both bodies together"),
+    "stick_fraction": Quantity("1", "share of the contact area that sticks"),
+    "xi_x": Quantity("1", "longitudinal creepage"),
+    "xi_y": Quantity("1", "lateral creepage"),
+    "spin": Quantity("1/mm", "spin creepage"),
+    "residual": Quantity("1", "relative residual of the contact conditions"),
+    "operator_applications": Quantity("1", "applications of elastic operators"),
+}
+"""One number a record."""
+
+POINTS: dict[str, Quantity] = {
+    "p_max_at": Quantity("mm", "position (x, y) of the largest pressure"),
+}
+"""A position a record."""
+
+PROFILES: dict[str, Quantity] = {
+    "wear_profile": Quantity("mm", "wear depth behind the contact, both bodies together"),
+}
+"""A function of y a record."""
+
+FIELDS: dict[str, Quantity] = {
+    "pressure": Quantity("MPa", "contact pressure"),
+    "traction_x": Quantity("MPa", "longitudinal traction on body A"),
+    "traction_y": Quantity("MPa", "lateral traction on body A"),
+    "slip_x": Quantity("1", "longitudinal slip of A over B per unit rolling speed"),
+    "slip_y": Quantity("1", "lateral slip of A over B per unit rolling speed"),
+    "wear": Quantity("mm", "wear depth, both bodies together"),
+}
+"""A function of x and y a record, kept at chosen revolutions."""

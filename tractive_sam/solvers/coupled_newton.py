@@ -1,0 +1,252 @@
+"""Semismooth Newton-Krylov method for dissimilar bodies: pressure and tractions at once.
+
+Pressure makes dissimilar surfaces slip and tractions make them lift, so that neither problem can be
+solved by itself. Alternating between them diverges for strong coupling; here both are unknowns of
+the same Newton iteration. Its linear systems are preconditioned by the circulant inverse for the
+pressure and the upwind sweep (`solvers.newton`) for the tractions.
+"""
+
+import numpy as np
+
+from tractive_sam.kernels import friction
+from tractive_sam.solvers.gmres import gmres
+from tractive_sam.solvers.outcome import Cost, Outcome, Status
+from tractive_sam.solvers.problem import CoupledProblem
+
+STEPS = 60
+KRYLOV = 150
+HALVINGS = 6
+
+
+class _Iterate:
+    """Pressure, tractions, approach, creepages, and what the contact conditions say of them."""
+
+    def __init__(self, problem: CoupledProblem, pressure, traction, approach, creepage):
+        shape = pressure.shape
+        self.pressure = np.maximum(pressure, 0.0)
+        self.traction = np.empty_like(traction)
+        friction.project(traction, self.pressure, self.traction)
+        self.approach, self.creepage = approach, creepage
+        response = problem.half_space.coupled(
+            np.concatenate((self.pressure[None], self.traction))
+        )
+        self.gap = problem.gap + response[0] - approach
+        self.slip = problem.rigid + problem.transmission.slip(creepage) + response[1:]
+        self.active = self.pressure > self.gap
+        self.state = np.empty(shape, np.int8)
+        self.direction = np.empty((2, *shape))
+        self.kappa = np.empty(shape)
+        self.defect = np.empty((2, *shape))
+        squares = friction.linearise(
+            self.traction,
+            self.slip,
+            self.pressure,
+            self.state,
+            self.direction,
+            self.kappa,
+            self.defect,
+        )
+        squares += np.sum(np.minimum(self.pressure, self.gap) ** 2)
+        # Resultants missed count as if spread evenly over the contact.
+        self.load_missed = 0.0 if problem.load is None else problem.load - self.pressure.sum()
+        self.force_missed = problem.transmission.target - problem.transmission.force(self.traction)
+        elements = max(np.count_nonzero(self.active), 1)
+        squares += (self.load_missed**2 + np.sum(self.force_missed**2)) / elements
+        size = np.hypot(np.linalg.norm(self.pressure), np.linalg.norm(self.traction))
+        self.residual = np.sqrt(squares) / size if size > 0.0 else np.sqrt(squares)
+        # An element about to leave takes its traction along.
+        self.leaving = ~self.active & (self.pressure > 0.0)
+        self.state[~self.active] = friction.OPEN
+
+
+class _Linearised:
+    """The Newton system; vectors are [pressure, traction, approach (under load), creepages]."""
+
+    def __init__(self, problem: CoupledProblem, at: _Iterate):
+        self.at = at
+        self.half_space = problem.half_space
+        self.vectors = problem.transmission.vectors
+        self.under_load = problem.load is not None
+        self.shape = (3, *at.pressure.shape)
+        self.size = int(np.prod(self.shape))
+        self.length = self.size + self.under_load + len(self.vectors)
+        self.weight = 1.0 / np.sqrt(max(np.count_nonzero(at.active), 1))
+        self.normal = np.where(at.state == friction.SLIP, at.direction, 0.0)
+        self._row = np.empty((2, *at.pressure.shape))
+        self._smooth = np.empty_like(self._row)
+        self._rough = np.empty_like(at.pressure)
+        self.preconditionings = 0
+        self._border()
+
+    def _fields(self, vector):
+        return vector[: self.size].reshape(self.shape)
+
+    def _rows(self, step, response):
+        """Linearised conditions of a change of traction and the change of gap and slip by it."""
+        at = self.at
+        friction.tangent_row(
+            at.state, at.direction, at.kappa, step[1:], response[1:], self._row
+        )
+        return np.concatenate((np.where(at.active, response[0], 0.0)[None], self._row))
+
+    def _resultants(self, step):
+        sums = list(self.vectors @ step[1:].sum(axis=(1, 2)))
+        return np.array([step[0].sum(), *sums] if self.under_load else sums)
+
+    def _extend(self, response, extra):
+        """Add the change of approach and creepages to a change of gap and slip."""
+        if self.under_load:
+            response[0] -= extra[0]
+        response[1:] += (extra[int(self.under_load) :] @ self.vectors)[:, None, None]
+        return response
+
+    def complete(self, step: np.ndarray) -> np.ndarray:
+        """Add the change of a slipping traction that follows its changing bound."""
+        step = step.copy()
+        step[1:] += self.normal * step[0]
+        return step
+
+    def right_hand_side(self):
+        """Right-hand side, and the part of the step known beforehand."""
+        at = self.at
+        known = np.zeros(self.shape)
+        known[0] = np.where(at.leaving, -at.pressure, 0.0)
+        known[1:] = (at.defect * self.normal).sum(axis=0) * self.normal
+        known[1:] -= np.where(at.active, 0.0, at.traction)
+        rhs = np.zeros(self.length)
+        field = self._fields(rhs)
+        if known.any():
+            field -= self._rows(np.zeros(self.shape), self.half_space.coupled(known))
+        field[0] -= np.where(at.active, at.gap, 0.0)
+        field[1:] += np.where(at.state == friction.OPEN, 0.0, at.defect - known[1:])
+        missed = np.array(
+            [at.load_missed, *at.force_missed] if self.under_load else at.force_missed
+        )
+        rhs[self.size :] = self.weight * (missed - self._resultants(known))
+        return rhs, known
+
+    def operator(self, vector: np.ndarray) -> np.ndarray:
+        """Apply the Newton matrix."""
+        free = self._fields(vector)
+        step = self.complete(free)
+        response = self._extend(self.half_space.coupled(step), vector[self.size :])
+        out = np.empty(self.length)
+        self._fields(out)[:] = self._rows(free, response)
+        out[self.size :] = self.weight * self._resultants(step)
+        return out
+
+    def _approximate_inverse(self, rows: np.ndarray) -> np.ndarray:
+        at, own = self.at, self.half_space.slip_of_itself
+        out = np.empty(self.shape)
+        out[0] = np.where(at.active, self.half_space.normal_inverse(rows[:1])[0], 0.0)
+        friction.split(at.state, at.direction, at.kappa, own, rows[1:], self._smooth, self._rough)
+        increments = self.half_space.tangential_inverse(self._smooth)
+        friction.sweep(
+            at.state, at.direction, at.kappa, own, increments, self._rough, out[1:]
+        )
+        self.preconditionings += 1
+        return out
+
+    def _border(self):
+        """Responses to the unknown approach and creepages, and of the resultants to them."""
+        count = self.length - self.size
+        zero = np.zeros(self.shape)
+        self._responses = [
+            self._approximate_inverse(self._rows(zero, self._extend(zero.copy(), unit)))
+            for unit in np.eye(count)
+        ]
+        self._schur = np.array(
+            [self._resultants(self.complete(r)) for r in self._responses]
+        ).T.reshape(count, count)
+
+    def preconditioner(self, vector: np.ndarray) -> np.ndarray:
+        """Apply the approximate inverse, bordered by the resultants."""
+        step = self._approximate_inverse(self._fields(vector))
+        out = np.empty(self.length)
+        if self._responses:
+            missed = self._resultants(self.complete(step)) - vector[self.size :] / self.weight
+            extra = np.linalg.solve(self._schur, missed)
+            for c, response in zip(extra, self._responses, strict=True):
+                step -= c * response
+            out[self.size :] = extra
+        self._fields(out)[:] = step
+        return out
+
+
+def coupled_newton(
+    problem: CoupledProblem,
+    tolerance: float,
+    pressure: np.ndarray,
+    traction: np.ndarray,
+    approach: float,
+    creepage: np.ndarray | None = None,
+    steps: int = STEPS,
+) -> Outcome:
+    """Solve the coupled problem by semismooth Newton steps from a first guess.
+
+    Parameters
+    ----------
+    problem : CoupledProblem
+        The problem.
+    tolerance : float
+        Natural residual, relative, at which to stop.
+    pressure, traction, approach, creepage
+        First guess, as in `Outcome`.
+    steps : int
+        Most Newton steps.
+    """
+    before = problem.half_space.coupled.applications
+    preconditionings = 0
+    creepage = np.zeros(len(problem.transmission)) if creepage is None else creepage
+    approach = approach if problem.load is not None else problem.approach
+    at = _Iterate(problem, pressure, traction, approach, creepage)
+    taken = 0
+    status = Status.OUT_OF_ITERATIONS
+    for taken in range(steps + 1):
+        if at.residual <= tolerance:
+            status = Status.CONVERGED
+            break
+        if not np.isfinite(at.residual):
+            status = Status.DIVERGED
+            break
+        if taken == steps:
+            break
+        system = _Linearised(problem, at)
+        rhs, known = system.right_hand_side()
+        forcing = max(min(0.1, 0.3 * np.sqrt(at.residual)), 1e-3, 0.3 * tolerance / at.residual)
+        vector, _ = gmres(system.operator, system.preconditioner, rhs, min(forcing, 0.5), KRYLOV)
+        preconditionings += system.preconditionings
+        step = known + system.complete(vector[: system.size].reshape(system.shape))
+        at = _damped(problem, at, step, vector[system.size :])
+    return Outcome(
+        status,
+        float(at.residual),
+        taken,
+        Cost(problem.half_space.coupled.applications - before, preconditionings),
+        pressure=at.pressure,
+        gap=at.gap,
+        traction=at.traction,
+        slip=at.slip,
+        approach=float(at.approach),
+        creepage=at.creepage,
+    )
+
+
+def _damped(problem, at: _Iterate, step: np.ndarray, extra: np.ndarray) -> _Iterate:
+    """The full step, or the longest of its halvings that does not raise the residual much."""
+    best, length = None, 1.0
+    under_load = problem.load is not None
+    for _ in range(HALVINGS):
+        trial = _Iterate(
+            problem,
+            at.pressure + length * step[0],
+            at.traction + length * step[1:],
+            at.approach + (length * extra[0] if under_load else 0.0),
+            at.creepage + length * extra[int(under_load) :],
+        )
+        if trial.residual <= 1.5 * at.residual:
+            return trial
+        if best is None or trial.residual < best.residual:
+            best = trial
+        length *= 0.5
+    return best

@@ -1,0 +1,77 @@
+"""First guesses from coarser meshes.
+
+A coarse mesh finds the contact, its stick and slip zones and its smooth fields at a fraction of
+the cost; the finest mesh then needs a few steps only, however fine it is.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from scipy.ndimage import distance_transform_edt
+
+from tractive_sam.solvers.outcome import Outcome
+from tractive_sam.solvers.problem import NormalProblem, TangentialProblem
+
+COARSEST = 24
+"""A mesh is coarsened as long as its shorter side has more elements than this."""
+
+COARSE_TOLERANCE = 1e-3
+"""Residual asked for on coarser meshes: below their own discretisation error."""
+
+
+def refine(values: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+    """Bilinear interpolation of the last two axes to elements of half the size, cut to `shape`."""
+    for axis in (-2, -1):
+        v = np.moveaxis(values, axis, 0)
+        before, after = np.concatenate((v[:1], v[:-1])), np.concatenate((v[1:], v[-1:]))
+        fine = np.empty((2 * len(v), *v.shape[1:]))
+        fine[::2] = 0.75 * v + 0.25 * before
+        fine[1::2] = 0.75 * v + 0.25 * after
+        values = np.moveaxis(fine, 0, axis)
+    return values[..., : shape[0], : shape[1]]
+
+
+def refine_traction(coarse: np.ndarray, bound: np.ndarray, fine_bound: np.ndarray) -> np.ndarray:
+    """Tractions on the finer mesh, by their share of the bound, which is smooth up to the edge."""
+    inside = bound > 0.0
+    share = coarse / np.where(inside, bound, 1.0)
+    nearest = distance_transform_edt(~inside, return_distances=False, return_indices=True)
+    return refine(share[:, *nearest], fine_bound.shape) * fine_bound
+
+
+def refine_pressure(pressure: np.ndarray, gap: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+    """Pressure on the finer mesh, by a quantity that is smooth across the edge of contact.
+
+    At a distance d from the edge the pressure inside rises like d^1/2 and the gap outside like
+    d^3/2, so p² continues as -gap^2/3; the factor is the one of a Hertzian contact of line form,
+    where gap = 2/3 p^3 continued, in the dimensionless units of the problem.
+    """
+    peak = pressure.max()
+    outside = np.cbrt(np.maximum(1.5 * gap / max(peak, np.finfo(float).tiny), 0.0)) ** 2
+    continued = np.where(pressure > 0.0, (pressure / peak) ** 2, -outside)
+    return peak * np.sqrt(np.maximum(refine(continued, shape), 0.0))
+
+
+Solve = Callable[..., Outcome]
+
+
+def nested_tangential(problem: TangentialProblem, tolerance: float, solve: Solve) -> Outcome:
+    """Solve on successively finer meshes, each started from the one before."""
+    if min(problem.bound.shape) <= COARSEST:
+        return solve(problem, tolerance)
+    coarse_problem = problem.coarsened()
+    coarse = nested_tangential(coarse_problem, max(tolerance, COARSE_TOLERANCE), solve)
+    traction = refine_traction(coarse.traction, coarse_problem.bound, problem.bound)
+    fine = solve(problem, tolerance, traction=traction, creepage=coarse.creepage)
+    return fine.after(coarse, coarse_problem.bound.size / problem.bound.size)
+
+
+def nested_normal(problem: NormalProblem, tolerance: float, solve: Solve) -> Outcome:
+    """Solve on successively finer meshes, each started from the one before."""
+    if min(problem.gap.shape) <= COARSEST:
+        return solve(problem, tolerance)
+    coarse_problem = problem.coarsened()
+    coarse = nested_normal(coarse_problem, max(tolerance, COARSE_TOLERANCE), solve)
+    pressure = refine_pressure(coarse.pressure, coarse.gap, problem.gap.shape)
+    fine = solve(problem, tolerance, pressure=pressure)
+    return fine.after(coarse, coarse_problem.gap.size / problem.gap.size)

@@ -1,0 +1,95 @@
+"""What a solver returns: a solution with its residual, its cost and how it ended."""
+
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+import numpy as np
+
+
+class Status(StrEnum):
+    """How a solve ended."""
+
+    CONVERGED = "converged"
+    OUT_OF_ITERATIONS = "out of iterations"
+    DIVERGED = "diverged"
+    OFF_GRID = "off grid"
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Work that does not depend on the machine.
+
+    Attributes
+    ----------
+    applications : float
+        Applications of the displacement, slip or coupled operator; those on coarser meshes count
+        by their share of the elements.
+    preconditioner : float
+        Applications of circulant inverses, counted alike; each has the transforms of one
+        application of its operator.
+    """
+
+    applications: float = 0.0
+    preconditioner: float = 0.0
+
+    def __add__(self, other: "Cost") -> "Cost":
+        return Cost(
+            self.applications + other.applications, self.preconditioner + other.preconditioner
+        )
+
+    def scaled(self, share: float) -> "Cost":
+        """The cost in units of a mesh on which this one is ``share`` of the elements."""
+        return Cost(share * self.applications, share * self.preconditioner)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Result of a solver, dimensionless; fields of a problem it did not solve are None.
+
+    Attributes
+    ----------
+    status : Status
+        How it ended; only CONVERGED is a solution.
+    residual : float
+        Natural residual of the contact conditions, relative to the tractions: the distance of the
+        tractions from their projection, |p - project(p - r)| / |p| with r the gap or the slip.
+    iterations : int
+        Outer iterations on the finest mesh.
+    cost : Cost
+        Work done, coarser meshes included.
+    pressure, gap : ndarray, shape (n_x, n_y), optional
+        pi_n and eta.
+    traction, slip : ndarray, shape (2, n_x, n_y), optional
+        pi_t and sigma.
+    approach : float, optional
+        delta.
+    creepage : ndarray, shape (m,), optional
+        The creepages found where forces were given.
+    trace : tuple of str
+        What was done, step by step: methods tried, meshes, fallbacks.
+    """
+
+    status: Status
+    residual: float
+    iterations: int
+    cost: Cost
+    pressure: np.ndarray | None = None
+    gap: np.ndarray | None = None
+    traction: np.ndarray | None = None
+    slip: np.ndarray | None = None
+    approach: float | None = None
+    creepage: np.ndarray | None = None
+    trace: tuple[str, ...] = ()
+
+    @property
+    def converged(self) -> bool:
+        """Whether the contact conditions hold to the tolerance asked for."""
+        return self.status is Status.CONVERGED
+
+    def after(self, earlier: "Outcome", share: float = 1.0) -> "Outcome":
+        """This outcome with the cost and trace of the work that led to it."""
+        return replace(
+            self,
+            cost=self.cost + earlier.cost.scaled(share),
+            trace=earlier.trace + self.trace,
+        )

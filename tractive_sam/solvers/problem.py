@@ -1,0 +1,123 @@
+"""What a solver is given: dimensionless contact problems (units: `operators.half_space`)."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from tractive_sam.operators import HalfSpace
+
+
+def block_mean(values: np.ndarray, mode: str) -> np.ndarray:
+    """Means over 2 x 2 elements of the last two axes; `mode` pads an odd number as `numpy.pad`."""
+    nx, ny = values.shape[-2:]
+    pad = [(0, 0)] * (values.ndim - 2) + [(0, nx % 2), (0, ny % 2)]
+    v = np.pad(values, pad, mode=mode)
+    return 0.25 * (v[..., ::2, ::2] + v[..., 1::2, ::2] + v[..., ::2, 1::2] + v[..., 1::2, 1::2])
+
+
+@dataclass(frozen=True)
+class NormalProblem:
+    """Find pi_n >= 0 with eta = gap + A_nn pi_n - delta >= 0 and pi_n eta = 0.
+
+    Parameters
+    ----------
+    half_space : HalfSpace
+        The operators.
+    gap : ndarray, shape (n_x, n_y)
+        Separation of the undeformed surfaces.
+    load : float or None
+        Sum of pi_n over the elements; None where the approach is given.
+    approach : float
+        delta; where the load is given, a first guess that is not used.
+    """
+
+    half_space: HalfSpace
+    gap: np.ndarray
+    load: float | None
+    approach: float = 0.0
+
+    def coarsened(self) -> "NormalProblem":
+        """The same problem on elements of twice the size."""
+        return replace(
+            self,
+            half_space=self.half_space.coarsened,
+            gap=block_mean(self.gap, "edge"),
+            load=None if self.load is None else 0.25 * self.load,
+        )
+
+
+@dataclass(frozen=True)
+class Transmission:
+    """Forces to transmit, and the creepages that become unknowns instead.
+
+    A unit of the unknown zeta_k adds the constant slip v_k to every element, and the force k is the
+    sum of v_k . pi_t over the elements: work per revolution is force times creepage.
+
+    Parameters
+    ----------
+    vectors : ndarray, shape (m, 2)
+        v_k, in the scaled frame.
+    target : ndarray, shape (m,)
+        Forces to transmit.
+    """
+
+    vectors: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
+    target: np.ndarray = field(default_factory=lambda: np.zeros(0))
+
+    def __len__(self) -> int:
+        return len(self.target)
+
+    def slip(self, creepage: np.ndarray) -> np.ndarray:
+        """Constant slip of the unknown creepages, shape (2, 1, 1)."""
+        return (creepage @ self.vectors)[:, None, None]
+
+    def force(self, traction: np.ndarray) -> np.ndarray:
+        """Forces of a field of tractions, shape (m,)."""
+        return self.vectors @ traction.sum(axis=(1, 2))
+
+
+@dataclass(frozen=True)
+class TangentialProblem:
+    """Find |pi_t| <= bound with sigma = rigid + D pi_t and pi_t = -bound sigma/|sigma| in slip.
+
+    Parameters
+    ----------
+    half_space : HalfSpace
+        The operators.
+    rigid : ndarray, shape (2, n_x, n_y)
+        Slip of the undeformed bodies (and, of dissimilar bodies, the slip by the pressure).
+    bound : ndarray, shape (n_x, n_y)
+        The pressure pi_n; zero outside the contact.
+    transmission : Transmission
+        Forces given in place of creepages.
+    """
+
+    half_space: HalfSpace
+    rigid: np.ndarray
+    bound: np.ndarray
+    transmission: Transmission = field(default_factory=Transmission)
+
+    def coarsened(self) -> "TangentialProblem":
+        """The same problem on elements of twice the size."""
+        return replace(
+            self,
+            half_space=self.half_space.coarsened,
+            rigid=block_mean(self.rigid, "edge"),
+            bound=block_mean(self.bound, "constant"),
+            transmission=replace(self.transmission, target=0.25 * self.transmission.target),
+        )
+
+
+@dataclass(frozen=True)
+class CoupledProblem:
+    """Both problems at once, for bodies whose pressure slips and whose tractions lift.
+
+    Fields as in `NormalProblem` and `TangentialProblem`; the bound is the unknown pressure.
+    """
+
+    half_space: HalfSpace
+    gap: np.ndarray
+    rigid: np.ndarray
+    load: float | None
+    approach: float = 0.0
+    transmission: Transmission = field(default_factory=Transmission)
