@@ -1,14 +1,17 @@
 """From a scene to its results: the two front doors, `solve` and `roll`."""
 
 from collections.abc import Callable
+from contextlib import nullcontext
 from os import PathLike
+from time import perf_counter
 
 import numpy as np
 
 from tractive_sam.contact import Contact, Gap, Model, NotConverged, equilibrium
 from tractive_sam.record import History, Record
+from tractive_sam.roll import passages, recorded
 from tractive_sam.scene import Scene
-from tractive_sam.store import read_gap
+from tractive_sam.store import HistoryWriter, open_history, read_gap
 
 
 def measured_gap(scene: Scene) -> Gap | None:
@@ -55,3 +58,76 @@ def solve(
     if throw and not contact.converged:
         raise NotConverged(contact)
     return contact
+
+
+def roll(
+    scene: Scene,
+    path: str | PathLike | None = None,
+    *,
+    overwrite: bool = False,
+    progress: Callable[[Record], None] | None = None,
+) -> History:
+    """Roll a scene through its revolutions; without [wear] that is revolution 0, the new bodies.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is asked.
+    path : path-like, optional
+        Results file (HDF5), to which every record is streamed as it is computed; without it the
+        records are kept in memory.
+    overwrite : bool
+        Whether a results file of this package may be replaced.
+    progress : callable, optional
+        Called with each record.
+
+    Returns
+    -------
+    History
+        All records. Where a contact was not solved the history ends with it, and `status` and
+        `message` say so.
+
+    Raises
+    ------
+    ResultsError
+        If the results file cannot be written.
+    GapError
+        If the measured gap cannot be read.
+    """
+    began = perf_counter()
+    model = Model(scene, measured_gap(scene))
+    hertz = scene.hertz
+    reference = {} if hertz is None else {"a0": hertz.a, "b0": hertz.b, "p0": hertz.p0}
+    writer = None
+    if path is not None:
+        writer = HistoryWriter(path, scene.to_toml(), model.grid, reference, overwrite)
+    records, solves, passage = [], 0, None
+    with nullcontext() if writer is None else writer:
+        for passage in passages(model):
+            solves += passage.solves
+            record = recorded(passage)
+            if writer is None:
+                records.append(record)
+            else:
+                writer.append(record)
+            if progress is not None:
+                progress(record)
+        contact = passage.contact
+        status = "done" if contact.converged else str(contact.status)
+        message = contact.message
+        if scene.wear is not None:
+            message = f"revolution {passage.revolution}: {message}"
+        totals = {"contact_solves": solves, "wall_seconds": perf_counter() - began}
+        if writer is not None:
+            writer.finish(status, message, totals)
+            return open_history(path)
+    return History.of_records(
+        records,
+        scene.to_toml(),
+        model.grid.x,
+        model.grid.y,
+        status=status,
+        message=message,
+        totals=totals,
+        **reference,
+    )

@@ -68,8 +68,7 @@ def in_sequence(model: Model, gap: np.ndarray, first: Guess | None) -> Outcome:
     normal = replace(normal, trace=(f"conjugate gradients: {normal.status}",))
     pressure = normal.pressure
     if not (normal.converged and model.transmits and pressure.any()):
-        rigid = model.scaled_rigid_slip + slip_by_pressure(model, pressure)
-        slip = np.where(pressure > 0.0, rigid, 0.0)
+        slip = model.scaled_rigid_slip + slip_by_pressure(model, pressure)
         return replace(normal, traction=np.zeros_like(slip), slip=slip)
     tangential = solve_tangential(model, pressure, model.scaled_rigid_slip, first, tolerance)
     return replace(

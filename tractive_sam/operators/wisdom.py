@@ -1,6 +1,7 @@
 """FFTW's wisdom, kept between processes so that a mesh is planned once per machine."""
 
 import os
+from contextlib import suppress
 from pathlib import Path
 
 import platformdirs
@@ -25,10 +26,8 @@ def save() -> None:
     """Store FFTW's wisdom (double precision); a cache that cannot be written is done without."""
     file = _file()
     scratch = file.with_suffix(f".{os.getpid()}")
-    try:
+    with suppress(OSError):
         file.parent.mkdir(parents=True, exist_ok=True)
         scratch.write_bytes(pyfftw.export_wisdom()[0])
         # Renaming is atomic: processes that plan at the same time never see half a file.
         scratch.replace(file)
-    except OSError:
-        scratch.unlink(missing_ok=True)

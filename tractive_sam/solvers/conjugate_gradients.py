@@ -102,6 +102,8 @@ def _loaded(problem: NormalProblem, pressure: np.ndarray) -> np.ndarray:
     """The pressure scaled to the load, where that is given."""
     if problem.load is None:
         return pressure
+    if not pressure.any():  # a contact so small that interpolation or a step has lost it
+        pressure = np.where(problem.gap == problem.gap.min(), 1.0, 0.0)
     return pressure * (problem.load / pressure.sum())
 
 

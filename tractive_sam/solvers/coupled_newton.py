@@ -165,7 +165,8 @@ class _Linearised:
         out = np.empty(self.length)
         if self._responses:
             missed = self._resultants(self.complete(step)) - vector[self.size :] / self.weight
-            extra = np.linalg.solve(self._schur, missed)
+            # Least squares: in full slip the forces do not answer the creepages.
+            extra = np.linalg.lstsq(self._schur, missed, rcond=1e-12)[0]
             for c, response in zip(extra, self._responses, strict=True):
                 step -= c * response
             out[self.size :] = extra

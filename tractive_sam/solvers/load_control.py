@@ -34,25 +34,29 @@ def under_load(
         First guess of the approach.
     """
     problem = mapping.problem
-    outcome = last = slope = None
+    outcome = last = None
     state = start
     for _ in range(CORRECTIONS):
         mapping.problem = replace(problem, approach=approach)
         missed = np.inf if last is None else abs(last[1])
-        inner = max(tolerance, min(1e-2, 0.1 * missed))
+        # The load can be no better than the contact from which it is summed.
+        inner = max(0.1 * tolerance, min(1e-3, 0.1 * missed))
         now = replace(solve(mapping, inner, state), approach=approach)
         outcome = now if outcome is None else now.after(outcome)
         if not now.converged:
             break
         state = np.concatenate((now.pressure[None], now.traction))
         error = now.pressure.sum() / problem.load - 1.0
-        if abs(error) <= tolerance and inner <= tolerance:
+        if abs(error) <= tolerance and now.residual <= tolerance:
             break
-        # Secants; the first correction has only Hertz's load ~ approach^3/2 to go by.
-        if last is not None and approach != last[0] and error != last[1]:
+        # Secants, within reason of Hertz's load ~ approach^3/2: a load from a contact that is not
+        # solved sharply does not bear an extrapolation.
+        slope = hertz = 1.5 / approach
+        if last is not None and approach != last[0]:
             slope = (error - last[1]) / (approach - last[0])
+            slope = min(max(slope, 0.3 * hertz), 3.0 * hertz)
         last = (approach, error)
-        approach -= error / slope if slope else approach * error / 1.5
+        approach -= error / slope
     else:
         outcome = replace(outcome, status=Status.OUT_OF_ITERATIONS)
     mapping.problem = problem

@@ -131,7 +131,8 @@ class _Linearised:
         out = np.empty_like(vector)
         if len(self.vectors):
             missed = self.vectors @ step.sum(axis=(1, 2)) - vector[self.size :] / self.weight
-            creepage = np.linalg.solve(self._schur, missed)
+            # Least squares: in full slip the forces do not answer the creepages.
+            creepage = np.linalg.lstsq(self._schur, missed, rcond=1e-12)[0]
             for c, response in zip(creepage, self._response, strict=True):
                 step -= c * response
             out[self.size :] = creepage

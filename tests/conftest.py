@@ -1,0 +1,27 @@
+"""Numpy raises where numbers go wrong, and scenes that many tests share."""
+
+import numpy as np
+import pytest
+from tractive_sam.contact import Model, equilibrium
+from tractive_sam.scene import Scene
+
+
+@pytest.fixture(autouse=True)
+def _strict_numpy():
+    with np.errstate(invalid="raise", over="raise", divide="raise"):
+        yield
+
+
+def steady(name, *settings, elements=None, start=None):
+    """The solved contact of a built-in scene with settings, on a mesh of `elements`."""
+    settings = list(settings)
+    if elements is not None:
+        half = {"spheres": 4.08, "spheres-orthotropic": 4.08}[name]
+        settings.append(f"grid.half_length=[{half}, {half}]")
+        settings.append(f"grid.elements=[{elements}, {elements}]")
+    return equilibrium(Model(Scene.builtin(name).with_set(settings)), start=start)
+
+
+def size(field):
+    """Root of the sum of squares."""
+    return float(np.linalg.norm(field))

@@ -1,0 +1,53 @@
+"""Forces given in place of creepages."""
+
+import numpy as np
+import pytest
+from tests.conftest import steady
+from tractive_sam.scene import SceneError
+
+
+@pytest.mark.parametrize("bodies", [(), ("body.B.shear=8.0", "body.B.poisson=0.45")])
+@pytest.mark.parametrize("friction", [(), ("friction.mu=[0.5, 0.2]", "friction.angle=35")])
+def test_the_force_of_a_creepage_gives_the_creepage_back(bodies, friction):
+    common = (*bodies, *friction, "creepage.spin=0.0004")
+    driven = steady("spheres", *common, "creepage.lateral=0.0008", elements=25)
+    transmitted = steady(
+        "spheres", *common, f"load.traction_x={driven.Qx!r}", f"load.traction_y={driven.Qy!r}",
+        elements=25,
+    )
+    assert transmitted.converged, transmitted.message
+    assert transmitted.xi_x == pytest.approx(driven.xi_x, rel=1e-5)
+    assert transmitted.xi_y == pytest.approx(driven.xi_y, rel=1e-5)
+    np.testing.assert_allclose(transmitted.traction, driven.traction, atol=1e-6 * driven.p_max)
+
+
+def test_it_costs_little_more_than_a_given_creepage():
+    given = steady("spheres", elements=61)
+    found = steady("spheres", f"load.traction_x={given.Qx!r}", elements=61)
+    assert found.cost.applications < 1.3 * given.cost.applications
+
+
+@pytest.mark.parametrize("share", [1e-6, 0.1, 0.6, 0.95, 0.999])
+def test_from_hardly_any_force_to_nearly_all(share):
+    force = share * 0.4013 * 0.4705
+    contact = steady("spheres", f"load.traction_x={force!r}", elements=31)
+    assert contact.converged, contact.message
+    assert contact.Qx == pytest.approx(force, rel=1e-7)
+    assert contact.xi_x < 0
+
+
+def test_more_than_friction_can_carry_is_a_fault_of_the_scene():
+    with pytest.raises(SceneError, match="load.traction_x"):
+        steady("spheres", "load.traction_x=0.2", elements=21)
+
+
+def test_more_than_friction_can_carry_under_an_approach_is_said():
+    """The load is then a result, so that no check of the scene can know."""
+    contact = steady("spheres", "load.approach=0.036", "load.traction_x=0.4", elements=21)
+    assert not contact.converged
+    assert "load.traction_x" in contact.message
+
+
+def test_it_is_for_newton():
+    with pytest.raises(SceneError, match=r"solver\.method"):
+        steady("spheres", "load.traction_x=0.1", 'solver.method="uzawa"', elements=21)

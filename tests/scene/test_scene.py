@@ -1,0 +1,130 @@
+import inspect
+import math
+import pickle
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from tractive_sam.reference import Material, combine
+from tractive_sam.scene import (
+    Bodies,
+    Body,
+    Creepage,
+    Friction,
+    Load,
+    Mesh,
+    Scene,
+    SceneError,
+    SceneWarning,
+    Subsurface,
+    Wear,
+)
+
+BALL = {"young": 208e3, "poisson": 0.3, "radius_x": 10.0, "radius_y": 10.0}
+PLATE = {"shear": 80e3, "poisson": 0.3, "radius_x": math.inf, "radius_y": math.inf}
+
+
+def test_built_in_python():
+    scene = Scene(
+        body={"A": Body(**BALL), "B": PLATE},
+        load=Load(normal=300),
+        creepage=Creepage(longitudinal=-0.005),
+        friction=Friction(mu=0.3),
+    )
+    assert scene == Scene(
+        body=Bodies(A=BALL, B=Body(**PLATE)),
+        load={"normal": 300.0},
+        creepage={"longitudinal": -0.005},
+        friction={"mu": (0.3, 0.3)},
+    )
+    assert type(scene.load.normal) is float
+
+
+def test_defaults(spheres):
+    assert spheres.title == ""
+    assert spheres.creepage == Creepage() == Creepage(longitudinal=0, lateral=0, spin=0)
+    assert spheres.friction.angle == 0
+    assert spheres.wear is spheres.grid is spheres.gap is spheres.subsurface is None
+    assert (spheres.solver.method, spheres.solver.slip, spheres.solver.tolerance) == (
+        "auto",
+        "auto",
+        1e-8,
+    )
+    assert spheres.body.A.hardness == 1
+
+
+def test_none_means_not_given(tables):
+    assert Scene(**tables, wear=None, solver=None, creepage=None) == Scene(**tables)
+    assert Load(normal=1.0, approach=None) == Load(normal=1.0)
+
+
+def test_wear_saves_start_and_end_unless_told():
+    wear = Wear(intensity=1e-6, revolutions=70)
+    assert wear.save == (0, 70)
+    assert (wear.stepping, wear.tolerance) == ("adaptive", 1e-3)
+    assert Wear(intensity=1e-6, revolutions=70, save=[3]).save == (3,)
+
+
+def test_numpy_numbers_and_vectors():
+    friction = Friction(mu=np.array([0.4, 0.2]), angle=np.float32(45))
+    assert friction == Friction(mu=[0.4, 0.2], angle=45)
+    wear = Wear(intensity=0, revolutions=np.int64(9), save=np.arange(0, 10, 3))
+    assert wear.save == (0, 3, 6, 9)
+    assert Mesh(half_length=[1, np.float64(2)], elements=[np.int32(9), 11]).elements == (9, 11)
+
+
+def test_immutable_hashable_picklable(spheres):
+    with pytest.raises(ValidationError):
+        spheres.load.normal = 3.0
+    assert hash(spheres) == hash(Scene(**spheres.entries()))
+    assert pickle.loads(pickle.dumps(spheres)) == spheres
+
+
+def test_signature_tells_the_keys():
+    assert list(inspect.signature(Load).parameters) == list(Load.model_fields)
+
+
+def test_materials(spheres):
+    assert spheres.materials == {"A": Material(1.0, 0.28), "B": Material(1.0, 0.28)}
+    assert spheres.material == combine(*spheres.materials.values())
+    assert Body(**BALL).material.shear == pytest.approx(80e3)
+
+
+def test_hertz_by_load_and_by_approach(spheres):
+    by_load = spheres.hertz
+    assert by_load.load == spheres.load.normal
+    by_approach = spheres.replace(**{"load.approach": by_load.approach}).hertz
+    assert by_approach.load == pytest.approx(by_load.load)
+
+
+def test_combined_radii():
+    bodies = Bodies(A=BALL, B=PLATE | {"radius_y": -12.0})
+    assert bodies.radii == pytest.approx((10.0, 60.0))
+
+
+def test_subsurface_defaults():
+    stress = Subsurface(planes=["y=0"])
+    assert (stress.depth, stress.elements, stress.bodies) == (1.5, 64, ("A", "B"))
+
+
+@pytest.mark.parametrize(
+    ("elements", "advice"),
+    [([91, 5], "at least 10 in y"), ([3, 5], "at least 10 in x, at least 10 in y")],
+)
+def test_coarse_grid_warns_once_where_it_was_asked_for(tables, elements, advice):
+    grid = {"half_length": [4.2, 4.2], "elements": elements}
+    with pytest.warns(SceneWarning, match=rf"grid.elements.*{advice}$") as record:
+        Scene(**tables, grid=grid)
+    assert len(record) == 1
+    assert record[0].filename == __file__
+
+
+def test_advised_grid_is_fine_enough(tables):
+    Scene(**tables, grid={"half_length": [4.2, 4.2], "elements": [10, 10]})
+
+
+def test_error_survives_another_process():
+    with pytest.raises(SceneError) as caught:
+        Body(young=-1)
+    assert pickle.loads(pickle.dumps(caught.value)).faults == caught.value.faults

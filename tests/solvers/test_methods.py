@@ -1,0 +1,92 @@
+"""All methods find the same contact, and report its true residual and cost."""
+
+import numpy as np
+import pytest
+from tests.conftest import size, steady
+from tractive_sam.solvers import Status
+
+METHODS = ("uzawa", "anderson", "newton", "auto")
+
+
+@pytest.fixture(scope="module", params=["spheres", "spheres-orthotropic"])
+def contacts(request):
+    return {m: steady(request.param, f'solver.method="{m}"', elements=31) for m in METHODS}
+
+
+def test_all_converge(contacts):
+    for contact in contacts.values():
+        assert contact.converged, contact.message
+        assert contact.residual <= 1e-8
+
+
+def test_all_agree(contacts):
+    reference = contacts["newton"]
+    for contact in contacts.values():
+        # The residual asked for is 1e-8; the slip operator amplifies it by its condition number.
+        assert size(contact.traction - reference.traction) < 1e-6 * size(reference.traction)
+        assert size(contact.pressure - reference.pressure) < 1e-6 * size(reference.pressure)
+
+
+def test_newton_is_the_cheapest(contacts):
+    cost = {m: c.cost.applications for m, c in contacts.items()}
+    assert cost["newton"] < 0.5 * cost["anderson"] < 0.5 * cost["uzawa"]
+
+
+def test_a_dissimilar_pair(dissimilar):
+    reference = dissimilar["newton"]
+    for contact in dissimilar.values():
+        assert contact.converged, contact.message
+        assert size(contact.traction - reference.traction) < 1e-6 * size(reference.traction)
+        assert size(contact.pressure - reference.pressure) < 1e-6 * size(reference.pressure)
+        assert contact.P == pytest.approx(100.0, rel=1e-7)
+
+
+@pytest.fixture(scope="module")
+def dissimilar():
+    mesh = ("grid.half_length=[0.46, 0.46]", "grid.elements=[21, 21]")
+    return {
+        m: steady("spheres-dissimilar", *mesh, f'solver.method="{m}"')
+        for m in ("uzawa", "anderson", "newton")
+    }
+
+
+def test_newton_cost_at_the_paper_mesh():
+    """Slip and normal operator together; the slip operator alone is counted in benchmarks/."""
+    contact = steady("spheres")
+    assert contact.cost.applications <= 120
+
+
+def test_cost_hardly_grows_with_the_mesh():
+    coarse, fine = (steady("spheres", elements=n).cost.applications for n in (31, 181))
+    assert fine / coarse < (181 / 31) ** 0.4
+
+
+def test_out_of_iterations_is_said(monkeypatch):
+    monkeypatch.setattr("tractive_sam.solvers.uzawa.uzawa.__defaults__", (5,))
+    contact = steady("spheres", 'solver.method="uzawa"', elements=21)
+    assert contact.status is Status.OUT_OF_ITERATIONS
+    assert not contact.converged
+    assert 'solver.method = "auto"' in contact.message
+
+
+def test_a_step_too_bold_is_shortened():
+    from tractive_sam.solvers.fixed_point import TangentialMap  # noqa: PLC0415
+    from tractive_sam.solvers.uzawa import uzawa  # noqa: PLC0415
+
+    problem = tangential_problem()
+    mapping = TangentialMap(problem, 12.0)
+    bold = mapping.step
+    outcome = uzawa(mapping, 1e-6, np.zeros_like(problem.rigid))
+    assert outcome.converged
+    assert mapping.step < bold
+
+
+def tangential_problem():
+    from tractive_sam.contact import Model  # noqa: PLC0415
+    from tractive_sam.scene import Scene  # noqa: PLC0415
+    from tractive_sam.solvers.problem import TangentialProblem  # noqa: PLC0415
+
+    settings = ["grid.half_length=[4.08, 4.08]", "grid.elements=[21, 21]"]
+    model = Model(Scene.builtin("spheres").with_set(settings))
+    pressure = steady("spheres", elements=21).pressure / model.units.pressure
+    return TangentialProblem(model.half_space, model.scaled_rigid_slip, pressure)

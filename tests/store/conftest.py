@@ -1,0 +1,19 @@
+import pytest
+from sample_records import REFERENCE, SCENE, mesh, records
+
+from tractive_sam.store import HistoryWriter
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "history.h5"
+
+
+@pytest.fixture
+def finished(path):
+    """A finished results file of seven records, of which three have fields."""
+    with HistoryWriter(path, SCENE, mesh(), REFERENCE) as writer:
+        for record in records(7):
+            writer.append(record)
+        writer.finish("done", "every revolution", {"contact_solves": 12, "wall_seconds": 1.5})
+    return path

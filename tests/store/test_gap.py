@@ -1,0 +1,94 @@
+import h5py
+import numpy as np
+import pytest
+
+from tractive_sam.store import GapError, read_gap
+
+X, Y = np.array([-1.0, 0.0, 1.5]), np.array([-2.0, -1.0, 0.0, 2.0])
+SEPARATION = 1e-3 * X[:, None] ** 2 + 1e-4 * Y
+POINTS = np.array([[x, y, s] for x, row in zip(X, SEPARATION, strict=True)
+                   for y, s in zip(Y, row, strict=True)])  # fmt: skip
+SHUFFLED = np.random.default_rng(0).permutation(POINTS)
+
+
+def write_hdf5(path, **datasets):
+    with h5py.File(path, "w") as file:
+        for name, values in datasets.items():
+            file[name] = values
+
+
+def write_columns(path, points):
+    np.savetxt(path, points, delimiter=",", header="x,y,separation", comments="")
+
+
+def write_matrix(path):
+    rows = [["y \\ x", *Y], *([x, *row] for x, row in zip(X, SEPARATION, strict=True))]
+    path.write_text("\n".join(",".join(map(str, row)) for row in rows))
+
+
+def structured(points):
+    return np.array([tuple(p) for p in points], [("x", float), ("y", float), ("separation", float)])
+
+
+@pytest.mark.parametrize(
+    ("name", "write"),
+    [
+        ("a.h5", lambda path: write_hdf5(path, x=X, y=Y, separation=SEPARATION)),
+        ("a.npy", lambda path: np.save(path, SHUFFLED)),
+        ("b.npy", lambda path: np.save(path, structured(SHUFFLED))),
+        ("a.csv", lambda path: write_columns(path, SHUFFLED)),
+        ("b.csv", write_matrix),
+    ],
+)
+def test_every_format_gives_the_same(tmp_path, name, write):
+    write(tmp_path / name)
+    x, y, separation = read_gap(tmp_path / name)
+    np.testing.assert_array_equal(x, X)
+    np.testing.assert_array_equal(y, Y)
+    np.testing.assert_array_equal(separation, SEPARATION)
+
+
+def with_nan():
+    points = POINTS.copy()
+    points[5, 2] = np.nan
+    return points
+
+
+FAULTS = {
+    "missing.h5": (lambda path: None, "no such file"),
+    "a.txt": (lambda path: path.write_text("1"), "suffix '.txt'"),
+    "text.h5": (lambda path: path.write_text("1"), "unreadable"),
+    "no-y.h5": (lambda path: write_hdf5(path, x=X, separation=SEPARATION), "no dataset y"),
+    "turned.h5": (
+        lambda path: write_hdf5(path, x=X, y=Y, separation=SEPARATION.T),
+        r"shape \(4, 3\)",
+    ),
+    "falling.h5": (
+        lambda path: write_hdf5(path, x=X[::-1], y=Y, separation=SEPARATION),
+        "x that does not increase",
+    ),
+    "single.h5": (lambda path: write_hdf5(path, x=X[:1], y=Y, separation=SEPARATION[:1]), "x of"),
+    "words.h5": (lambda path: write_hdf5(path, x=["a"], y=Y, separation=SEPARATION), "unreadable"),
+    "pickle.npy": (lambda path: np.save(path, np.array([{}], object)), "unreadable"),
+    "two.npy": (lambda path: np.save(path, POINTS[:, :2]), r"shape \(12, 2\)"),
+    "fields.npy": (lambda path: np.save(path, np.zeros(3, [("x", float)])), "no field y"),
+    "hole.npy": (lambda path: np.save(path, POINTS[1:]), "11 points"),
+    "twice.npy": (lambda path: np.save(path, POINTS[[0, *range(11)]]), "11 distinct"),
+    "nan.npy": (lambda path: np.save(path, with_nan()), "1 separations that are not finite"),
+    "nan-x.npy": (lambda path: np.save(path, POINTS * [np.nan, 1, 1]), "gap.file"),
+    "empty.csv": (lambda path: path.write_text(""), "rows of"),
+    "ragged.csv": (lambda path: path.write_text("x,y,separation\n1,2\n"), "rows of"),
+    "header.csv": (lambda path: path.write_text("x,y,separation\n"), "x of shape"),
+    "words.csv": (lambda path: path.write_text("x,y,separation\na,b,c\n"), "unreadable"),
+}
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_fault_is_told_with_the_file_and_the_cure(tmp_path, name):
+    write, found = FAULTS[name]
+    write(tmp_path / name)
+    with pytest.raises(GapError, match=found) as error:
+        read_gap(tmp_path / name)
+    assert error.value.key == "gap.file"
+    assert name in error.value.given
+    assert error.value.allowed

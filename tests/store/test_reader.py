@@ -1,0 +1,160 @@
+import json
+
+import h5py
+import numpy as np
+import pytest
+import xarray as xr
+from sample_records import REFERENCE, SCENE, make_record, mesh
+
+from tractive_sam.record import FIELDS, POINTS, SCALARS
+from tractive_sam.store import HistoryWriter, ResultsError, open_history
+
+
+def test_what_is_known_of_the_computation(finished):
+    history = open_history(finished)
+    assert history.scene_toml == SCENE
+    assert history.title == "Twin discs"
+    assert history.settings["friction"]["mu"] == [0.6, 0.3]
+    assert (history.status, history.message) == ("done", "every revolution")
+    assert history.finished
+    assert (history.a0, history.b0, history.p0) == (0.28, 0.45, 1144.4)
+    assert history.versions["h5py"] == h5py.__version__
+    assert history.totals == {"contact_solves": 12, "wall_seconds": 1.5}
+    np.testing.assert_array_equal(history["p_max_at"][3], [0.1 * 3, -0.1 * 3])
+
+
+def test_dictionary_is_json(finished):
+    content = json.loads(json.dumps(open_history(finished).to_dict(), allow_nan=False))
+    totals = {"contact_solves", "wall_seconds"}
+    assert set(content) == {"status", "message", "a0", "b0", "p0"} | {*SCALARS, *POINTS} | totals
+    assert content["revolution"] == [0, 10, 20, 30, 40, 50, 60]
+    assert content["contact_solves"] == 12
+
+
+def test_numbers_that_are_not_known_are_null(path):
+    record = make_record(0)
+    record.scalars["stick_fraction"] = np.nan
+    with HistoryWriter(path, SCENE, mesh()) as writer:
+        writer.append(record)
+    content = open_history(path).to_dict()
+    assert content["a0"] is None
+    assert content["stick_fraction"] == [None]
+
+
+def test_fields_that_were_not_kept(finished, path):
+    history = open_history(finished)
+    with pytest.raises(LookupError, match="those of 0, 30, 60"):
+        history.field("pressure", 10)
+    with pytest.raises(LookupError, match="there are pressure, traction_x"):
+        history.field("temperature")
+
+
+@pytest.mark.parametrize("engine", ["h5netcdf", "netcdf4"])
+class TestXarray:
+    @pytest.fixture(autouse=True)
+    def _has_engine(self, engine):
+        pytest.importorskip({"netcdf4": "netCDF4"}.get(engine, engine))
+
+    def test_history(self, finished, engine):
+        with xr.open_dataset(finished, group="history", engine=engine) as data:
+            assert data.Qx.dims == ("record",)
+            assert data.wear_profile.dims == ("record", "y")
+            assert data.p_max_at.dims == ("record", "axis")
+            assert set(data.coords) == {"record", "revolution", "y", "axis"}
+            assert data.axis.values.tolist() == ["x", "y"]
+            assert all({"units", "long_name"} <= set(v.attrs) for v in data.variables.values())
+            assert data.Qx.swap_dims(record="revolution").sel(revolution=30) == data.Qx[3]
+            assert data.committed == 7
+
+    def test_fields(self, finished, engine):
+        with xr.open_dataset(finished, group="fields", engine=engine) as data:
+            assert set(data.coords) == {"record", "revolution", "x", "y"}
+            assert set(data) == set(FIELDS)
+            assert all(field.dims == ("record", "x", "y") for field in data.values())
+            np.testing.assert_array_equal(data.x, mesh().x)
+            np.testing.assert_array_equal(data.record, [0, 3, 6])
+            assert (data.pressure.sel(record=3) == 3.0).all()
+
+    def test_tree(self, finished, engine):
+        with xr.open_datatree(finished, engine=engine) as tree:
+            assert {"grid", "history", "fields"} == set(tree.children)
+            assert tree["scene"].item() == SCENE
+            assert tree["fields/pressure"].attrs["units"] == "MPa"
+
+
+def test_every_dataset_is_described(finished):
+    def check(name, item):
+        if isinstance(item, h5py.Dataset):
+            assert item.attrs["units"], name
+            assert item.attrs["long_name"], name
+            assert all(dim.keys() for dim in item.dims) or item.is_scale, name
+
+    with h5py.File(finished) as file:
+        file.visititems(check)
+        assert "grid/x" in file
+        assert file["fields/x"] == file["grid/x"]
+
+
+class TestUnreadable:
+    def test_missing(self, path):
+        with pytest.raises(ResultsError, match=r"does not exist; write it by"):
+            open_history(path)
+
+    def test_folder(self, tmp_path):
+        with pytest.raises(ResultsError, match="is not a file"):
+            open_history(tmp_path)
+
+    @pytest.mark.parametrize("content", [b"", b"title = 'spheres'\n"])
+    def test_not_hdf5(self, path, content):
+        path.write_bytes(content)
+        with pytest.raises(ResultsError, match="is not an HDF5 file"):
+            open_history(path)
+
+    def test_hdf5_of_something_else(self, path):
+        with h5py.File(path, "w") as file:
+            file["x"] = 1
+        with pytest.raises(ResultsError, match="not one of tractive-sam"):
+            open_history(path)
+
+    def test_of_the_future(self, finished):
+        with h5py.File(finished, "r+") as file:
+            file.attrs["format_version"] = 2
+        with pytest.raises(ResultsError, match="newer tractive-sam"):
+            open_history(finished)
+
+    def test_groups_missing(self, finished):
+        with h5py.File(finished, "r+") as file:
+            del file["fields"]
+        with pytest.raises(ResultsError, match="lacks /fields"):
+            open_history(finished)
+
+    def test_dataset_missing(self, finished):
+        with h5py.File(finished, "r+") as file:
+            del file["history/Qx"]
+        with pytest.raises(ResultsError, match=r"damaged.*Qx"):
+            open_history(finished)
+
+    @pytest.mark.parametrize("share", [0.01, 0.3, 0.9, 0.999])
+    def test_truncated(self, finished, share):
+        content = finished.read_bytes()
+        finished.write_bytes(content[: int(share * len(content))])
+        with pytest.raises(ResultsError, match="is truncated or damaged"):
+            open_history(finished)
+
+    def test_field_lost_after_opening(self, finished):
+        history = open_history(finished)
+        finished.unlink()
+        with pytest.raises(ResultsError, match="does not exist"):
+            history.field("pressure")
+
+
+def test_reading_does_not_change_the_file(finished):
+    before = finished.read_bytes()
+    open_history(finished).field("wear")
+    assert finished.read_bytes() == before
+
+
+def test_reference_is_kept_by_name(path):
+    HistoryWriter(path, SCENE, mesh(), REFERENCE)
+    assert open_history(path).p0 == REFERENCE["p0"]
+    assert len(open_history(path)) == 0

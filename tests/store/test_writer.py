@@ -1,0 +1,126 @@
+import h5py
+import numpy as np
+import pytest
+from sample_records import REFERENCE, SCENE, make_record, mesh, records
+
+from tractive_sam.record import History
+from tractive_sam.store import HistoryWriter, ResultsError, open_history
+from tractive_sam.store.writer import FIRST_ROWS
+
+
+def test_file_and_memory_hold_the_same(finished):
+    stored = open_history(finished)
+    kept = History.of_records(
+        records(7),
+        SCENE,
+        mesh().x,
+        mesh().y,
+        **REFERENCE,
+        message="every revolution",
+        totals={"contact_solves": 12, "wall_seconds": 1.5},
+    )
+    assert stored.to_dict() == kept.to_dict()
+    assert len(stored) == len(kept) == 7
+    np.testing.assert_array_equal(stored["wear_profile"], kept["wear_profile"])
+    np.testing.assert_array_equal(stored.field_revolutions, [0, 30, 60])
+    for revolution in (0, 30, 60, None):
+        for name in stored.fields:
+            np.testing.assert_array_equal(
+                stored.field(name, revolution), kept.field(name, revolution)
+            )
+
+
+def test_many_records_outgrow_the_first_rows(path):
+    count = 2 * FIRST_ROWS + 5
+    with HistoryWriter(path, SCENE, mesh()) as writer:
+        for record in records(count, every=50):
+            writer.append(record)
+        writer.finish("done")
+    history = open_history(path)
+    np.testing.assert_array_equal(history["revolution"], 10 * np.arange(count))
+    np.testing.assert_array_equal(history.field("pressure", 1000), 100.0)
+    with h5py.File(path) as file:
+        assert len(file["history/P"]) == len(file["history/record"]) == count
+
+
+def test_file_can_be_read_while_it_is_written(path):
+    with HistoryWriter(path, SCENE, mesh()) as writer:
+        for count, record in enumerate(records(5, every=2), start=1):
+            writer.append(record)
+            history = open_history(path)
+            assert len(history) == count
+            assert history.status == "running"
+            assert not history.finished
+
+
+def test_reopened_file_goes_on(finished):
+    with HistoryWriter.reopen(finished) as writer:
+        assert open_history(finished).status == "running"
+        for number in (7, 8):
+            writer.append(make_record(number, with_fields=True))
+        writer.finish("done")
+    history = open_history(finished)
+    np.testing.assert_array_equal(history["revolution"], 10 * np.arange(9))
+    np.testing.assert_array_equal(history.field_revolutions, [0, 30, 60, 70, 80])
+    assert history.finished
+
+
+def test_error_in_the_computation_is_told_in_the_file(path):
+    def interrupted():
+        with HistoryWriter(path, SCENE, mesh()) as writer:
+            writer.append(make_record(0))
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    history = open_history(path)
+    assert (history.status, history.message) == ("stopped early", "KeyboardInterrupt")
+    assert len(history) == 1
+
+
+def test_record_that_fails_leaves_no_trace(path):
+    with HistoryWriter(path, SCENE, mesh()) as writer:
+        writer.append(make_record(0, with_fields=True))
+        for with_fields in (False, True):
+            with pytest.raises((TypeError, ValueError)):
+                writer.append(make_record(1, with_fields, mesh(n_y=4)))
+        writer.append(make_record(1))
+        writer.finish("done")
+    history = open_history(path)
+    np.testing.assert_array_equal(history["revolution"], [0, 10])
+    np.testing.assert_array_equal(history.field_revolutions, [0])
+    assert [file.name for file in path.parent.iterdir()] == [path.name]
+
+
+def test_wider_mesh(path):
+    wide = mesh(7, 13)
+    with HistoryWriter(path, SCENE, mesh()) as writer:
+        writer.append(make_record(1, with_fields=True))
+        writer.enlarge(wide)
+        writer.append(make_record(2, with_fields=True, grid=wide))
+        writer.finish("done")
+    stored = open_history(path)
+    both = [make_record(1, with_fields=True), make_record(2, with_fields=True, grid=wide)]
+    kept = History.of_records(both, SCENE, wide.x, wide.y)
+    np.testing.assert_array_equal(stored.x, wide.x)
+    np.testing.assert_array_equal(stored["wear_profile"], kept["wear_profile"])
+    for revolution in (10, 20):
+        pressure = stored.field("pressure", revolution)
+        np.testing.assert_array_equal(pressure, kept.field("pressure", revolution))
+    assert stored.field("pressure", 10).sum() == make_record(1, True).fields["pressure"].sum()
+
+
+def test_only_results_are_overwritten_and_only_on_demand(finished, tmp_path):
+    with pytest.raises(ResultsError, match="exists already"):
+        HistoryWriter(finished, SCENE, mesh())
+    HistoryWriter(finished, SCENE, mesh(), overwrite=True)
+    assert len(open_history(finished)) == 0
+    precious = tmp_path / "precious.h5"
+    with h5py.File(precious, "w") as file:
+        file["gold"] = 1
+    with pytest.raises(ResultsError, match="not one of tractive-sam"):
+        HistoryWriter(precious, SCENE, mesh(), overwrite=True)
+    with h5py.File(precious) as file:
+        assert file["gold"][()] == 1
+    with pytest.raises(ResultsError, match="not a folder"):
+        HistoryWriter(tmp_path / "nowhere" / "history.h5", SCENE, mesh())

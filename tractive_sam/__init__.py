@@ -1,0 +1,80 @@
+"""Tractive rolling contact of elastic bodies: forces, stick and slip, and wear.
+
+Steady rolling of two half-spaces with longitudinal, lateral and spin creepage, orthotropic friction
+and wear, by FFT-accelerated semi-analytical methods; after Juliá & Rodríguez-Tembleque, Int. J.
+Mech. Sci. 294 (2025) 110195.
+
+    >>> import tractive_sam as ts
+    >>> scene = ts.Scene.builtin("spheres")
+    >>> contact = ts.solve(scene)
+    >>> round(contact.Qx / contact.P, 3)
+    0.261
+
+Conventions, stated here once
+-----------------------------
+**Units** mm, N, MPa, revolutions; angles in degrees in a scene, radians inside; spin in 1/mm.
+
+**Axes** x is the rolling direction, y lateral, z normal to the contact plane and into body A, the
+upper one. Material crosses the contact from +x, the leading edge, to -x. Arrays have the shape
+(n_x, n_y) of the grid, vectors (2, n_x, n_y).
+
+**Signs** Pressure is positive. The traction (p_x, p_y) acts on body A; body B carries its
+opposite. Displacement u = u_A - u_B; slip is that of A over B per unit rolling speed,
+s_x/V = xi_x - phi y - du_x/dx and s_y/V = xi_y + phi x - du_y/dx. A negative longitudinal creepage
+drives body A: Q_x > 0.
+
+**Friction** The tribological axes (e1, e2) are turned by the angle beta counter-clockwise from x.
+
+**Names** ``displacement_xz`` is u_x from p_z, and so for every influence coefficient. A trailing
+``~`` in formulas marks the scaled tribological frame of `tractive_sam.operators.Frame`.
+"""
+
+from importlib.metadata import version
+
+from tractive_sam.contact import Contact, NotConverged
+from tractive_sam.pipeline import roll, solve
+from tractive_sam.record import History
+from tractive_sam.scene import (
+    Bodies,
+    Body,
+    Creepage,
+    Friction,
+    Gap,
+    Load,
+    Mesh,
+    Scene,
+    SceneError,
+    SceneWarning,
+    Solver,
+    Subsurface,
+    Wear,
+    builtin_names,
+)
+from tractive_sam.store import GapError, ResultsError, open_history
+
+__version__ = version("tractive-sam")
+
+__all__ = [
+    "Bodies",
+    "Body",
+    "Contact",
+    "Creepage",
+    "Friction",
+    "Gap",
+    "GapError",
+    "History",
+    "Load",
+    "Mesh",
+    "NotConverged",
+    "ResultsError",
+    "Scene",
+    "SceneError",
+    "SceneWarning",
+    "Solver",
+    "Subsurface",
+    "Wear",
+    "builtin_names",
+    "open_history",
+    "roll",
+    "solve",
+]

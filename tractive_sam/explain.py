@@ -1,0 +1,172 @@
+"""What a scene will have modelled, what is left out and why, and what it will take."""
+
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+
+from tractive_sam.contact import Model
+from tractive_sam.pipeline import measured_gap
+from tractive_sam.scene import Scene
+
+# Typical work of a solve at a tolerance of 1e-8, in applications of operator and preconditioner
+# together (benchmarks/solvers.py prints them); a revolution starts from the one before.
+COLD_APPLICATIONS = 110
+WARM_APPLICATIONS = 70
+
+
+@dataclass(frozen=True)
+class Section:
+    """A heading and its rows of (what, answer)."""
+
+    title: str
+    rows: list[tuple[str, str]]
+
+
+def explain(scene: Scene) -> list[Section]:
+    """Say what will be modelled, on which mesh, and estimate memory and time.
+
+    The time is estimated from transforms measured on this machine.
+
+    Raises
+    ------
+    GapError
+        If the measured gap cannot be read.
+    """
+    model = Model(scene, measured_gap(scene))
+    return [_bodies(model), _contact(model), _wear(model), _mesh(model), _work(model)]
+
+
+def _bodies(model: Model) -> Section:
+    material, hertz = model.material, model.scene.hertz
+    radius_x, radius_y = model.scene.body.radii
+    rows = [
+        ("combined modulus", f"E* = {material.E_star:.6g} MPa, nu = {material.poisson:.4g}"),
+        ("combined radii", f"R_x = {radius_x:.6g} mm, R_y = {radius_y:.6g} mm"),
+    ]
+    if hertz is not None:
+        rows += [
+            ("unworn contact (Hertz)", f"a = {hertz.a:.5g} mm, b = {hertz.b:.5g} mm"),
+            ("its pressure", f"p0 = {hertz.p0:.6g} MPa, approach = {hertz.approach:.4g} mm"),
+        ]
+    if model.measured is not None:
+        rows.append(("separation", "that of the radii and the measured one of [gap]"))
+    return Section("Bodies", rows)
+
+
+def _contact(model: Model) -> Section:
+    scene = model.scene
+    if model.dissimilar and model.transmits:
+        coupling = (
+            f"K = {model.material.coupling:.4g}: pressure makes the surfaces slip and tractions "
+            "lift them, so both are solved at once"
+        )
+    elif model.dissimilar:
+        coupling = (
+            f"K = {model.material.coupling:.4g}, but without friction there are no tractions to "
+            "lift the surfaces: the normal problem stands alone"
+        )
+    else:
+        coupling = "K = 0: the pressure does not see the tractions and is solved first"
+    if scene.friction is None:
+        tangential = "left out: without friction there is no traction"
+    elif not model.transmits:
+        tangential = "left out: equal materials without creepage roll freely, without traction"
+    else:
+        tangential = "stick and slip under " + _drive(model)
+    rows = [("coupling", coupling), ("tangential problem", tangential)]
+    if scene.friction is not None:
+        mu1, mu2 = scene.friction.mu
+        law = f"isotropic, mu = {mu1:g}"
+        if mu1 != mu2:
+            law = f"orthotropic, mu = ({mu1:g}, {mu2:g}) at {scene.friction.angle:g} degrees"
+        rows.append(("friction", law))
+    rows.append(("method", f"{scene.solver.method}, to {scene.solver.tolerance:g}"))
+    rows.append(("left out", "inertia, speed, lubricant, heat, plasticity; thin or conforming bodies"))
+    return Section("Contact", rows)
+
+
+def _drive(model: Model) -> str:
+    creepage, load = model.scene.creepage, model.scene.load
+    parts = [
+        f"Q_x = {load.traction_x:g} N (creepage found)"
+        if model.free[0]
+        else f"xi_x = {creepage.longitudinal:g}",
+        f"Q_y = {load.traction_y:g} N (creepage found)"
+        if model.free[1]
+        else f"xi_y = {creepage.lateral:g}",
+        f"spin = {creepage.spin:g} /mm",
+    ]
+    return ", ".join(parts)
+
+
+def _wear(model: Model) -> Section:
+    wear = model.scene.wear
+    if wear is None:
+        return Section("Wear", [("wear", "left out: the scene has no [wear]")])
+    i1, i2 = wear.intensity
+    law = f"i = {i1:g} /MPa" if i1 == i2 else f"i = ({i1:g}, {i2:g}) /MPa"
+    rows = [
+        ("law", f"Holm-Archard, {law}"),
+        ("revolutions", f"{wear.revolutions}, one by one"),
+        ("fields kept at", ", ".join(map(str, wear.save))),
+    ]
+    if model.scene.solver.slip == "upwind":
+        rows.append(("slip", "the paper's upwind difference: frictional work comes out too small"))
+    return Section("Wear", rows)
+
+
+def _mesh(model: Model) -> Section:
+    grid, hertz = model.grid, model.scene.hertz
+    nx, ny = grid.elements
+    given = "given" if model.scene.grid is not None else "chosen from the contact"
+    rows = [
+        ("mesh", f"{nx} x {ny} elements, {given}"),
+        ("domain", f"+-{grid.half_length[0]:.4g} x +-{grid.half_length[1]:.4g} mm"),
+        ("element", f"{grid.dx:.4g} x {grid.dy:.4g} mm"),
+    ]
+    if hertz is not None:
+        across = (2 * hertz.a / grid.dx, 2 * hertz.b / grid.dy)
+        rows.append(("across the unworn contact", f"{across[0]:.0f} x {across[1]:.0f} elements"))
+    return Section("Mesh", rows)
+
+
+def _work(model: Model) -> Section:
+    fields = 3 if model.dissimilar and model.transmits else 2 if model.transmits else 1
+    shape = model.grid.elements
+    padded = int(np.prod(model.half_space.mesh.padded))
+    # Spectra of operator and inverse, buffers of the transforms, and the Krylov space.
+    spectra = (9 if fields == 3 else 3 * fields) + 3 * fields
+    memory = 8.0 * (padded * (spectra + 2 * fields + 12) + 40 * fields * np.prod(shape))
+    revolutions = 0 if model.scene.wear is None else model.scene.wear.revolutions
+    seconds = _seconds_per_application(model, fields)
+    applications = COLD_APPLICATIONS + revolutions * WARM_APPLICATIONS
+    if model.scene.solver.method == "uzawa":
+        time = "not estimated: the iterations of Uzawa's method are not known beforehand"
+    else:
+        time = f"about {_duration(seconds * applications)} ({applications} transform pairs)"
+    return Section("Work", [("memory", f"about {memory / 2**20:.0f} MiB"), ("time", time)])
+
+
+def _seconds_per_application(model: Model, fields: int) -> float:
+    half_space = model.half_space
+    operator = {1: half_space.normal, 2: half_space.slip}.get(fields) or half_space.coupled
+    values = np.ones(operator.shape)
+    operator(values)
+    times = []
+    for _ in range(3):
+        began = perf_counter()
+        operator(values)
+        times.append(perf_counter() - began)
+    # Vectors, projections and factors around a transform take about as long as itself.
+    return 2.0 * float(np.median(times))
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 1.0:
+        return "a second or less"
+    if seconds < 120.0:
+        return f"{seconds:.0f} s"
+    if seconds < 7200.0:
+        return f"{seconds / 60:.0f} min"
+    return f"{seconds / 3600:.1f} h"

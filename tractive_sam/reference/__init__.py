@@ -1,0 +1,42 @@
+"""Closed forms: the solutions that the rest of the package is measured against.
+
+Units mm, N, MPa; x is the rolling direction; forces and tractions act on the upper body A, and
+a negative longitudinal creepage drives it (Q_x > 0). Imports nothing of the package.
+"""
+
+from .bentall_johnson import bentall_johnson_creepage
+from .carter import Carter
+from .creep_force import (
+    creep_parameter,
+    kalker_simplified,
+    vermeulen_johnson,
+    vermeulen_johnson_inverse,
+)
+from .full_slip import full_slip_force, load_to_carry
+from .hertz import HertzContact, combined_radius, hertz
+from .hertz_line import HertzLine, hertz_line
+from .kalker import CreepCoefficients, CreepForces, creep_coefficients, linear_creep_forces
+from .material import CombinedMaterial, Material, combine
+
+__all__ = [
+    "Carter",
+    "CombinedMaterial",
+    "CreepCoefficients",
+    "CreepForces",
+    "HertzContact",
+    "HertzLine",
+    "Material",
+    "bentall_johnson_creepage",
+    "combine",
+    "combined_radius",
+    "creep_coefficients",
+    "creep_parameter",
+    "full_slip_force",
+    "hertz",
+    "hertz_line",
+    "kalker_simplified",
+    "linear_creep_forces",
+    "load_to_carry",
+    "vermeulen_johnson",
+    "vermeulen_johnson_inverse",
+]

@@ -1,0 +1,30 @@
+"""Free rolling of cylinders of unlike materials, in the limit of little friction."""
+
+from __future__ import annotations
+
+from .material import CombinedMaterial
+
+# Slip changes sign where the pressure is p0 cos t; half of the load lies between these two points
+# when 2t + sin 2t = pi/2. This is cos(t) / 2 at its root, 0.457 in the literature.
+_SHARE = 0.45738550878651788
+
+
+def bentall_johnson_creepage(material: CombinedMaterial, a: float, radius: float) -> float:
+    """Creepage xi_x of free rolling cylinders, mu -> 0: -0.457 kappa a / R.
+
+    With kappa = 2 K / (1 - nu). Source: Bentall & Johnson, Int. J. Mech. Sci. 9 (1967) 389, in
+    the closed form that the limit allows: with vanishing tractions the slip is
+    s_x/V = xi_x + (2 K / G) p_n, and the friction forces of the forward- and backward-slipping
+    parts cancel. Negative where the upper body A is the more compliant one, K > 0.
+
+    Parameters
+    ----------
+    material : CombinedMaterial
+        The pair of bodies.
+    a : float
+        Half-width of the contact, mm.
+    radius : float
+        Combined radius R, 1/R = 1/R_A + 1/R_B, mm.
+    """
+    kappa = 2 * material.coupling / (1 - material.poisson)
+    return -_SHARE * kappa * a / radius

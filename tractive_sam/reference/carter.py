@@ -1,0 +1,88 @@
+"""Carter's tractive rolling of two equal-material cylinders."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .hertz_line import HertzLine
+
+
+@dataclass(frozen=True)
+class Carter:
+    """Steady rolling of cylinders of equal materials under a longitudinal creepage.
+
+    The contact sticks over a strip of half-width c that touches the leading edge x = a and slips
+    behind it. Sources: Carter, Proc. R. Soc. A 112 (1926) 151; Johnson, Contact Mechanics
+    (1985), section 8.3. With R the combined radius, as in `HertzLine`:
+
+        |xi_x| = mu (a - c) / R,    |Q| / (mu P) = 1 - (c/a)²
+
+    Parameters
+    ----------
+    line : HertzLine
+        The normal contact.
+    mu : float
+        Friction coefficient.
+    creepage : float
+        xi_x; negative drives body A, Q > 0.
+    """
+
+    line: HertzLine
+    mu: float
+    creepage: float
+
+    @classmethod
+    def from_force_ratio(cls, line: HertzLine, mu: float, ratio: float) -> Carter:
+        """Find the creepage that transmits `ratio` = Q/(mu P), from -1 to 1.
+
+        Raises
+        ------
+        ValueError
+            If the ratio lies outside [-1, 1]: friction cannot carry it.
+        """
+        if not abs(ratio) <= 1:
+            raise ValueError(f"Q/(mu P) must lie between -1 and 1, not {ratio}")
+        # 1 - sqrt(1 - q), without the cancellation at small forces
+        slip_share = ratio / (1 + math.sqrt(1 - abs(ratio)))
+        return cls(line, mu, -slip_share * mu * line.a / line.radius)
+
+    @property
+    def stick_half_width(self) -> float:
+        """Half-width c of the stick zone, mm; 0 at full slip."""
+        return max(0.0, self.line.a - self.line.radius * abs(self.creepage) / self.mu)
+
+    @property
+    def force_ratio(self) -> float:
+        """Q/(mu P), from -1 to 1."""
+        return self._drive * (1 - (self.stick_half_width / self.line.a) ** 2)
+
+    def traction(self, x: ArrayLike) -> NDArray[np.float64]:
+        """Traction p_x on body A at x in mm, MPa; zero outside the contact."""
+        c = self.stick_half_width
+        scale = self.mu * self.line.p0 / self.line.a
+        full = np.sqrt(np.maximum(0.0, self.line.a**2 - np.square(x)))
+        relief = np.sqrt(np.maximum(0.0, c**2 - np.square(self._from_stick_centre(x))))
+        return self._drive * scale * (full - relief)
+
+    def slip(self, x: ArrayLike) -> NDArray[np.float64]:
+        """Relative slip s_x/V of A over B at x in mm; zero where it sticks and outside."""
+        c, behind = self.stick_half_width, -self._from_stick_centre(x)
+        if c > 0:
+            size = np.sqrt(np.maximum(0.0, np.square(behind) - c**2)) * (behind > 0)
+        else:
+            # all slips: the creepage beyond the least that does so moves the profile up
+            size = self.line.radius * abs(self.creepage) / self.mu - np.asarray(x)
+        inside = np.abs(x) <= self.line.a
+        return np.where(inside, -self._drive * self.mu / self.line.radius * size, 0.0)
+
+    @property
+    def _drive(self) -> float:
+        """Sign of the force on A: against the slip."""
+        return -math.copysign(1.0, self.creepage)
+
+    def _from_stick_centre(self, x: ArrayLike) -> NDArray[np.float64]:
+        return np.asarray(x, float) - (self.line.a - self.stick_half_width)

@@ -1,0 +1,67 @@
+"""Force against longitudinal creepage for a circular contact: two approximate curves.
+
+Both are written over the creep parameter of eq. (40) and give Q / (mu P). They are continued as
+odd functions to negative parameters. Source of the numbering: Juliá & Rodríguez-Tembleque,
+Int. J. Mech. Sci. 294 (2025) 110195.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+
+def creep_parameter(
+    xi_x: ArrayLike, *, shear: float, a: float, mu: float, load: float, poisson: float
+) -> NDArray[np.float64]:
+    """Normalise a longitudinal creepage, -xi_x 16 G a² / (3 mu P (4 - 3 nu)), eq. (40).
+
+    Parameters
+    ----------
+    xi_x : array_like
+        Longitudinal creepage; negative drives body A, which makes the parameter positive.
+    shear, poisson : float
+        Combined shear modulus, MPa, and Poisson's ratio.
+    a : float
+        Radius of the contact, mm.
+    mu : float
+        Friction coefficient.
+    load : float
+        Normal load P, N.
+    """
+    return -np.multiply(xi_x, 16 * shear * a**2 / (3 * mu * load * (4 - 3 * poisson)))
+
+
+def vermeulen_johnson(xi: ArrayLike) -> NDArray[np.float64]:
+    """Q/(mu P) = 1 - (1 - xi)³ up to full slip at xi = 1; Vermeulen & Johnson (1964), eq. (41)."""
+    size = np.minimum(np.abs(xi), 1.0)
+    return np.copysign(size * (3.0 - size * (3.0 - size)), xi)
+
+
+def vermeulen_johnson_inverse(ratio: ArrayLike) -> NDArray[np.float64]:
+    """Creep parameter that transmits `ratio` = Q/(mu P), by the inverse of eq. (41).
+
+    Raises
+    ------
+    ValueError
+        If a ratio lies outside [-1, 1]: friction cannot carry it.
+    """
+    size = np.abs(ratio)
+    if not np.all(size <= 1):
+        raise ValueError("Q/(mu P) must lie between -1 and 1")
+    root = np.cbrt(1.0 - size)
+    # 1 - root, without the cancellation at small forces
+    return np.copysign(size / (1.0 + root + root**2), ratio)
+
+
+def kalker_simplified(xi: ArrayLike) -> NDArray[np.float64]:
+    """Q/(mu P) = 3/2 xi arccos(xi) + 1 - (1 + xi²/2) sqrt(1 - xi²), Kalker (1967), eq. (42).
+
+    A simplified theory, 5-6 % below the half-space solution at small creepage; the two meet at
+    full slip, xi = 1.
+    """
+    size = np.minimum(np.abs(xi), 1.0)
+    root = (1.0 + size**2 / 2) * np.sqrt(1.0 - size**2)
+    # 1 - root = (1 - root²) / (1 + root), without the cancellation at small creepage
+    rest = size**4 * (3.0 + size**2) / 4 / (1.0 + root)
+    return np.copysign(1.5 * size * np.arccos(size) + rest, xi)

@@ -1,0 +1,63 @@
+"""Full slip with orthotropic friction: what friction gives, and what it can carry.
+
+Friction coefficients mu1, mu2 belong to the tribological axes e1, e2, which are turned by
+`angle` counter-clockwise from x, y. Angles in radians.
+"""
+
+from __future__ import annotations
+
+import math
+
+Pair = tuple[float, float]
+
+
+def full_slip_force(load: float, mu: Pair, angle: float, slip: Pair) -> Pair:
+    """Resultant friction on body A where the whole contact slips in one direction.
+
+    The associated sliding rule Q = -P M² s / ||s||* with ||s||* = |M s| in tribological axes.
+    Source: Juliá & Rodríguez-Tembleque, Int. J. Mech. Sci. 294 (2025) 110195, eqs. (10), (15).
+    For slip along x its size is P sqrt(mu1² cos² angle + mu2² sin² angle) in x, which is also the
+    largest Q_x that friction can carry at any Q_y.
+
+    Parameters
+    ----------
+    load : float
+        Normal load P, N.
+    mu : (float, float)
+        Friction coefficients mu1, mu2.
+    angle : float
+        From x to e1, radians.
+    slip : (float, float)
+        Slip (s_x, s_y) of A over B; only its direction counts.
+
+    Returns
+    -------
+    (float, float)
+        Q_x, Q_y, N.
+
+    Raises
+    ------
+    ValueError
+        If the slip is zero: its direction is unknown.
+    """
+    along = _turn(slip, angle)
+    norm = math.hypot(mu[0] * along[0], mu[1] * along[1])
+    if not norm > 0:
+        raise ValueError("the slip must not be zero: it gives the direction of sliding")
+    force = (-load * mu[0] ** 2 * along[0] / norm, -load * mu[1] ** 2 * along[1] / norm)
+    return _turn(force, -angle)
+
+
+def load_to_carry(force: Pair, mu: Pair, angle: float) -> float:
+    """Least normal load under which friction can carry the force (Q_x, Q_y), N.
+
+    The elliptic norm sqrt((Q_e1/mu1)² + (Q_e2/mu2)²) of eq. (10), inverse to `full_slip_force`.
+    """
+    along = _turn(force, angle)
+    return math.hypot(along[0] / mu[0], along[1] / mu[1])
+
+
+def _turn(vector: Pair, angle: float) -> Pair:
+    """Components of a vector in axes turned counter-clockwise by the angle."""
+    cos, sin = math.cos(angle), math.sin(angle)
+    return cos * vector[0] + sin * vector[1], cos * vector[1] - sin * vector[0]

@@ -1,0 +1,61 @@
+"""Hertz contact of two parallel cylinders."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+
+@dataclass(frozen=True)
+class HertzLine:
+    """Frictionless contact of two cylinders with parallel axes, per unit length.
+
+    Parameters
+    ----------
+    a : float
+        Half-width of the contact in x, mm.
+    p0 : float
+        Largest pressure, MPa.
+    radius : float
+        Combined radius R, 1/R = 1/R_A + 1/R_B, mm.
+    load_per_length : float
+        Normal load per unit length, N/mm.
+    """
+
+    a: float
+    p0: float
+    radius: float
+    load_per_length: float
+
+    def pressure(self, x: ArrayLike) -> NDArray[np.float64]:
+        """Contact pressure at x in mm, MPa; zero outside."""
+        return self.p0 * np.sqrt(np.maximum(0.0, 1.0 - np.square(np.divide(x, self.a))))
+
+
+def hertz_line(e_star: float, radius: float, load_per_length: float) -> HertzLine:
+    """Solve the contact of two cylinders: a² = 4 P' R / (pi E*), p0 = E* a / (2 R).
+
+    Source: Johnson, Contact Mechanics (1985), section 4.2(c).
+
+    Parameters
+    ----------
+    e_star : float
+        Plane strain modulus E*, MPa.
+    radius : float
+        Combined radius R, mm.
+    load_per_length : float
+        Normal load per unit length P', N/mm.
+
+    Raises
+    ------
+    ValueError
+        If an argument is not positive and finite.
+    """
+    for value in (e_star, radius, load_per_length):
+        if not 0 < value < math.inf:
+            raise ValueError(f"modulus, radius and load must be positive and finite, not {value}")
+    a = math.sqrt(4 * load_per_length * radius / (math.pi * e_star))
+    return HertzLine(a, e_star * a / (2 * radius), radius, load_per_length)

@@ -1,0 +1,91 @@
+"""Elastic constants of one body, and of two bodies seen as one half-space."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Material:
+    """Linear elastic, isotropic material of one body.
+
+    Parameters
+    ----------
+    shear : float
+        Shear modulus G, MPa; positive.
+    poisson : float
+        Poisson's ratio, above -1 and at most 0.5.
+
+    Raises
+    ------
+    ValueError
+        If a constant lies outside its range.
+    """
+
+    shear: float
+    poisson: float
+
+    def __post_init__(self) -> None:
+        if not self.shear > 0:
+            raise ValueError(f"the shear modulus must be above 0, not {self.shear}")
+        if not -1 < self.poisson <= 0.5:
+            raise ValueError(f"Poisson's ratio must lie in (-1, 0.5], not {self.poisson}")
+
+    @classmethod
+    def from_young(cls, young: float, poisson: float) -> Material:
+        """Build the material from Young's modulus (MPa) and Poisson's ratio."""
+        return cls(young / (2 * (1 + poisson)), poisson)
+
+    @property
+    def young(self) -> float:
+        """Young's modulus E = 2 G (1 + nu), MPa."""
+        return 2 * self.shear * (1 + self.poisson)
+
+
+@dataclass(frozen=True)
+class CombinedMaterial:
+    """The pair of bodies as one elastic half-space (eq. 45).
+
+    Parameters
+    ----------
+    shear : float
+        Combined shear modulus G, MPa.
+    poisson : float
+        Combined Poisson's ratio nu.
+    coupling : float
+        K, what ties the normal problem to the tangential one; 0 for equal materials, positive
+        where the upper body A is the more compliant one.
+    """
+
+    shear: float
+    poisson: float
+    coupling: float
+
+    @property
+    def plane_strain_modulus(self) -> float:
+        """Contact modulus E* = G / (1 - nu), MPa."""
+        return self.shear / (1 - self.poisson)
+
+    @property
+    def E_star(self) -> float:
+        """The plane strain modulus by its usual symbol, MPa."""
+        return self.plane_strain_modulus
+
+
+def combine(A: Material, B: Material) -> CombinedMaterial:
+    """Combine the constants of the upper body A and the lower body B.
+
+    Source: Juliá & Rodríguez-Tembleque, Int. J. Mech. Sci. 294 (2025) 110195, eq. (45). One of
+    the two bodies may be rigid, ``shear=math.inf``.
+
+    Raises
+    ------
+    ValueError
+        If both bodies are rigid.
+    """
+    compliance = (1 / A.shear + 1 / B.shear) / 2
+    if compliance == 0:
+        raise ValueError("at least one of the two bodies must be elastic")
+    lateral = (A.poisson / A.shear + B.poisson / B.shear) / 2
+    mismatch = ((1 - 2 * A.poisson) / A.shear - (1 - 2 * B.poisson) / B.shear) / 4
+    return CombinedMaterial(1 / compliance, lateral / compliance, mismatch / compliance)

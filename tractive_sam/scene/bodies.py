@@ -1,0 +1,64 @@
+"""The two bodies: what they are made of and how they are curved."""
+
+from __future__ import annotations
+
+import math
+from typing import ClassVar
+
+from ..reference import CombinedMaterial, HertzContact, Material, combine, combined_radius, hertz
+from .alternatives import exactly_one
+from .quantities import Positive, Radius, Real, entry, positive
+from .table import Check, Table
+from .tables import Load
+
+
+class Body(Table):
+    """One of the two bodies: elastic constants, radii of curvature and hardness."""
+
+    young: Positive | None = positive("Young's modulus, MPa", None)
+    shear: Positive | None = positive("shear modulus, MPa", None)
+    poisson: Real = entry("Poisson's ratio", "a number from 0 to 0.5", ge=0, le=0.5)
+    radius_x: Radius = entry("radius in the rolling direction, mm", "a number, or inf (flat)")
+    radius_y: Radius = entry("radius across it, mm", "a number, or inf (flat)")
+    hardness: Positive = positive("hardness, in the unit of the other body's", 1.0)
+    checks: ClassVar[tuple[Check, ...]] = (exactly_one("young", "shear"),)
+
+    @property
+    def material(self) -> Material:
+        """The elastic constants."""
+        if self.shear is not None:
+            return Material(self.shear, self.poisson)
+        return Material.from_young(self.young, self.poisson)
+
+
+class Bodies(Table):
+    """The upper body A and the lower body B."""
+
+    A: Body = entry("the upper body", "")
+    B: Body = entry("the lower body", "")
+
+    @property
+    def materials(self) -> dict[str, Material]:
+        """The elastic constants of each body."""
+        return {"A": self.A.material, "B": self.B.material}
+
+    @property
+    def material(self) -> CombinedMaterial:
+        """The elastic constants of the pair."""
+        return combine(self.A.material, self.B.material)
+
+    @property
+    def radii(self) -> tuple[float, float]:
+        """Combined radii in x and in y, mm: inf for flat, negative where a hollow is too tight."""
+        return (
+            combined_radius(self.A.radius_x, self.B.radius_x),
+            combined_radius(self.A.radius_y, self.B.radius_y),
+        )
+
+    def hertz(self, load: Load) -> HertzContact | None:
+        """The unworn contact under a load; None unless the radii close on each other in x and y."""
+        radius_x, radius_y = self.radii
+        if not (0 < radius_x < math.inf and 0 < radius_y < math.inf):
+            return None
+        e_star = self.material.plane_strain_modulus
+        return hertz(e_star, radius_x, radius_y, load=load.normal, approach=load.approach)

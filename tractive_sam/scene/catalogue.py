@@ -1,0 +1,27 @@
+"""The built-in scenes."""
+
+from __future__ import annotations
+
+from importlib import resources
+
+from .faults import Fault, SceneError, shown, suggestion
+
+
+def builtin_names() -> tuple[str, ...]:
+    """Names of the built-in scenes, in alphabetical order."""
+    files = (resources.files(__package__) / "builtin").iterdir()
+    return tuple(sorted(f.name.removesuffix(".toml") for f in files if f.name.endswith(".toml")))
+
+
+def builtin_text(name: str) -> str:
+    """TOML text of a built-in scene.
+
+    Raises
+    ------
+    SceneError
+        If there is none of this name.
+    """
+    names = builtin_names()
+    if name not in names:
+        raise SceneError([Fault("(scene)", shown(name), suggestion(name, names))])
+    return (resources.files(__package__) / "builtin" / f"{name}.toml").read_text(encoding="utf-8")

@@ -1,0 +1,141 @@
+"""Checks between the tables of a scene: what no table can know by itself."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Iterator
+
+from ..reference import HertzContact, full_slip_force, load_to_carry
+from .alternatives import not_both
+from .faults import Fault, SceneWarning, shown
+from .table import Check, Known
+from .tables import Mesh
+
+FEWEST_ELEMENTS = 8
+"""Elements across the Hertz ellipse below which a grid resolves no slip zone."""
+
+
+def _wear_needs_friction(known: Known) -> Iterator[Fault]:
+    if known["wear"] is not None and known["friction"] is None:
+        yield Fault("wear", "without friction", "only with a [friction] table: no slip, no work")
+
+
+def _traction_needs_friction(known: Known) -> Iterator[Fault]:
+    for key in ("load.traction_x", "load.traction_y"):
+        if key in known.given and known["friction"] is None:
+            yield Fault(key, "without friction", "only with a [friction] table to transmit it")
+
+
+def _friction_carries_the_traction(known: Known) -> Iterator[Fault]:
+    load, mu = known["load.normal"], known["friction.mu"]
+    angle = math.radians(known["friction.angle"])
+    traction_x, traction_y = known["load.traction_x"], known["load.traction_y"]
+    if load is None:  # only the solution tells how much friction can carry
+        return
+    if traction_x is not None and traction_y is not None:
+        share = load_to_carry((traction_x, traction_y), mu, angle) / load
+        if share >= 1:
+            given = shown((traction_x, traction_y))
+            limit = math.hypot(traction_x, traction_y) / share
+            yield _too_much("load.traction_x, load.traction_y", given, limit)
+        return
+    # With the other force free, friction carries the most in full slip along this axis.
+    most_x, _ = full_slip_force(load, mu, angle, (1.0, 0.0))
+    _, most_y = full_slip_force(load, mu, angle, (0.0, 1.0))
+    if traction_x is not None and abs(traction_x) >= abs(most_x):
+        yield _too_much("load.traction_x", shown(traction_x), abs(most_x))
+    if traction_y is not None and abs(traction_y) >= abs(most_y):
+        yield _too_much("load.traction_y", shown(traction_y), abs(most_y))
+
+
+def _too_much(key: str, given: str, limit: float) -> Fault:
+    allowed = f"less than {limit:.6g} N: friction can carry at most this much in this direction"
+    return Fault(key, given, allowed)
+
+
+def _forces_are_for_newton(known: Known) -> Iterator[Fault]:
+    method = known["solver.method"]
+    given = [k for k in ("load.traction_x", "load.traction_y") if known[k] is not None]
+    if method in ("uzawa", "anderson") and given:
+        text = f'"auto" or "newton", which find the creepages of {" and ".join(given)}'
+        yield Fault("solver.method", shown(method), text)
+
+
+def _bodies_can_touch(known: Known) -> Iterator[Fault]:
+    if known["gap"] is not None:  # it may close what the radii leave open
+        return
+    for axis in "xy":
+        key = f"radius_{axis}"
+        radius_A, radius_B = known[f"body.A.{key}"], known[f"body.B.{key}"]
+        curvature = 1 / radius_A + 1 / radius_B
+        if curvature > 0:
+            continue
+        if curvature < 0:
+            cure = f"1/A + 1/B above 0: the hollow body must have the larger radius in {axis}"
+        elif axis == "x":
+            cure = "radii that curve one body against the other in x, or a [gap]"
+        else:
+            cure = (
+                "a contact of finite width; line contacts are not modelled: give one body "
+                "a finite radius_y (a crown), or its profile as a [gap]"
+            )
+        given = f"{radius_A:g} and {radius_B:g}, no contact possible"
+        yield Fault(f"body.A.{key}, body.B.{key}", given, cure)
+
+
+def _grid_holds_the_contact(known: Known) -> Iterator[Fault]:
+    if known["gap"] is not None:  # the Hertz ellipse is not the contact
+        return
+    half_length, contact = known["grid.half_length"], known["body"].hertz(known["load"])
+    if contact is None:
+        return
+    for axis, length, name, semi_axis in _directions(half_length, contact):
+        if length < semi_axis:
+            least = f"{1.00001 * semi_axis:.6g}"  # rounded up
+            cure = f"at least {least} in {axis}: the contact has the semi-axis {name} there"
+            yield Fault("grid.half_length", shown(half_length), cure)
+
+
+SCENE_CHECKS: tuple[Check, ...] = (
+    not_both("load.traction_x", "creepage.longitudinal"),
+    not_both("load.traction_y", "creepage.lateral"),
+    _wear_needs_friction,
+    _traction_needs_friction,
+    _friction_carries_the_traction,
+    _forces_are_for_newton,
+    _bodies_can_touch,
+    _grid_holds_the_contact,
+)
+"""All checks of a valid scene."""
+
+
+def warn_if_coarse(grid: Mesh, contact: HertzContact, stacklevel: int) -> None:
+    """Warn, once for both directions, of a grid too coarse to resolve the contact.
+
+    Parameters
+    ----------
+    grid : Mesh
+        The grid of the scene.
+    contact : HertzContact
+        The unworn contact on it.
+    stacklevel : int
+        Of the caller's caller, as in `warnings.warn`.
+    """
+    needs = [
+        f"at least {math.ceil(FEWEST_ELEMENTS * length / semi_axis)} in {axis}"
+        for (axis, length, _, semi_axis), count in zip(
+            _directions(grid.half_length, contact), grid.elements, strict=True
+        )
+        if count * semi_axis / length < FEWEST_ELEMENTS
+    ]
+    if needs:
+        text = f"grid.elements: {grid.elements} resolves the contact poorly; use {', '.join(needs)}"
+        warnings.warn(text, SceneWarning, stacklevel=stacklevel + 1)
+
+
+def _directions(
+    half_length: tuple[float, float], contact: HertzContact
+) -> list[tuple[str, float, str, float]]:
+    """Axis, half length of the grid, name and value of the semi-axis, for x and y."""
+    return [("x", half_length[0], "a", contact.a), ("y", half_length[1], "b", contact.b)]

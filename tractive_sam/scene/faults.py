@@ -1,0 +1,76 @@
+"""What can be wrong with a scene, in plain words."""
+
+from __future__ import annotations
+
+import difflib
+import reprlib
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+_SHORT = reprlib.Repr()
+_SHORT.maxstring = _SHORT.maxother = 60
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One fault of a scene.
+
+    Parameters
+    ----------
+    key : str
+        Where it is, dotted as in TOML: ``body.A.young``.
+    given : str
+        What was found there, shortened.
+    allowed : str
+        What is allowed there, or the cure.
+    """
+
+    key: str
+    given: str
+    allowed: str
+
+    def __str__(self) -> str:
+        return f"{self.key}: given {self.given}; allowed: {self.allowed}"
+
+    def under(self, table: str) -> Fault:
+        """Return the same fault as seen from the table that holds this one."""
+        return replace(self, key=f"{table}.{self.key}")
+
+
+class SceneError(Exception):
+    """A scene that cannot be modelled, with every fault that was found.
+
+    Parameters
+    ----------
+    faults : iterable of Fault
+        At least one; kept as the tuple `faults`.
+    """
+
+    def __init__(self, faults: Iterable[Fault]) -> None:
+        self.faults = tuple(faults)
+        super().__init__(self.faults)
+
+    def __str__(self) -> str:
+        count = len(self.faults)
+        head = "1 fault in the scene" if count == 1 else f"{count} faults in the scene"
+        return "\n  ".join([f"{head}:", *map(str, self.faults)])
+
+
+class SceneWarning(UserWarning):
+    """A scene that can be modelled, but hardly as it was meant."""
+
+
+def shown(value: object) -> str:
+    """Short text of a given value."""
+    try:
+        return _SHORT.repr(value)
+    except (ValueError, RecursionError):  # integers of thousands of digits, endless lists
+        return f"an unprintable {type(value).__name__}"
+
+
+def suggestion(name: str, known: Iterable[str]) -> str:
+    """List the known names, the one most like `name` first."""
+    known = list(known)
+    listed = ", ".join(known)
+    nearest = difflib.get_close_matches(name, known, n=1)
+    return f"{nearest[0]}, perhaps? One of {listed}" if nearest else f"one of {listed}"

@@ -1,0 +1,91 @@
+"""Changes to a scene by dotted key."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from .alternatives import RIVALS
+from .faults import Fault, SceneError, shown
+from .toml import parse_value
+
+
+def parse_settings(settings: Iterable[str]) -> dict[str, Any]:
+    """Read settings ``table.key=value`` with values as in TOML; a word needs no quotes.
+
+    Raises
+    ------
+    SceneError
+        With a fault for each setting that has no such form.
+    """
+    pairs = [(text, *text.partition("=")) for text in settings]
+    faults = [
+        Fault(shown(text), "no key and value", "table.key=value")
+        for text, key, equals, _ in pairs
+        if not (equals and key.strip())
+    ]
+    if faults:
+        raise SceneError(faults)
+    return {key.strip(): parse_value(value.strip()) for _, key, _, value in pairs}
+
+
+def override(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Return new tables with the changes made.
+
+    Parameters
+    ----------
+    tables : mapping
+        Nested tables; left as they are.
+    changes : mapping
+        New values by dotted key. A missing table is made; None removes an entry. Setting one of
+        two alternatives (young/shear, normal/approach, creepage/traction, gap file/arrays)
+        removes the other, unless that is set as well. If fewer revolutions are asked for than
+        are to be saved, those beyond are left out of `wear.save` and the last one is added.
+
+    Raises
+    ------
+    SceneError
+        If a key leads through an entry that is no table.
+    """
+    result = _copy(tables)
+    faults = [fault for key, value in changes.items() for fault in _set(result, key, value)]
+    if faults:
+        raise SceneError(faults)
+    for key, value in changes.items():
+        for rival in RIVALS.get(key, ()) if value is not None else ():
+            if rival not in changes:
+                _remove(result, rival)
+    if "wear.revolutions" in changes and "wear.save" not in changes:
+        _shorten_save(result)
+    return result
+
+
+def _copy(tables: Mapping[str, Any]) -> dict[str, Any]:
+    return {k: _copy(v) if isinstance(v, Mapping) else v for k, v in tables.items()}
+
+
+def _set(tables: dict[str, Any], key: str, value: Any) -> list[Fault]:
+    *path, last = key.split(".")
+    for depth, name in enumerate(path, start=1):
+        tables = tables.setdefault(name, {})
+        if not isinstance(tables, dict):
+            return [Fault(key, shown(value), f"no entry within {'.'.join(path[:depth])}")]
+    tables[last] = _copy(value) if isinstance(value, Mapping) else value
+    return []
+
+
+def _remove(tables: dict[str, Any], key: str) -> None:
+    *path, last = key.split(".")
+    for name in path:
+        tables = tables.get(name) or {}
+    if isinstance(tables, dict):
+        tables.pop(last, None)
+
+
+def _shorten_save(tables: dict[str, Any]) -> None:
+    match tables:
+        case {"wear": {"revolutions": last, "save": (list() | tuple()) as save} as wear}:
+            # what is no valid number is left to the checks of the scene
+            whole = all(type(n) is int for n in (last, *save))
+            if whole and 1 <= last < max(save, default=0):
+                wear["save"] = sorted({n for n in save if n < last} | {last})

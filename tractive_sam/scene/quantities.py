@@ -1,0 +1,69 @@
+"""Types of the entries of a scene, and the words with which their faults are told."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, BeforeValidator, Field
+
+SMALLEST, LARGEST = 1e-30, 1e30
+"""Magnitudes within which no product or quotient of a few entries can overflow."""
+
+
+def _bounded(value: float) -> float:
+    if abs(value) <= LARGEST:
+        return value
+    raise ValueError(f"a finite number, at most {LARGEST:g} in magnitude")
+
+
+def _not_tiny(value: float) -> float:
+    if value >= SMALLEST:
+        return value
+    raise ValueError(f"a number of at least {SMALLEST:g}")
+
+
+def _curved(value: float) -> float:
+    if value == math.inf or SMALLEST <= abs(value) <= LARGEST:
+        return value
+    raise ValueError("a number other than 0 (negative: hollow), or inf (flat)")
+
+
+def _twice(value: Any) -> Any:
+    """One number stands for both directions."""
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    return (value, value) if number else value
+
+
+Real = Annotated[float, AfterValidator(_bounded)]
+Radius = Annotated[float, AfterValidator(_curved)]
+Positive = Annotated[Real, Field(gt=0), AfterValidator(_not_tiny)]
+NotNegative = Annotated[Real, Field(ge=0)]
+PositivePair = tuple[Positive, Positive]
+OrthotropicPositive = Annotated[PositivePair, BeforeValidator(_twice)]
+OrthotropicNotNegative = Annotated[tuple[NotNegative, NotNegative], BeforeValidator(_twice)]
+
+
+def entry(meaning: str, allowed: str, default: Any = ..., **bounds: Any) -> Any:
+    """Define a field by its meaning (with its unit) and by what is allowed.
+
+    Parameters
+    ----------
+    meaning, allowed : str
+        The words of a fault; they become the title and the description of the field.
+    default : optional
+        Value if not given; without one the entry is required.
+    **bounds
+        Constraints as of `pydantic.Field`.
+    """
+    return Field(default, title=meaning, description=allowed, **bounds)
+
+
+def positive(meaning: str, default: Any = ...) -> Any:
+    """Define a field for a number above 0, of the type `Positive`."""
+    return entry(meaning, "a number above 0", default)
+
+
+def number(meaning: str, default: Any = ...) -> Any:
+    """Define a field for any finite number, of the type `Real`."""
+    return entry(meaning, "a number", default)

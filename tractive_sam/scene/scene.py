@@ -1,0 +1,137 @@
+"""The scene: all that is asked of a computation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from os import PathLike
+from pathlib import Path
+from typing import Any, ClassVar
+
+from ..reference import CombinedMaterial, HertzContact, Material
+from . import toml
+from .bodies import Bodies
+from .catalogue import builtin_text
+from .checks import SCENE_CHECKS, warn_if_coarse
+from .gap import Gap
+from .override import override, parse_settings
+from .quantities import entry
+from .table import Check, Table
+from .tables import Creepage, Friction, Load, Mesh, Solver, Subsurface, Wear
+
+
+class Scene(Table):
+    """Two bodies, what presses and moves them, and what is to be computed.
+
+    Built from keywords, from TOML, or from a built-in scene; immutable. Tables may be given as
+    objects or as dictionaries.
+
+    Raises
+    ------
+    SceneError
+        With every fault of the scene.
+
+    Warns
+    -----
+    SceneWarning
+        If the grid is too coarse for the contact.
+    """
+
+    title: str = entry("title", "a text", "")
+    body: Bodies = entry("the two bodies", "")
+    load: Load = entry("the load", "")
+    creepage: Creepage = entry("the creepages", "", Creepage())
+    friction: Friction | None = entry("the friction law", "", None)
+    wear: Wear | None = entry("the wear law", "", None)
+    grid: Mesh | None = entry("the grid", "", None)
+    gap: Gap | None = entry("the additional separation", "", None)
+    subsurface: Subsurface | None = entry("the subsurface stress", "", None)
+    solver: Solver = entry("the solver", "", Solver())
+    checks: ClassVar[tuple[Check, ...]] = SCENE_CHECKS
+
+    def __init__(self, /, **tables: Any) -> None:
+        super().__init__(**tables)
+        if self.grid and not self.gap:
+            warn_if_coarse(self.grid, self.hertz, stacklevel=2)
+
+    @classmethod
+    def from_toml(cls, path: str | PathLike[str]) -> Scene:
+        """Read a scene file; a relative gap file is sought from its folder.
+
+        Raises
+        ------
+        SceneError
+            If the file cannot be read, is no TOML, or describes no valid scene.
+        """
+        path = Path(path).absolute()
+        return cls._from_tables(toml.parse_file(path), path.parent)
+
+    @classmethod
+    def from_toml_text(cls, text: str) -> Scene:
+        """Read a scene from TOML text; a relative gap file is sought from the working folder.
+
+        Raises
+        ------
+        SceneError
+            If the text is no TOML, or describes no valid scene.
+        """
+        return cls._from_tables(toml.parse(text), Path())
+
+    @classmethod
+    def builtin(cls, name: str) -> Scene:
+        """Build a built-in scene, one of `builtin_names`.
+
+        Raises
+        ------
+        SceneError
+            If there is none of this name.
+        """
+        return cls.from_toml_text(builtin_text(name))
+
+    def to_toml(self) -> str:
+        """Write what was given, not the defaults, as TOML; `from_toml_text` gives it back."""
+        return toml.emit(self.entries())
+
+    def replace(self, **changes: Any) -> Scene:
+        """Return a new scene with entries changed by dotted key: ``**{"load.normal": 200.0}``.
+
+        Whole tables may be given, too. See `override` for what else follows from a change.
+
+        Raises
+        ------
+        SceneError
+            If the new scene is not valid.
+        """
+        plain = {k: v.entries() if isinstance(v, Table) else v for k, v in changes.items()}
+        return type(self)(**override(self.entries(), plain))
+
+    def with_set(self, settings: Iterable[str]) -> Scene:
+        """Return a new scene with settings like ``load.normal=200`` or ``friction.mu=[0.4, 0.2]``.
+
+        Raises
+        ------
+        SceneError
+            If a setting cannot be read, or if the new scene is not valid.
+        """
+        return self.replace(**parse_settings(settings))
+
+    @property
+    def materials(self) -> dict[str, Material]:
+        """Elastic constants of the bodies "A" and "B"."""
+        return self.body.materials
+
+    @property
+    def material(self) -> CombinedMaterial:
+        """Elastic constants of the pair of bodies."""
+        return self.body.material
+
+    @property
+    def hertz(self) -> HertzContact | None:
+        """The Hertz contact of the radii, without any gap; None unless they close in x and y."""
+        return self.body.hertz(self.load)
+
+    @classmethod
+    def _from_tables(cls, tables: dict[str, Any], folder: Path) -> Scene:
+        match tables:
+            case {"gap": {"file": str(file)}}:
+                tables["gap"]["file"] = str(folder / file)
+        return cls(**tables)

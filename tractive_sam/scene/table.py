@@ -1,0 +1,184 @@
+"""The base of all tables of a scene: reads entries and collects every fault at once.
+
+Entries are judged one by one, so that a faulty one hides no other; checks between entries then
+run on whatever is known to be valid.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from typing import Annotated, Any, ClassVar, get_args
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
+from pydantic.fields import FieldInfo
+
+from .faults import Fault, SceneError, shown, suggestion
+
+_CONFIG = ConfigDict(strict=True, arbitrary_types_allowed=True)
+
+
+class UnknownEntryError(LookupError):
+    """An entry that a check asked for is faulty or missing: the check cannot be made."""
+
+
+class Known(dict[str, Any]):
+    """Valid entries and defaults by dotted key; whole tables are there if all in them is valid.
+
+    Asking for anything else raises `UnknownEntryError`. `given` holds the keys that were written
+    down, be their values valid or not.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.given: set[str] = set()
+
+    def __missing__(self, key: str) -> Any:
+        raise UnknownEntryError(key)
+
+    def add(self, key: str, inner: Known) -> None:
+        """Take over what is known of the table `key`."""
+        self.update({f"{key}.{name}": value for name, value in inner.items()})
+        self.given.update(f"{key}.{name}" for name in inner.given)
+
+
+Check = Callable[[Known], Iterable[Fault]]
+
+
+class Table(BaseModel):
+    """A frozen table of a scene.
+
+    Keywords are the keys of the TOML table; None stands for "not given".
+
+    Raises
+    ------
+    SceneError
+        With all faults of the table and of the tables inside it.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", **_CONFIG)
+    checks: ClassVar[tuple[Check, ...]] = ()
+    """Checks between the entries of the table."""
+
+    def __init__(self, /, **given: Any) -> None:
+        reading = _read(type(self), given)
+        if reading.faults:
+            raise SceneError(reading.faults)
+        super().__init__(**{key: reading.values[key] for key in reading.given})
+
+    def entries(self) -> dict[str, Any]:
+        """Return what was given, not the defaults, nested as in TOML."""
+        given = {key: getattr(self, key) for key in type(self).model_fields}
+        return {
+            key: value.entries() if isinstance(value, Table) else value
+            for key, value in given.items()
+            if key in self.model_fields_set and value is not None
+        }
+
+
+@dataclass
+class _Reading:
+    """What came of reading one table."""
+
+    given: dict[Any, Any]
+    values: dict[str, Any] = field(default_factory=dict)
+    known: Known = field(default_factory=Known)
+    faults: list[Fault] = field(default_factory=list)
+
+
+def _read(table: type[Table], given: Mapping[Any, Any]) -> _Reading:
+    reading = _Reading({key: value for key, value in given.items() if value is not None})
+    for key in reading.given:
+        if key in table.model_fields:
+            reading.known.given.add(key)
+        else:
+            allowed = suggestion(str(key), table.model_fields)
+            reading.faults.append(Fault(str(key), shown(given[key]), allowed))
+    for key, info in table.model_fields.items():
+        if key not in reading.given:
+            _read_default(reading, key, info)
+        elif inner := _table_of(info):
+            _read_table(reading, key, inner)
+        else:
+            _read_leaf(reading, key, table)
+    for check in table.checks:
+        with suppress(UnknownEntryError):
+            reading.faults.extend(check(reading.known))
+    return reading
+
+
+def _read_default(reading: _Reading, key: str, info: FieldInfo) -> None:
+    if info.is_required():
+        reading.faults.append(Fault(key, "nothing", _allowed(info)))
+        return
+    with suppress(KeyError):  # a default that rests on a faulty entry
+        value = info.get_default(call_default_factory=True, validated_data=reading.values)
+        reading.values[key] = reading.known[key] = value
+        if isinstance(value, Table):
+            reading.known.add(key, _read(type(value), value.entries()).known)
+
+
+def _read_table(reading: _Reading, key: str, table: type[Table]) -> None:
+    given = reading.given[key]
+    if isinstance(given, table):
+        given = given.entries()
+    if not isinstance(given, Mapping):
+        allowed = f"a table with the keys {', '.join(table.model_fields)}"
+        reading.faults.append(Fault(key, shown(given), allowed))
+        return
+    inner = _read(table, given)
+    reading.known.add(key, inner.known)
+    reading.faults.extend(fault.under(key) for fault in inner.faults)
+    if not inner.faults:
+        value = table.model_construct(_fields_set=set(inner.given), **inner.values)
+        reading.values[key] = reading.known[key] = value
+
+
+def _read_leaf(reading: _Reading, key: str, table: type[Table]) -> None:
+    given = reading.given[key]
+    try:
+        value = _adapter(table, key).validate_python(_plain(given))
+    except ValidationError as error:
+        reasons = {
+            str(e["ctx"]["error"]): None for e in error.errors() if e["type"] == "value_error"
+        }
+        allowed = "; ".join(reasons) or _allowed(table.model_fields[key])
+        reading.faults.append(Fault(key, shown(given), allowed))
+    else:
+        reading.values[key] = reading.known[key] = value
+
+
+def _allowed(info: FieldInfo) -> str:
+    """What the field allows and what it means, from the words of its definition."""
+    inner = _table_of(info)
+    words = f"a table with the keys {', '.join(inner.model_fields)}" if inner else info.description
+    return f"{words} ({info.title})" if info.title else str(words)
+
+
+def _table_of(info: FieldInfo) -> type[Table] | None:
+    """The type of a nested table, optional or not."""
+    for kind in (info.annotation, *get_args(info.annotation)):
+        if isinstance(kind, type) and issubclass(kind, Table):
+            return kind
+    return None
+
+
+@functools.cache
+def _adapter(table: type[Table], key: str) -> TypeAdapter[Any]:
+    info = table.model_fields[key]
+    return TypeAdapter(Annotated[info.annotation, key, *info.metadata], config=_CONFIG)
+
+
+def _plain(value: Any) -> Any:
+    """Python numbers and tuples for the scalars, vectors and lists of numpy and TOML."""
+    match value:
+        case np.generic():
+            return value.item()
+        case np.ndarray(ndim=1):
+            return tuple(value.tolist())
+        case list() | tuple():
+            return tuple(map(_plain, value))
+    return value

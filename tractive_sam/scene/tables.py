@@ -1,0 +1,153 @@
+"""The tables of a scene but for the bodies and the gap, each checked by itself.
+
+Units mm, N, MPa, degrees, revolutions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Annotated, ClassVar, Literal, TypeVar
+
+from pydantic import AfterValidator, Field, PlainValidator
+
+from .alternatives import exactly_one
+from .faults import Fault
+from .plane import Plane
+from .quantities import (
+    OrthotropicNotNegative,
+    OrthotropicPositive,
+    Positive,
+    PositivePair,
+    Real,
+    entry,
+    number,
+    positive,
+)
+from .table import Check, Known, Table
+
+Item = TypeVar("Item")
+
+
+def _distinct(items: tuple[Item, ...]) -> tuple[Item, ...]:
+    if len(set(items)) < len(items):
+        raise ValueError("each item once")
+    return items
+
+
+class Load(Table):
+    """What presses the bodies together, and the forces to transmit if not the creepages."""
+
+    normal: Positive | None = positive("normal load P, N", None)
+    approach: Positive | None = positive(
+        "approach of the bodies, mm; up to 0 there is no contact", None
+    )
+    traction_x: Real | None = number("force Q_x to transmit, N", None)
+    traction_y: Real | None = number("force Q_y to transmit, N", None)
+    checks: ClassVar[tuple[Check, ...]] = (exactly_one("normal", "approach"),)
+
+
+class Creepage(Table):
+    """The rigid creepages; a negative longitudinal one drives body A."""
+
+    longitudinal: Real = number("longitudinal creepage xi_x", 0.0)
+    lateral: Real = number("lateral creepage xi_y", 0.0)
+    spin: Real = number("spin creepage phi, 1/mm", 0.0)
+
+
+class Friction(Table):
+    """Orthotropic Coulomb friction; `angle` also turns the axes of the wear law."""
+
+    mu: OrthotropicPositive = entry(
+        "friction coefficients along the axes e1, e2", "a number above 0, or a pair of them"
+    )
+    angle: Real = entry(
+        "angle from x to e1, degrees", "a number from -360 to 360", 0.0, ge=-360, le=360
+    )
+
+
+def _saved_within(known: Known) -> Iterator[Fault]:
+    save, last = known["save"], known["revolutions"]
+    if save[-1] > last:
+        yield Fault("save", str(save[-1]), f"at most {last}, the number of revolutions")
+
+
+def _ascending(save: tuple[int, ...]) -> tuple[int, ...]:
+    if any(late <= early for early, late in pairwise(save)):
+        raise ValueError("ascending whole numbers")
+    return save
+
+
+class Wear(Table):
+    """Archard wear over many revolutions."""
+
+    intensity: OrthotropicNotNegative = entry(
+        "wear intensities along the axes e1, e2, 1/MPa", "a number of at least 0, or a pair of them"
+    )
+    revolutions: int = entry(
+        "number of revolutions", "a whole number from 1 to 1e12", ge=1, le=10**12
+    )
+    save: Annotated[tuple[Annotated[int, Field(ge=0)], ...], AfterValidator(_ascending)] = entry(
+        "revolutions whose fields are stored",
+        "ascending whole numbers from 0",
+        default_factory=lambda wear: (0, wear["revolutions"]),
+        min_length=1,
+    )
+    stepping: Literal["adaptive", "every-revolution"] = entry(
+        "stepping through the revolutions", '"adaptive" or "every-revolution"', "adaptive"
+    )
+    tolerance: Real = entry(
+        "error of the adaptive stepping, relative to the wear depth",
+        "a number above 0, at most 0.1",
+        1e-3,
+        gt=0,
+        le=0.1,
+    )
+    checks: ClassVar[tuple[Check, ...]] = (_saved_within,)
+
+
+_Elements = Annotated[int, Field(ge=3, le=10**6)]
+
+
+class Mesh(Table):
+    """The [grid] table: a rectangle of equal elements around the origin."""
+
+    half_length: PositivePair = entry(
+        "half lengths of the domain in x and y, mm", "a pair of numbers above 0"
+    )
+    elements: tuple[_Elements, _Elements] = entry(
+        "elements in x and y", "a pair of whole numbers from 3 to 1e6"
+    )
+
+
+class Subsurface(Table):
+    """Where the stress below the surface is computed."""
+
+    planes: Annotated[
+        tuple[Annotated[Plane, PlainValidator(Plane.parse)], ...], AfterValidator(_distinct)
+    ] = entry("planes of the stress", 'a list of planes like "y=0.75a"', min_length=1)
+    depth: Positive = positive("depth, in units of the semi-axis a", 1.5)
+    elements: int = entry(
+        "points over the depth", "a whole number from 2 to 1e6", 64, ge=2, le=10**6
+    )
+    bodies: Annotated[tuple[Literal["A", "B"], ...], AfterValidator(_distinct)] = entry(
+        "bodies whose stress is computed", 'a list of "A" and "B"', ("A", "B"), min_length=1
+    )
+
+
+class Solver(Table):
+    """How the contact problem is solved."""
+
+    method: Literal["auto", "uzawa", "anderson", "newton"] = entry(
+        "iteration of the tangential problem", '"auto", "uzawa", "anderson" or "newton"', "auto"
+    )
+    slip: Literal["auto", "upwind"] = entry(
+        "how the slip is discretised", '"auto" or "upwind"', "auto"
+    )
+    tolerance: Real = entry(
+        "relative tolerance of the contact conditions",
+        "a number from 1e-13 to 1e-2",
+        1e-8,
+        ge=1e-13,
+        le=1e-2,
+    )

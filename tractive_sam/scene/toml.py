@@ -1,0 +1,102 @@
+"""The text of a scene file: TOML to nested tables and back."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .faults import Fault, SceneError, shown
+
+FILE = "(file)"
+"""The key of faults of the file itself."""
+
+
+def parse(text: str) -> dict[str, Any]:
+    """Read TOML.
+
+    Raises
+    ------
+    SceneError
+        If the text is no TOML; with the line that is at fault.
+    """
+    try:
+        return tomllib.loads(text)
+    except (ValueError, RecursionError) as error:  # ValueError: also numbers beyond all bounds
+        raise SceneError([_syntax_fault(text, str(error))]) from None
+
+
+def parse_file(path: Path) -> dict[str, Any]:
+    """Read a TOML file, UTF-8.
+
+    Raises
+    ------
+    SceneError
+        If there is no such readable file, or if it is no TOML.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except UnicodeDecodeError:
+        raise SceneError([Fault(FILE, shown(str(path)), "a text file in UTF-8")]) from None
+    except (OSError, ValueError) as error:  # ValueError: a path with a null character
+        reason = getattr(error, "strerror", None) or str(error)
+        allowed = f"a readable file ({reason.lower()})"
+        raise SceneError([Fault(FILE, shown(str(path)), allowed)]) from None
+    return parse(text)
+
+
+def parse_value(text: str) -> Any:
+    """Read one TOML value; what is none is taken as a string, so that words need no quotes."""
+    try:
+        found = tomllib.loads(f"value = {text}")
+    except (ValueError, RecursionError):
+        return text
+    return found["value"] if found.keys() == {"value"} else text
+
+
+def emit(tables: Mapping[str, Any]) -> str:
+    """Write nested tables as TOML; `parse` gives them back exactly."""
+    return "\n\n".join(_blocks(tables, ())) + "\n"
+
+
+def _blocks(table: Mapping[str, Any], path: tuple[str, ...]) -> list[str]:
+    inner = {key: value for key, value in table.items() if isinstance(value, Mapping)}
+    lines = [f"{key} = {_value(value)}" for key, value in table.items() if key not in inner]
+    if path and (lines or not inner):
+        lines.insert(0, f"[{'.'.join(path)}]")
+    blocks = ["\n".join(lines)] if lines else []
+    for key, value in inner.items():
+        blocks += _blocks(value, (*path, key))
+    return blocks
+
+
+def _value(value: Any) -> str:
+    match value:
+        case bool():
+            return str(value).lower()
+        case float() if math.isinf(value):
+            return "inf" if value > 0 else "-inf"
+        case int() | float():
+            return repr(value)
+        case np.ndarray():
+            return _value(value.tolist())
+        case list() | tuple():
+            return f"[{', '.join(map(_value, value))}]"
+    # a JSON string is a TOML string, but for the one control character that JSON lets pass
+    return json.dumps(str(value), ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def _syntax_fault(text: str, message: str) -> Fault:
+    """Find the line in the parser's message, which ends in "(at line 3, column 5)"."""
+    reason, line = re.sub(r" \(at .*\)$", "", message), re.search(r"\(at line (\d+)", message)
+    if not line:
+        return Fault(FILE, "no TOML", f"TOML ({reason})")
+    number, lines = int(line[1]), text.split("\n")
+    content = lines[number - 1] if number <= len(lines) else ""
+    return Fault(FILE, f"line {number}, {shown(content)}", f"TOML ({reason})")

@@ -1,0 +1,137 @@
+"""Streams records into a results file that is whole at every moment.
+
+Structure changes only on copies that take the place of the file (`replacement`): when it is
+created, when its rows run out, when fields are added, when it is finished. In between, rows laid
+out before are filled in place, and `/history/committed` is raised after each. So whenever the
+process is killed, the file opens and holds every record appended; and it can be read meanwhile.
+"""
+
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Self
+
+from tractive_sam.record import Record
+from tractive_sam.store import layout, rows
+from tractive_sam.store.errors import ResultsError
+from tractive_sam.store.reader import results_file
+from tractive_sam.store.replacement import open_in_place, replacement
+
+if TYPE_CHECKING:  # results are to be read without loading what computes them
+    from tractive_sam.operators import Grid
+
+FIRST_ROWS = 64
+"""Rows laid out at first; doubled whenever they are full, so that copying costs little."""
+
+
+class HistoryWriter:
+    """Writes the records of one computation, each on disk when `append` returns.
+
+    Parameters
+    ----------
+    path : path-like
+        The file.
+    scene_toml : str
+        What is computed.
+    grid : Grid
+        The mesh.
+    reference : mapping of str to float, optional
+        Unworn contact by Hertz: "a0", "b0" in mm, "p0" in MPa; what is missing becomes nan.
+    overwrite : bool
+        Whether a results file there may be replaced. A file of any other kind never is.
+
+    Raises
+    ------
+    ResultsError
+        If there is a file that may not be replaced, or the folder does not exist.
+    """
+
+    def __init__(
+        self,
+        path: str | Path,
+        scene_toml: str,
+        grid: "Grid",
+        reference: Mapping[str, float] | None = None,
+        overwrite: bool = False,
+    ) -> None:
+        self.path = Path(path)
+        _make_room(self.path, overwrite)
+        with replacement(self.path, empty=True) as file:
+            layout.create(file, scene_toml, grid.x, grid.y, reference or {})
+
+    @classmethod
+    def reopen(cls, path: str | Path) -> Self:
+        """Go on after the last record of an existing results file."""
+        writer = cls.__new__(cls)
+        writer.path = Path(path)
+        with results_file(writer.path):  # says what is wrong with it
+            pass
+        with replacement(writer.path) as file:
+            layout.set_status(file, *layout.RUNNING)
+        return writer
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        """Say in the file what stopped the computation, if anything did."""
+        if error is not None:
+            # A full disk may be what stopped it; then the error at hand says more than the next.
+            with suppress(OSError):
+                self.finish("stopped early", f"{kind.__name__}: {error}".removesuffix(": "))
+
+    def append(self, record: Record) -> None:
+        """Store a record; one that fails or is interrupted leaves no trace."""
+        with open_in_place(self.path) as file:
+            fits = not record.fields and not rows.full(file)
+            if fits:
+                rows.fill(file, record)
+        if not fits:
+            with replacement(self.path) as file:
+                if rows.full(file):
+                    rows.lay_out(file, max(FIRST_ROWS, 2 * rows.committed(file)))
+                if record.fields:
+                    rows.append_fields(file, record)
+                rows.fill(file, record)
+
+    def enlarge(self, grid: "Grid") -> None:
+        """Go on with a wider mesh of the same elements; what is stored is padded with zeros."""
+        with replacement(self.path) as file:
+            rows.widen(file, grid.x, grid.y)
+
+    def finish(
+        self, status: str, message: str = "", totals: Mapping[str, float] | None = None
+    ) -> None:
+        """Say how the computation ended and drop the rows that it did not need.
+
+        Parameters
+        ----------
+        status, message : str
+            As of `History`.
+        totals : mapping of str to float, optional
+            "contact_solves" and "wall_seconds".
+        """
+        with replacement(self.path) as file:
+            rows.lay_out(file, rows.committed(file))
+            layout.set_status(file, status, message, totals)
+
+
+def _make_room(path: Path, overwrite: bool) -> None:
+    if not path.parent.is_dir():
+        raise ResultsError(f"{path.parent} is not a folder; create it, or choose another")
+    if not path.exists():
+        return
+    if not overwrite:
+        raise ResultsError(f"{path} exists already; choose another name, or overwrite it")
+    try:
+        with results_file(path):
+            pass
+    except ResultsError as error:
+        cure = "choose another name, or remove it"
+        raise ResultsError(f"{path} would be overwritten, but {error}; {cure}") from error
