@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from tractive_sam.contact import Model, equilibrium
 from tractive_sam.scene import Scene
 

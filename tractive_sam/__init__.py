@@ -29,30 +29,30 @@ drives body A: Q_x > 0.
 ``~`` in formulas marks the scaled tribological frame of `tractive_sam.operators.Frame`.
 """
 
-from importlib.metadata import version
+from importlib import import_module
+from typing import TYPE_CHECKING
 
-from tractive_sam.contact import Contact, NotConverged
-from tractive_sam.pipeline import roll, solve
-from tractive_sam.record import History
-from tractive_sam.scene import (
-    Bodies,
-    Body,
-    Creepage,
-    Friction,
-    Gap,
-    Load,
-    Mesh,
-    Scene,
-    SceneError,
-    SceneWarning,
-    Solver,
-    Subsurface,
-    Wear,
-    builtin_names,
-)
-from tractive_sam.store import GapError, ResultsError, open_history
-
-__version__ = version("tractive-sam")
+if TYPE_CHECKING:
+    from tractive_sam.contact import Contact, NotConverged
+    from tractive_sam.pipeline import roll, solve
+    from tractive_sam.record import History
+    from tractive_sam.scene import (
+        Bodies,
+        Body,
+        Creepage,
+        Friction,
+        Gap,
+        Load,
+        Mesh,
+        Scene,
+        SceneError,
+        SceneWarning,
+        Solver,
+        Subsurface,
+        Wear,
+        builtin_names,
+    )
+    from tractive_sam.store import GapError, ResultsError, open_history
 
 __all__ = [
     "Bodies",
@@ -78,3 +78,22 @@ __all__ = [
     "roll",
     "solve",
 ]
+
+_ROOMS = ("scene", "store", "record", "contact", "pipeline")
+
+
+def __getattr__(name: str):
+    # Names are looked up when first used: reading results or printing help need not wait for the
+    # compilers and transforms that computing needs.
+    if name == "__version__":
+        return import_module("importlib.metadata").version("tractive-sam")
+    if name in __all__:
+        for room in _ROOMS:
+            module = import_module(f"{__name__}.{room}")
+            if hasattr(module, name):
+                return getattr(module, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted([*__all__, "__version__"])

@@ -82,7 +82,9 @@ def _contact(model: Model) -> Section:
             law = f"orthotropic, mu = ({mu1:g}, {mu2:g}) at {scene.friction.angle:g} degrees"
         rows.append(("friction", law))
     rows.append(("method", f"{scene.solver.method}, to {scene.solver.tolerance:g}"))
-    rows.append(("left out", "inertia, speed, lubricant, heat, plasticity; thin or conforming bodies"))
+    rows.append(
+        ("left out", "inertia, speed, lubricant, heat, plasticity; thin or conforming bodies")
+    )
     return Section("Contact", rows)
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from tests.conftest import steady
 from tractive_sam.reference import creep_coefficients
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from tests.conftest import steady
 from tractive_sam.scene import SceneError
 
@@ -12,7 +13,10 @@ def test_the_force_of_a_creepage_gives_the_creepage_back(bodies, friction):
     common = (*bodies, *friction, "creepage.spin=0.0004")
     driven = steady("spheres", *common, "creepage.lateral=0.0008", elements=25)
     transmitted = steady(
-        "spheres", *common, f"load.traction_x={driven.Qx!r}", f"load.traction_y={driven.Qy!r}",
+        "spheres",
+        *common,
+        f"load.traction_x={driven.Qx!r}",
+        f"load.traction_y={driven.Qy!r}",
         elements=25,
     )
     assert transmitted.converged, transmitted.message
@@ -37,7 +41,7 @@ def test_from_hardly_any_force_to_nearly_all(share):
 
 
 def test_more_than_friction_can_carry_is_a_fault_of_the_scene():
-    with pytest.raises(SceneError, match="load.traction_x"):
+    with pytest.raises(SceneError, match=r"load\.traction_x"):
         steady("spheres", "load.traction_x=0.2", elements=21)
 
 

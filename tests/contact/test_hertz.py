@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from tests.conftest import steady
 
 
@@ -20,7 +21,7 @@ def test_error_falls_with_the_mesh():
 def test_peak_size_and_approach():
     contact = steady("spheres")
     hertz = contact.scene.hertz
-    assert contact.P == pytest.approx(hertz.load, rel=1e-12)
+    assert pytest.approx(hertz.load, rel=1e-12) == contact.P
     # 78 elements across: the pressure is right to h², lengths to half an element.
     assert contact.p_max == pytest.approx(hertz.p0, rel=2e-4)
     assert contact.approach == pytest.approx(hertz.approach, rel=2e-4)
@@ -48,12 +49,13 @@ def test_contact_shrinks_to_a_few_elements_and_to_one():
         contact = steady("spheres", f"load.normal={load}", elements=31)
         assert contact.converged, contact.message
         assert 0 < np.count_nonzero(contact.touching) <= most
-        assert contact.P == pytest.approx(load, rel=1e-12)
+        assert pytest.approx(load, rel=1e-12) == contact.P
 
 
 def test_off_the_grid_is_said():
-    contact = steady("spheres", "load.normal=0.47", "grid.half_length=[3.6, 3.5002]",
-                     "grid.elements=[21, 21]")
+    contact = steady(
+        "spheres", "load.normal=0.47", "grid.half_length=[3.6, 3.5002]", "grid.elements=[21, 21]"
+    )
     assert not contact.converged
     assert "grid.half_length" in contact.message
 

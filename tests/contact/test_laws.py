@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from tests.conftest import steady
 
 GENERAL = (
@@ -28,8 +29,9 @@ def close(a, b):
 def test_mirror_in_y(bodies):
     """y -> -y flips beta, xi_y, phi, and with them p_y, Q_y and M_z."""
     one = general(*bodies, *GENERAL)
-    two = general(*bodies, *GENERAL, "friction.angle=-35", "creepage.lateral=-0.001",
-                  "creepage.spin=-0.0004")
+    two = general(
+        *bodies, *GENERAL, "friction.angle=-35", "creepage.lateral=-0.001", "creepage.spin=-0.0004"
+    )
     close(two.pressure[:, ::-1], one.pressure)
     close(two.traction[0, :, ::-1], one.traction[0])
     close(-two.traction[1, :, ::-1], one.traction[1])
@@ -87,8 +89,9 @@ def test_equal_materials_are_the_limit_of_dissimilar_ones():
 @pytest.mark.parametrize("angle", [0, 25, 45, 90, 140])
 def test_full_slip_of_orthotropic_friction(angle):
     """|Q_x|/P = mu_eff, Q_y/P = (mu1² - mu2²) sin beta cos beta / mu_eff."""
-    contact = general("friction.mu=[0.4, 0.2]", f"friction.angle={angle}",
-                      "creepage.longitudinal=-10.0")
+    contact = general(
+        "friction.mu=[0.4, 0.2]", f"friction.angle={angle}", "creepage.longitudinal=-10.0"
+    )
     c, s = np.cos(np.deg2rad(angle)), np.sin(np.deg2rad(angle))
     effective = np.hypot(0.4 * c, 0.2 * s)
     # The elastic slip is 1e-4 of the rigid one here; it turns the traction by as little.

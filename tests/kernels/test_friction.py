@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+
 from tractive_sam.kernels import friction, wear
 
 # Tractions are dimensionless, of order one: numbers whose square underflows are not met.

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.integrate import quad_vec
+
 from tractive_sam.kernels import rectangle
 from tractive_sam.kernels.tables import quadrant
 
@@ -106,4 +107,6 @@ def test_far_limit_is_the_point_kernel():
 def test_the_quadrant_holds_the_integrals():
     table = quadrant(3, 4, 0.5, 0.2)
     assert table.shape == (6, 3, 4)
-    np.testing.assert_array_equal(table[:, 2, 3], rectangle.integrals(1.0, 0.6000000000000001, 0.5, 0.2))
+    np.testing.assert_array_equal(
+        table[:, 2, 3], rectangle.integrals(1.0, 0.6000000000000001, 0.5, 0.2)
+    )

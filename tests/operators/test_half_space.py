@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from tractive_sam.kernels.rectangle import integrals
 from tractive_sam.operators import Frame, HalfSpace, Mesh
 from tractive_sam.operators.fft import padded_length

@@ -4,6 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+
 from tractive_sam.contact import Model
 from tractive_sam.roll import passages
 from tractive_sam.scene import Scene
@@ -30,7 +31,7 @@ def test_every_revolution_is_solved(roll):
     for passage in roll:
         assert passage.contact.converged, passage.contact.message
         assert passage.contact.residual <= passage.contact.scene.solver.tolerance
-        assert passage.contact.P == pytest.approx(300.0, rel=1e-9)
+        assert pytest.approx(300.0, rel=1e-9) == passage.contact.P
 
 
 def test_material_enters_with_the_depth_it_left_with(roll):

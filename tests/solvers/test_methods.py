@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from tests.conftest import size, steady
 from tractive_sam.solvers import Status
 
@@ -38,7 +39,7 @@ def test_a_dissimilar_pair(dissimilar):
         assert contact.converged, contact.message
         assert size(contact.traction - reference.traction) < 1e-6 * size(reference.traction)
         assert size(contact.pressure - reference.pressure) < 1e-6 * size(reference.pressure)
-        assert contact.P == pytest.approx(100.0, rel=1e-7)
+        assert pytest.approx(100.0, rel=1e-7) == contact.P
 
 
 @pytest.fixture(scope="module")

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from tests.conftest import steady
 from tests.operators.test_half_space import dense
 from tractive_sam.contact import Model
@@ -56,7 +57,7 @@ def test_contact_conditions(settings):
 
     # Resultants and the fields reported.
     if scene.load.normal:
-        assert contact.P == pytest.approx(scene.load.normal, rel=1e-9)
+        assert pytest.approx(scene.load.normal, rel=1e-9) == contact.P
     if scene.load.traction_x:
         assert contact.Qx == pytest.approx(scene.load.traction_x, rel=1e-8)
         assert contact.Qy == pytest.approx(scene.load.traction_y, rel=1e-8)

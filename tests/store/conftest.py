@@ -1,6 +1,6 @@
 import pytest
-from sample_records import REFERENCE, SCENE, mesh, records
 
+from tests.store.sample_records import REFERENCE, SCENE, mesh, records
 from tractive_sam.store import HistoryWriter
 
 

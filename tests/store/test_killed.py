@@ -12,11 +12,11 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from sample_records import REFERENCE, SCENE, make_record, mesh
 
+from tests.store.sample_records import REFERENCE, SCENE, make_record, mesh
 from tractive_sam.store import HistoryWriter, open_history, writer
 
-KILLS = 12
+KILLS = 10
 PAGE = 4096
 
 
@@ -43,7 +43,7 @@ def kill_writers(folder):
             write_for_ever(folder / f"{k}.h5", tally)
         while not os.pread(tally, 8, 0):
             time.sleep(1e-3)
-        time.sleep(chance.uniform(0.0, 0.2))
+        time.sleep(chance.uniform(0.0, 0.15))
         os.kill(child, signal.SIGKILL)
         os.waitpid(child, 0)
         os.close(tally)

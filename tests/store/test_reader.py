@@ -4,8 +4,8 @@ import h5py
 import numpy as np
 import pytest
 import xarray as xr
-from sample_records import REFERENCE, SCENE, make_record, mesh
 
+from tests.store.sample_records import REFERENCE, SCENE, make_record, mesh
 from tractive_sam.record import FIELDS, POINTS, SCALARS
 from tractive_sam.store import HistoryWriter, ResultsError, open_history
 

@@ -1,8 +1,8 @@
 import h5py
 import numpy as np
 import pytest
-from sample_records import REFERENCE, SCENE, make_record, mesh, records
 
+from tests.store.sample_records import REFERENCE, SCENE, make_record, mesh, records
 from tractive_sam.record import History
 from tractive_sam.store import HistoryWriter, ResultsError, open_history
 from tractive_sam.store.writer import FIRST_ROWS
@@ -124,3 +124,12 @@ def test_only_results_are_overwritten_and_only_on_demand(finished, tmp_path):
         assert file["gold"][()] == 1
     with pytest.raises(ResultsError, match="not a folder"):
         HistoryWriter(tmp_path / "nowhere" / "history.h5", SCENE, mesh())
+
+
+def test_link_goes_on_to_point_to_the_results(path, tmp_path):
+    link = tmp_path / "link.h5"
+    link.symlink_to(path)
+    HistoryWriter(path, SCENE, mesh())
+    HistoryWriter.reopen(link).append(make_record(0, with_fields=True))
+    assert link.is_symlink()
+    assert len(open_history(path)) == 1

@@ -133,9 +133,7 @@ class Model:
         """Whether there is any cause for tangential traction."""
         creepage = self.scene.creepage
         moving = creepage.longitudinal or creepage.lateral or creepage.spin
-        return self.scene.friction is not None and bool(
-            moving or any(self.free) or self.dissimilar
-        )
+        return self.scene.friction is not None and bool(moving or any(self.free) or self.dissimilar)
 
     @cached_property
     def rigid_slip(self) -> np.ndarray:
@@ -189,7 +187,5 @@ def _resampled(measured: Gap, grid: Grid) -> np.ndarray:
     """The measured separation at the elements; beyond its edge, its value there."""
     x, y, separation = measured
     interpolate = RegularGridInterpolator((x, y), separation, method="linear")
-    points = np.meshgrid(
-        np.clip(grid.x, x[0], x[-1]), np.clip(grid.y, y[0], y[-1]), indexing="ij"
-    )
+    points = np.meshgrid(np.clip(grid.x, x[0], x[-1]), np.clip(grid.y, y[0], y[-1]), indexing="ij")
     return interpolate(tuple(points))

@@ -125,7 +125,9 @@ class HalfSpace:
         return influence.slip(self.mesh, self.material)
 
     def _convolution(self, spectra, product, fields: int) -> Convolution:
-        return Convolution(np.ascontiguousarray(spectra), product, fields, self.mesh.shape, self.threads)
+        return Convolution(
+            np.ascontiguousarray(spectra), product, fields, self.mesh.shape, self.threads
+        )
 
     def _tangential(self, xx, xy, yy):
         """Entries (11, 12, 22) of F [[xx, xy], [xy, yy]] F^T, any kind of array."""
@@ -163,7 +165,7 @@ class HalfSpace:
 
     @cached_property
     def tangential(self) -> Convolution:
-        """pi_t -> A_tt pi_t / dx in units of slip: the displacement whose upwind difference is slip."""
+        """pi_t -> A_tt pi_t / dx in units of slip, the displacement whose difference is slip."""
         return self._convolution(self._displacement_per_dx, spectral.symmetric_2x2, 2)
 
     @cached_property

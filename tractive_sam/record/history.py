@@ -2,8 +2,8 @@
 
 import math
 import tomllib
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol, Self
 
@@ -73,8 +73,8 @@ class History:
     profiles: Mapping[str, np.ndarray]
     fields: Mapping[str, Rows]
     field_revolutions: np.ndarray
-    totals: Mapping[str, float] = field(default_factory=dict)
-    versions: Mapping[str, str] = field(default_factory=dict)
+    totals: Mapping[str, float]
+    versions: Mapping[str, str]
 
     @classmethod
     def of_records(
@@ -95,8 +95,8 @@ class History:
         """Collect records in memory; those of smaller meshes are padded to the mesh (x, y)."""
         records = list(records)
         kept = [record for record in records if record.fields]
-        n, m, shape = len(records), len(kept), (len(x), len(y))
-        revolution = {"revolution": np.array([r.revolution for r in records], dtype=int)}
+        scalars = _stacked(records, "scalars", SCALARS, ())
+        scalars["revolution"] = scalars["revolution"].astype(int)
         return cls(
             scene_toml,
             status,
@@ -106,18 +106,11 @@ class History:
             p0,
             x,
             y,
-            scalars={k: np.array([r.scalars[k] for r in records], float) for k in SCALARS}
-            | revolution,
-            points={k: np.array([r.points[k] for r in records]).reshape(n, 2) for k in POINTS},
-            profiles={
-                k: np.array([padded(r.profiles[k], shape[1:]) for r in records]).reshape(n, len(y))
-                for k in PROFILES
-            },
-            fields={
-                k: np.array([padded(r.fields[k], shape) for r in kept]).reshape(m, *shape)
-                for k in FIELDS
-            },
-            field_revolutions=np.array([r.revolution for r in kept], dtype=int),
+            scalars,
+            points=_stacked(records, "points", POINTS, (2,)),
+            profiles=_stacked(records, "profiles", PROFILES, y.shape),
+            fields=_stacked(kept, "fields", FIELDS, x.shape + y.shape),
+            field_revolutions=np.array([record.revolution for record in kept], dtype=int),
             totals=dict(totals or {}),
             versions=dict(versions or {}),
         )
@@ -179,6 +172,18 @@ class History:
         return _without_nan(
             {"status": self.status, "message": self.message} | reference | rows | self.totals
         )
+
+
+def _stacked(
+    records: Sequence[Record], kind: str, names: Iterable[str], shape: tuple[int, ...]
+) -> dict[str, np.ndarray]:
+    """Arrays with one row of that shape a record."""
+    return {
+        name: np.array(
+            [padded(np.asarray(getattr(record, kind)[name], float), shape) for record in records]
+        ).reshape(len(records), *shape)
+        for name in names
+    }
 
 
 def padded(values: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:

@@ -2,10 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tractive_sam.contact import Contact
+if TYPE_CHECKING:  # results are to be read without loading what computes them
+    from tractive_sam.contact import Contact
 
 
 @dataclass(frozen=True)
@@ -33,9 +35,7 @@ class Record:
     fields: Mapping[str, np.ndarray]
 
 
-def record(
-    contact: Contact, revolution: int = 0, with_fields: bool = True, profile: np.ndarray | None = None
-) -> Record:
+def record(contact: "Contact", revolution: int = 0, with_fields: bool = True) -> Record:
     """Take the record of a contact.
 
     Parameters
@@ -46,9 +46,6 @@ def record(
         Its number.
     with_fields : bool
         Whether to keep the fields.
-    profile : ndarray, shape (n_y,), optional
-        Wear depth behind the contact, mm; by default that of the trailing row of the contact's
-        wear.
     """
     return Record(
         revolution,
@@ -73,12 +70,12 @@ def record(
             "operator_applications": contact.cost.applications,
         },
         points={"p_max_at": contact.p_max_at},
-        profiles={"wear_profile": contact.wear[0] if profile is None else profile},
+        profiles={"wear_profile": contact.wear[0]},
         fields=_fields(contact) if with_fields else {},
     )
 
 
-def _fields(contact: Contact) -> dict[str, np.ndarray]:
+def _fields(contact: "Contact") -> dict[str, np.ndarray]:
     return {
         "pressure": contact.pressure,
         "traction_x": contact.traction[0],

@@ -61,8 +61,9 @@ def next_passage(model: Model, last: Passage) -> Passage:
     wear = before + (entering - before[-1])
     start, cost = last.contact, Cost()
     contact, solves = start, 0
-    for solves in range(1, CORRECTIONS + 1):
+    for _ in range(CORRECTIONS):
         contact = equilibrium(model, wear, start)
+        solves += 1
         cost = cost + contact.cost
         corrected = depth(contact.pressure, contact.slip)
         missed = _residual(model, contact, corrected - wear)

@@ -16,7 +16,9 @@ def anderson(
     memory: int = MEMORY,
     iterations: int = ITERATIONS,
 ) -> Outcome:
-    """Combine the last images so that their combined change is least (Anderson 1965; Walker & Ni 2011).
+    """Combine the last images so that their combined change is least.
+
+    Anderson (1965), J. ACM 12, 547-560; Walker & Ni (2011), SIAM J. Numer. Anal. 49, 1715-1735.
 
     A state that makes the residual ten times the best one so far starts the memory anew from the
     best state.

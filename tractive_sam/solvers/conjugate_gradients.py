@@ -82,9 +82,7 @@ def conjugate_gradients(
             lift = lift - length * change
         product_before, gap_before = product, gap
     cost = Cost(normal.applications - before[0], inverse.applications - before[1])
-    return Outcome(
-        status, float(residual), taken, cost, pressure=p, gap=gap, approach=float(delta)
-    )
+    return Outcome(status, float(residual), taken, cost, pressure=p, gap=gap, approach=float(delta))
 
 
 def natural_residual(pressure: np.ndarray, gap: np.ndarray) -> float:

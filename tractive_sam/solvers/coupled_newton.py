@@ -27,9 +27,7 @@ class _Iterate:
         self.traction = np.empty_like(traction)
         friction.project(traction, self.pressure, self.traction)
         self.approach, self.creepage = approach, creepage
-        response = problem.half_space.coupled(
-            np.concatenate((self.pressure[None], self.traction))
-        )
+        response = problem.half_space.coupled(np.concatenate((self.pressure[None], self.traction)))
         self.gap = problem.gap + response[0] - approach
         self.slip = problem.rigid + problem.transmission.slip(creepage) + response[1:]
         self.active = self.pressure > self.gap
@@ -84,9 +82,7 @@ class _Linearised:
     def _rows(self, step, response):
         """Linearised conditions of a change of traction and the change of gap and slip by it."""
         at = self.at
-        friction.tangent_row(
-            at.state, at.direction, at.kappa, step[1:], response[1:], self._row
-        )
+        friction.tangent_row(at.state, at.direction, at.kappa, step[1:], response[1:], self._row)
         return np.concatenate((np.where(at.active, response[0], 0.0)[None], self._row))
 
     def _resultants(self, step):
@@ -141,9 +137,7 @@ class _Linearised:
         out[0] = np.where(at.active, self.half_space.normal_inverse(rows[:1])[0], 0.0)
         friction.split(at.state, at.direction, at.kappa, own, rows[1:], self._smooth, self._rough)
         increments = self.half_space.tangential_inverse(self._smooth)
-        friction.sweep(
-            at.state, at.direction, at.kappa, own, increments, self._rough, out[1:]
-        )
+        friction.sweep(at.state, at.direction, at.kappa, own, increments, self._rough, out[1:])
         self.preconditionings += 1
         return out
 

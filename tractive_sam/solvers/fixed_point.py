@@ -1,4 +1,4 @@
-"""The paper's projected iterations as maps: tractions -> projection of (tractions - step * residual).
+"""The paper's projected iterations as maps: project(tractions - step * residual).
 
 Uzawa's method repeats such a map, Anderson's accelerates it. The smooth modes of the slip operator
 have almost imaginary eigenvalues A(k) (1 - exp(i k_x dx))/dx, for which |1 - r lambda| < 1 holds up
@@ -84,6 +84,7 @@ class TangentialMap:
         return out
 
     def __call__(self, state: Array) -> Evaluation:
+        """Evaluate the map once, at the cost of one application."""
         slip = self.problem.rigid + self.problem.half_space.slip(state)
         target = self.admissible(state - slip)
         size = np.linalg.norm(target)
@@ -148,6 +149,7 @@ class CoupledMap:
         return out
 
     def __call__(self, state: Array) -> Evaluation:
+        """Evaluate the map once, at the cost of one application."""
         problem = self.problem
         lift, drag = self._response(state)
         slip = problem.rigid + drag

@@ -2,9 +2,9 @@
 
 The friction law is the root of F(p) = p - disc(p - s(p)). Where an element sticks a Newton step
 asks that its slip vanish; where it slips the traction moves along the disc. The linear systems are
-solved by GMRES, preconditioned by the **upwind sweep**: on the contact, D = -dA/dx is inverted by the
-circulant inverse of A followed by a sum from the leading edge, where the traction is zero, and in
-the slip zone the sweep includes the local term of the friction law.
+solved by GMRES, preconditioned by the **upwind sweep**: on the contact, D = -dA/dx is inverted by
+the circulant inverse of A followed by a sum from the leading edge, where the traction is zero, and
+in the slip zone the sweep includes the local term of the friction law.
 """
 
 import numpy as np
@@ -27,9 +27,7 @@ class _Iterate:
         self.traction = traction
         self.creepage = creepage
         self.slip = (
-            problem.rigid
-            + problem.transmission.slip(creepage)
-            + problem.half_space.slip(traction)
+            problem.rigid + problem.transmission.slip(creepage) + problem.half_space.slip(traction)
         )
         self.state = np.empty(shape, np.int8)
         self.direction = np.empty((2, *shape))
@@ -169,7 +167,7 @@ def newton(
     projected = np.empty_like(first)
     friction.project(first, problem.bound, projected)
     at = _Iterate(problem, projected, first_creepage)
-    taken, previous = 0, np.inf
+    taken = 0
     status = Status.OUT_OF_ITERATIONS
     for taken in range(steps + 1):
         if at.residual <= tolerance:

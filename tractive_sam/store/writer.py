@@ -44,7 +44,7 @@ class HistoryWriter:
     Raises
     ------
     ResultsError
-        If there is a file that may not be replaced, or the folder does not exist.
+        If there is a file that may not be replaced, or none can be written.
     """
 
     def __init__(
@@ -57,8 +57,11 @@ class HistoryWriter:
     ) -> None:
         self.path = Path(path)
         _make_room(self.path, overwrite)
-        with replacement(self.path, empty=True) as file:
-            layout.create(file, scene_toml, grid.x, grid.y, reference or {})
+        try:
+            with replacement(self.path, empty=True) as file:
+                layout.create(file, scene_toml, grid.x, grid.y, reference or {})
+        except OSError as error:
+            raise ResultsError(f"{self.path} cannot be written: {error}") from error
 
     @classmethod
     def reopen(cls, path: str | Path) -> Self:

@@ -1,0 +1,60 @@
+"""Times, tables and files that the benchmarks share."""
+
+import csv
+import os
+import statistics
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from time import perf_counter
+
+# One thread everywhere: the cores of the machine are shared, and ratios must compare like to like.
+for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
+    os.environ.setdefault(variable, "1")
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+
+RESULTS = Path(__file__).parent / "results"
+
+
+def seconds(run: Callable[[], object], budget: float = 2.0, most: int = 15) -> float:
+    """Median time of a call, after one that is not counted.
+
+    As many calls as fit the budget but at least three; one where a call is longer than the budget.
+    """
+    times = []
+    while not times or (sum(times) < budget and len(times) < most):
+        times.append(_once(run))
+        if len(times) == 1 and times[0] < budget:
+            times = [_once(run) for _ in range(3)]
+    return statistics.median(times)
+
+
+def _once(run: Callable[[], object]) -> float:
+    began = perf_counter()
+    run()
+    return perf_counter() - began
+
+
+def write(name: str, rows: Iterable[dict]) -> Path:
+    """Write rows as CSV into the results."""
+    rows = list(rows)
+    RESULTS.mkdir(exist_ok=True)
+    path = RESULTS / f"{name}.csv"
+    with path.open("w", newline="") as file:
+        writer = csv.DictWriter(file, fieldnames=list(rows[0]))
+        writer.writeheader()
+        writer.writerows(rows)
+    return path
+
+
+def show(title: str, rows: Iterable[dict]) -> None:
+    """Print rows as a table."""
+    rows = [{k: _text(v) for k, v in row.items()} for row in rows]
+    widths = {k: max(len(k), *(len(row[k]) for row in rows)) for k in rows[0]}
+    print(f"\n{title}")
+    print("  ".join(k.rjust(w) for k, w in widths.items()))
+    for row in rows:
+        print("  ".join(row[k].rjust(w) for k, w in widths.items()))
+
+
+def _text(value) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,221 @@
+"""The package against closed forms, tables and an independent program.
+
+Hertz and the mesh-converged Q_x of `spheres`; its creep-force curve; Kalker's creep coefficients;
+orthotropic friction over all angles. Numbers of the independent program CONTACT and Kalker's table
+are those of tests/data/reference.json.
+"""
+
+import json
+import warnings
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+from scipy.special import elliprd
+from timing import RESULTS, show, write
+
+from tractive_sam.contact import Model, equilibrium
+from tractive_sam.reference import creep_coefficients, kalker_simplified, vermeulen_johnson
+from tractive_sam.scene import Scene
+
+REFERENCE = json.loads(
+    (Path(__file__).parents[1] / "tests" / "data" / "reference.json").read_text()
+)
+MU = 0.4013
+
+
+def solved(scene: Scene):
+    contact = equilibrium(Model(scene))
+    assert contact.converged, contact.message
+    return contact
+
+
+def spheres(*settings: str):
+    return solved(Scene.builtin("spheres").with_set(settings))
+
+
+def line_through(h, values):
+    """Value at h = 0 of the straight line through (h, values), and its standard error."""
+    (_, at_zero), covariance = np.polyfit(h, values, 1, cov=True)
+    return at_zero, np.sqrt(covariance[1, 1])
+
+
+def mesh_convergence():
+    contact_program = REFERENCE["spheres"]["Qx_over_muP_CONTACT"]
+    rows = []
+    # Many meshes: where the edges fall relative to the elements is noise on top of the first order.
+    for n in range(41, 362, 10):
+        contact = spheres(f"grid.elements=[{n}, {n}]")
+        hertz, grid = contact.scene.hertz, contact.grid
+        truth = hertz.pressure(grid.x[:, None], grid.y[None, :])
+        rows.append(
+            {
+                "n": n,
+                "dx/a": grid.dx / hertz.a,
+                "p_max/p0 - 1": contact.p_max / hertz.p0 - 1,
+                "a/a_Hertz - 1": contact.half_width_x / hertz.a - 1,
+                "approach error": contact.approach / hertz.approach - 1,
+                "mean |p - Hertz|/p0": np.abs(contact.pressure - truth).mean() / hertz.p0,
+                "Qx/muP": contact.Qx / (MU * contact.P),
+                "CONTACT": contact_program.get(str(n), ""),
+            }
+        )
+    show("`spheres` over meshes", rows)
+    h, q = (np.array([r[k] for r in rows]) for k in ("dx/a", "Qx/muP"))
+    fine = h < 0.035
+    limit, error = line_through(h[fine], q[fine])
+    wide, _ = line_through(h, q)
+    spread = max(2 * error, abs(limit - wide))
+    print(
+        f"\nQx/muP at h = 0: {limit:.4f} +- {spread:.4f}"
+        f" (fit of {fine.sum()} meshes; of all: {wide:.4f})"
+    )
+    print("the paper at 91 x 91: 0.657; CONTACT at 361 x 361: 0.6469")
+    write("spheres_convergence", rows)
+
+
+def creep_force_curve():
+    rows = []
+    for reference in REFERENCE["creep_force_curve_spheres"]["rows"]:
+        xi = reference["xi"]
+        creepage = -xi * 3 * MU * 0.4705 * (4 - 3 * 0.28) / (16 * 3.499981**2)
+        values = {}
+        for n in (61, 91, 181, 361):
+            c = spheres(f"creepage.longitudinal={creepage!r}", f"grid.elements=[{n}, {n}]")
+            values[n] = c.Qx / (MU * c.P)
+        rows.append(
+            {
+                "xi~": xi,
+                "n = 61": values[61],
+                "CONTACT n = 61": reference["n61"],
+                "n = 91": values[91],
+                "CONTACT n = 91": reference["n91"],
+                "extrapolated": 2 * values[361] - values[181],
+                "CONTACT extrapolated": reference["mesh_limit"],
+                "Vermeulen-Johnson": float(vermeulen_johnson(xi)),
+                "Kalker (42)": float(kalker_simplified(xi)),
+            }
+        )
+    show("Creep-force curve of `spheres`, Q_x/(mu P)", rows)
+    write("creep_force_curve", rows)
+    figure = Figure(figsize=(5.4, 3.8), layout="constrained")
+    axes = figure.subplots()
+    xi = np.linspace(0, 1.5, 200)
+    axes.plot(xi, vermeulen_johnson(xi), "--", color="0.5", label="Vermeulen-Johnson")
+    axes.plot(xi, kalker_simplified(xi), ":", color="0.2", label="Kalker, eq. (42)")
+    x = [r["xi~"] for r in rows]
+    axes.plot(x, [r["extrapolated"] for r in rows], "o", mfc="none", label="tractive_sam, h = 0")
+    axes.plot(x, [r["CONTACT extrapolated"] for r in rows], "x", label="CONTACT, h = 0")
+    axes.set(xlabel=r"creepage $\tilde\xi$", ylabel=r"$Q_x/\mu P$", xlim=(0, 1.5), ylim=(0, 1.05))
+    axes.legend()
+    axes.grid(alpha=0.3)
+    figure.savefig(RESULTS / "creep_force_curve.png", dpi=150)
+
+
+def kalker_table():
+    rows = []
+    for ratio in (0.1, 0.3, 0.5, 1.0, 2.0, 5.0, 10.0):
+        for poisson in (0.0, 0.25, 0.5):
+            truth = creep_coefficients(ratio, poisson)
+            meshes = (60, 90, 120, 160) if 0.2 < ratio < 5 else (40, 60, 80, 100)
+            found = np.array([no_slip(ratio, poisson, n) for n in meshes])
+            h = 1.0 / np.array(meshes)
+            row = {"a/b": ratio, "nu": poisson}
+            for k, name in enumerate(("C11", "C22", "C23", "C33")):
+                limit, error = line_through(h, found[:, k])
+                row |= {name: limit, f"{name} +-": error, f"{name} Kalker": truth[k]}
+                row[f"{name} %"] = 100 * (limit / truth[k] - 1)
+            rows.append(row)
+    show("Creep coefficients without slip, extrapolated over four meshes", rows)
+    write("kalker_coefficients", rows)
+
+
+def no_slip(a_over_b: float, poisson: float, across: int) -> np.ndarray:
+    """C11, C22, C23, C33 on a mesh with `across` elements over each axis of the ellipse.
+
+    G = 1; friction too high to slip; sizes corrected for the area of the mesh's own contact.
+    """
+    a, b, p0 = 1.0, 1.0 / a_over_b, 1e-3
+    scale = p0 * a * b * (1 - poisson) / 3
+    radius_x, radius_y = (0.5 / (scale * elliprd(0.0, u * u, v * v)) for u, v in ((b, a), (a, b)))
+    body = {"shear": 1.0, "poisson": poisson, "radius_x": 2 * radius_x, "radius_y": 2 * radius_y}
+    out = []
+    for creepage in ("longitudinal", "lateral", "spin"):
+        c = solved(
+            Scene(
+                body={"A": body, "B": body},
+                load={"normal": 2 / 3 * np.pi * a * b * p0},
+                creepage={creepage: 1e-9},
+                friction={"mu": 1000.0},
+                grid={
+                    "half_length": (1.1 * a, 1.1 * b),
+                    "elements": (int(1.1 * across), int(1.1 * across)),
+                },
+            )
+        )
+        area = np.count_nonzero(c.touching) * c.grid.element_area
+        size = np.sqrt(a * b * area / (np.pi * a * b))
+        if creepage == "longitudinal":
+            out.append(-c.Qx / (size**2 * c.xi_x))
+        elif creepage == "lateral":
+            out.append(-c.Qy / (size**2 * c.xi_y))
+        else:
+            out += [-c.Qy / (size**3 * c.spin), -c.Mz / (size**4 * c.spin)]
+    return np.array(out)
+
+
+def orthotropic_angles():
+    rows = []
+    for angle in range(0, 181, 15):
+        settings = [f"friction.angle={angle}"]
+        scene = Scene.builtin("spheres-orthotropic").with_set(settings)
+        partial = solved(scene)
+        full = solved(scene.with_set(["creepage.longitudinal=-10.0"]))
+        c, s = np.cos(np.deg2rad(angle)), np.sin(np.deg2rad(angle))
+        effective = np.hypot(0.4 * c, 0.2 * s)
+        rows.append(
+            {
+                "beta": angle,
+                "Qx/P": partial.Qx / partial.P,
+                "Qy/P": partial.Qy / partial.P,
+                "stick": partial.stick_fraction,
+                "full slip Qx/P": full.Qx / full.P,
+                "closed form x": effective,
+                "full slip Qy/P": full.Qy / full.P,
+                "closed form y": (0.4**2 - 0.2**2) * s * c / effective,
+            }
+        )
+    show("`spheres-orthotropic` over the angle of the tribological axes", rows)
+    write("orthotropic_angles", rows)
+    figure = Figure(figsize=(5.4, 3.8), layout="constrained")
+    axes = figure.subplots()
+    beta = [r["beta"] for r in rows]
+    for name, color in (("x", "C0"), ("y", "C3")):
+        axes.plot(beta, [r[f"closed form {name}"] for r in rows], "--", color=color, lw=1)
+        axes.plot(
+            beta,
+            [r[f"full slip Q{name}/P"] for r in rows],
+            "o",
+            mfc="none",
+            color=color,
+            label=f"$Q_{name}/P$, full slip (line: closed form)",
+        )
+        axes.plot(
+            beta,
+            [r[f"Q{name}/P"] for r in rows],
+            "s-",
+            color=color,
+            label=rf"$Q_{name}/P$, $\xi_x = -0.0031$",
+        )
+    axes.set(xlabel=r"$\beta$, degrees", ylabel="force over load", xticks=range(0, 181, 30))
+    axes.legend(fontsize=8)
+    axes.grid(alpha=0.3)
+    figure.savefig(RESULTS / "orthotropic_angles.png", dpi=150)
+
+
+if __name__ == "__main__":
+    warnings.simplefilter("error")
+    mesh_convergence()
+    creep_force_curve()
+    orthotropic_angles()
+    kalker_table()

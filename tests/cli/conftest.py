@@ -1,0 +1,86 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from tractive_sam import pipeline
+from tractive_sam.cli import app
+from tractive_sam.operators import Grid
+from tractive_sam.record import FIELDS, SCALARS, Record
+from tractive_sam.store import HistoryWriter, open_history
+
+GRID = Grid((1.0, 1.0), (9, 9))
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    """Every command runs in an empty folder, and says so in plain text."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "100")
+    return tmp_path
+
+
+@pytest.fixture
+def call():
+    """Run the program with arguments; nothing but an exit may leave it."""
+
+    def call(*arguments):
+        result = CliRunner().invoke(app, [str(argument) for argument in arguments])
+        assert result.exception is None or isinstance(result.exception, SystemExit)
+        assert "Traceback" not in result.output
+        return result
+
+    return call
+
+
+def make_record(number):
+    """A record of a contact that is round and slips everywhere."""
+    pressure = np.maximum(1 - np.square(GRID.x[:, None]) - np.square(GRID.y), 0)
+    fields = dict.fromkeys(FIELDS, np.zeros_like(pressure))
+    fields |= {"pressure": pressure, "traction_x": 0.3 * pressure, "slip_x": -1e-3 * pressure}
+    scalars = dict.fromkeys(SCALARS, number + 0.5) | {"revolution": number}
+    profile = np.full(len(GRID.y), 1e-3 * number)
+    return Record(number, scalars, {"p_max_at": (0.0, 0.0)}, {"wear_profile": profile}, fields)
+
+
+@pytest.fixture
+def stored(folder):
+    """A results file of thirty records."""
+    path = folder / "stored.h5"
+    toml = 'title = "Stored [not markup]"\n[friction]\nmu = 0.3\n'
+    reference = {"a0": 1.0, "b0": 1.0, "p0": 1.0}
+    with HistoryWriter(path, toml, GRID, reference) as writer:
+        for number in range(30):
+            record = make_record(number)
+            writer.append(record if number in (0, 29) else replace(record, fields={}))
+        writer.finish("done", "as asked", {"contact_solves": 30, "wall_seconds": 2.0})
+    return path
+
+
+@pytest.fixture
+def roll(monkeypatch):
+    """A roll that computes nothing; returns the calls made, and ends as its `ending` says."""
+
+    class Roll:
+        ending = ("done", "conditions hold")
+        error = None
+
+        def __init__(self):
+            self.calls = []
+
+        def __call__(self, scene, path=None, *, overwrite=False, progress=None):
+            self.calls.append((scene, path, overwrite))
+            with HistoryWriter(path, scene.to_toml(), GRID, None, overwrite) as writer:
+                for number in range(3):
+                    writer.append(make_record(number))
+                    if progress is not None:
+                        progress(make_record(number))
+                if self.error is not None:
+                    raise self.error
+                writer.finish(*self.ending, {"contact_solves": 3, "wall_seconds": 0.1})
+            return open_history(path)
+
+    fake = Roll()
+    monkeypatch.setattr(pipeline, "roll", fake)
+    return fake

@@ -1,0 +1,59 @@
+import subprocess
+import sys
+from importlib.metadata import version
+
+import pytest
+
+from tractive_sam.scene import Scene, builtin_names
+
+
+def test_scenes(call):
+    lines = call("scenes").stdout.splitlines()
+    assert [line.split()[0] for line in lines] == list(builtin_names())
+    for name, line in zip(builtin_names(), lines, strict=True):
+        assert Scene.builtin(name).title in line
+
+
+def test_explain(call):
+    result = call("explain", "spheres", "--set", "title='Kept [as is]'")
+    assert result.exit_code == 0
+    assert "Kept [as is]" in result.stdout
+    assert "the scene has no [wear]" in result.stdout
+
+
+def test_explain_bad_input(call):
+    assert call("explain", "nonsense").exit_code == 2
+
+
+def test_version(call):
+    assert call("--version").stdout.strip() == f"tractive-sam {version('tractive-sam')}"
+
+
+@pytest.mark.parametrize(
+    "arguments", [["--help"], *([name, "-h"] for name in ("run", "show", "plot"))]
+)
+def test_help(call, arguments):
+    result = call(*arguments)
+    assert result.exit_code == 0
+    assert "Usage" in result.stdout
+
+
+def test_commands_load_what_they_need_only_when_run():
+    loaded = (
+        "import sys, tractive_sam.cli as c; print(any(m in sys.modules for m in ('matplotlib',)))"
+    )
+    found = subprocess.run(
+        [sys.executable, "-c", loaded], capture_output=True, text=True, check=True
+    )
+    assert found.stdout.strip() == "False"
+
+
+def test_module_is_the_program():
+    result = subprocess.run(
+        [sys.executable, "-m", "tractive_sam", "show", "missing.h5"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert result.returncode == 2
+    assert "missing.h5 does not exist" in result.stderr

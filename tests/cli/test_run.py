@@ -1,0 +1,121 @@
+from pathlib import Path
+
+import pytest
+
+from tractive_sam.scene import Scene
+from tractive_sam.store import open_history
+
+
+def test_builtin_scene_for_real(call):
+    result = call("run", "spheres", "--set", "grid.elements=[25, 25]", "-o", "round.h5")
+    assert result.exit_code == 0, result.output
+    history = open_history("round.h5")
+    assert history.finished
+    assert history["Qx_over_P"][-1] == pytest.approx(0.262, abs=0.01)
+    assert "Qx_over_P" in result.stdout
+    assert "round.h5: done" in result.stderr
+
+
+def test_scene_file_and_default_output(call, roll, folder):
+    (folder / "scenes").mkdir()
+    (folder / "scenes" / "mine.toml").write_text(Scene.builtin("spheres").to_toml())
+    assert call("run", "scenes/mine.toml").exit_code == 0
+    (_, path, overwrite) = roll.calls[0]
+    assert (path, overwrite) == (Path("mine.h5"), True)
+    assert (folder / "mine.h5").exists()
+
+
+def test_settings(call, roll):
+    call("run", "spheres", "--set", "load.approach=0.07", "--set", "friction.mu=[0.4, 0.2]")
+    scene = roll.calls[0][0]
+    assert (scene.load.normal, scene.load.approach) == (None, 0.07)
+    assert scene.friction.mu == (0.4, 0.2)
+
+
+def test_earlier_results_are_replaced_but_nothing_else(call, roll, folder):
+    for _ in range(2):
+        assert call("run", "spheres").exit_code == 0
+    (folder / "precious.h5").write_text("gold")
+    result = call("run", "spheres", "-o", "precious.h5")
+    assert result.exit_code == 2
+    assert "precious.h5 would be overwritten" in result.stderr
+    assert (folder / "precious.h5").read_text() == "gold"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["nonsense"], ["'nonsense'", "spheres", "twin-discs"]),
+        (["missing.toml"], ["missing.toml", "no such file"]),
+        (["spheres", "--set", "load.normal=-1"], ["load.normal", "-1", "above 0"]),
+        (["spheres", "--set", "no equals sign"], ["no equals sign", "table.key=value"]),
+        (["spheres", "--set", "lod.normal=1"], ["lod", "load"]),
+        (["spheres", "--set", "gap.file=no.csv"], ["gap.file", "existing file"]),
+        (["spheres", "-o", "no/folder/x.h5"], ["no/folder is not a folder"]),
+        ([], ["Missing argument"]),
+        (["spheres", "--unknown"], ["No such option"]),
+    ],
+)
+def test_bad_input(call, roll, arguments, told):
+    result = call("run", *arguments)
+    assert result.exit_code == 2
+    for text in told:
+        assert text in result.stderr
+    assert not result.stdout
+
+
+def test_every_fault_is_listed(call):
+    result = call("run", "spheres", "--set", "load.normal=-1", "--set", "friction.mu=a")
+    assert result.exit_code == 2
+    assert "2 faults" in result.stderr
+    assert "load.normal: given -1" in result.stderr
+    assert "friction.mu: given 'a'" in result.stderr
+
+
+def test_gap_that_cannot_be_read_is_a_fault_of_the_scene(call, folder):
+    (folder / "gap.csv").write_text("x,y,separation\n0,0,0\n")
+    result = call("run", "spheres", "--set", "gap.file=gap.csv")
+    assert result.exit_code == 2
+    assert "gap.file: given" in result.stderr
+
+
+def test_not_converged(call, roll):
+    roll.ending = ("stalled", "revolution 2: try solver.method")
+    result = call("run", "spheres")
+    assert result.exit_code == 3
+    assert "stalled; revolution 2: try solver.method" in result.stderr
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt(), OSError("disk full")])
+def test_stopped_early(call, roll, error):
+    roll.error = error
+    result = call("run", "spheres")
+    assert result.exit_code == 3
+    assert "spheres.h5" in result.stderr
+    assert open_history("spheres.h5").status == "stopped early"
+
+
+def test_memory_that_does_not_suffice(call, roll):
+    roll.error = MemoryError()
+    result = call("run", "spheres")
+    assert result.exit_code == 2
+    assert "coarser [grid]" in result.stderr
+
+
+def test_warning_is_a_note_of_one_line_about_the_final_scene(call, roll):
+    result = call("run", "spheres", "--set", "grid.elements=[7, 7]")
+    assert result.exit_code == 0
+    notes = [line for line in result.stderr.splitlines() if line.startswith("note: ")]
+    assert len(notes) == 1
+    assert "grid.elements" in notes[0]
+
+
+def test_progress_on_a_terminal(call, roll, monkeypatch):
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    result = call("run", "twin-discs")
+    assert result.exit_code == 0
+    assert "of 15000, wear" in result.stderr
+
+
+def test_no_progress_elsewhere(call, roll):
+    assert call("run", "twin-discs").stderr.splitlines() == ["twin-discs.h5: done; conditions hold"]

@@ -1,0 +1,74 @@
+import json
+from pathlib import Path
+
+import pytest
+
+from tractive_sam import plot
+from tractive_sam.cli.plot import Format
+from tractive_sam.operators import Grid
+from tractive_sam.store import HistoryWriter, open_history
+
+
+def test_show(call, stored):
+    result = call("show", stored)
+    assert result.exit_code == 0
+    for text in (
+        "Stored [not markup]",
+        "done",
+        "as asked",
+        "30, 2 with fields",
+        "20 of 30 records",
+    ):
+        assert text in result.stdout
+    assert "Qx_over_P" in result.stdout
+
+
+def test_show_json(call, stored):
+    result = call("show", stored, "--json")
+    assert json.loads(result.stdout) == open_history(stored).to_dict()
+    assert not result.stderr
+
+
+def test_show_and_plot_of_an_empty_history(call, folder):
+    HistoryWriter("empty.h5", "", Grid((1.0, 1.0), (9, 9)))
+    result = call("show", "empty.h5")
+    assert result.exit_code == 0
+    assert "running" in result.stdout
+    assert call("show", "empty.h5", "--json").exit_code == 0
+    result = call("plot", "empty.h5")
+    assert result.exit_code == 2
+    assert "no record to draw" in result.stderr
+
+
+@pytest.mark.parametrize("command", ["show", "plot"])
+def test_unreadable_results(call, folder, command):
+    assert call(command, "missing.h5").exit_code == 2
+    (folder / "text.h5").write_text("text")
+    result = call(command, "text.h5")
+    assert result.exit_code == 2
+    assert "is not an HDF5 file" in result.stderr
+
+
+def test_plot(call, stored, folder):
+    result = call("plot", stored)
+    assert result.exit_code == 0
+    files = {path.name for path in (folder / "stored-figures").iterdir()}
+    assert {"pressure-29.png", "forces.png"} <= files
+    assert len(result.stdout.splitlines()) == len(files)
+
+
+def test_plot_elsewhere_in_another_format(call, stored, monkeypatch):
+    asked = []
+    monkeypatch.setattr(plot, "save_all", lambda *given: asked.append(given[1:]) or ["a.svg"])
+    assert call("plot", stored, "-o", "here", "--format", "svg").stdout == "a.svg\n"
+    assert asked == [(Path("here"), "svg")]
+
+
+def test_plot_that_cannot_be_written(call, stored):
+    result = call("plot", stored, "-o", stored)
+    assert result.exit_code == 2
+    assert "cannot be written" in result.stderr
+
+
+def test_formats_are_those_of_the_figures():
+    assert tuple(Format) == plot.FORMATS

@@ -1,0 +1,147 @@
+import io
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.collections import QuadMesh
+from matplotlib.figure import Figure
+
+from tests.plot import strip_theory as strips
+from tractive_sam import plot
+
+OF_A_STATE = (
+    plot.pressure,
+    plot.traction,
+    plot.traction_sections,
+    plot.stick_slip_map,
+    plot.wear_map,
+)
+OF_A_HISTORY = (
+    plot.forces,
+    plot.widths,
+    plot.wear_depth,
+    plot.wear_profiles,
+    plot.pressure_profiles,
+    plot.pressure_over_revolutions,
+    plot.slip_over_revolutions,
+    plot.wear_over_revolutions,
+)
+
+
+def drawn(figure):
+    """The figure, after it was drawn; warnings are errors in these tests."""
+    assert isinstance(figure, Figure)
+    figure.savefig(io.BytesIO(), dpi=40)
+    return figure
+
+
+def labels(figure):
+    return {text for ax in figure.axes for text in (ax.get_xlabel(), ax.get_ylabel())}
+
+
+@pytest.mark.parametrize("draw", OF_A_STATE)
+def test_figures_of_a_state(draw):
+    of_contact = drawn(draw(strips.contact()))
+    of_history = drawn(draw(strips.history(), 10))
+    assert labels(of_contact) == labels(of_history) >= {"$x/a_0$"}
+    assert of_contact.get_suptitle() == "Strips"
+    assert of_history.get_suptitle().replace("\n", " ") == "Strips, N\u00a0=\u00a010"
+
+
+@pytest.mark.parametrize("draw", OF_A_HISTORY)
+def test_figures_of_a_history(draw):
+    drawn(draw(strips.history()))
+
+
+@pytest.mark.parametrize("draw", [plot.pressure, plot.stick_slip_map, plot.traction])
+def test_maps_are_true_to_scale(draw):
+    figure = drawn(draw(strips.contact()))
+    box = figure.axes[0].get_window_extent()
+    (left, right), (bottom, top) = figure.axes[0].get_xlim(), figure.axes[0].get_ylim()
+    assert box.width / box.height == pytest.approx((right - left) / (top - bottom), rel=1e-6)
+
+
+def test_maps_side_by_side_share_their_colours():
+    figure = plot.pressure_over_revolutions(strips.history())
+    *maps, bar = figure.axes
+    assert [ax.get_title() for ax in maps] == ["$N = 0$", "$N = 10$", "$N = 100$"]
+    meshes = [mesh for ax in maps for mesh in ax.collections if isinstance(mesh, QuadMesh)]
+    assert len(meshes) == 3
+    for mesh in meshes:
+        assert mesh.get_clim() == pytest.approx((0.0, 1.0))
+    assert bar.get_ylabel() == "$p_n/p_0$"
+
+
+def test_nothing_overlaps_the_edge_of_the_paper():
+    for draw in OF_A_STATE:
+        figure = drawn(draw(strips.history(), 100))
+        box = figure.get_tightbbox()
+        width, height = figure.get_size_inches()
+        assert box.x0 >= 0, draw
+        assert box.y0 >= 0, draw
+        assert box.x1 <= width, draw
+        assert box.y1 <= height, draw
+
+
+def test_sections_of_orthotropic_friction_show_both_bounds():
+    toml = "[friction]\nmu = [0.4, 0.2]\n"
+    lateral = strips.traction(0.2, direction=(0.6, 0.8))
+    figure = drawn(plot.traction_sections(strips.contact(toml, traction=lateral)))
+    names = {text.get_text() for text in figure.legends[0].get_texts()}
+    assert names == {"$p_x$", "$p_y$", "bound of $p_x$", "bound of $p_y$"}
+
+
+def test_component_that_is_not_there_is_not_drawn():
+    figure = drawn(plot.traction_sections(strips.contact()))
+    names = {text.get_text() for text in figure.legends[0].get_texts()}
+    assert names == {"$p_x$", r"$\pm\mu\,p_n$"}
+
+
+def test_creep_force_curve():
+    xi = np.linspace(0, 1.5, 4)
+    figure = drawn(plot.creep_force_curve({"here": (xi, xi)}, {"there": (xi, xi)}))
+    names = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
+    assert names[:2] == ["here", "there"]
+    assert len(names) == 4
+    assert len(plot.creep_force_curve({"here": (xi, xi)}, theory=False).axes[0].lines) == 1
+
+
+def test_without_contact_the_reason_is_told():
+    with pytest.raises(ValueError, match="do not touch"):
+        plot.pressure(strips.contact(pressure=np.zeros((31, 33))))
+
+
+def test_title_is_no_math():
+    drawn(plot.pressure(strips.contact('title = "costs $5_{ or $6"')))
+
+
+def test_settings_of_the_session_stay_as_they_are():
+    names = ("font.family", "font.size", "figure.constrained_layout.use", "savefig.dpi")
+    before = [mpl.rcParams[name] for name in names]
+    plot.pressure(strips.contact())
+    assert [mpl.rcParams[name] for name in names] == before
+
+
+class TestSaveAll:
+    def test_history(self, tmp_path):
+        paths = plot.save_all(strips.history(), tmp_path / "new" / "folder")
+        assert all(path.stat().st_size for path in paths)
+        names = {path.name for path in paths}
+        assert {"pressure-0.png", "pressure-100.png", "wear-100.png", "forces.png"} <= names
+        assert not {"pressure-10.png", "wear-0.png", "pressure.png"} & names
+        assert len(names) == len(paths) == 17
+
+    def test_one_state(self, tmp_path):
+        one = strips.history(stored=(0,))
+        one = type(one)(**{**vars(one), "scalars": {k: v[:1] for k, v in one.scalars.items()}})
+        paths = plot.save_all(one, tmp_path, "svg")
+        assert {path.name for path in paths} == {
+            "pressure.svg",
+            "traction.svg",
+            "traction-sections.svg",
+            "stick-slip.svg",
+        }
+
+    def test_no_fields(self, tmp_path):
+        paths = plot.save_all(strips.history(stored=()), tmp_path, "pdf")
+        assert {path.name for path in paths} == {"forces.pdf", "widths.pdf", "wear-depth.pdf"}

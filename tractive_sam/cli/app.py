@@ -1,0 +1,48 @@
+"""The program `tractive-sam` and its commands."""
+
+from typing import Annotated
+
+import typer
+
+from tractive_sam.cli.explain import explain
+from tractive_sam.cli.plot import plot
+from tractive_sam.cli.run import run
+from tractive_sam.cli.scenes import scenes
+from tractive_sam.cli.show import show
+
+app = typer.Typer(
+    name="tractive-sam",
+    help="Tractive rolling contact: forces, stick and slip, wear.",
+    epilog="Exit status: 0 done; 2 the input is not valid; 3 not converged or stopped early.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+for command in (run, show, plot, explain, scenes):
+    app.command()(command)
+
+
+def main() -> None:
+    """Run the program."""
+    app()
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        typer.echo(f"tractive-sam {version('tractive-sam')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", help="Print the version.", callback=_print_version, is_eager=True
+        ),
+    ] = False,
+) -> None:
+    pass

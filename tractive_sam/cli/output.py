@@ -1,0 +1,67 @@
+"""What the program says: tables on the standard output, notes and errors beside it."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from enum import IntEnum
+
+import typer
+from rich.console import Console
+from rich.text import Text
+
+PIPE_WIDTH = 120
+"""Columns where the output is no terminal."""
+
+
+class Status(IntEnum):
+    """Exit statuses."""
+
+    DONE = 0
+    INVALID = 2
+    INCOMPLETE = 3
+
+
+def console(stderr: bool = False) -> Console:
+    """Console of this moment's standard output, or of the standard error."""
+    found = Console(stderr=stderr, highlight=False, markup=False)
+    if not found.is_terminal:
+        found.width = PIPE_WIDTH
+    return found
+
+
+def say(*parts: str | tuple[str, str]) -> None:
+    """Print a line on the standard error; parts are text, or pairs of text and style."""
+    console(stderr=True).print(Text.assemble(*parts), soft_wrap=True)
+
+
+def stop(status: Status, *parts: str | tuple[str, str]) -> typer.Exit:
+    """Print an error; returns what is to be raised."""
+    say(("error: ", "bold red"), *parts)
+    return typer.Exit(status)
+
+
+@contextmanager
+def bad_input_told() -> Iterator[None]:
+    """Turn errors that the user can cure into messages and an exit status."""
+    from tractive_sam.scene import SceneError
+    from tractive_sam.store import GapError, ResultsError
+
+    try:
+        yield
+    except SceneError as error:
+        raise _faults(error.faults) from None
+    except GapError as error:
+        raise _faults([error]) from None
+    except ResultsError as error:
+        raise stop(Status.INVALID, str(error)) from None
+    except MemoryError:
+        cure = "a coarser [grid]; tractive-sam explain tells what a scene takes"
+        raise stop(Status.INVALID, f"the memory does not suffice; choose {cure}") from None
+
+
+def _faults(faults) -> typer.Exit:
+    """List faults: anything with key, given and allowed."""
+    count = f"{len(faults)} faults" if len(faults) > 1 else "1 fault"
+    leave = stop(Status.INVALID, f"{count} in the scene")
+    for fault in faults:
+        say("  ", (fault.key, "bold"), f": given {fault.given}; allowed: {fault.allowed}")
+    return leave

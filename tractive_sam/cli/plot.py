@@ -1,0 +1,47 @@
+"""``tractive-sam plot``: figures of a results file."""
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from tractive_sam.cli.output import Status, bad_input_told, stop
+from tractive_sam.cli.show import Results
+
+
+class Format(StrEnum):
+    """Formats of figures, as `tractive_sam.plot.FORMATS`."""
+
+    PNG = "png"
+    PDF = "pdf"
+    SVG = "svg"
+
+
+def plot(
+    file: Results,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="DIR",
+            help="Folder of the figures; by default, FILE-figures in the working folder.",
+        ),
+    ] = None,
+    format: Annotated[Format, typer.Option(help="Format of the figures.")] = Format.PNG,
+) -> None:
+    """Draw every figure that a results file has something to show in."""
+    with bad_input_told():
+        from tractive_sam.plot import save_all
+        from tractive_sam.store import open_history
+
+        history = open_history(file)
+        try:
+            paths = save_all(history, output or Path(f"{file.stem}-figures"), format)
+        except OSError as error:
+            raise stop(Status.INVALID, f"the figures cannot be written: {error}") from None
+    if not paths:
+        raise stop(Status.INVALID, f"{file} holds no record to draw yet")
+    for path in paths:
+        typer.echo(path)

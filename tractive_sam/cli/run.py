@@ -1,0 +1,83 @@
+"""``tractive-sam run``: computes a scene into a results file."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from tractive_sam.cli.output import Status, bad_input_told, console, say, stop
+from tractive_sam.cli.scene_input import SceneName, Settings, read_scene
+
+if TYPE_CHECKING:
+    from tractive_sam.record import Record
+    from tractive_sam.scene import Scene
+
+
+def run(
+    scene: SceneName,
+    settings: Settings = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="FILE.h5",
+            help="Results file; that of an earlier run is replaced. By default, the name of the "
+            "scene in the working folder.",
+        ),
+    ] = None,
+) -> None:
+    """Compute a scene, all its revolutions, into a results file."""
+    from tractive_sam import pipeline
+    from tractive_sam.cli import tables
+
+    output = output or Path(Path(scene).name).with_suffix(".h5")
+    with bad_input_told():
+        asked = read_scene(scene, settings)
+        try:
+            with _progress(asked) as progress:
+                history = pipeline.roll(asked, output, overwrite=True, progress=progress)
+        except KeyboardInterrupt:
+            told = f"; {output} holds what was computed" if output.exists() else ""
+            raise stop(Status.INCOMPLETE, f"interrupted{told}") from None
+        except OSError as error:
+            raise stop(Status.INCOMPLETE, f"{output} cannot be written: {error}") from None
+    if len(history):
+        console().print(tables.last_record(history))
+    say(f"{output}: {history.status}; {history.message}")
+    if not history.finished:
+        raise stop(Status.INCOMPLETE, "the computation ended early; the file holds it up to there")
+
+
+@contextmanager
+def _progress(scene: "Scene") -> Iterator[Callable[["Record"], None] | None]:
+    """Show how far the revolutions are, on a terminal."""
+    terminal = console(stderr=True)
+    if not terminal.is_terminal:
+        yield None
+        return
+    from rich import progress as bars
+
+    revolutions = scene.wear.revolutions if scene.wear is not None else None
+    columns = (
+        bars.SpinnerColumn(),
+        bars.TextColumn("{task.description}"),
+        bars.BarColumn(),
+        bars.TimeElapsedColumn(),
+        bars.TextColumn("left"),
+        bars.TimeRemainingColumn(),
+    )
+    with bars.Progress(*columns, console=terminal, transient=True) as bar:
+        task = bar.add_task("solving the new bodies", total=revolutions)
+
+        def advance(record: "Record") -> None:
+            done, depth = record.revolution, 1e3 * record.scalars["wear_max"]
+            bar.update(
+                task,
+                completed=done,
+                description=f"revolution {done} of {revolutions or 0}, wear {depth:.3g} µm",
+            )
+
+        yield advance

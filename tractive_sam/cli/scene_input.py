@@ -1,0 +1,49 @@
+"""The scene that a command is given."""
+
+import warnings
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, TypeAlias
+
+import typer
+
+from tractive_sam.cli.output import say
+
+if TYPE_CHECKING:
+    from tractive_sam.scene import Scene
+
+SceneName: TypeAlias = Annotated[
+    str, typer.Argument(metavar="SCENE", help="A scene file (TOML), or a built-in name.")
+]
+
+Settings: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="TABLE.KEY=VALUE",
+        help="Change an entry of the scene; may be repeated. One of two alternatives removes the "
+        "other.",
+    ),
+]
+
+
+def read_scene(name: str, settings: list[str] | None) -> "Scene":
+    """Read a scene, change its settings, and print a note of each warning about the result.
+
+    Raises
+    ------
+    SceneError
+        With every fault.
+    """
+    from tractive_sam.scene import Scene
+
+    path = Path(name)
+    is_file = path.suffix == ".toml" or path.is_file()
+    with warnings.catch_warnings(record=True) as notes:
+        warnings.simplefilter("always")
+        scene = Scene.from_toml(path) if is_file else Scene.builtin(name)
+        if settings:
+            notes.clear()  # the settings may have cured what was warned of
+            scene = scene.with_set(settings)
+    for text in dict.fromkeys(str(note.message) for note in notes):
+        say(("note: ", "bold yellow"), text)
+    return scene

@@ -1,0 +1,75 @@
+"""Results as tables for people."""
+
+import math
+from typing import TYPE_CHECKING
+
+from rich import box
+from rich.table import Table
+
+if TYPE_CHECKING:
+    from tractive_sam.record import History
+
+COURSE = (
+    ("revolution", "N", 1, "d"),
+    ("Qx_over_P", "Qx/P", 1, ".4f"),
+    ("Qy_over_P", "Qy/P", 1, ".4f"),
+    ("p_max", "p_max\nMPa", 1, ".4g"),
+    ("half_width_x", "half x\nmm", 1, ".4g"),
+    ("half_width_y", "half y\nmm", 1, ".4g"),
+    ("wear_max", "wear\nµm", 1e3, ".4g"),
+    ("stick_fraction", "stick\n%", 100, ".1f"),
+    ("residual", "residual", 1, ".0e"),
+)
+"""What is told of every record: name, heading, factor and format."""
+
+MOST_ROWS = 20
+
+
+def about(history: "History") -> Table:
+    """What was computed, and how it ended."""
+    table = Table.grid(padding=(0, 2))
+    rows = {"scene": history.title, "status": history.status, "message": history.message}
+    if math.isfinite(history.p0):
+        unworn = f"a0 = {history.a0:.5g} mm, b0 = {history.b0:.5g} mm, p0 = {history.p0:.6g} MPa"
+        rows["unworn contact"] = unworn
+    rows["records"] = f"{len(history)}, {len(history.field_revolutions)} with fields"
+    totals = history.totals
+    if totals:
+        spent = f"{totals['contact_solves']:.0f} contacts solved in {totals['wall_seconds']:.3g} s"
+        rows["cost"] = spent
+    for name, value in rows.items():
+        table.add_row(name, value)
+    return table
+
+
+def last_record(history: "History") -> Table:
+    """The last record, one quantity a row."""
+    from tractive_sam.record import SCALARS
+
+    table = Table(box=box.SIMPLE_HEAD, show_header=False)
+    table.add_column(style="bold")
+    table.add_column(justify="right")
+    table.add_column()
+    table.add_column(style="dim")
+    for name, quantity in SCALARS.items():
+        unit = "" if quantity.unit == "1" else quantity.unit
+        table.add_row(name, _number(history[name][-1]), unit, quantity.long_name)
+    return table
+
+
+def records(history: "History") -> Table:
+    """Some records from the first to the last, one a row."""
+    count = len(history)
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for _, heading, _, _ in COURSE:
+        table.add_column(heading, justify="right", no_wrap=True)
+    shown = sorted({round(k * (count - 1) / (MOST_ROWS - 1)) for k in range(MOST_ROWS)})
+    for row in shown:
+        table.add_row(*(format(history[name][row] * f, form) for name, _, f, form in COURSE))
+    if len(shown) < count:
+        table.caption = f"{len(shown)} of {count} records; show --json tells all"
+    return table
+
+
+def _number(value: float) -> str:
+    return f"{value:.0f}" if float(value).is_integer() and abs(value) < 1e9 else f"{value:.4g}"

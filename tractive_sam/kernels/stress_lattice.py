@@ -1,0 +1,202 @@
+"""The patch integrals at all offsets of a regular mesh, in tables made for transforms.
+
+On a mesh the corners of the patches form a lattice, and each is shared by four patches: the corner
+forms of :mod:`tractive_sam.kernels.stress` are evaluated once a corner, their logarithms and
+arctangents by numpy, many at a time; differences between corners make the integrals. Far from the
+patch those differences lose digits, but not more than a sum over the whole mesh does: their error
+is absolute, about 1e-15 at any distance, like that of the transforms.
+
+**Packing.** An integral is even (e) or odd (o) in x and in y. Four of them, one of each parity, add
+up to one real function of the whole plane, whose spectrum S falls apart again:
+
+    S(+-k_x, k_y) = ee -+ oo - i (eo +- oe),
+
+ee, oe, eo and oo being the real sums with cosines and sines. So four real transforms serve all 14
+integrals (`PACKS`). FFTW's cosine and sine transforms of one quadrant take 1.5 to 4 times as long.
+In one dimension two integrals share a transform in the same way.
+"""
+
+import numpy as np
+from numba import njit
+
+PACKS = (
+    (4, 0, 1, 5),  # xxz, xxx, xxy, xyz
+    (6, 2, 3, 11),  # yyz, xyy, yyy, psi_xy
+    (9, 7, 8, 14),  # zzz, xzz, yzz
+    (10, 13, 12, 14),  # psi_xx, chi_xyy, chi_xxy
+)
+"""Integrals that share a transform, even-even, odd-even, even-odd and odd-odd in (x, y).
+
+Numbered as `stress.patch_integrals` returns them; the last, 14, stands for none."""
+
+_ODD_X = (0, 2, 5, 7, 11, 13)
+_ODD_Y = (1, 3, 5, 8, 11, 12)
+
+_ROWS = 16
+"""Rows of corners evaluated at a time: few enough to stay in the cache."""
+
+# Sums may be added in any order, which lets the compiler use vector instructions.
+_vector = njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract", "nsz", "reassoc"})
+
+
+def layer_table(out: np.ndarray, z: float, dx: float, dy: float, rows: range) -> None:
+    """Set the packed integrals at the offsets of a mesh at one depth.
+
+    Parameters
+    ----------
+    out : ndarray, shape (4, p_x, p_y)
+        Set at [:, +-i, :] for every i of `rows`: the sums of `PACKS` at the offset (i dx, j dy),
+        observer minus centre of the patch, at index (i mod p_x, j mod p_y); p_x and p_y even.
+    z : float
+        Depth, at least 0.
+    dx, dy : float
+        Sides of the patch and steps of the offsets.
+    rows : range
+        Part of range(p_x/2 + 1).
+    """
+    ys = (np.arange(out.shape[2] // 2 + 2) - 0.5) * dy
+    for first in range(rows.start, rows.stop, _ROWS):
+        last = min(first + _ROWS, rows.stop)
+        xs = (np.arange(first, last + 1) - 0.5) * dx
+        _pack_layer(out, first, xs, ys, z, *_logs_and_angles(xs, ys, z))
+
+
+def edge_table(out: np.ndarray, xs: np.ndarray, z: float, dy: float) -> None:
+    """Set the packed integrals of strips that end in an edge x = const.
+
+    A strip is as wide as a patch, -dy/2 < y < dy/2, and runs in x from the edge; what depends on
+    its other end is left out, so that the difference between the edges of a patch is its integral.
+
+    Parameters
+    ----------
+    out : ndarray, shape (8, edges, p_y)
+        For each of `PACKS` the sums ee + eo and oe + oo, at the offset j dy at index j mod p_y;
+        p_y even.
+    xs : ndarray, shape (edges,)
+        Observer minus edge, at least 0. Where x > 0 is mirrored, ee and eo change sign.
+    z : float
+        Depth, at least 0.
+    dy : float
+        Side of the patch and step of the offsets.
+    """
+    ys = (np.arange(out.shape[2] // 2 + 2) - 0.5) * dy
+    for first in range(0, xs.size, _ROWS):
+        part = xs[first : first + _ROWS]
+        _pack_edges(out, first, part, ys, z, *_logs_and_angles(part, ys, z))
+
+
+def _logs_and_angles(xs: np.ndarray, ys: np.ndarray, z: float) -> tuple[np.ndarray, np.ndarray]:
+    """Logarithms (3) and arctangents (2) of the corner forms at (xs[i], ys[j], z)."""
+    logs, angles = np.empty((3, xs.size, ys.size)), np.empty((2, xs.size, ys.size))
+    _arguments(logs, angles, xs, ys, z)
+    return np.log(logs, out=logs), np.arctan(angles, out=angles)
+
+
+@_vector
+def _distance2(x, z, width):
+    """x² + z², and width² where that is 0: see `stress.log_argument`."""
+    p = x * x + z * z
+    return p if p > 0.0 else width * width
+
+
+@_vector
+def _arguments(logs, angles, xs, ys, z):
+    """Set what logarithms and arctangents are taken of."""
+    for i in range(xs.size):
+        x = xs[i]
+        p = _distance2(x, z, ys[1] - ys[0])
+        for j in range(ys.size):
+            y = ys[j]
+            q = y * y + z * z
+            r = np.sqrt(x * x + q)
+            logs[0, i, j] = y + r if y >= 0.0 else p / (r - y)
+            logs[1, i, j] = x + r if x >= 0.0 else q / (r - x)
+            logs[2, i, j] = r + z
+            angles[0, i, j] = x * y / (p + z * r)
+            angles[1, i, j] = x * y / (q + z * r)
+
+
+@_vector
+def _corners(out, logs, angles, x, ys, z):
+    """Set the 14 corner forms at (x, ys[j], z)."""
+    p = _distance2(x, z, ys[1] - ys[0])
+    for j in range(ys.size):
+        y = ys[j]
+        q = y * y + z * z
+        r = np.sqrt(x * x + q)
+        over_r, over_t = 1.0 / r, 1.0 / (r + z)
+        ln_y, ln_x, psi_xx = logs[0, j], logs[1, j], angles[0, j]
+        solid = psi_xx + angles[1, j]
+        y_r, x_r = y * over_r, x * over_r
+        z_p, z_q = z / p, z / q
+        zzy_p, zzx_q = z * z_p * y_r, z * z_q * x_r
+        zxy_p, zxy_q = z_p * x * y_r, z_q * x * y_r
+        out[0, j] = zzy_p - y_r - 2.0 * ln_y
+        out[1, j] = x_r - ln_x
+        out[2, j] = y_r - ln_y
+        out[3, j] = zzx_q - x_r - 2.0 * ln_x
+        out[4, j] = solid - zxy_p
+        out[5, j] = z * over_r
+        out[6, j] = solid - zxy_q
+        out[7, j] = -zzy_p
+        out[8, j] = -zzx_q
+        out[9, j] = solid + zxy_p + zxy_q
+        out[10, j] = psi_xx
+        out[11, j] = logs[2, j]
+        out[12, j] = -x * over_t
+        out[13, j] = -y * over_t
+
+
+@_vector
+def _pack_layer(out, first, xs, ys, z, logs, angles):
+    """Difference the corners and add up the packs, at all four images of every offset."""
+    px, py = out.shape[1], out.shape[2]
+    half = py // 2
+    behind, ahead = np.empty((14, ys.size)), np.empty((14, ys.size))
+    patch = np.zeros((15, half + 1))
+    _corners(behind, logs[:, 0], angles[:, 0], xs[0], ys, z)
+    for n in range(1, xs.size):
+        _corners(ahead, logs[:, n], angles[:, n], xs[n], ys, z)
+        for c in range(14):
+            for j in range(half + 1):
+                patch[c, j] = (ahead[c, j + 1] - ahead[c, j]) - (behind[c, j + 1] - behind[c, j])
+        behind, ahead = ahead, behind
+        i = first + n - 1
+        # Half a period away odd functions have to vanish, for the packs to fall apart again; no
+        # load is as far away as that.
+        if 2 * i == px:
+            for c in _ODD_X:
+                patch[c] = 0.0
+        for c in _ODD_Y:
+            patch[c, half] = 0.0
+        k = (px - i) % px
+        for a, (ee, oe, eo, oo) in enumerate(PACKS):
+            for j in range(half + 1):
+                even, odd = patch[ee, j] + patch[eo, j], patch[oe, j] + patch[oo, j]
+                out[a, i, j] = even + odd
+                out[a, k, j] = even - odd
+            for j in range(1, half):
+                even, odd = patch[ee, j] - patch[eo, j], patch[oe, j] - patch[oo, j]
+                out[a, i, py - j] = even + odd
+                out[a, k, py - j] = even - odd
+
+
+@_vector
+def _pack_edges(out, first, xs, ys, z, logs, angles):
+    """Difference the corners along an edge and add up the packs, at both images of every offset."""
+    py = out.shape[2]
+    half = py // 2
+    ends, strip = np.empty((14, ys.size)), np.zeros((15, half + 1))
+    for n in range(xs.size):
+        _corners(ends, logs[:, n], angles[:, n], xs[n], ys, z)
+        for c in range(14):
+            for j in range(half + 1):
+                strip[c, j] = ends[c, j + 1] - ends[c, j]
+        for c in _ODD_Y:
+            strip[c, half] = 0.0
+        for a, (ee, oe, eo, oo) in enumerate(PACKS):
+            for b, (even, odd) in enumerate(((ee, eo), (oe, oo))):
+                for j in range(half + 1):
+                    out[2 * a + b, first + n, j] = strip[even, j] + strip[odd, j]
+                for j in range(1, half):
+                    out[2 * a + b, first + n, py - j] = strip[even, j] - strip[odd, j]

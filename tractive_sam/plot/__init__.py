@@ -1,0 +1,39 @@
+"""Figures as the field draws them; the only room that draws.
+
+Every function returns a matplotlib `Figure` that belongs to no window and no global state.
+"""
+
+from tractive_sam.plot.courses import forces, wear_depth, widths
+from tractive_sam.plot.creep_force import creep_force_curve
+from tractive_sam.plot.evolution import (
+    pressure_over_revolutions,
+    slip_over_revolutions,
+    wear_over_revolutions,
+)
+from tractive_sam.plot.fields import pressure, stick_slip_map, traction, wear_map
+from tractive_sam.plot.gallery import FORMATS, save_all
+from tractive_sam.plot.profiles import pressure_profiles, wear_profiles
+from tractive_sam.plot.scale import Scale
+from tractive_sam.plot.sections import traction_sections
+from tractive_sam.plot.state import State
+
+__all__ = [
+    "FORMATS",
+    "Scale",
+    "State",
+    "creep_force_curve",
+    "forces",
+    "pressure",
+    "pressure_over_revolutions",
+    "pressure_profiles",
+    "save_all",
+    "slip_over_revolutions",
+    "stick_slip_map",
+    "traction",
+    "traction_sections",
+    "wear_depth",
+    "wear_map",
+    "wear_over_revolutions",
+    "wear_profiles",
+    "widths",
+]

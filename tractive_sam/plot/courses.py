@@ -1,0 +1,57 @@
+"""Numbers over the revolutions: forces, and the size and pressure of the contact."""
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from tractive_sam.plot.scale import Scale
+from tractive_sam.plot.style import WIDTH, set_title, styled
+from tractive_sam.record import History
+
+
+@styled
+def forces(history: History) -> Figure:
+    """Forces on body A over the normal load, over the revolutions."""
+    figure, axes = _over_revolutions(history)
+    for name, label in (("Qx_over_P", "$Q_x/P$"), ("Qy_over_P", "$Q_y/P$")):
+        _course(axes, history, history[name], label)
+    axes.set_ylabel("force / normal load")
+    axes.legend(loc="best")
+    return figure
+
+
+@styled
+def widths(history: History) -> Figure:
+    """Half widths of the contact and its largest pressure, over the revolutions."""
+    figure, axes = _over_revolutions(history)
+    scale = Scale.of_history(history)
+    a, b, p = scale.a_symbol, scale.b_symbol, scale.p_symbol
+    _course(axes, history, history["half_width_x"] / scale.a, f"half width in $x$ / ${a}$")
+    _course(axes, history, history["half_width_y"] / scale.b, f"half width in $y$ / ${b}$")
+    _course(axes, history, history["p_max"] / scale.p, f"largest pressure / ${p}$")
+    axes.set_ylim(bottom=0.0)
+    axes.set_ylabel("relative to the unworn contact")
+    axes.legend(loc="best")
+    return figure
+
+
+@styled
+def wear_depth(history: History) -> Figure:
+    """Largest wear depth of both bodies together, over the revolutions."""
+    figure, axes = _over_revolutions(history)
+    _course(axes, history, 1e3 * history["wear_max"], "")
+    axes.set_ylim(bottom=0.0)
+    axes.set_ylabel(r"largest wear depth ($\mathrm{\mu m}$)")
+    return figure
+
+
+def _over_revolutions(history: History) -> tuple[Figure, Axes]:
+    figure = Figure(figsize=(WIDTH, 0.66 * WIDTH))
+    axes = figure.add_subplot()
+    axes.set(xlabel="revolutions $N$", xlim=(0, max(1, history["revolution"][-1])))
+    set_title(figure, history.title)
+    return figure, axes
+
+
+def _course(axes: Axes, history: History, values, label: str) -> None:
+    (line,) = axes.plot(history["revolution"], values, label=label)
+    line.set_clip_on(False)

@@ -1,0 +1,61 @@
+"""Maps side by side, one for each stored revolution."""
+
+from collections.abc import Callable
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from tractive_sam.plot.map import Map
+from tractive_sam.plot.profiles import chosen
+from tractive_sam.plot.state import State
+from tractive_sam.plot.style import MICRON, PRESSURE, SLIP, WEAR, styled
+from tractive_sam.record import History
+
+MOST = 6
+"""Maps of a figure; of more revolutions some are left out."""
+
+
+@styled
+def pressure_over_revolutions(history: History) -> Figure:
+    """Pressure p_n/p_0 at the stored revolutions."""
+    return _maps(history, _pressure, "$p_n/{p}$", PRESSURE, Map.fill)
+
+
+@styled
+def slip_over_revolutions(history: History) -> Figure:
+    """Slip |s|/V at the stored revolutions."""
+    return _maps(history, _slip, "$|s|/V$", SLIP, Map.fill_up_to_edge)
+
+
+@styled
+def wear_over_revolutions(history: History) -> Figure:
+    """Wear depth of both bodies together, in the contact, at the stored revolutions."""
+    return _maps(history, _wear, r"$w$ ($\mathrm{{\mu m}}$)", WEAR, Map.fill_up_to_edge)
+
+
+def _maps(
+    history: History,
+    values: Callable[[State], np.ndarray],
+    label: str,
+    colours: str,
+    fill: Callable,
+) -> Figure:
+    states = [State.of_history(history, N) for N in chosen(history.field_revolutions, MOST)]
+    figure, charts = Map.row(states)
+    highest = max(values(state)[state.touching].max() for state in states)
+    for chart in charts:
+        mesh = fill(chart, values(chart.state), cmap=colours, vmin=0.0, vmax=highest)
+    charts[-1].colour_bar(mesh, label.format(p=states[0].scale.p_symbol))
+    return figure
+
+
+def _pressure(state: State) -> np.ndarray:
+    return state.pressure / state.scale.p
+
+
+def _slip(state: State) -> np.ndarray:
+    return np.hypot(*state.slip)
+
+
+def _wear(state: State) -> np.ndarray:
+    return MICRON * state.wear

@@ -1,0 +1,71 @@
+"""Figures of one state: pressure, traction, stick and slip, wear.
+
+Each takes a `State`, a solved `Contact`, or a `History` and one of its stored revolutions (the
+last by default).
+"""
+
+import numpy as np
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from tractive_sam.plot.map import Map
+from tractive_sam.plot.state import Source, State
+from tractive_sam.plot.style import MICRON, ORANGE, PRESSURE, SKY, TRACTION, WEAR, styled
+
+
+@styled
+def pressure(source: Source, revolution: int | None = None) -> Figure:
+    """Map of the pressure p_n/p_0."""
+    state = State.of(source, revolution)
+    figure, chart = Map.single(state)
+    mesh = chart.fill(state.pressure / state.scale.p, cmap=PRESSURE, vmin=0.0)
+    chart.colour_bar(mesh, f"$p_n/{state.scale.p_symbol}$")
+    return figure
+
+
+@styled
+def traction(source: Source, revolution: int | None = None) -> Figure:
+    """Map of the traction ||p_t||_mu/p_0 on body A, its directions, and the edge of stick.
+
+    Where friction is isotropic that is |p_t|/(mu p_0).
+    """
+    state = State.of(source, revolution)
+    figure, chart = Map.single(state)
+    mesh = chart.fill(state.utilisation / state.scale.p, cmap=TRACTION, vmin=0.0)
+    chart.stick_edge(colors="white", linewidths=1.2, linestyles="--")
+    chart.arrows(state.traction, state.touching, color="white")
+    p = state.scale.p_symbol
+    label = rf"$|p_t|/(\mu\,{p})$" if state.isotropic else rf"$\|p_t\|_\mu/{p}$"
+    chart.colour_bar(mesh, label)
+    return figure
+
+
+@styled
+def stick_slip_map(source: Source, revolution: int | None = None) -> Figure:
+    """Map of the elements that stick and that slip, and the directions of the slip of A over B."""
+    state = State.of(source, revolution)
+    figure, chart = Map.single(state)
+    chart.fill_elements(state.sliding, cmap=ListedColormap([SKY, ORANGE]), vmin=0, vmax=1)
+    chart.arrows(state.slip, state.sliding, color="black")
+    sliding = np.count_nonzero(state.sliding) / np.count_nonzero(state.touching)
+    chart.axes.legend(
+        handles=[
+            Patch(color=SKY, label=f"stick, {1 - sliding:.0%}"),
+            Patch(color=ORANGE, label=f"slip, {sliding:.0%}"),
+        ],
+        loc="upper left",
+        bbox_to_anchor=(1.0, 1.02),
+        handlelength=1.0,
+    )
+    return figure
+
+
+@styled
+def wear_map(source: Source, revolution: int | None = None) -> Figure:
+    """Map of the wear depth of both bodies together, in the contact."""
+    state = State.of(source, revolution)
+    figure, chart = Map.single(state)
+    mesh = chart.fill_up_to_edge(MICRON * state.wear, cmap=WEAR)
+    chart.colour_bar(mesh, r"$w$ ($\mathrm{\mu m}$)")
+    return figure

@@ -1,0 +1,79 @@
+"""The rectangle that a map shows, and its size on paper."""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import MultipleLocator
+
+from tractive_sam.plot.state import State
+
+MARGIN = 0.15
+"""Around the contact, in parts of its smaller half width."""
+
+LONGEST = 5.5
+"""Most that a map measures from bottom to top, inches."""
+
+STEPS = (0.2, 0.5, 1, 2, 5, 10, 20, 50, 100)
+"""Distances of ticks."""
+
+TICK_ROOM = 0.3
+"""Of a tick and its number, inches."""
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A rectangle in half widths a, true to scale on paper.
+
+    Attributes
+    ----------
+    left, right, bottom, top : float
+        Its sides.
+    width, height : float
+        On paper, inches.
+    """
+
+    left: float
+    right: float
+    bottom: float
+    top: float
+    width: float
+    height: float
+
+    @classmethod
+    def around(cls, *states: State, width: float) -> Self:
+        """Frame around the contacts of all states, on paper at most that wide.
+
+        Raises
+        ------
+        ValueError
+            If nothing touches in any of them.
+        """
+        if not any(state.touching.any() for state in states):
+            raise ValueError("nothing to draw: the bodies do not touch")
+        x = np.concatenate([s.x_over_a[s.touching.any(axis=1)] for s in states])
+        y = np.concatenate([s.y_over_a[s.touching.any(axis=0)] for s in states])
+        # An element more, as the contact may be one element wide.
+        margin = MARGIN * min(np.ptp(x), np.ptp(y)) / 2 + np.diff(states[0].x_over_a)[0]
+        sides = x.min() - margin, x.max() + margin, y.min() - margin, y.max() + margin
+        ratio = (sides[3] - sides[2]) / (sides[1] - sides[0])
+        width = min(width, LONGEST / ratio)
+        return cls(*map(float, sides), width, float(width * ratio))
+
+    def spacing(self, parts: int) -> float:
+        """Distance of points of which a square of the same area has so many on a side."""
+        return float(np.sqrt((self.right - self.left) * (self.top - self.bottom))) / parts
+
+    def apply(self, axes: Axes, symbol: str) -> None:
+        """Scale and label axes."""
+        axes.xaxis.set_major_locator(_ticks(self.right - self.left, self.width))
+        axes.yaxis.set_major_locator(_ticks(self.top - self.bottom, self.height))
+        axes.set(xlim=(self.left, self.right), ylim=(self.bottom, self.top), aspect="equal")
+        axes.set(xlabel=f"$x/{symbol}$", ylabel=f"$y/{symbol}$")
+
+
+def _ticks(span: float, inches: float) -> MultipleLocator:
+    """Place about five ticks, fewer where there is no room."""
+    least = span * max(0.2, TICK_ROOM / inches)
+    return MultipleLocator(next((step for step in STEPS if step >= least), least))

@@ -1,0 +1,88 @@
+"""All figures of a history, as files."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from tractive_sam.plot.courses import forces, wear_depth, widths
+from tractive_sam.plot.evolution import (
+    pressure_over_revolutions,
+    slip_over_revolutions,
+    wear_over_revolutions,
+)
+from tractive_sam.plot.fields import pressure, stick_slip_map, traction, wear_map
+from tractive_sam.plot.profiles import pressure_profiles, wear_profiles
+from tractive_sam.plot.sections import traction_sections
+from tractive_sam.plot.state import State
+from tractive_sam.record import History
+
+FORMATS = ("png", "pdf", "svg")
+
+
+def save_all(history: History, directory: str | Path, format: str = "png") -> list[Path]:
+    """Draw every figure that a history has something to show in.
+
+    Figures of one state are drawn for the first and the last stored revolution, which their names
+    then end in.
+
+    Parameters
+    ----------
+    history : History
+        What to draw.
+    directory : path-like
+        Where to; made if it does not exist.
+    format : str
+        One of `FORMATS`.
+
+    Returns
+    -------
+    list of Path
+        The files.
+    """
+    directory = Path(directory)
+    directory.mkdir(parents=True, exist_ok=True)
+    paths = []
+    for name, figure in _figures(history):
+        paths.append(directory / f"{name}.{format}")
+        figure.savefig(paths[-1])
+    return paths
+
+
+def _figures(history: History) -> Iterator[tuple[str, Figure]]:
+    """Names of figures, and the figures."""
+    stored = history.field_revolutions.tolist()
+    for revolution in dict.fromkeys(stored[:1] + stored[-1:]):
+        ending = f"-{revolution}" if len(history) > 1 else ""
+        state = State.of_history(history, revolution)
+        for name, draw in _of_state(state).items():
+            yield name + ending, draw(state)
+    if len(history) > 1:
+        for name, draw in _COURSES.items():
+            yield name, draw(history)
+    if len(stored) > 1:
+        for name, draw in _EVOLUTIONS.items():
+            yield name, draw(history)
+
+
+_COURSES = {"forces": forces, "widths": widths, "wear-depth": wear_depth}
+
+_EVOLUTIONS = {
+    "wear-profiles": wear_profiles,
+    "pressure-profiles": pressure_profiles,
+    "pressure-over-revolutions": pressure_over_revolutions,
+    "slip-over-revolutions": slip_over_revolutions,
+    "wear-over-revolutions": wear_over_revolutions,
+}
+
+
+def _of_state(state: State) -> dict[str, Callable[[State], Figure]]:
+    """Names and functions of the figures of a state that would not be empty."""
+    figures = {"pressure": pressure}
+    if np.any(state.traction):
+        figures |= {"traction": traction, "traction-sections": traction_sections}
+        figures |= {"stick-slip": stick_slip_map}
+    if np.any(state.wear):
+        figures |= {"wear": wear_map}
+    return figures

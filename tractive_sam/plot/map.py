@@ -1,0 +1,151 @@
+"""A map of the contact, true to scale."""
+
+from collections.abc import Sequence
+from textwrap import wrap
+from typing import Self
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
+from matplotlib.figure import Figure
+
+from tractive_sam.plot.frame import Frame
+from tractive_sam.plot.state import State
+from tractive_sam.plot.style import WIDTH, set_title
+from tractive_sam.plot.zones import contact_edge, continued, stick_edge
+
+ARROWS = 14
+"""Across a contact that is as wide as long."""
+
+FINEST = 600
+"""Elements on a side beyond which some are left out: a print has no more dots."""
+
+LEFT, RIGHT, BOTTOM, TOP = 0.65, 1.15, 0.55, 0.35
+"""Around maps, for their labels, colour bar and title, inches."""
+
+LINE, APART = 0.22, 0.12
+"""Height of a line of the title, and distance of maps side by side, inches."""
+
+BAR, BAR_GAP = 0.13, 0.08
+"""Width of a colour bar and its distance from the map, inches."""
+
+
+class Map:
+    """Axes over one contact, with its edge drawn.
+
+    Maps are placed by the inch: automatic layouts know no fixed ratio of the sides.
+
+    Parameters
+    ----------
+    figure : Figure
+        Where to draw.
+    left : float
+        Distance of the map from the left of the figure, inches.
+    state : State
+        The contact.
+    frame : Frame
+        What to show of it.
+    """
+
+    def __init__(self, figure: Figure, left: float, state: State, frame: Frame) -> None:
+        self.figure, self.left, self.state, self.frame = figure, left, state, frame
+        self.axes = self._axes(left, frame.width)
+        frame.apply(self.axes, state.scale.a_symbol)
+        self.contact = contact_edge(self.axes, state, colors="black", linewidths=0.9)
+
+    @classmethod
+    def single(cls, state: State) -> tuple[Figure, Self]:
+        """Make a figure with one map under the title of the scene."""
+        frame = Frame.around(state, width=0.72 * WIDTH)
+        width = max(LEFT + frame.width + RIGHT, 0.72 * WIDTH)
+        figure = _figure(width, frame, state.caption)
+        middle = (LEFT + width - RIGHT - frame.width) / 2
+        return figure, cls(figure, middle, state, frame)
+
+    @classmethod
+    def row(cls, states: Sequence[State]) -> tuple[Figure, list[Self]]:
+        """Make a figure with maps side by side, each under its revolution."""
+        frame = Frame.around(*states, width=1.7 * WIDTH / len(states))
+        step = frame.width + APART
+        width = LEFT + len(states) * step - APART + RIGHT
+        figure = _figure(width, frame, f"{states[0].title}\n")
+        charts = [cls(figure, LEFT + k * step, state, frame) for k, state in enumerate(states)]
+        for chart in charts:
+            chart.axes.set_title(f"$N = {chart.state.revolution}$", loc="center")
+        for chart in charts[1:]:
+            chart.axes.set_ylabel("")
+            chart.axes.tick_params(labelleft=False)
+        return figure, charts
+
+    def _axes(self, left: float, width: float) -> Axes:
+        """Axes as high as the map."""
+        whole_width, whole_height = self.figure.get_size_inches()
+        box = (left / whole_width, BOTTOM / whole_height)
+        return self.figure.add_axes((*box, width / whole_width, self.frame.height / whole_height))
+
+    def fill(self, values: np.ndarray, **style) -> QuadMesh:
+        """Colour the contact by values at the elements, which may be anything outside."""
+        every = slice(None, None, 1 + max(values.shape) // FINEST)
+        x, y, values = self.state.x_over_a[every], self.state.y_over_a[every], values[every, every]
+        style |= {"shading": "gouraud", "rasterized": True, "zorder": 0.5}
+        mesh = self.axes.pcolormesh(x, y, values.T, **style)
+        mesh.set_clip_path(self.contact, self.axes.transData)
+        return mesh
+
+    def fill_up_to_edge(self, values: np.ndarray, **style) -> QuadMesh:
+        """Colour the contact by values that do not vanish at its edge."""
+        return self.fill(continued(values, self.state.touching), **style)
+
+    def fill_elements(self, values: np.ndarray, **style) -> QuadMesh:
+        """Colour every element in contact by its value."""
+        inside = np.ma.masked_where(~self.state.touching, values)
+        centres = self.state.x_over_a, self.state.y_over_a
+        return self.axes.pcolormesh(*centres, inside.T, rasterized=True, zorder=0.5, **style)
+
+    def stick_edge(self, **style) -> None:
+        """Draw the boundary between stick and slip."""
+        stick_edge(self.axes, self.state, self.contact, **style)
+
+    def colour_bar(self, mesh: QuadMesh, label: str) -> None:
+        """Put a colour bar beside the map."""
+        beside = self._axes(self.left + self.frame.width + BAR_GAP, BAR)
+        self.figure.colorbar(mesh, cax=beside, label=label)
+
+    def arrows(self, vectors: np.ndarray, where: np.ndarray, color: str) -> None:
+        """Draw vectors, shape (2, n_x, n_y), at some elements; the longest spans their distance."""
+        state, spacing = self.state, self.frame.spacing(ARROWS)
+        longest = np.hypot(*vectors)[where].max(initial=0.0)
+        if longest == 0.0:
+            return
+        chosen = np.ix_(_every(state.x_over_a, spacing), _every(state.y_over_a, spacing))
+        i, j = (index[where[chosen]] for index in np.broadcast_arrays(*chosen))
+        self.axes.quiver(
+            state.x_over_a[i],
+            state.y_over_a[j],
+            *vectors[:, i, j] * (0.85 * spacing / longest),
+            color=color,
+            pivot="mid",
+            angles="xy",
+            scale_units="xy",
+            scale=1.0,
+            units="inches",
+            width=0.014,
+            headwidth=4.0,
+            headlength=4.5,
+            headaxislength=4.0,
+        )
+
+
+def _figure(width: float, frame: Frame, title: str) -> Figure:
+    """Make a figure for maps of that frame under a title, of as many lines as it needs."""
+    lines = [part for line in title.split("\n") for part in wrap(line, int(11 * width)) or [""]]
+    height = BOTTOM + frame.height + TOP + LINE * (len(lines) - 1)
+    figure = Figure(figsize=(width, height), layout="none")
+    set_title(figure, "\n".join(lines), y=1 - 0.08 / height, linespacing=1.15)
+    return figure
+
+
+def _every(centres: np.ndarray, spacing: float) -> np.ndarray:
+    """Indices of centres about that far apart, the same on both sides of the middle."""
+    step = max(1, round(spacing / (centres[1] - centres[0])))
+    return np.arange(len(centres) // 2 % step, len(centres), step)

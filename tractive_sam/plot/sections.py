@@ -1,0 +1,71 @@
+"""Tractions along lines in the rolling direction."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from tractive_sam.plot.state import Source, State
+from tractive_sam.plot.style import BLUE, GREY, VERMILLION, WIDTH, set_title, styled
+
+OFF_CENTRE = 0.75
+"""Second line, in half widths a of the contact, or of b where the contact is narrower in y."""
+
+NEGLIGIBLE = 1e-3
+"""Component of the traction, relative to the largest traction, that is not drawn."""
+
+
+MARGIN = 0.08
+"""Before and behind the contact, in half widths a."""
+
+
+@styled
+def traction_sections(source: Source, revolution: int | None = None) -> Figure:
+    """Tractions on body A along y = 0 and y = 0.75 a, between what friction allows.
+
+    The bounds are the largest values of either component, the extent of the friction ellipse in x
+    and in y; both components together reach less.
+    """
+    state = State.of(source, revolution)
+    scale = state.scale
+    off = (scale.a, scale.a_symbol) if OFF_CENTRE * scale.a < scale.b else (scale.b, scale.b_symbol)
+    lines = {"$y = 0$": 0.0, f"$y = {OFF_CENTRE}\\,{off[1]}$": OFF_CENTRE * off[0]}
+    figure = Figure(figsize=(1.8 * WIDTH, 0.6 * WIDTH))
+    axes = figure.subplots(1, len(lines), sharex=True, sharey=True)
+    for ax, (name, y) in zip(axes, lines.items(), strict=True):
+        _section(ax, state, y)
+        ax.set_title(name, loc="center")
+        ax.set_xlabel(f"$x/{scale.a_symbol}$")
+    axes[0].set_ylabel(f"$p/{scale.p_symbol}$")
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside right upper")
+    set_title(figure, state.caption)
+    return figure
+
+
+def _section(ax: Axes, state: State, y: float) -> None:
+    x = state.x_over_a
+    ax.axhline(0.0, color=GREY, linewidth=0.6)
+    drawn = np.abs(state.traction).max(axis=(1, 2)) > NEGLIGIBLE * np.abs(state.traction).max()
+    p_n = _along(state, state.pressure, y)
+    same = np.isclose(*state.bounds)
+    for k, (name, color) in enumerate((("x", BLUE), ("y", VERMILLION))):
+        bound = state.bounds[k] * p_n
+        if same and k == 0:
+            _bounds(ax, x, bound, GREY, r"$\pm\mu\,p_n$" if state.isotropic else "bound of either")
+        elif not same and drawn[k]:
+            _bounds(ax, x, bound, color, f"bound of $p_{name}$")
+        if drawn[k]:
+            ax.plot(x, _along(state, state.traction[k], y), color=color, label=f"$p_{name}$")
+    inside = x[state.touching.any(axis=1)]
+    ax.set_xlim(inside.min() - MARGIN, inside.max() + MARGIN)
+
+
+def _bounds(ax: Axes, x: np.ndarray, bound: np.ndarray, color: str, label: str) -> None:
+    ax.fill_between(x, -bound, bound, color=color, alpha=0.1, linewidth=0)
+    ax.plot(x, bound, color=color, linewidth=0.7, linestyle="--", label=label)
+    ax.plot(x, -bound, color=color, linewidth=0.7, linestyle="--")
+
+
+def _along(state: State, values: np.ndarray, y: float) -> np.ndarray:
+    """Values along a line of constant y, over the scale's pressure, shape (n_x,)."""
+    rows = [np.interp(y, state.y, row) for row in values]
+    return np.array(rows) / state.scale.p

@@ -1,0 +1,72 @@
+"""The look of the figures: one column of a journal, readable on a screen as well."""
+
+from collections.abc import Callable
+from functools import wraps
+from typing import ParamSpec
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+
+P = ParamSpec("P")
+
+WIDTH = 4.8
+"""Of a figure with one panel, inches."""
+
+MICRON = 1e3
+"""Micrometres in a millimetre."""
+
+BLUE, VERMILLION, GREEN, ORANGE, SKY, PURPLE, GREY = (
+    "#0072B2",
+    "#D55E00",
+    "#009E73",
+    "#E69F00",
+    "#56B4E9",
+    "#CC79A7",
+    "#6E6E6E",
+)
+"""Colours told apart by everyone (Okabe & Ito 2008)."""
+
+PRESSURE, TRACTION, SLIP, WEAR = "viridis", "magma", "inferno", "cividis"
+"""Perceptually uniform colour maps of the fields."""
+
+_RC = {
+    "font.family": ["STIXGeneral", "DejaVu Sans"],
+    "mathtext.fontset": "stix",
+    "font.size": 11,
+    "axes.titlesize": 11,
+    "axes.titlelocation": "left",
+    "axes.labelsize": 12,
+    "axes.linewidth": 0.7,
+    "axes.edgecolor": "#333333",
+    "axes.prop_cycle": mpl.cycler(color=[BLUE, VERMILLION, GREEN, ORANGE, PURPLE, SKY]),
+    "axes.formatter.use_mathtext": True,
+    "axes.formatter.limits": (-3, 4),
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "xtick.labelsize": 10,
+    "ytick.labelsize": 10,
+    "lines.linewidth": 1.4,
+    "lines.markersize": 4.5,
+    "legend.frameon": False,
+    "legend.fontsize": 10,
+    "legend.handlelength": 1.6,
+    "figure.constrained_layout.use": True,
+    "figure.dpi": 120,
+    "savefig.dpi": 200,
+}
+
+
+def set_title(figure: Figure, text: str, **style) -> None:
+    """Put a title over a figure; it is text as given, no math."""
+    figure.suptitle(text, parse_math=False, **style)
+
+
+def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
+    """Draw a figure in this look, whatever the settings outside."""
+
+    @wraps(draw)
+    def wrapper(*args: P.args, **kwargs: P.kwargs) -> Figure:
+        with mpl.rc_context(_RC):
+            return draw(*args, **kwargs)
+
+    return wrapper

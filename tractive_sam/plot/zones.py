@@ -1,0 +1,79 @@
+"""Smooth boundaries of contact and stick, drawn from values at the centres of elements.
+
+Both are zero lines of a function that runs about linearly through the boundary.
+"""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.path import Path
+from scipy.ndimage import binary_opening, distance_transform_edt
+
+from tractive_sam.plot.state import State
+
+
+def contact_edge(ax: Axes, state: State, **style) -> Path:
+    """Draw the edge of contact; its path encloses the contact."""
+    x, y = _one_more(state.x_over_a), _one_more(state.y_over_a)
+    level = _edge_level(np.pad(state.pressure, 1))
+    return ax.contour(x, y, level.T, levels=[0.0], **style).get_paths()[0]
+
+
+def stick_edge(ax: Axes, state: State, contact: Path, **style) -> None:
+    """Draw the boundary between stick and slip, within the contact."""
+    # On a mesh the steps of the leading edge slip; a layer of one element is no zone.
+    sliding = binary_opening(state.sliding, [[True], [True]])
+    stick = state.touching & ~sliding
+    if not stick.any() or not sliding.any():
+        return
+    level = continued(_stick_level(state, stick), state.touching)
+    lines = ax.contour(state.x_over_a, state.y_over_a, level.T, levels=[0.0], **style)
+    lines.set_clip_path(contact, ax.transData)
+
+
+def continued(values: np.ndarray, where: np.ndarray) -> np.ndarray:
+    """Values, elsewhere the one at the nearest element; shapes (n_x, n_y)."""
+    nearest = distance_transform_edt(~where, return_distances=False, return_indices=True)
+    return values[tuple(nearest)]
+
+
+def _one_more(centres: np.ndarray) -> np.ndarray:
+    """Centres with one more on either side."""
+    step = centres[1] - centres[0]
+    return np.concatenate(([centres[0] - step], centres, [centres[-1] + step]))
+
+
+def _edge_level(pressure: np.ndarray) -> np.ndarray:
+    """Squared pressure, continued linearly to the first elements out of contact.
+
+    At a smooth edge the pressure falls like the root of the distance, its square linearly.
+    """
+    square = np.pad(pressure**2, 2)
+    total, weight = np.zeros_like(square), np.zeros_like(square)
+    tiny = np.finfo(float).eps * square.max()
+    for axis in (0, 1):
+        for step in (1, -1):
+            near, far = np.roll(square, step, axis), np.roll(square, 2 * step, axis)
+            # The edge lies before the next centre and, where the pressure rises to it, midway.
+            beyond = np.where(near < far, np.minimum(2.0 * near - far, -tiny), -near)
+            # Directions count by how steeply the pressure falls along them.
+            steepness = np.where(near > 0.0, np.abs(far - near) + tiny, 0.0)
+            total += steepness * beyond
+            weight += steepness
+    outside = np.where(weight > 0.0, total / np.maximum(weight, tiny), -square.max())
+    return np.where(square > 0.0, square, outside)[2:-2, 2:-2]
+
+
+def _stick_level(state: State, stick: np.ndarray) -> np.ndarray:
+    """Squared distance to the friction bound where it sticks, minus squared slip where it slips.
+
+    Both vanish at the boundary, and rise like roots of the distance from it.
+    """
+    touching = state.touching
+    reserve = np.maximum(1.0 - state.utilisation / np.where(touching, state.pressure, 1.0), 0.0)
+    slip = np.hypot(*state.slip)
+    tiny = np.finfo(float).tiny
+    return np.where(
+        stick,
+        (reserve / max(reserve[stick].max(), tiny)) ** 2,
+        -((slip / max(slip[touching & ~stick].max(), tiny)) ** 2),
+    )
