@@ -110,7 +110,9 @@ def _arguments(logs, angles, xs, ys, z):
             q = y * y + z * z
             r = np.sqrt(x * x + q)
             logs[0, i, j] = y + r if y >= 0.0 else p / (r - y)
-            logs[1, i, j] = x + r if x >= 0.0 else q / (r - x)
+            # Over sqrt(q), which falls out of every difference in x: odd in x, as edges want it.
+            root = np.sqrt(q)
+            logs[1, i, j] = (x + r) / root if x >= 0.0 else root / (r - x)
             logs[2, i, j] = r + z
             angles[0, i, j] = x * y / (p + z * r)
             angles[1, i, j] = x * y / (q + z * r)

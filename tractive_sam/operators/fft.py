@@ -19,6 +19,27 @@ def padded_length(n: int) -> int:
     return length
 
 
+def plan(
+    source: np.ndarray, target: np.ndarray, axis: int, direction: str, threads: int = 1
+) -> pyfftw.FFTW:
+    """FFTW's fastest transform along one axis; planning overwrites both arrays.
+
+    Where it goes back to real numbers, executing it overwrites the source.
+    """
+    flags = ("FFTW_MEASURE",)
+    if direction == "FFTW_BACKWARD" and not np.iscomplexobj(target):
+        flags += ("FFTW_DESTROY_INPUT",)
+    return pyfftw.FFTW(
+        source,
+        target,
+        axes=(axis,),
+        direction=direction,
+        flags=flags,
+        threads=threads,
+        planning_timelimit=PLANNING_SECONDS,
+    )
+
+
 class PaddedTransform:
     """Forward and backward transform of ``fields`` zero-padded arrays, planned once.
 
@@ -48,24 +69,11 @@ class PaddedTransform:
         self._rows = pyfftw.zeros_aligned(half, dtype=complex)
         self._spectrum = pyfftw.zeros_aligned(half, dtype=complex)
 
-        def plan(source, target, axis, direction, *flags):
-            return pyfftw.FFTW(
-                source,
-                target,
-                axes=(axis,),
-                direction=direction,
-                flags=("FFTW_MEASURE", *flags),
-                threads=threads,
-                planning_timelimit=PLANNING_SECONDS,
-            )
-
         # Forward along x keeps its input, so that the padding of `_rows` stays zero for good.
-        self._forward_y = plan(self._real, self._rows[:, :nx], 2, "FFTW_FORWARD")
-        self._forward_x = plan(self._rows, self._spectrum, 1, "FFTW_FORWARD")
-        self._backward_x = plan(self._spectrum, self._spectrum, 1, "FFTW_BACKWARD")
-        self._backward_y = plan(
-            self._spectrum[:, :nx], self._real, 2, "FFTW_BACKWARD", "FFTW_DESTROY_INPUT"
-        )
+        self._forward_y = plan(self._real, self._rows[:, :nx], 2, "FFTW_FORWARD", threads)
+        self._forward_x = plan(self._rows, self._spectrum, 1, "FFTW_FORWARD", threads)
+        self._backward_x = plan(self._spectrum, self._spectrum, 1, "FFTW_BACKWARD", threads)
+        self._backward_y = plan(self._spectrum[:, :nx], self._real, 2, "FFTW_BACKWARD", threads)
         self._rows[:] = 0.0  # planning wrote into it
 
     def forward(self, fields: np.ndarray) -> np.ndarray:
@@ -88,14 +96,15 @@ class PaddedTransform:
 
 
 @cache
-def _recall_wisdom() -> None:
+def recall_wisdom() -> None:
+    """Load what earlier processes learnt about plans, once."""
     wisdom.load()
 
 
 @lru_cache(maxsize=16)
 def transform(fields: int, shape: tuple[int, int], threads: int = 1) -> PaddedTransform:
     """The plan for ``fields`` arrays of ``shape``, made on its first use in the process."""
-    _recall_wisdom()
+    recall_wisdom()
     plan = PaddedTransform(fields, shape, threads)
     wisdom.save()
     return plan

@@ -61,8 +61,11 @@ def nested_tangential(problem: TangentialProblem, tolerance: float, solve: Solve
         return solve(problem, tolerance)
     coarse_problem = problem.coarsened()
     coarse = nested_tangential(coarse_problem, max(tolerance, COARSE_TOLERANCE), solve)
-    traction = refine_traction(coarse.traction, coarse_problem.bound, problem.bound)
-    fine = solve(problem, tolerance, traction=traction, creepage=coarse.creepage)
+    if np.isfinite(coarse.residual):
+        traction = refine_traction(coarse.traction, coarse_problem.bound, problem.bound)
+        fine = solve(problem, tolerance, traction=traction, creepage=coarse.creepage)
+    else:
+        fine = solve(problem, tolerance)
     return fine.after(coarse, coarse_problem.bound.size / problem.bound.size)
 
 
