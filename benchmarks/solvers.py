@@ -144,8 +144,10 @@ def draw(rows):
     work.set(xlabel="elements a side", ylabel="applications of the slip operator")
     time.set(xlabel="elements a side", ylabel="seconds, one thread")
     for axes in (work, time):
+        axes.set_xticks(MESHES[::2], [str(n) for n in MESHES[::2]])
+        axes.minorticks_off()
         axes.grid(alpha=0.3)
-        axes.legend()
+        axes.legend(fontsize=8)
     path = RESULTS / "solvers.png"
     figure.savefig(path, dpi=150)
     return path
