@@ -13,6 +13,7 @@ from tractive_sam.scene import Scene
 # together (benchmarks/solvers.py prints them); a revolution starts from the one before.
 COLD_APPLICATIONS = 110
 WARM_APPLICATIONS = 70
+ADAPTIVE_SOLVES = 12
 
 
 @dataclass(frozen=True)
@@ -110,12 +111,18 @@ def _wear(model: Model) -> Section:
     law = f"i = {i1:g} /MPa" if i1 == i2 else f"i = ({i1:g}, {i2:g}) /MPa"
     rows = [
         ("law", f"Holm-Archard, {law}"),
-        ("revolutions", f"{wear.revolutions}, one by one"),
+        ("revolutions", f"{wear.revolutions}, {_stepping(wear)}"),
         ("fields kept at", ", ".join(map(str, wear.save))),
     ]
     if model.scene.solver.slip == "upwind":
         rows.append(("slip", "the paper's upwind difference: frictional work comes out too small"))
     return Section("Wear", rows)
+
+
+def _stepping(wear) -> str:
+    if wear.stepping == "adaptive":
+        return f"in adaptive jumps, to {wear.tolerance:g} of the wear depth"
+    return "one by one"
 
 
 def _mesh(model: Model) -> Section:
@@ -140,9 +147,13 @@ def _work(model: Model) -> Section:
     # Spectra of operator and inverse, buffers of the transforms, and the Krylov space.
     spectra = (9 if fields == 3 else 3 * fields) + 3 * fields
     memory = 8.0 * (padded * (spectra + 2 * fields + 12) + 40 * fields * np.prod(shape))
-    revolutions = 0 if model.scene.wear is None else model.scene.wear.revolutions
+    wear = model.scene.wear
+    solves = 0 if wear is None else wear.revolutions
+    if wear is not None and wear.stepping == "adaptive":
+        # Jumps grow in proportion to the revolutions rolled (benchmarks/wear.py).
+        solves = min(solves, int(ADAPTIVE_SOLVES * np.log1p(wear.revolutions)))
     seconds = _seconds_per_application(model, fields)
-    applications = COLD_APPLICATIONS + revolutions * WARM_APPLICATIONS
+    applications = COLD_APPLICATIONS + solves * WARM_APPLICATIONS
     if model.scene.solver.method == "uzawa":
         time = "not estimated: the iterations of Uzawa's method are not known beforehand"
     else:

@@ -9,7 +9,7 @@ import numpy as np
 
 from tractive_sam.contact import Contact, Gap, Model, NotConverged, equilibrium
 from tractive_sam.record import History, Record
-from tractive_sam.roll import passages, recorded
+from tractive_sam.rolling import passages, recorded
 from tractive_sam.scene import Scene
 from tractive_sam.store import HistoryWriter, open_history, read_gap
 

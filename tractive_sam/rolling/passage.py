@@ -21,17 +21,30 @@ class Passage:
     contact : Contact
         The contact during the last of them; its `wear` includes what it wore itself.
     solves : int
-        Contacts solved for it.
+        Contacts solved since the passage before.
+    jump : int
+        Revolutions that adaptive stepping takes next.
     """
 
     revolution: int
     contact: Contact
     solves: int
+    jump: int = 1
+
+    @property
+    def entering(self) -> np.ndarray:
+        """Depth with which material enters the contact, shape (n_y,), mm."""
+        return self.contact.wear[-1]
 
     @property
     def leaving(self) -> np.ndarray:
         """Depth behind the contact, with which the next revolution begins, shape (n_y,), mm."""
         return self.contact.wear[0]
+
+    @property
+    def worn(self) -> np.ndarray:
+        """Depth that this revolution added, shape (n_y,), mm."""
+        return self.leaving - self.entering
 
 
 def unworn(model: Model) -> Passage:
@@ -40,46 +53,76 @@ def unworn(model: Model) -> Passage:
 
 
 def next_passage(model: Model, last: Passage) -> Passage:
-    """Roll one more revolution (paper, section 7).
+    """Roll one more revolution (paper, section 7)."""
+    return passage_at(
+        model, last.revolution + 1, last.leaving, last.contact, model.scene.solver.tolerance
+    )
+
+
+def passage_at(
+    model: Model,
+    revolution: int,
+    entering: np.ndarray,
+    start: Contact,
+    tolerance: float,
+    expected: np.ndarray | None = None,
+) -> Passage:
+    """Roll through the contact with a given profile.
 
     The wear of a pass is part of the gap of that pass, and depends on its pressure and slip. With
     ``method = "uzawa"`` it is updated within the iteration, as in the paper (step V). The other
     methods solve the contact for a given wear and correct the wear until the contact conditions
     hold with it; since a pass wears a thousandth of the approach, each correction gains three
     digits.
+
+    Parameters
+    ----------
+    model : Model
+        The scene in numbers.
+    revolution : int
+        Number of the revolution.
+    entering : ndarray, shape (n_y,)
+        Depth with which material enters, mm.
+    start : Contact
+        A contact nearby, as first guess.
+    tolerance : float
+        Residual that the wear within the pass may leave in the contact conditions.
+    expected : ndarray, shape (n_y,), optional
+        Depth that the pass is expected to add, mm; by default that of `start`.
     """
-    law, entering, dx = model.wear_law, last.leaving, model.grid.dx
+    law, dx = model.wear_law, model.grid.dx
 
     def depth(pressure: np.ndarray, slip: np.ndarray) -> np.ndarray:
         return law.depth(entering, pressure, slip, dx)
 
     if model.scene.solver.method == "uzawa":
-        return Passage(last.revolution + 1, equilibrium(model, depth, last.contact), 1)
+        return Passage(revolution, equilibrium(model, depth, start), 1)
 
-    before = last.contact.wear
-    # The first guess: as much more as material gained in the last pass.
-    wear = before + (entering - before[-1])
-    start, cost = last.contact, Cost()
-    contact, solves = start, 0
+    # The first guess: within the pass, material gains as it gained in the one before.
+    gained = start.wear - start.wear[-1]
+    if expected is not None:
+        gained = gained * np.where(gained[0] > 0.0, expected / np.maximum(gained[0], 1e-300), 0.0)
+    wear = entering + gained
+    contact, cost, solves = start, Cost(), 0
     for _ in range(CORRECTIONS):
-        contact = equilibrium(model, wear, start)
+        contact = equilibrium(model, wear, contact)
         solves += 1
         cost = cost + contact.cost
         corrected = depth(contact.pressure, contact.slip)
         missed = _residual(model, contact, corrected - wear)
         contact = replace(contact, wear=corrected, residual=max(contact.residual, missed))
-        if not contact.converged or missed <= model.scene.solver.tolerance:
+        if not contact.converged or missed <= tolerance:
             break
-        wear, start = corrected, contact
+        wear = corrected
     else:
         contact = replace(
             contact,
             status=Status.OUT_OF_ITERATIONS,
-            message=f"the wear within revolution {last.revolution + 1} did not settle: its "
-            f"residual is {missed:.1e}; the wear of one pass is too deep for the contact, lower "
+            message=f"the wear within revolution {revolution} did not settle: its residual is "
+            f"{missed:.1e}; the wear of one pass is too deep for the contact, lower "
             "wear.intensity or the creepage",
         )
-    return Passage(last.revolution + 1, replace(contact, cost=cost), solves)
+    return Passage(revolution, replace(contact, cost=cost), solves)
 
 
 def _residual(model: Model, contact: Contact, change: np.ndarray) -> float:

@@ -6,10 +6,15 @@ import numpy as np
 import pytest
 
 from tractive_sam.contact import Model
-from tractive_sam.roll import passages
+from tractive_sam.rolling import passages
 from tractive_sam.scene import Scene
 
-COARSE = ("grid.half_length=[0.35, 0.7]", "grid.elements=[21, 31]", "wear.revolutions=4")
+COARSE = (
+    "grid.half_length=[0.35, 0.7]",
+    "grid.elements=[21, 31]",
+    "wear.revolutions=4",
+    'wear.stepping="every-revolution"',
+)
 
 
 def rolled(*settings):

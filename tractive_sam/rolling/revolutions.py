@@ -4,11 +4,12 @@ from collections.abc import Iterator
 
 from tractive_sam.contact import Model
 from tractive_sam.record import Record, record
-from tractive_sam.roll.passage import Passage, next_passage, unworn
+from tractive_sam.rolling.adaptive import adaptive_passages
+from tractive_sam.rolling.passage import Passage, next_passage, unworn
 
 
 def passages(model: Model, start: Passage | None = None) -> Iterator[Passage]:
-    """Roll the revolutions of a scene one after another (``stepping = "every-revolution"``).
+    """Roll a scene through its revolutions.
 
     Stops after the first contact that is not solved.
 
@@ -24,7 +25,18 @@ def passages(model: Model, start: Passage | None = None) -> Iterator[Passage]:
         last = unworn(model)
         yield last
     wear = model.scene.wear
-    while wear is not None and last.contact.converged and last.revolution < wear.revolutions:
+    if wear is None or not last.contact.converged:
+        return
+    if wear.stepping == "adaptive":
+        yield from adaptive_passages(model, last)
+    else:
+        yield from every_passage(model, last)
+
+
+def every_passage(model: Model, start: Passage) -> Iterator[Passage]:
+    """Roll one revolution after another to the end, the paper's way."""
+    last = start
+    while last.contact.converged and last.revolution < model.scene.wear.revolutions:
         last = next_passage(model, last)
         yield last
 

@@ -1,0 +1,115 @@
+"""Adaptive jumps against revolution by revolution."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from tractive_sam.contact import Model
+from tractive_sam.rolling import passages
+from tractive_sam.rolling.passage import passage_at
+from tractive_sam.rolling.response import wear_response
+from tractive_sam.scene import Scene
+
+COARSE = ("grid.half_length=[0.35, 0.8]", "grid.elements=[21, 35]", "friction.angle=0")
+
+
+def rolled(revolutions, *settings):
+    settings = [*COARSE, f"wear.revolutions={revolutions}", *settings]
+    return list(passages(Model(Scene.builtin("twin-discs").with_set(settings))))
+
+
+@pytest.fixture(scope="module")
+def every():
+    return rolled(300, 'wear.stepping="every-revolution"')
+
+
+def deviation(adaptive, every):
+    """Largest difference of the last profile, relative to its depth."""
+    truth = every[-1].leaving
+    return np.abs(adaptive[-1].leaving - truth).max() / truth.max()
+
+
+@pytest.mark.parametrize("tolerance", [3e-3, 1e-3])
+def test_profile_is_within_the_tolerance(every, tolerance):
+    adaptive = rolled(300, f"wear.tolerance={tolerance}")
+    assert deviation(adaptive, every) < 2 * tolerance
+    deepest = adaptive[-1].leaving.max() / every[-1].leaving.max()
+    assert deepest == pytest.approx(1, abs=tolerance)
+    assert adaptive[-1].contact.Qx == pytest.approx(every[-1].contact.Qx, rel=tolerance)
+
+
+def test_error_falls_with_the_tolerance(every):
+    coarse, fine = (deviation(rolled(300, f"wear.tolerance={t}"), every) for t in (1e-2, 3e-4))
+    assert fine < 0.3 * coarse
+
+
+def test_needs_few_contacts(every):
+    adaptive = rolled(300)
+    assert sum(p.solves for p in adaptive) < 0.2 * sum(p.solves for p in every)
+
+
+def test_meets_the_revolutions_to_be_saved():
+    adaptive = rolled(200, "wear.save=[0, 7, 50, 101, 200]")
+    assert {0, 7, 50, 101, 200} <= {p.revolution for p in adaptive}
+    assert all(a.revolution < b.revolution for a, b in pairwise(adaptive))
+
+
+def test_jumps_grow_far_beyond_the_explicit_limit_without_ripple():
+    """Explicit jumps are stable up to some tens of revolutions here."""
+    wide = ("grid.half_length=[0.35, 1.1]", "grid.elements=[21, 47]")
+    adaptive = rolled(4000, *wide, "wear.save=[0, 4000]")
+    assert max(b.revolution - a.revolution for a, b in pairwise(adaptive)) > 200
+    last = adaptive[-1].contact
+    assert last.converged, last.message
+    # Away from the rim, where an element carries a spike, the worn disc wears evenly.
+    carried = last.pressure.sum(axis=0)
+    inside = np.flatnonzero(carried)[4:-4]
+    second = np.abs(np.diff(carried[inside], 2)).max()
+    assert second < 0.05 * carried[inside].mean()
+
+
+def test_worn_volume_follows_the_energy_law():
+    """The integral of the frictional work over the revolutions, by the trapezoidal rule."""
+    adaptive = rolled(300)
+    n = np.array([p.revolution for p in adaptive[1:]])
+    rate = [2e-6 / 0.6 * p.contact.dissipation for p in adaptive[1:]]
+    worn = [p.leaving.sum() * p.contact.grid.dy for p in adaptive[1:]]
+    expected = worn[0] + np.trapezoid(rate, n)
+    # Elements on the border of stick: 3e-3 on this mesh; tolerance and trapezoids below 1e-3.
+    assert worn[-1] == pytest.approx(expected, rel=5e-3)
+
+
+def test_goes_on_from_any_passage():
+    adaptive = rolled(200, "wear.save=[0, 200]")
+    model = Model(adaptive[0].contact.scene)
+    middle = adaptive[len(adaptive) // 2]
+    again = list(passages(model, middle))
+    assert [p.revolution for p in again] == [
+        p.revolution for p in adaptive if p.revolution > middle.revolution
+    ]
+    np.testing.assert_allclose(again[-1].leaving, adaptive[-1].leaving, rtol=1e-10)
+
+
+def test_response_is_near_the_derivative_of_the_wear_of_a_pass(every):
+    """A smooth wave of the profile: slip and contact area, held fixed, cost some ten per cent."""
+    passage = every[100]
+    model = Model(passage.contact.scene)
+    y = model.grid.y
+    touching = passage.contact.touching.any(axis=0)
+    wave = np.where(touching, np.cos(2 * np.pi * y / 0.4), 0.0)
+    h = 1e-6
+    worn = [
+        passage_at(model, 1, passage.entering + s * h * wave, passage.contact, 1e-8).worn
+        for s in (1, -1)
+    ]
+    derivative = (worn[0] - worn[1]) / (2 * h)
+    response = wear_response(model, passage.contact) @ wave
+    inside = np.flatnonzero(touching)[3:-3]
+    scale = np.abs(derivative[inside]).max()
+    np.testing.assert_allclose(response[inside], derivative[inside], atol=0.35 * scale)
+
+
+def test_response_damps(every):
+    response = wear_response(Model(every[0].contact.scene), every[100].contact)
+    assert np.linalg.eigvals(response).real.max() < 1e-12

@@ -1,0 +1,45 @@
+"""Compliance between the rows of a contact: the wear of one row changes the pressure of all."""
+
+import numpy as np
+
+from tractive_sam.operators import influence
+from tractive_sam.operators.influence import Mesh
+from tractive_sam.reference import CombinedMaterial
+
+
+def row_compliance(mesh: Mesh, material: CombinedMaterial, contact: np.ndarray) -> np.ndarray:
+    """Mean normal displacement of each row in contact by a load on each other one.
+
+    A row is what a ring of material meets: all elements of one y. The load of a row is spread
+    evenly over its elements in contact, and the displacement averaged over them (a Galerkin
+    projection of A_nn onto one unknown a row). Spectra along x make it cost no more than one
+    application of A_nn a row.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh.
+    material : CombinedMaterial
+        The pair of materials.
+    contact : ndarray of bool, shape (n_x, n_y)
+        Elements in contact.
+
+    Returns
+    -------
+    ndarray, shape (m, m)
+        For the m rows in contact, ascending in y: mm per MPa summed over the elements of a row.
+    """
+    rows = np.flatnonzero(contact.any(axis=0))
+    share = contact[:, rows] / contact[:, rows].sum(axis=0)
+    px, py = mesh.padded
+    along = np.fft.rfft(influence.displacement(mesh, material)["zz"], axis=0)
+    share = np.fft.rfft(share, n=px, axis=0)
+    offsets = (rows[:, None] - rows[None, :]) % py
+    # Parseval over the half spectrum: inner frequencies count twice.
+    weight = np.full(len(along), 2.0)
+    weight[0] = weight[-1] = 1.0
+    compliance = np.empty((len(rows), len(rows)))
+    for j in range(len(rows)):
+        products = (weight[:, None] * share[:, j, None].conj() * share) * along[:, offsets[j]]
+        compliance[j] = products.real.sum(axis=0) / px
+    return compliance

@@ -1,0 +1,53 @@
+"""How the wear of a revolution answers the profile worn so far, linearised."""
+
+import numpy as np
+
+from tractive_sam.contact import Contact, Model
+from tractive_sam.operators.rows import row_compliance
+
+
+def wear_response(model: Model, contact: Contact, closing: float = 0.0) -> np.ndarray:
+    """Approximate Jacobian of the wear of a pass with respect to the entering profile.
+
+    Material worn deeper carries less pressure, by the compliance between rows at constant load,
+    and wears less: waves of the profile decay at a rate proportional to their wave number, up to
+    i |s| a E* q per revolution. That makes rolling stiff. Slip and contact area are taken as they
+    are; the method that uses this is of second order for any approximation.
+
+    Parameters
+    ----------
+    model : Model
+        The scene in numbers.
+    contact : Contact
+        The contact at the profile.
+    closing : float
+        Elements whose gap is no wider than this count as in contact, mm: those that are about to
+        be. A row that comes into contact during a jump is as stiff as those beside it.
+
+    Returns
+    -------
+    ndarray, shape (n_y, n_y)
+        1/revolution; zero for rows that are not in contact.
+    """
+    touching = contact.touching | (contact.gap <= closing)
+    rows = np.flatnonzero(touching.any(axis=0))
+    compliance = row_compliance(model.half_space.mesh, model.material, touching)
+    stiffness = np.linalg.inv(compliance)
+    if model.load is not None:
+        # A uniform depth only moves the bodies closer.
+        uniform = stiffness.sum(axis=1)
+        stiffness = stiffness - np.outer(uniform, stiffness.sum(axis=0)) / uniform.sum()
+    per_load = _wear_per_load(model, contact)[rows]
+    response = np.zeros((model.grid.elements[1],) * 2)
+    response[np.ix_(rows, rows)] = -per_load[:, None] * stiffness
+    return response
+
+
+def _wear_per_load(model: Model, contact: Contact) -> np.ndarray:
+    """Depth worn by each row per MPa summed over its elements, mm; beyond the rim as at the rim."""
+    touching = contact.touching
+    count = touching.sum(axis=0)
+    per_pressure = model.wear_law.rate(np.where(touching, 1.0, 0.0), contact.slip).sum(axis=0)
+    inside = np.flatnonzero(count)
+    values = model.grid.dx * per_pressure[inside] / count[inside]
+    return np.interp(np.arange(count.size), inside, values)
