@@ -7,11 +7,16 @@ from time import perf_counter
 
 import numpy as np
 
-from tractive_sam.contact import Contact, Gap, Model, NotConverged, equilibrium
+from tractive_sam.contact import Contact, Gap, Model, NotConverged, equilibrium, grown
 from tractive_sam.record import History, Record
 from tractive_sam.rolling import passages, recorded
 from tractive_sam.scene import Scene
+from tractive_sam.solvers import Status
 from tractive_sam.store import HistoryWriter, open_history, read_gap
+
+
+GROWTHS = 8
+"""Most enlargements of a mesh that the scene left to us."""
 
 
 def measured_gap(scene: Scene) -> Gap | None:
@@ -54,10 +59,23 @@ def solve(
     NotConverged
         If `throw` and the contact conditions do not hold to the scene's tolerance.
     """
-    contact = equilibrium(Model(scene, measured_gap(scene)), wear, start)
+    model = Model(scene, measured_gap(scene))
+    contact = equilibrium(model, wear, start)
+    if start is None and wear is None:
+        model, contact = _fitted(model, contact)
     if throw and not contact.converged:
         raise NotConverged(contact)
     return contact
+
+
+def _fitted(model: Model, contact: Contact) -> tuple[Model, Contact]:
+    """Enlarge a mesh that the scene left to us until it holds the contact."""
+    for _ in range(GROWTHS):
+        if contact.status is not Status.OFF_GRID or model.scene.grid is not None:
+            break
+        model = Model(model.scene, model.measured, grown(model.grid))
+        contact = equilibrium(model)
+    return model, contact
 
 
 def roll(
@@ -96,6 +114,8 @@ def roll(
     """
     began = perf_counter()
     model = Model(scene, measured_gap(scene))
+    if scene.grid is None:
+        model, _ = _fitted(model, equilibrium(model))
     hertz = scene.hertz
     reference = {} if hertz is None else {"a0": hertz.a, "b0": hertz.b, "p0": hertz.p0}
     writer = None

@@ -12,7 +12,7 @@ from tractive_sam.solvers.fixed_point import ANDERSON_STEP, TangentialMap
 from tractive_sam.solvers.nested import nested_normal, nested_tangential
 from tractive_sam.solvers.newton import newton
 from tractive_sam.solvers.outcome import Outcome
-from tractive_sam.solvers.problem import NormalProblem, TangentialProblem
+from tractive_sam.solvers.problem import NormalProblem, TangentialProblem, Transmission
 
 
 def solve_normal(model: Model, gap: np.ndarray, first: Guess | None, tolerance: float) -> Outcome:
@@ -24,12 +24,23 @@ def solve_normal(model: Model, gap: np.ndarray, first: Guess | None, tolerance: 
 
 
 def solve_tangential(
-    model: Model, pressure: np.ndarray, rigid: np.ndarray, first: Guess | None, tolerance: float
+    model: Model,
+    pressure: np.ndarray,
+    rigid: np.ndarray,
+    first: Guess | None,
+    tolerance: float,
+    transmission: Transmission | None = None,
 ) -> Outcome:
-    """The tangential problem under a given pressure, on the rectangle around the contact."""
+    """The tangential problem under a given pressure, on the rectangle around the contact.
+
+    The forces to transmit are those of the model unless others are given.
+    """
     box = _rectangle(pressure > 0.0)
     problem = TangentialProblem(
-        model.half_space_of(pressure[box].shape), rigid[:, *box], pressure[box], model.transmission
+        model.half_space_of(pressure[box].shape),
+        rigid[:, *box],
+        pressure[box],
+        model.transmission if transmission is None else transmission,
     )
     begin = None if first is None else first.traction[:, *box]
     outcome = _by_method(model, problem, begin, first, tolerance)

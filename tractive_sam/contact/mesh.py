@@ -15,6 +15,18 @@ ACROSS = 64
 """Elements across the shorter axis of the contact."""
 
 
+GROWTH = 1.25
+"""Factor by which a chosen mesh grows when the contact reaches its edge."""
+
+
+def grown(grid: Grid) -> Grid:
+    """A larger mesh of the same elements."""
+    more = [int(np.ceil(0.5 * (GROWTH - 1.0) * n)) for n in grid.elements]
+    elements = tuple(n + 2 * m for n, m in zip(grid.elements, more, strict=True))
+    half_length = (0.5 * elements[0] * grid.dx, 0.5 * elements[1] * grid.dy)
+    return Grid(half_length, elements)
+
+
 def choose_grid(scene: Scene, measured=None) -> Grid:
     """The scene's [grid], or one chosen from the Hertzian contact or the measured gap.
 

@@ -13,7 +13,7 @@ from tractive_sam.solvers.coupled_newton import coupled_newton
 from tractive_sam.solvers.fixed_point import ANDERSON_STEP, UZAWA_STEP, CoupledMap
 from tractive_sam.solvers.load_control import under_load
 from tractive_sam.solvers.outcome import Outcome
-from tractive_sam.solvers.problem import CoupledProblem
+from tractive_sam.solvers.problem import CoupledProblem, Transmission
 from tractive_sam.solvers.uzawa import uzawa
 
 _ROUGHLY = 1e-3
@@ -49,6 +49,8 @@ def together(model: Model, gap: np.ndarray, first: Guess | None) -> Outcome:
             first.creepage,
         )
         outcome = replace(outcome, trace=(f"coupled newton: {outcome.status}",))
+        if not outcome.converged and solver.method == "auto" and not len(model.transmission):
+            outcome = projected(model, gap, first).after(outcome)
     return outcome if earlier is None else outcome.after(earlier)
 
 
@@ -56,8 +58,15 @@ def _one_after_the_other(model: Model, gap: np.ndarray) -> tuple[Guess, Outcome]
     normal = solve_normal(model, gap, None, _ROUGHLY)
     rigid = model.scaled_rigid_slip + slip_by_pressure(model, normal.pressure)
     tangential = solve_tangential(model, normal.pressure, rigid, None, _ROUGHLY)
-    guess = Guess(normal.pressure, tangential.traction, normal.approach, tangential.creepage)
-    return guess, tangential.after(normal)
+    earlier, creepage = tangential.after(normal), tangential.creepage
+    if not tangential.converged and len(model.transmission):
+        # The slip by the uncoupled pressure can be more than the forces can be had with: then the
+        # creepages are left to the coupled method.
+        tangential = solve_tangential(
+            model, normal.pressure, rigid, None, _ROUGHLY, transmission=Transmission()
+        )
+        earlier, creepage = tangential.after(earlier), np.zeros(len(model.transmission))
+    return Guess(normal.pressure, tangential.traction, normal.approach, creepage), earlier
 
 
 def projected(
@@ -84,11 +93,12 @@ def projected(
         normal = solve_normal(model, gap, None, _ROUGHLY)
         none = np.zeros((2, *gap.shape))
         first = Guess(normal.pressure, none, normal.approach, np.zeros(0))
-    method, step = (anderson, ANDERSON_STEP) if solver.method == "anderson" else (uzawa, UZAWA_STEP)
+    by_uzawa = solver.method == "uzawa"
+    method, step = (uzawa, UZAWA_STEP) if by_uzawa else (anderson, ANDERSON_STEP)
     mapping = CoupledMap(_problem(model, gap), first.pressure > 0.0, wear, step)
     if model.load is None:
         outcome = method(mapping, solver.tolerance, first.state)
         outcome = replace(outcome, approach=model.given_approach)
     else:
         outcome = under_load(method, mapping, solver.tolerance, first.state, first.approach)
-    return replace(outcome, trace=(f"{solver.method}: {outcome.status}",))
+    return replace(outcome, trace=(f"{method.__name__}: {outcome.status}",))

@@ -74,7 +74,8 @@ def linearise(traction, slip, bound, state, direction, kappa, defect):
                 else:
                     state[i, j] = SLIP
                     direction[0, i, j], direction[1, i, j] = q0 / size, q1 / size
-                    kappa[i, j] = g / size
+                    # A hundredth of an ulp of pressure must not make 1/kappa infinite.
+                    kappa[i, j] = max(g / size, 1e-100)
                     q0, q1 = g * direction[0, i, j], g * direction[1, i, j]
             defect[0, i, j], defect[1, i, j] = q0 - p0, q1 - p1
             total += defect[0, i, j] ** 2 + defect[1, i, j] ** 2

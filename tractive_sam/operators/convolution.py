@@ -43,14 +43,15 @@ class Convolution:
         self.applications = 0
         self._spectra = spectra.reshape(len(spectra), -1)
         self._product = product
-        self._transform = transform(fields, shape, threads)
+        self._threads = threads
 
     def __call__(self, fields: np.ndarray) -> np.ndarray:
         """Apply to fields of shape (fields, n_x, n_y); the result is a new array."""
         self.applications += 1
-        spectrum = self._transform.forward(fields)
+        plan = transform(self.shape[0], self.shape[1:], self._threads)
+        spectrum = plan.forward(fields)
         self._product(self._spectra, spectrum.reshape(len(spectrum), -1))
-        return self._transform.backward().copy()
+        return plan.backward().copy()
 
     def as_matrix(self) -> np.ndarray:
         """The dense matrix, column by column; for small meshes and tests."""

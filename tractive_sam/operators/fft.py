@@ -1,6 +1,7 @@
 """Zero-padded real transforms through FFTW (pyfftw is imported in this room only)."""
 
 from functools import cache, lru_cache
+from threading import Lock, get_ident
 
 import numpy as np
 import pyfftw
@@ -101,13 +102,25 @@ def recall_wisdom() -> None:
     wisdom.load()
 
 
-@lru_cache(maxsize=16)
-def transform(fields: int, shape: tuple[int, int], threads: int = 1) -> PaddedTransform:
-    """The plan for ``fields`` arrays of ``shape``, made on its first use in the process."""
-    recall_wisdom()
-    plan = PaddedTransform(fields, shape, threads)
-    wisdom.save()
+_PLANNING = Lock()
+"""FFTW's planner is not safe for threads."""
+
+
+@lru_cache(maxsize=32)
+def _plan(fields: int, shape: tuple[int, int], threads: int, thread: int) -> PaddedTransform:
+    with _PLANNING:
+        recall_wisdom()
+        plan = PaddedTransform(fields, shape, threads)
+        wisdom.save()
     return plan
+
+
+def transform(fields: int, shape: tuple[int, int], threads: int = 1) -> PaddedTransform:
+    """The plan for ``fields`` arrays of ``shape``, made on its first use.
+
+    Each thread of the process has its own, since a plan owns the arrays that it works on.
+    """
+    return _plan(fields, shape, threads, get_ident())
 
 
 def spectrum(table: np.ndarray) -> np.ndarray:

@@ -229,8 +229,9 @@ def coupled_newton(
 
 def _damped(problem, at: _Iterate, step: np.ndarray, extra: np.ndarray) -> _Iterate:
     """The full step, or the longest of its halvings that does not raise the residual much."""
-    best, length = None, 1.0
+    best = None
     under_load = problem.load is not None
+    length = problem.transmission.reach(at.creepage, extra[int(under_load) :])
     for _ in range(HALVINGS):
         trial = _Iterate(
             problem,

@@ -204,7 +204,7 @@ def _damped(problem, at: _Iterate, step: np.ndarray, creepage: np.ndarray) -> _I
     a moderate rise is allowed.
     """
     best = None
-    length = 1.0
+    length = problem.transmission.reach(at.creepage, creepage)
     for _ in range(HALVINGS):
         projected = np.empty_like(step)
         friction.project(at.traction + length * step, problem.bound, projected)

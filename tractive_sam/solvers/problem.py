@@ -67,6 +67,16 @@ class Transmission:
     def __len__(self) -> int:
         return len(self.target)
 
+    def reach(self, creepage: np.ndarray, change: np.ndarray) -> float:
+        """Longest part of a change that trusts its linearisation, at most 1.
+
+        Where nearly everything slips the forces hardly answer the creepages, and a Newton step
+        would run away. Full slip begins at a slip of order one.
+        """
+        size = np.abs(change).max(initial=0.0)
+        trusted = 3.0 + np.abs(creepage).max(initial=0.0)
+        return float(min(1.0, trusted / size)) if size > 0.0 else 1.0
+
     def slip(self, creepage: np.ndarray) -> np.ndarray:
         """Constant slip of the unknown creepages, shape (2, 1, 1)."""
         return (creepage @ self.vectors)[:, None, None]
