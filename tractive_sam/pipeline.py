@@ -14,7 +14,6 @@ from tractive_sam.scene import Scene
 from tractive_sam.solvers import Status
 from tractive_sam.store import HistoryWriter, open_history, read_gap
 
-
 GROWTHS = 8
 """Most enlargements of a mesh that the scene left to us."""
 

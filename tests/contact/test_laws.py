@@ -151,4 +151,5 @@ def test_frictionless_scene():
     contact = equilibrium(Model(Scene(**tables)))
     assert contact.converged
     assert not contact.traction.any()
+    assert contact.stick_fraction == 0.0
     np.testing.assert_allclose(contact.slip[0][contact.touching], -0.0031)

@@ -87,7 +87,9 @@ def _contact(model: Model, outcome: Outcome, depth: np.ndarray | DepthInPass | N
         depth = depth(pressure, slip)
     elif depth is None:
         depth = np.zeros(model.grid.elements)
-    size = np.hypot(*(outcome.traction - outcome.slip))
+    sliding = touching
+    if model.scene.friction is not None:
+        sliding = touching & (np.hypot(*(outcome.traction - outcome.slip)) > outcome.pressure)
     xi_x, xi_y, spin = model.creepages(outcome.creepage)
     status = outcome.status
     if outcome.converged and _at_edge(touching):
@@ -104,7 +106,7 @@ def _contact(model: Model, outcome: Outcome, depth: np.ndarray | DepthInPass | N
         xi_x,
         xi_y,
         spin,
-        touching & (size > outcome.pressure),
+        sliding,
         status,
         message(status, outcome, model),
         outcome.residual,

@@ -16,7 +16,7 @@ _compiled = njit(
 
 @_compiled
 def layer_product(out, packs, loads, nu, first, last):
-    """Stresses in a plane z = const, in the rows +-k of the spectrum for first <= k < last.
+    """Stresses in a plane z = const, in the rows +-i of the spectrum for first <= i < last.
 
     Parameters
     ----------

@@ -4,5 +4,7 @@ from tractive_sam.operators.convolution import Convolution
 from tractive_sam.operators.grid import Grid
 from tractive_sam.operators.half_space import Frame, HalfSpace
 from tractive_sam.operators.influence import Mesh
+from tractive_sam.operators.stress_layers import StressLayers
+from tractive_sam.operators.stress_plane import StressPlane
 
-__all__ = ["Convolution", "Frame", "Grid", "HalfSpace", "Mesh"]
+__all__ = ["Convolution", "Frame", "Grid", "HalfSpace", "Mesh", "StressLayers", "StressPlane"]

@@ -15,7 +15,10 @@ from .creep_force import (
 from .full_slip import full_slip_force, load_to_carry
 from .hertz import HertzContact, combined_radius, hertz
 from .hertz_line import HertzLine, hertz_line
+from .hertz_stress import circle_pressure_stress, circle_shear_stress, hertz_axis_stress
+from .invariants import max_shear, principal_stresses, von_mises
 from .kalker import CreepCoefficients, CreepForces, creep_coefficients, linear_creep_forces
+from .line_stress import line_pressure_stress, line_shear_stress
 from .material import CombinedMaterial, Material, combine
 
 __all__ = [
@@ -27,16 +30,24 @@ __all__ = [
     "HertzLine",
     "Material",
     "bentall_johnson_creepage",
+    "circle_pressure_stress",
+    "circle_shear_stress",
     "combine",
     "combined_radius",
     "creep_coefficients",
     "creep_parameter",
     "full_slip_force",
     "hertz",
+    "hertz_axis_stress",
     "hertz_line",
     "kalker_simplified",
+    "line_pressure_stress",
+    "line_shear_stress",
     "linear_creep_forces",
     "load_to_carry",
+    "max_shear",
+    "principal_stresses",
     "vermeulen_johnson",
     "vermeulen_johnson_inverse",
+    "von_mises",
 ]

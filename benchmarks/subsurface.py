@@ -1,0 +1,187 @@
+"""Stress below the surface: time and memory of volumes and planes, as ratios to their bare FFTs.
+
+Bare FFTs are the transforms that the work needs and no more, executed on its own arrays: per layer
+four packed tables forward and six stresses back, per depth of a plane eight packed rows an edge.
+The usual way takes 18 tables forward instead of four; `over 18 + 6` compares with that. Ratios are
+of medians over layers or depths, so that other work on the machine weighs on both sides alike. The
+volume of 512 x 512 x 64 runs in a process of its own, whose peak resident memory is that of all it
+loads.
+"""
+
+import resource
+import subprocess
+import sys
+import tracemalloc
+from collections.abc import Callable
+from dataclasses import replace
+from statistics import median
+from time import perf_counter
+
+import numpy as np
+import pyfftw
+from timing import seconds, show, write
+
+from tractive_sam.contact import Contact, Model, equilibrium
+from tractive_sam.operators import Grid, Mesh, StressLayers, StressPlane
+from tractive_sam.operators.fft import padded_length
+from tractive_sam.operators.stress_fft import edge_transform, layer_transform
+from tractive_sam.scene import Scene
+from tractive_sam.subsurface import stress_on_plane, stress_volume, von_mises_maximum
+from tractive_sam.subsurface.loaded import LoadedBodies
+
+DEPTHS = 64
+LARGE = 512
+# The Fortran program CONTACT: 151 depths of the plane y = 0 on 91 x 91, one core of the same kind.
+CONTACT_SECONDS = 2.0
+
+
+def spheres(n: int) -> Contact:
+    return equilibrium(Model(Scene.builtin("spheres").with_set([f"grid.elements=[{n}, {n}]"])))
+
+
+def depths(contact: Contact, count: int) -> np.ndarray:
+    return np.linspace(0.0, 1.5 * contact.scene.hertz.a, count)
+
+
+def stream(contact: Contact, count: int, threads: int = 1) -> list[float]:
+    """Compute every layer of a volume and drop it; the seconds of each."""
+    stamps = [perf_counter()]
+    for _ in stress_volume(contact, depths(contact, count), threads=threads):
+        stamps.append(perf_counter())  # noqa: PERF401 - the time between two layers
+    return np.diff(stamps).tolist()
+
+
+def peak(run: Callable[[], object]) -> int:
+    """Largest memory that Python and numpy hold at once during a call, bytes."""
+    tracemalloc.start()
+    run()
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    return most
+
+
+def volume(contact: Contact) -> dict:
+    n = contact.grid.elements[0]
+    load = LoadedBodies.of(contact, "A")
+    layers = StressLayers(
+        Mesh(contact.grid.elements, contact.grid.dx, contact.grid.dy), load.tractions, load.poisson
+    )
+    transform = layer_transform(layers.mesh.shape, layers._padded)
+    arrays = (transform.tables, transform.packs, transform.spectra, layers._loads)
+    held = sum(array.nbytes for array in arrays) + 6 * n * layers._padded[1] * 8
+    stream(contact, 1)
+    took = seconds(lambda: stream(contact, DEPTHS))
+    layer = median(stream(contact, DEPTHS))
+    bare = seconds(lambda: (transform.forward(), transform.backward()), 0.5, DEPTHS)
+    layer_transform.cache_clear()  # so that its arrays are seen to be taken
+    most = peak(lambda: stream(contact, DEPTHS))
+    return {
+        "what": f"volume {n} x {n} x {DEPTHS}",
+        "seconds": took,
+        "over its FFTs": layer / bare,
+        "over 18 + 6": layer / textbook(n),
+        "MiB": most / 2**20,
+        "over its arrays": most / held,
+    }
+
+
+def textbook(n: int) -> float:
+    """Seconds of 18 tables forward and six stresses back, on the doubled mesh."""
+    p = padded_length(n)
+    real = pyfftw.zeros_aligned((6, p, p))
+    spectrum = pyfftw.zeros_aligned((6, p, p // 2 + 1), dtype=complex)
+    forward = pyfftw.FFTW(real, spectrum, axes=(1, 2))
+    backward = pyfftw.FFTW(spectrum, real, axes=(1, 2), direction="FFTW_BACKWARD")
+
+    def run():
+        for _ in range(3):
+            forward.execute()
+        backward.execute()
+
+    return seconds(run, 0.5, DEPTHS)
+
+
+def plane(contact: Contact, text: str, count: int) -> dict:
+    n = contact.grid.elements[0]
+    z = depths(contact, count)
+    load = LoadedBodies.of(contact, "A")
+    position = 0.0 if text == "y=0" else 0.75 * contact.scene.hertz.a
+    operator = StressPlane(contact.grid, "y", position, load.tractions, load.poisson)
+    transform = edge_transform(operator._distances.size, operator._padded)
+    spectra = np.zeros((6, operator._padded // 2 + 1), dtype=complex)
+    bare = seconds(lambda: (transform.forward(), np.fft.irfft(spectra, operator._padded)), 0.5, 200)
+    depth = seconds(lambda: operator.at(z[count // 2]), 0.5, count)
+    took = seconds(lambda: stress_on_plane(contact, text, depths=z))
+    held = transform.tables.nbytes + transform.packs.nbytes + operator._loads.nbytes
+    held += 6 * n * count * 8  # the result
+    edge_transform.cache_clear()
+    most = peak(lambda: stress_on_plane(contact, text, depths=z))
+    return {
+        "what": f"plane {text}, {n} x {n}, {count} depths",
+        "seconds": took,
+        "over its FFTs": depth / bare,
+        "over 18 + 6": "",
+        "MiB": most / 2**20,
+        "over its arrays": most / held,
+    }
+
+
+def large(threads: int) -> None:
+    """In a process of its own: sliding spheres under Hertz pressure on a large mesh."""
+    small = spheres(31)
+    grid = Grid(small.grid.half_length, (LARGE, LARGE))
+    pressure = small.scene.hertz.pressure(grid.x[:, None], grid.y)
+    mu = small.scene.friction.mu[0]
+    contact = replace(
+        small, grid=grid, pressure=pressure, traction=np.stack((mu * pressure, 0.0 * pressure))
+    )
+    stream(contact, 1, threads)
+    print(
+        sum(stream(contact, DEPTHS, threads)),
+        resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
+    )
+
+
+def large_rows() -> list[dict]:
+    rows = []
+    for threads in (1, 2):
+        command = [sys.executable, __file__, "large", str(threads)]
+        done = subprocess.run(command, check=True, capture_output=True, text=True)
+        took, resident = map(float, done.stdout.split())
+        rows.append(
+            {
+                "what": f"volume {LARGE} x {LARGE} x {DEPTHS}, {threads} threads, whole process",
+                "seconds": took,
+                "MiB": resident,
+            }
+        )
+    return rows
+
+
+def main():
+    mesh128, mesh91 = spheres(128), spheres(91)
+    rows = [
+        volume(mesh128),
+        plane(mesh128, "y=0", DEPTHS),
+        plane(mesh91, "y=0", 151),
+        plane(mesh91, "y=0.75a", 151),
+    ]
+    rows[2]["CONTACT/this"] = CONTACT_SECONDS / rows[2]["seconds"]
+    rows += large_rows()
+    rows.append(
+        {
+            "what": "largest von Mises stress, 91 x 91",
+            "seconds": seconds(lambda: von_mises_maximum(mesh91)),
+        }
+    )
+    columns = [*rows[0], "CONTACT/this"]
+    rows = [{column: row.get(column, "") for column in columns} for row in rows]
+    show("Stress below the surface of `spheres`, one body", rows)
+    print(f"written: {write('subsurface', rows)}")
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["large"]:
+        large(int(sys.argv[2]))
+    else:
+        main()

@@ -1,0 +1,166 @@
+"""The largest von Mises stress against another program, closed forms and a fine search."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.conftest import steady
+from tractive_sam.contact import Model, equilibrium
+from tractive_sam.reference import von_mises
+from tractive_sam.scene import Scene
+from tractive_sam.subsurface import stress_at, stress_volume, von_mises_maximum
+
+
+@pytest.fixture(scope="module")
+def spheres():
+    return steady("spheres", elements=91)
+
+
+def test_interior_of_the_spheres(spheres):
+    """CONTACT, same mesh: 0.6655 p0 at x = 0.128 a, z = 0.47 a, on a grid of points."""
+    hertz = spheres.scene.hertz
+    found = von_mises_maximum(spheres)
+    x, y, z = np.divide(found.interior_at, hertz.a)
+    assert found.interior / hertz.p0 == pytest.approx(0.6655, abs=1e-4)  # its printed digits
+    assert x == pytest.approx(0.128, abs=0.01)
+    assert y == pytest.approx(0.0, abs=1e-3)
+    assert z == pytest.approx(0.47, abs=0.01)
+
+
+@pytest.mark.parametrize(("elements", "printed"), [(31, 0.688), (61, 0.702), (91, 0.710)])
+def test_surface_of_the_spheres_grows_with_the_mesh(elements, printed):
+    """CONTACT, at the trailing edge; both solve the slip to first order in the element."""
+    contact = steady("spheres", elements=elements)
+    hertz = contact.scene.hertz
+    found = von_mises_maximum(contact)
+    assert found.surface / hertz.p0 == pytest.approx(printed, abs=1e-3)
+    assert found.value == found.surface
+    assert found.at == found.surface_at
+    x, y, z = np.divide(found.surface_at, hertz.a)
+    assert x == pytest.approx(-1.0, abs=2.0 * contact.grid.dx / hertz.a)
+    assert y == pytest.approx(0.0, abs=1e-12)
+    assert z == 0.0
+
+
+def test_orthotropic_spheres():
+    """Paper, section 8.1.2: as beta grows the surface is relieved, the interior stays near 0.6."""
+    found = []
+    for angle in (0, 45, 90):
+        contact = steady("spheres-orthotropic", f"friction.angle={angle}", elements=45)
+        found.append(von_mises_maximum(contact))
+    p0 = contact.scene.hertz.p0
+    interior = [m.interior / p0 for m in found]
+    surface = [m.surface / p0 for m in found]
+    np.testing.assert_allclose(interior, 0.655, atol=0.015)
+    assert surface[0] > surface[1] > surface[2]
+    assert surface[0] - surface[2] > 0.2
+    # In the yz plane the field leans to one side at 45 degrees only.
+    lean = [abs(m.interior_at[1]) / contact.scene.hertz.a for m in found]
+    assert lean[1] > 0.005
+    assert max(lean[0], lean[2]) < 1e-3
+
+
+def test_frictionless_is_hertz():
+    contact = steady("spheres", "creepage.longitudinal=0", elements=61)
+    hertz = contact.scene.hertz
+    found = von_mises_maximum(contact)
+    # nu = 0.28; the mesh makes 1e-4
+    assert found.interior / hertz.p0 == pytest.approx(0.6293, abs=1e-4)
+    np.testing.assert_allclose(np.divide(found.interior_at, hertz.a), (0, 0, 0.4742), atol=2e-3)
+    assert found.value == found.interior
+    # (1 - 2 nu) / 2 below the middle of a smooth pressure, von Mises: |-(1 + 2 nu) / 2 + 1|; at
+    # the edge the radial tension and the hoop compression make (1 - 2 nu) / sqrt(3).
+    assert found.surface / hertz.p0 == pytest.approx((1 - 2 * 0.28) / np.sqrt(3), rel=0.05)
+
+
+@pytest.mark.parametrize("body", ["A", "B"])
+def test_values_are_those_of_the_points(spheres, body):
+    found = von_mises_maximum(spheres, body)
+    points = [found.interior_at, found.surface_at]
+    np.testing.assert_allclose(
+        von_mises(stress_at(spheres, points, body).T), (found.interior, found.surface), rtol=1e-11
+    )
+
+
+@pytest.mark.parametrize("body", ["A", "B"])
+def test_nothing_larger_in_a_fine_search(body):
+    contact = steady("spheres-orthotropic", elements=41)
+    found = von_mises_maximum(contact, body)
+    a, grid = contact.scene.hertz.a, contact.grid
+    depths = np.geomspace(0.2 * a, 1.2 * a, 40)
+    layers = [von_mises(stress) for _, stress in stress_volume(contact, depths, body)]
+    k, i, j = np.unravel_index(np.argmax(layers), np.shape(layers))
+    assert np.max(layers) <= found.interior
+    assert np.max(layers) == pytest.approx(found.interior, rel=1e-3)  # half an element off
+    step = max(grid.dx, depths[k] - depths[k - 1])
+    np.testing.assert_allclose(found.interior_at, (grid.x[i], grid.y[j], depths[k]), atol=step)
+    # A true maximum: a step of a hundredth of its depth aside loses 1e-4 of it.
+    aside = found.interior_at + 0.01 * found.interior_at[2] * np.concatenate(
+        (np.eye(3), -np.eye(3))
+    )
+    assert (von_mises(stress_at(contact, aside, body).T) < found.interior).all()
+
+
+def test_strong_friction_leaves_no_maximum_inside():
+    contact = steady("spheres", "friction.mu=0.9", "creepage.longitudinal=-0.05", elements=31)
+    found = von_mises_maximum(contact)
+    assert np.isnan(found.interior)
+    assert np.isnan(found.interior_at).all()
+    assert found.value == found.surface > 1.4 * contact.scene.hertz.p0
+
+
+def worn_discs(depth, half_width, *settings):
+    """Twin discs hollowed around y = 0: the pressure has a spike at either edge of the hollow."""
+    model = Model(Scene.builtin("twin-discs-isotropic").with_set(settings))
+    profile = np.maximum(0.0, depth * (1 - (model.grid.y / half_width) ** 2))
+    return equilibrium(model, np.broadcast_to(profile, model.grid.elements).copy())
+
+
+def largest_in_layers(contact, depths):
+    layers = [von_mises(stress) for _, stress in stress_volume(contact, depths)]
+    k, i, j = np.unravel_index(np.argmax(layers), np.shape(layers))
+    return layers[k][i, j], (contact.grid.x[i], contact.grid.y[j], depths[k])
+
+
+def test_below_the_pressure_spikes_of_worn_discs():
+    contact = worn_discs(0.002, 0.6, "friction.mu=0.2")
+    found = von_mises_maximum(contact)
+    value, (x, y, z) = largest_in_layers(contact, np.geomspace(0.03, 0.3, 40))
+    assert abs(y) == pytest.approx(0.6, abs=0.01)
+    assert found.value == found.interior
+    assert value == pytest.approx(found.interior, rel=1e-3)  # half an element off
+    assert value <= found.interior
+    x0, y0, z0 = found.interior_at
+    np.testing.assert_allclose((x0, abs(y0), z0), (x, abs(y), z), atol=contact.grid.dy)
+
+
+def test_a_spike_too_narrow_for_the_mesh():
+    """Its maximum is less than one element deep; reported is what is found one element deep."""
+    contact = worn_discs(0.01, 0.9, "friction.mu=0.2")
+    found = von_mises_maximum(contact)
+    side = max(contact.grid.dx, contact.grid.dy)
+    value, _ = largest_in_layers(contact, np.geomspace(side, 0.3, 20))
+    assert found.interior_at[2] == side
+    assert found.value == found.interior >= value > found.surface
+
+
+def test_one_element_in_contact(spheres):
+    pressure = np.zeros_like(spheres.pressure)
+    pressure[3, 90] = 1.0  # at the border of the mesh
+    contact = replace(spheres, pressure=pressure, traction=np.zeros_like(spheres.traction))
+    found = von_mises_maximum(contact)
+    assert np.isfinite(found.value)
+    assert found.at[:2] == pytest.approx((spheres.grid.x[3], spheres.grid.y[90]), abs=1e-9)
+
+
+def test_no_contact(spheres):
+    contact = replace(spheres, pressure=0 * spheres.pressure, traction=0 * spheres.traction)
+    found = von_mises_maximum(contact)
+    assert found.value == 0.0
+    assert np.isnan(found.at).all()
+
+
+def test_unknown_body(spheres):
+    with pytest.raises(ValueError, match='"A" or "B"'):
+        von_mises_maximum(spheres, "C")

@@ -1,0 +1,107 @@
+"""The transforms behind stress below the surface, planned once.
+
+Their arrays belong to the plan and are overwritten by its next use.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+import pyfftw
+
+from tractive_sam.operators import wisdom
+from tractive_sam.operators.fft import plan, recall_wisdom
+
+
+class LayerTransform:
+    """Forward transform of packed tables and backward transform of six stresses.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        Mesh (n_x, n_y) on which the stresses are wanted.
+    padded : tuple of int
+        Periods (p_x, p_y) of the tables, even.
+    threads : int
+        Threads that FFTW may use.
+
+    Attributes
+    ----------
+    tables : ndarray, shape (4, p_x, p_y)
+        For `forward`.
+    packs : ndarray of complex, shape (4, p_x, p_y/2 + 1)
+        Spectra of the tables.
+    spectra : ndarray of complex, shape (6, p_x, p_y/2 + 1)
+        Spectra of the stresses, for `backward`; destroyed by it.
+    """
+
+    def __init__(self, shape: tuple[int, int], padded: tuple[int, int], threads: int = 1):
+        (nx, ny), (px, py) = shape, padded
+        self.tables = pyfftw.zeros_aligned((4, px, py))
+        self.packs = pyfftw.zeros_aligned((4, px, py // 2 + 1), dtype=complex)
+        self.spectra = pyfftw.zeros_aligned((6, px, py // 2 + 1), dtype=complex)
+        stresses = pyfftw.zeros_aligned((6, nx, py))
+        self._stresses = stresses[..., :ny]
+        self._tables_y = plan(self.tables, self.packs, 2, "FFTW_FORWARD", threads)
+        self._tables_x = plan(self.packs, self.packs, 1, "FFTW_FORWARD", threads)
+        self._stress_x = plan(self.spectra, self.spectra, 1, "FFTW_BACKWARD", threads)
+        # Rows beyond the mesh are not transformed back.
+        self._stress_y = plan(self.spectra[:, :nx], stresses, 2, "FFTW_BACKWARD", threads)
+
+    def forward(self) -> None:
+        """Set `packs` to the spectra of `tables`."""
+        self._tables_y.execute()
+        self._tables_x.execute()
+
+    def backward(self) -> np.ndarray:
+        """Stresses, shape (6, n_x, n_y), of `spectra`, times p_x p_y."""
+        self._stress_x.execute()
+        self._stress_y.execute()
+        return self._stresses
+
+
+class EdgeTransform:
+    """Forward transform of the packed tables of a vertical plane.
+
+    Parameters
+    ----------
+    edges : int
+        Number of rows.
+    padded : int
+        Period p of the tables, even.
+
+    Attributes
+    ----------
+    tables : ndarray, shape (8, edges, p)
+        For `forward`.
+    packs : ndarray of complex, shape (8, edges, p/2 + 1)
+        Spectra of the tables.
+    """
+
+    def __init__(self, edges: int, padded: int):
+        self.tables = pyfftw.zeros_aligned((8, edges, padded))
+        self.packs = pyfftw.zeros_aligned((8, edges, padded // 2 + 1), dtype=complex)
+        self._plan = plan(self.tables, self.packs, 2, "FFTW_FORWARD")
+
+    def forward(self) -> None:
+        """Set `packs` to the spectra of `tables`."""
+        self._plan.execute()
+
+
+@lru_cache(maxsize=8)
+def layer_transform(
+    shape: tuple[int, int], padded: tuple[int, int], threads: int = 1
+) -> LayerTransform:
+    """The plan for layers, made on its first use in the process."""
+    recall_wisdom()
+    transform = LayerTransform(shape, padded, threads)
+    wisdom.save()
+    return transform
+
+
+@lru_cache(maxsize=8)
+def edge_transform(edges: int, padded: int) -> EdgeTransform:
+    """The plan for a vertical plane, made on its first use in the process."""
+    recall_wisdom()
+    transform = EdgeTransform(edges, padded)
+    wisdom.save()
+    return transform

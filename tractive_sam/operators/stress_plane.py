@@ -1,0 +1,101 @@
+"""Stress on one vertical plane, from tractions on a mesh."""
+
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+
+from tractive_sam.kernels.stress_lattice import edge_table
+from tractive_sam.kernels.stress_spectral import plane_product
+from tractive_sam.operators.extent import extent, reach
+from tractive_sam.operators.fft import padded_length
+from tractive_sam.operators.grid import Grid
+from tractive_sam.operators.stress_fft import edge_transform
+
+_EXCHANGED = [1, 0, 2, 3, 5, 4]
+"""The components xx, yy, zz, xy, xz, yz after an exchange of x and y."""
+
+_COINCIDENT = 1e-9
+"""Distance, in elements, below which a plane lies on a row of centres or of edges."""
+
+
+class StressPlane:
+    """Stress on a vertical plane at the centres along it, depth by depth.
+
+    Bodies, accuracy and sharing as for `StressLayers`, at a fraction of its cost: along the plane
+    the elements are convolved by FFT, across it they are summed in the spectrum. The integral over
+    an element is a difference between two of its edges, which neighbours share. So the sum is one
+    over edges, with the jump of the traction across them, and edges at equal distances on both
+    sides of the plane are taken together.
+
+    Parameters
+    ----------
+    grid : Grid
+        Elements; lengths in mm.
+    normal : "x" or "y"
+        The plane is x = position and its points are at the grid's y, or the reverse.
+    position : float
+        Where the plane lies, mm; anywhere.
+    tractions : ndarray, shape (bodies, 3, n_x, n_y)
+        (p_x, p_y, p_n) acting on each half-space, MPa.
+    poisson : sequence of float
+        Poisson's ratio of each half-space.
+    """
+
+    def __init__(
+        self,
+        grid: Grid,
+        normal: Literal["x", "y"],
+        position: float,
+        tractions: np.ndarray,
+        poisson: Sequence[float],
+    ):
+        self.poisson = tuple(poisson)
+        across, step, self._step = grid.x, grid.dx, grid.dy
+        self._exchanged = normal == "y"
+        if self._exchanged:
+            # From here on the plane is x = position.
+            across, step, self._step = grid.y, grid.dy, grid.dx
+            tractions = tractions.swapaxes(2, 3)[:, [1, 0, 2]]
+        loaded = tractions.any(axis=(0, 1))
+        self._points = loaded.shape[1]
+        self._padded = padded_length(reach(loaded.any(axis=0)) + 1)
+        rows = extent(loaded.any(axis=1))
+        jumps = np.diff(tractions[:, :, rows], axis=2, prepend=0.0, append=0.0)
+        # Plane minus edge, in elements.
+        offsets = _snapped((position - across[rows.start]) / step + 0.5) - np.arange(jumps.shape[2])
+        distances, group = np.unique(np.abs(offsets), return_inverse=True)
+        loads = np.zeros((len(self.poisson), 2, 3, distances.size, self._points))
+        for edge, k in enumerate(group):
+            loads[:, 0, :, k] += jumps[:, :, edge]
+            loads[:, 1, :, k] += np.sign(offsets[edge]) * jumps[:, :, edge]
+        self._distances = distances * step
+        self._loads = np.fft.rfft(loads, self._padded) / (2.0 * np.pi)
+
+    def at(self, depth: float) -> np.ndarray:
+        """Stresses at one depth.
+
+        Parameters
+        ----------
+        depth : float
+            z >= 0, mm.
+
+        Returns
+        -------
+        ndarray, shape (bodies, 6, n)
+            In the order of `kernels.stress.COMPONENTS`, MPa; a new array.
+        """
+        transform = edge_transform(self._distances.size, self._padded)
+        edge_table(transform.tables, self._distances, float(depth), self._step)
+        transform.forward()
+        spectra = np.empty((len(self.poisson), 6, self._padded // 2 + 1), dtype=complex)
+        for out, loads, nu in zip(spectra, self._loads, self.poisson, strict=True):
+            plane_product(out, transform.packs, loads, nu)
+        stresses = np.fft.irfft(spectra, self._padded)[..., : self._points]
+        return stresses[:, _EXCHANGED] if self._exchanged else stresses
+
+
+def _snapped(place: float) -> float:
+    """A place in elements from an edge, moved onto a centre or an edge that it all but meets."""
+    nearest = 0.5 * round(2.0 * place)
+    return nearest if abs(place - nearest) < _COINCIDENT else place

@@ -1,0 +1,45 @@
+"""Scalars of a stress tensor that do not depend on the axes."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+
+def von_mises(stress: ArrayLike) -> NDArray[np.float64]:
+    """Equivalent stress of von Mises, in the unit of the stress.
+
+    Parameters
+    ----------
+    stress : array_like, shape (6, ...)
+        Components xx, yy, zz, xy, xz, yz.
+    """
+    xx, yy, zz, xy, xz, yz = stress
+    normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
+    return np.sqrt(0.5 * normal + 3.0 * (xy**2 + xz**2 + yz**2))
+
+
+def principal_stresses(stress: ArrayLike) -> NDArray[np.float64]:
+    """Principal stresses, the largest (most tensile) first, shape (3, ...).
+
+    Parameters
+    ----------
+    stress : array_like, shape (6, ...)
+        Components xx, yy, zz, xy, xz, yz.
+    """
+    tensor = np.moveaxis(
+        np.asarray(stress, float)[[[0, 3, 4], [3, 1, 5], [4, 5, 2]]], (0, 1), (-2, -1)
+    )
+    return np.moveaxis(np.linalg.eigvalsh(tensor), -1, 0)[::-1]
+
+
+def max_shear(stress: ArrayLike) -> NDArray[np.float64]:
+    """Largest shear stress (Tresca), half the difference of the extreme principal stresses.
+
+    Parameters
+    ----------
+    stress : array_like, shape (6, ...)
+        Components xx, yy, zz, xy, xz, yz.
+    """
+    largest, _, smallest = principal_stresses(stress)
+    return 0.5 * (largest - smallest)

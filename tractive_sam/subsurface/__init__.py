@@ -1,0 +1,24 @@
+"""Stress below the surface of both bodies, from the tractions of a solved contact.
+
+Components xx, yy, zz, xy, xz, yz are those of the axes of the contact, for both bodies; MPa,
+compression negative. Depths are distances below the surface of the body concerned: body A is at
+z = +depth, body B at z = -depth. Across the interface xz, yz and zz are continuous, -p_x, -p_y and
+-p_n.
+"""
+
+from tractive_sam.subsurface.depth import depths
+from tractive_sam.subsurface.maximum import VonMisesMaximum, von_mises_maximum
+from tractive_sam.subsurface.plane import PlaneStress, stress_on_plane, stress_on_planes
+from tractive_sam.subsurface.points import stress_at
+from tractive_sam.subsurface.volume import stress_volume
+
+__all__ = [
+    "PlaneStress",
+    "VonMisesMaximum",
+    "depths",
+    "stress_at",
+    "stress_on_plane",
+    "stress_on_planes",
+    "stress_volume",
+    "von_mises_maximum",
+]

@@ -1,0 +1,103 @@
+"""The way to the top of a smooth function of three coordinates."""
+
+from collections.abc import Callable
+from itertools import combinations
+
+import numpy as np
+
+Function = Callable[[np.ndarray], np.ndarray]
+"""Points (n, 3) -> values (n,)."""
+
+STEPS = 12
+"""Largest number of Newton steps."""
+
+SETTLED = 1e-3
+"""A step shorter than this share of the depth is the last."""
+
+_AXES = np.concatenate((np.eye(3), -np.eye(3)))
+_PAIRS = np.array([e + s * f for e, f in combinations(np.eye(3), 2) for s in (1.0, -1.0)])
+_STENCIL = np.concatenate((np.zeros((1, 3)), _AXES, _PAIRS, -_PAIRS))
+
+
+def climb(function: Function, start: np.ndarray, floor: float) -> tuple[np.ndarray, np.ndarray]:
+    """Climb to a local maximum by Newton steps on differences.
+
+    Lengths go with the depth, over which fields below a surface change.
+
+    Parameters
+    ----------
+    function : callable
+        What is to be largest.
+    start : ndarray, shape (3,)
+        Where to begin; the last coordinate is the depth.
+    floor : float
+        Least depth.
+
+    Returns
+    -------
+    at : ndarray, shape (3,)
+        The point reached.
+    hessian : ndarray, shape (3, 3)
+        Second derivatives there, with positive eigenvalues turned negative.
+    """
+    at = np.array(start)
+    for _ in range(STEPS):
+        unit = _unit(at)
+        values = function(at + unit * _STENCIL)
+        gradient = _gradient(values, unit)
+        hessian = _hessian(values, unit)
+        moved = _step(at, gradient, hessian, floor)
+        settled = np.linalg.norm(moved - at) < SETTLED * at[2]
+        at = moved
+        if settled:
+            break
+    return at, hessian
+
+
+def polish(function: Function, at: np.ndarray, hessian: np.ndarray, floor: float):
+    """One more step, with the gradient of a function near that of `climb`, whose hessian serves.
+
+    Returns
+    -------
+    (ndarray of shape (3,), float)
+        The better one of the two points, and the function there.
+    """
+    unit = _unit(at)
+    values = function(at + unit * _STENCIL[:7])
+    moved = _step(at, _gradient(values, unit), hessian, floor)
+    there = function(moved[None])[0]
+    return (moved, float(there)) if there > values[0] else (at, float(values[0]))
+
+
+def _unit(at: np.ndarray) -> float:
+    """Step of the differences, a tenth of the depth: their error is a hundredth."""
+    return 0.1 * at[2]
+
+
+def _gradient(values: np.ndarray, unit: float) -> np.ndarray:
+    return (values[1:4] - values[4:7]) / (2.0 * unit)
+
+
+def _hessian(values: np.ndarray, unit: float) -> np.ndarray:
+    """Second derivatives from the stencil, negative definite."""
+    hessian = np.diag(values[1:4] + values[4:7] - 2.0 * values[0])
+    pairs = values[7:13] + values[13:]
+    for k, (i, j) in enumerate(combinations(range(3), 2)):
+        hessian[i, j] = hessian[j, i] = 0.25 * (pairs[2 * k] - pairs[2 * k + 1])
+    curvatures, directions = np.linalg.eigh(hessian / unit**2)
+    # Where it curves upwards, go uphill all the same.
+    curvatures = -np.maximum(np.abs(curvatures), 1e-3 * np.abs(curvatures).max())
+    return directions * curvatures @ directions.T
+
+
+def _step(at: np.ndarray, gradient: np.ndarray, hessian: np.ndarray, floor: float) -> np.ndarray:
+    step = -np.linalg.solve(hessian, gradient)
+    if at[2] <= floor and step[2] < 0.0:
+        # Along the floor, the way down being barred.
+        step = np.append(-np.linalg.solve(hessian[:2, :2], gradient[:2]), 0.0)
+    length, longest = np.linalg.norm(step), 0.5 * at[2]
+    if length > longest:
+        step *= longest / length
+    moved = at + step
+    moved[2] = max(moved[2], floor)
+    return moved

@@ -1,0 +1,148 @@
+"""The largest equivalent stress of a body, and where it is."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import maximum_filter
+
+from tractive_sam.contact import Contact
+from tractive_sam.subsurface.climb import climb, polish
+from tractive_sam.subsurface.loaded import LoadedBodies
+from tractive_sam.subsurface.pyramid import Pyramid
+
+Point = tuple[float, float, float]
+
+GROWTH = 1.5
+"""Ratio of the depths of successive layers of the search."""
+
+DEEPEST = 1.25
+"""Depth of its last layer, over the smaller half width of the contact."""
+
+CANDIDATES = 3
+"""Local maxima of the search that are looked at more closely."""
+
+_NOWHERE: Point = (np.nan, np.nan, np.nan)
+
+
+@dataclass(frozen=True)
+class VonMisesMaximum:
+    """Largest equivalent stress of von Mises in a body, MPa, and where, (x, y, depth) in mm.
+
+    Attributes
+    ----------
+    value, at : float, tuple of float
+        The larger one of the two below.
+    interior, interior_at : float, tuple of float
+        The largest local maximum at least one element below the surface; nan where the stress
+        falls from the surface down. One element deep it is a bound: a maximum nearer to the
+        surface than that.
+    surface, surface_at : float, tuple of float
+        The largest value at the centres of elements at the surface.
+    """
+
+    value: float
+    at: Point
+    interior: float
+    interior_at: Point
+    surface: float
+    surface_at: Point
+
+
+def von_mises_maximum(contact: Contact, body: str = "A") -> VonMisesMaximum:
+    """Find the largest equivalent stress in a body.
+
+    Layers at depths that grow by `GROWTH` show where to look; below the first few, elements are
+    taken together in blocks of at most half the depth. The best local maxima are climbed with
+    blocks of at most a quarter of the depth; the last step and the value are exact for the
+    tractions on the elements.
+
+    The surface is evaluated at centres of elements only, and its maximum depends on the mesh: where
+    the tangential traction jumps from one element to the next, the stress is infinite on the edge
+    between them. What is nearer to the surface than one element is not looked at.
+
+    Parameters
+    ----------
+    contact : Contact
+        The solved contact.
+    body : "A" or "B"
+        The body concerned.
+
+    Returns
+    -------
+    VonMisesMaximum
+        Zero, and nowhere, if there is no contact.
+
+    Raises
+    ------
+    ValueError
+        If there is no such body.
+    """
+    load = LoadedBodies.of(contact, (body,))
+    if not load.tractions.any():
+        return VonMisesMaximum(0.0, _NOWHERE, np.nan, _NOWHERE, 0.0, _NOWHERE)
+    pyramid = Pyramid(contact.grid, load.tractions[0], load.poisson[0])
+    depths = _search_depths(contact)
+    layers = [pyramid.level(0.5 * depth).layer(depth) for depth in depths]
+    surface, surface_at = _largest(pyramid, layers[0])
+    interior, interior_at = _interior(pyramid, depths, layers, surface)
+    value, at = (interior, interior_at) if interior > surface else (surface, surface_at)
+    return VonMisesMaximum(value, at, interior, interior_at, surface, surface_at)
+
+
+def _search_depths(contact: Contact) -> np.ndarray:
+    """The surface, one element below it, and on until no maximum is to be expected any more, mm."""
+    side = max(contact.grid.dx, contact.grid.dy)
+    deepest = DEEPEST * min(contact.half_width_x, contact.half_width_y)
+    count = max(3, int(np.ceil(np.log(deepest / side) / np.log(GROWTH))) + 1)
+    return np.concatenate(([0.0], side * GROWTH ** np.arange(count)))
+
+
+def _largest(pyramid: Pyramid, surface: np.ndarray) -> tuple[float, Point]:
+    level = pyramid.level(0.0)
+    i, j = np.unravel_index(np.argmax(surface), surface.shape)
+    return float(surface[i, j]), (float(level.x[i]), float(level.y[j]), 0.0)
+
+
+def _interior(
+    pyramid: Pyramid, depths: np.ndarray, layers: list[np.ndarray], surface: float
+) -> tuple[float, Point]:
+    """Climb from the largest local maxima of the layers below the surface."""
+    floor = depths[1]
+    tops = []
+    for k, i, j in _local_maxima(pyramid, layers):
+        level = pyramid.level(0.5 * depths[k])
+        start = np.array([level.x[i], level.y[j], depths[k]])
+        blocks = pyramid.level(0.25 * depths[k])
+        at, hessian = climb(blocks.at, start, floor)
+        value = blocks.at(at[None])[0]
+        # A way that ends at the floor leads on to the surface, unless that is lower.
+        if at[2] > floor or value > surface:
+            tops.append((value, at, hessian))
+    if not tops:
+        return np.nan, _NOWHERE
+    _, at, hessian = max(tops, key=lambda top: top[0])
+    at, value = polish(pyramid.level(0.0).at, at, hessian, floor)
+    return value, tuple(map(float, at))
+
+
+def _local_maxima(pyramid: Pyramid, layers: list[np.ndarray]) -> list[tuple[int, int, int]]:
+    """Layer and element (k, i, j) of the largest local maxima below the surface."""
+    # Of every layer the largest value in each of the coarsest blocks, (layer, block, block).
+    values = np.stack([_split(layer, pyramid.blocks).max(axis=(1, 3)) for layer in layers])
+    found = np.argwhere(values == maximum_filter(values, 3, mode="nearest"))
+    found = found[found[:, 0] > 0]
+    best = np.argsort(-values[tuple(found.T)])[:CANDIDATES]
+    return [(k, *_top(layers[k], pyramid.blocks, i, j)) for k, i, j in found[best].tolist()]
+
+
+def _split(layer: np.ndarray, blocks: tuple[int, int]) -> np.ndarray:
+    """A layer by blocks: (block in x, within it, block in y, within it)."""
+    (nx, ny), (mx, my) = layer.shape, blocks
+    return layer.reshape(mx, nx // mx, my, ny // my)
+
+
+def _top(layer: np.ndarray, blocks: tuple[int, int], i: int, j: int) -> tuple[int, int]:
+    """Where in a layer the largest value of block (i, j) is."""
+    block = _split(layer, blocks)[i, :, j]
+    m, n = np.unravel_index(np.argmax(block), block.shape)
+    return i * block.shape[0] + int(m), j * block.shape[1] + int(n)

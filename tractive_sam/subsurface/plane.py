@@ -1,0 +1,149 @@
+"""Stress on the planes that a scene names."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tractive_sam.contact import Contact
+from tractive_sam.kernels.stress import COMPONENTS
+from tractive_sam.operators import Mesh, StressLayers, StressPlane
+from tractive_sam.reference import max_shear, principal_stresses, von_mises
+from tractive_sam.scene import Plane
+from tractive_sam.subsurface.depth import checked, default_depths, semi_axes
+from tractive_sam.subsurface.loaded import LoadedBodies
+
+
+@dataclass(frozen=True)
+class PlaneStress:
+    """Stress of one body on one plane.
+
+    Attributes
+    ----------
+    body : "A" or "B"
+        The body.
+    plane : Plane
+        The plane; its text is `str(plane)`.
+    position : float
+        Where it lies, mm: the x, y or depth that is constant on it.
+    axes : dict of str to ndarray
+        Names and coordinates of the two axes of every array, in their order, mm: "y" and "depth"
+        where x is constant, "x" and "depth" where y is, "x" and "y" at constant depth.
+    components : dict of str to ndarray
+        xx, yy, zz, xy, xz, yz in the axes of the contact, MPa.
+    """
+
+    body: str
+    plane: Plane
+    position: float
+    axes: dict[str, np.ndarray]
+    components: dict[str, np.ndarray]
+
+    @property
+    def along(self) -> tuple[str, np.ndarray]:
+        """Name and coordinates of the first axis, mm."""
+        return next(iter(self.axes.items()))
+
+    @property
+    def depth(self) -> np.ndarray:
+        """Depths, mm: those of the second axis, or the only one of a plane at constant depth."""
+        return self.axes.get("depth", np.array([self.position]))
+
+    @cached_property
+    def _tensor(self) -> np.ndarray:
+        return np.stack([self.components[name] for name in COMPONENTS])
+
+    @cached_property
+    def von_mises(self) -> np.ndarray:
+        """Equivalent stress of von Mises, MPa."""
+        return von_mises(self._tensor)
+
+    @cached_property
+    def max_shear(self) -> np.ndarray:
+        """Largest shear stress, half the difference of the extreme principal stresses, MPa."""
+        return max_shear(self._tensor)
+
+    @cached_property
+    def principal(self) -> np.ndarray:
+        """Principal stresses, the largest first, shape (3, ...), MPa."""
+        return principal_stresses(self._tensor)
+
+
+def stress_on_plane(
+    contact: Contact, plane: Plane | str, body: str = "A", depths: ArrayLike | None = None
+) -> PlaneStress:
+    """Stress of one body on one plane.
+
+    Parameters
+    ----------
+    contact : Contact
+        The solved contact.
+    plane : Plane or str
+        As in a scene: "y=0", "x=-0.3" (mm), "y=0.75a", "z=0.48a"; a, b are the semi-axes of the
+        unworn Hertz contact, or the half widths of the contact where there is none.
+    body : "A" or "B"
+        The body concerned.
+    depths : array_like, optional
+        Depths of a vertical plane, mm; by default those of the scene's [subsurface].
+
+    Raises
+    ------
+    ValueError
+        If the plane cannot be read, there is no such body, or depths are negative or not finite.
+    """
+    return next(stress_on_planes(contact, (plane,), (body,), depths))
+
+
+def stress_on_planes(
+    contact: Contact,
+    planes: Sequence[Plane | str] | None = None,
+    bodies: Sequence[str] | None = None,
+    depths: ArrayLike | None = None,
+) -> Iterator[PlaneStress]:
+    """Stress of several bodies on several planes: each plane, and on it each body.
+
+    Bodies cost little more than one: they share most of the work.
+
+    Parameters
+    ----------
+    contact : Contact
+        The solved contact.
+    planes : sequence of Plane or str, optional
+        As for `stress_on_plane`; by default those of the scene's [subsurface].
+    bodies : sequence of str, optional
+        By default those of the scene's [subsurface].
+    depths : array_like, optional
+        As for `stress_on_plane`.
+
+    Raises
+    ------
+    ValueError
+        As for `stress_on_plane`, or if planes or bodies are left to a scene without [subsurface].
+    """
+    asked = contact.scene.subsurface
+    if asked is None and (planes is None or bodies is None):
+        raise ValueError("the scene has no [subsurface]: say which planes and bodies")
+    planes = tuple(Plane.parse(plane) for plane in (asked.planes if planes is None else planes))
+    load = LoadedBodies.of(contact, asked.bodies if bodies is None else bodies)
+    depths = default_depths(contact) if depths is None else checked(depths)
+    # Checked at the call, not at the first plane.
+    return (stress for plane in planes for stress in _on_plane(contact, plane, load, depths))
+
+
+def _on_plane(
+    contact: Contact, plane: Plane, load: LoadedBodies, depths: np.ndarray
+) -> Iterator[PlaneStress]:
+    grid, position = contact.grid, plane.value_in(*semi_axes(contact))
+    if plane.axis == "z":
+        axes = {"x": grid.x, "y": grid.y}
+        mesh = Mesh(grid.elements, grid.dx, grid.dy)
+        stress = StressLayers(mesh, load.tractions, load.poisson).at(position)
+    else:
+        axes = {"y": grid.y} if plane.axis == "x" else {"x": grid.x}
+        axes["depth"] = depths
+        operator = StressPlane(grid, plane.axis, position, load.tractions, load.poisson)
+        stress = np.stack([operator.at(depth) for depth in depths], axis=-1)
+    for body, tensor in zip(load.names, load.in_contact_axes(stress), strict=True):
+        yield PlaneStress(body, plane, position, axes, dict(zip(COMPONENTS, tensor, strict=True)))

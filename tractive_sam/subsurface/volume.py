@@ -1,0 +1,48 @@
+"""Stress in a volume, one layer after another."""
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+
+from tractive_sam.contact import Contact
+from tractive_sam.operators import Mesh, StressLayers
+from tractive_sam.subsurface.depth import checked
+from tractive_sam.subsurface.loaded import LoadedBodies
+
+
+def stress_volume(
+    contact: Contact, depths: Iterable[float], body: str = "A", threads: int = 1
+) -> Iterator[tuple[float, np.ndarray]]:
+    """Stress at the centres of the contact's mesh, layer by layer; nothing is kept of a layer.
+
+    Parameters
+    ----------
+    contact : Contact
+        The solved contact.
+    depths : sequence of float
+        Depths, in any order, mm.
+    body : "A" or "B"
+        The body concerned.
+    threads : int
+        Threads to use.
+
+    Yields
+    ------
+    (float, ndarray of shape (6, n_x, n_y))
+        Depth, and xx, yy, zz, xy, xz, yz in the axes of the contact, MPa.
+
+    Raises
+    ------
+    ValueError
+        If there is no such body, or depths are negative or not finite.
+    """
+    # Checked at the call, not at the first layer.
+    return _layers(LoadedBodies.of(contact, (body,)), contact, checked(depths), threads)
+
+
+def _layers(load: LoadedBodies, contact: Contact, depths: np.ndarray, threads: int):
+    grid = contact.grid
+    mesh = Mesh(grid.elements, grid.dx, grid.dy)
+    layers = StressLayers(mesh, load.tractions, load.poisson, threads)
+    for depth in depths:
+        yield float(depth), load.in_contact_axes(layers.at(depth))[0]
