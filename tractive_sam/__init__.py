@@ -21,7 +21,7 @@ upper one. Material crosses the contact from +x, the leading edge, to -x. Arrays
 **Signs** Pressure is positive. The traction (p_x, p_y) acts on body A; body B carries its
 opposite. Displacement u = u_A - u_B; slip is that of A over B per unit rolling speed,
 s_x/V = xi_x - phi y - du_x/dx and s_y/V = xi_y + phi x - du_y/dx. A negative longitudinal creepage
-drives body A: Q_x > 0.
+drives body A: Q_x > 0 (for dissimilar bodies: one below the creepage of free rolling).
 
 **Friction** The tribological axes (e1, e2) are turned by the angle beta counter-clockwise from x.
 

@@ -114,6 +114,9 @@ def _wear(model: Model) -> Section:
         ("revolutions", f"{wear.revolutions}, {_stepping(wear)}"),
         ("fields kept at", ", ".join(map(str, wear.save))),
     ]
+    hardness = [body.hardness for body in (model.scene.body.A, model.scene.body.B)]
+    share = hardness[1] / sum(hardness)
+    rows.append(("of the depth", f"{share:.0%} from body A, {1 - share:.0%} from B, by hardness"))
     if model.scene.solver.slip == "upwind":
         rows.append(("slip", "the paper's upwind difference: frictional work comes out too small"))
     return Section("Wear", rows)

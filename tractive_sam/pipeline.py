@@ -55,10 +55,22 @@ def solve(
 
     Raises
     ------
+    ValueError
+        If `wear` or `start` do not fit the mesh.
     NotConverged
         If `throw` and the contact conditions do not hold to the scene's tolerance.
     """
     model = Model(scene, measured_gap(scene))
+    if wear is not None:
+        wear = np.asarray(wear, float)
+        if wear.shape != model.grid.elements or not np.isfinite(wear).all():
+            raise ValueError(f"wear: finite numbers of the shape {model.grid.elements} are needed")
+    if start is not None and start.grid != model.grid:
+        raise ValueError(
+            f"start: a contact on the mesh of the scene is needed, {model.grid.elements} elements "
+            f"over {model.grid.half_length} mm; not {start.grid.elements} over "
+            f"{start.grid.half_length}"
+        )
     contact = equilibrium(model, wear, start)
     if start is None and wear is None:
         model, contact = _fitted(model, contact)

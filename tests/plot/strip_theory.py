@@ -40,6 +40,8 @@ def contact(toml=TOML, hertz=HERTZ, **changes):
     """What figures need to know of a solved contact."""
     fields = {"pressure": pressure(), "traction": traction(), "slip": slip()}
     return SimpleNamespace(
+        converged=True,
+        status="converged",
         scene=SimpleNamespace(to_toml=lambda: toml, hertz=hertz),
         grid=SimpleNamespace(x=X, y=Y),
         half_width_x=0.48,

@@ -91,3 +91,12 @@ def tangential_problem():
     model = Model(Scene.builtin("spheres").with_set(settings))
     pressure = steady("spheres", elements=21).pressure / model.units.pressure
     return TangentialProblem(model.half_space, model.scaled_rigid_slip, pressure)
+
+
+@pytest.mark.parametrize("angle", [0, 30, 45, 90])
+@pytest.mark.parametrize("weak", [0.1, 0.05])
+def test_friction_much_stronger_one_way(angle, weak):
+    """Newton's unit of slip follows the stronger axis: the weaker would make it too bold."""
+    settings = (f"friction.mu=[0.4, {weak}]", f"friction.angle={angle}", 'solver.method="newton"')
+    contact = steady("spheres-orthotropic", *settings, elements=45)
+    assert contact.converged, contact.message

@@ -1,5 +1,6 @@
 """What the program says: tables on the standard output, notes and errors beside it."""
 
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from enum import IntEnum
@@ -37,6 +38,16 @@ def stop(status: Status, *parts: str | tuple[str, str]) -> typer.Exit:
     """Print an error; returns what is to be raised."""
     say(("error: ", "bold red"), *parts)
     return typer.Exit(status)
+
+
+@contextmanager
+def warnings_told() -> Iterator[list[warnings.WarningMessage]]:
+    """Print warnings as notes, each once; yields those so far."""
+    with warnings.catch_warnings(record=True) as notes:
+        warnings.simplefilter("always")
+        yield notes
+    for text in dict.fromkeys(str(note.message) for note in notes):
+        say(("note: ", "bold yellow"), text)
 
 
 @contextmanager

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from tractive_sam.cli.output import Status, bad_input_told, stop
+from tractive_sam.cli.output import Status, bad_input_told, say, stop
 from tractive_sam.cli.show import Results
 
 
@@ -43,5 +43,7 @@ def plot(
             raise stop(Status.INVALID, f"the figures cannot be written: {error}") from None
     if not paths:
         raise stop(Status.INVALID, f"{file} holds no record to draw yet")
+    if not history.finished:
+        say(("note: ", "bold yellow"), f"{file} is {history.status}: {history.message}")
     for path in paths:
         typer.echo(path)

@@ -7,12 +7,18 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tractive_sam.cli.output import Status, bad_input_told, console, say, stop
+from tractive_sam.cli.output import Status, bad_input_told, console, say, stop, warnings_told
 from tractive_sam.cli.scene_input import SceneName, Settings, read_scene
 
 if TYPE_CHECKING:
     from tractive_sam.record import Record
     from tractive_sam.scene import Scene
+
+
+LEFT_OUT = (
+    "run does not compute the stress of [subsurface] yet; in Python, "
+    "tractive_sam.subsurface.stress_on_planes(contact) does"
+)
 
 
 def run(
@@ -33,17 +39,21 @@ def run(
     from tractive_sam import pipeline
     from tractive_sam.cli import tables
 
-    output = output or Path(Path(scene).name).with_suffix(".h5")
     with bad_input_told():
         asked = read_scene(scene, settings)
+        output = output or Path(Path(scene).name).with_suffix(".h5")
+        if asked.subsurface is not None:
+            say(("note: ", "bold yellow"), LEFT_OUT)
         try:
-            with _progress(asked) as progress:
+            with _progress(asked) as progress, warnings_told():
                 history = pipeline.roll(asked, output, overwrite=True, progress=progress)
         except KeyboardInterrupt:
             told = f"; {output} holds what was computed" if output.exists() else ""
             raise stop(Status.INCOMPLETE, f"interrupted{told}") from None
         except OSError as error:
             raise stop(Status.INCOMPLETE, f"{output} cannot be written: {error}") from None
+    if not history.finished:
+        say(("not a solution: ", "bold red"), "the last record below is where it ended")
     if len(history):
         console().print(tables.last_record(history))
     say(f"{output}: {history.status}; {history.message}")

@@ -1,12 +1,11 @@
 """The scene that a command is given."""
 
-import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
-from tractive_sam.cli.output import say
+from tractive_sam.cli.output import warnings_told
 
 if TYPE_CHECKING:
     from tractive_sam.scene import Scene
@@ -38,12 +37,9 @@ def read_scene(name: str, settings: list[str] | None) -> "Scene":
 
     path = Path(name)
     is_file = path.suffix == ".toml" or path.is_file()
-    with warnings.catch_warnings(record=True) as notes:
-        warnings.simplefilter("always")
+    with warnings_told() as notes:
         scene = Scene.from_toml(path) if is_file else Scene.builtin(name)
         if settings:
             notes.clear()  # the settings may have cured what was warned of
             scene = scene.with_set(settings)
-    for text in dict.fromkeys(str(note.message) for note in notes):
-        say(("note: ", "bold yellow"), text)
     return scene

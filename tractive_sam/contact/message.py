@@ -3,12 +3,23 @@
 from tractive_sam.contact.model import Model
 from tractive_sam.solvers.outcome import Outcome, Status
 
+FEWEST = 8
+"""Elements across a contact below which its results are coarse."""
+
 
 def message(status: Status, outcome: Outcome, model: Model) -> str:
     """Explain how a solve ended."""
     solver = model.scene.solver
     if status is Status.CONVERGED:
-        return f"contact conditions hold to {outcome.residual:.1e}"
+        text = f"contact conditions hold to {outcome.residual:.1e}"
+        touching = outcome.pressure > 0.0
+        across = [int(touching.any(axis=1).sum()), int(touching.any(axis=0).sum())]
+        if 0 < min(across) < FEWEST:
+            text += (
+                f"; only {across[0]} x {across[1]} elements are in contact: refine the mesh with "
+                "grid.elements or lessen grid.half_length"
+            )
+        return text
     if status is Status.OFF_GRID:
         return (
             "the contact reaches the edge of the mesh: enlarge grid.half_length "

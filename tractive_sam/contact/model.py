@@ -1,5 +1,6 @@
 """A scene put into numbers: mesh, undeformed gap, rigid slip, units and operators."""
 
+import warnings
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -9,7 +10,7 @@ from scipy.interpolate import RegularGridInterpolator
 from tractive_sam.contact.mesh import choose_grid
 from tractive_sam.contact.wear_law import WearLaw
 from tractive_sam.operators import Frame, Grid, HalfSpace, Mesh
-from tractive_sam.scene import Scene
+from tractive_sam.scene import Scene, SceneWarning
 from tractive_sam.solvers.problem import Transmission
 
 Gap = tuple[np.ndarray, np.ndarray, np.ndarray]
@@ -29,7 +30,7 @@ class Units:
     gap : float
         g* = p* l / E*, mm.
     slip : float
-        s* = mu1 mu2 p* / G, dimensionless.
+        s* = max(mu1, mu2)² p* / G, dimensionless.
     """
 
     pressure: float
@@ -93,10 +94,8 @@ class Model:
                 pressure = load.normal / (np.pi * length**2)
             else:
                 pressure = E * load.approach / length
-        mu1, mu2 = self.frame.mu
-        return Units(
-            pressure, length, pressure * length / E, mu1 * mu2 * pressure / self.material.shear
-        )
+        slip = max(self.frame.mu) ** 2 * pressure / self.material.shear
+        return Units(pressure, length, pressure * length / E, slip)
 
     @cached_property
     def half_space(self) -> HalfSpace:
@@ -186,6 +185,18 @@ class Model:
 def _resampled(measured: Gap, grid: Grid) -> np.ndarray:
     """The measured separation at the elements; beyond its edge, its value there."""
     x, y, separation = measured
+    short = [
+        axis
+        for axis, known, asked, step in (("x", x, grid.x, grid.dx), ("y", y, grid.y, grid.dy))
+        if known[0] > asked[0] + step or known[-1] < asked[-1] - step
+    ]
+    if short:
+        text = (
+            f"gap: the measured separation covers less than the grid in {' and '.join(short)}; "
+            "beyond its edge it is continued as a constant. Measure further, or lessen "
+            "grid.half_length"
+        )
+        warnings.warn(text, SceneWarning, stacklevel=2)
     interpolate = RegularGridInterpolator((x, y), separation, method="linear")
     points = np.meshgrid(np.clip(grid.x, x[0], x[-1]), np.clip(grid.y, y[0], y[-1]), indexing="ij")
     return interpolate(tuple(points))

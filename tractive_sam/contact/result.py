@@ -17,6 +17,10 @@ class NotConverged(RuntimeError):  # noqa: N818 - the name says what happened
         super().__init__(contact.message)
         self.contact = contact
 
+    def __reduce__(self):
+        """Pickle by the contact, so that it crosses between processes."""
+        return NotConverged, (self.contact,)
+
 
 @dataclass(frozen=True)
 class Contact:
@@ -36,7 +40,10 @@ class Contact:
     traction : ndarray
         (p_x, p_y) on body A, MPa.
     slip : ndarray
-        (s_x, s_y)/V, dimensionless; zero outside the contact.
+        (s_x, s_y)/V at the centres of the elements, dimensionless; zero outside the contact. The
+        contact conditions are solved for the upwind slip, that of the leading side of an element;
+        its mean over both sides, given here, is what wears and dissipates. So an element that
+        sticks beside one that slips shows half its slip. ``slip = "upwind"`` gives the upwind one.
     gap : ndarray
         Separation of the deformed surfaces, mm.
     wear : ndarray

@@ -1,7 +1,6 @@
 """Products of spectra: the only work of a convolution between its two transforms.
 
-Every matrix of spectra here is symmetric, or symmetric up to sign, so that only the entries on and
-above the diagonal are stored. One pass over memory each; numpy would take one for every term.
+One pass over memory each; numpy would take one for every term.
 """
 
 from numba import njit

@@ -1,8 +1,8 @@
 """The dimensionless operators of one contact problem.
 
-With a unit of pressure p*, of gap g* = p* l / E* and of slip s* = mu1 mu2 p* / G, and with the
-tractions in the scaled tribological frame, p~ = M^-1 R p_t and s~ = M R s, every quantity that a
-solver meets is of order one and both penalty-like factors of the contact conditions are unity:
+With a unit of pressure p*, of gap g* = p* l / E* and of slip s* = max(mu1, mu2)² p* / G, and with
+the tractions in the scaled tribological frame, p~ = M^-1 R p_t and s~ = M R s, every quantity that
+a solver meets is of order one and both penalty-like factors of the contact conditions are unity:
 
     gap   eta   = h/g* - delta/g* + A_nn pi_n + A_nt pi_t,    pi_n = max(0, pi_n - eta)
     slip  sigma = s~_rigid/s*     + D_tn pi_n + D_tt pi_t,    pi_t = disc(pi_t - sigma; pi_n)
@@ -110,7 +110,7 @@ class HalfSpace:
     @property
     def _per_slip(self) -> float:
         """p*/s*, MPa."""
-        return self.material.shear / (self.frame.mu[0] * self.frame.mu[1])
+        return self.material.shear / max(self.frame.mu) ** 2
 
     @cached_property
     def _displacement(self) -> dict[str, np.ndarray]:

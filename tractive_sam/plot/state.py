@@ -83,7 +83,7 @@ class State:
             contact.wear,
             *_friction(settings),
             Scale.of_contact(contact),
-            settings.get("title", ""),
+            _marked(settings.get("title", ""), contact.converged, contact.status),
         )
 
     @classmethod
@@ -95,6 +95,9 @@ class State:
         def field(name: str) -> np.ndarray:
             return history.field(name, revolution)
 
+        # A history that ended early ends with what was not solved; one that runs does not.
+        last = len(history) > 0 and revolution == int(history["revolution"][-1])
+        failed = last and not history.finished and history.status != "running"
         return cls(
             history.x,
             history.y,
@@ -104,7 +107,7 @@ class State:
             field("wear"),
             *_friction(history.settings),
             Scale.of_history(history),
-            history.title,
+            _marked(history.title, not failed, history.status),
             revolution,
         )
 
@@ -169,3 +172,8 @@ def _friction(settings: Mapping[str, Any]) -> tuple[tuple[float, float] | None, 
 
 Source: TypeAlias = "State | Contact | History"
 """What holds a state; a history holds one of each revolution whose fields it stored."""
+
+
+def _marked(title: str, solved: bool, status: str) -> str:
+    """The title, and a mark on what is not a solution."""
+    return title if solved else ", ".join(filter(None, (title, f"not converged: {status}")))

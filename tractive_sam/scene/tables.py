@@ -109,6 +109,16 @@ class Wear(Table):
 _Elements = Annotated[int, Field(ge=3, le=10**6)]
 
 
+MOST_ELEMENTS = 5 * 10**7
+"""Elements of a grid: more would take some hundred GiB."""
+
+
+def _fits_a_machine(known: Known) -> Iterator[Fault]:
+    nx, ny = known["elements"]
+    if nx * ny > MOST_ELEMENTS:
+        yield Fault("elements", f"({nx}, {ny})", f"at most {MOST_ELEMENTS:.0e} elements in all")
+
+
 class Mesh(Table):
     """The [grid] table: a rectangle of equal elements around the origin."""
 
@@ -118,6 +128,7 @@ class Mesh(Table):
     elements: tuple[_Elements, _Elements] = entry(
         "elements in x and y", "a pair of whole numbers from 3 to 1e6"
     )
+    checks: ClassVar[tuple[Check, ...]] = (_fits_a_machine,)
 
 
 class Subsurface(Table):

@@ -173,7 +173,7 @@ def newton(
         if at.residual <= tolerance:
             status = Status.CONVERGED
             break
-        if not np.isfinite(at.residual):
+        if not np.isfinite(at.residual) or problem.transmission.lost(at.creepage):
             status = Status.DIVERGED
             break
         if taken == steps:

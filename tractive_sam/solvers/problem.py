@@ -77,6 +77,10 @@ class Transmission:
         trusted = 3.0 + np.abs(creepage).max(initial=0.0)
         return float(min(1.0, trusted / size)) if size > 0.0 else 1.0
 
+    def lost(self, creepage: np.ndarray) -> bool:
+        """Whether the creepages have run away: the forces are beyond what friction can carry."""
+        return bool(np.abs(creepage).max(initial=0.0) > 1e4)
+
     def slip(self, creepage: np.ndarray) -> np.ndarray:
         """Constant slip of the unknown creepages, shape (2, 1, 1)."""
         return (creepage @ self.vectors)[:, None, None]

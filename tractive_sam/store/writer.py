@@ -11,6 +11,7 @@ from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
+from uuid import uuid4
 
 from tractive_sam.record import Record
 from tractive_sam.store import layout, rows
@@ -19,7 +20,12 @@ from tractive_sam.store.reader import results_file
 from tractive_sam.store.replacement import open_in_place, replacement
 
 if TYPE_CHECKING:  # results are to be read without loading what computes them
+    from h5py import File
+
     from tractive_sam.operators import Grid
+
+RUN = "run"
+"""Attribute of a file: the run that writes it."""
 
 FIRST_ROWS = 64
 """Rows laid out at first; doubled whenever they are full, so that copying costs little."""
@@ -57,9 +63,11 @@ class HistoryWriter:
     ) -> None:
         self.path = Path(path)
         _make_room(self.path, overwrite)
+        self._run = uuid4().hex
         try:
             with replacement(self.path, empty=True) as file:
                 layout.create(file, scene_toml, grid.x, grid.y, reference or {})
+                file.attrs[RUN] = self._run
         except OSError as error:
             raise ResultsError(f"{self.path} cannot be written: {error}") from error
 
@@ -70,8 +78,10 @@ class HistoryWriter:
         writer.path = Path(path)
         with results_file(writer.path):  # says what is wrong with it
             pass
+        writer._run = uuid4().hex
         with replacement(writer.path) as file:
             layout.set_status(file, *layout.RUNNING)
+            file.attrs[RUN] = writer._run
         return writer
 
     def __enter__(self) -> Self:
@@ -86,17 +96,19 @@ class HistoryWriter:
         """Say in the file what stopped the computation, if anything did."""
         if error is not None:
             # A full disk may be what stopped it; then the error at hand says more than the next.
-            with suppress(OSError):
+            with suppress(OSError, ResultsError):
                 self.finish("stopped early", f"{kind.__name__}: {error}".removesuffix(": "))
 
     def append(self, record: Record) -> None:
         """Store a record; one that fails or is interrupted leaves no trace."""
         with open_in_place(self.path) as file:
+            self._check_own(file)
             fits = not record.fields and not rows.full(file)
             if fits:
                 rows.fill(file, record)
         if not fits:
             with replacement(self.path) as file:
+                self._check_own(file)
                 if rows.full(file):
                     rows.lay_out(file, max(FIRST_ROWS, 2 * rows.committed(file)))
                 if record.fields:
@@ -106,6 +118,7 @@ class HistoryWriter:
     def enlarge(self, grid: "Grid") -> None:
         """Go on with a wider mesh of the same elements; what is stored is padded with zeros."""
         with replacement(self.path) as file:
+            self._check_own(file)
             rows.widen(file, grid.x, grid.y)
 
     def finish(
@@ -121,8 +134,15 @@ class HistoryWriter:
             "contact_solves" and "wall_seconds".
         """
         with replacement(self.path) as file:
+            self._check_own(file)
             rows.lay_out(file, rows.committed(file))
             layout.set_status(file, status, message, totals)
+
+    def _check_own(self, file: "File") -> None:
+        """Two runs that were given one file must not mix their records."""
+        if file.attrs.get(RUN) != self._run:
+            cure = "give each run a file of its own"
+            raise ResultsError(f"{self.path} was taken over by another run; {cure}")
 
 
 def _make_room(path: Path, overwrite: bool) -> None:

@@ -1,6 +1,7 @@
 """Depths at which stress is computed, and the lengths that a scene states them in."""
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from tractive_sam.contact import Contact
 from tractive_sam.scene import Subsurface
@@ -42,7 +43,7 @@ def default_depths(contact: Contact) -> np.ndarray:
     return depths(subsurface, semi_axes(contact)[0])
 
 
-def checked(values) -> np.ndarray:
+def checked(values: ArrayLike) -> np.ndarray:
     """Depths as an array.
 
     Raises

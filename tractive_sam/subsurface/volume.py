@@ -1,8 +1,9 @@
 """Stress in a volume, one layer after another."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from tractive_sam.contact import Contact
 from tractive_sam.operators import Mesh, StressLayers
@@ -11,7 +12,7 @@ from tractive_sam.subsurface.loaded import LoadedBodies
 
 
 def stress_volume(
-    contact: Contact, depths: Iterable[float], body: str = "A", threads: int = 1
+    contact: Contact, depths: ArrayLike, body: str = "A", threads: int = 1
 ) -> Iterator[tuple[float, np.ndarray]]:
     """Stress at the centres of the contact's mesh, layer by layer; nothing is kept of a layer.
 
@@ -19,7 +20,7 @@ def stress_volume(
     ----------
     contact : Contact
         The solved contact.
-    depths : sequence of float
+    depths : array_like, shape (n,)
         Depths, in any order, mm.
     body : "A" or "B"
         The body concerned.
