@@ -22,3 +22,7 @@ def test_commands_are_single_lines():
 def test_pictures_exist():
     for picture in re.findall(r"!\[.*?\]\((.*?)\)", README):
         assert (Path(__file__).parents[1] / picture).exists(), picture
+
+
+def test_nothing_is_left_to_fill_in():
+    assert "@@" not in README

@@ -110,7 +110,7 @@ def passage_at(
         cost = cost + contact.cost
         corrected = depth(contact.pressure, contact.slip)
         missed = _residual(model, contact, corrected - wear)
-        contact = replace(contact, wear=corrected, residual=max(contact.residual, missed))
+        contact = _with_lag(replace(contact, wear=corrected), missed)
         if not contact.converged or missed <= tolerance:
             break
         wear = corrected
@@ -123,6 +123,14 @@ def passage_at(
             "wear.intensity or the creepage",
         )
     return Passage(revolution, replace(contact, cost=cost), solves)
+
+
+def _with_lag(contact: Contact, missed: float) -> Contact:
+    """The contact with the residual that its own wear leaves, where that is the larger one."""
+    if not contact.converged or missed <= contact.residual:
+        return contact
+    message = contact.message.replace(f"{contact.residual:.1e}", f"{missed:.1e}")
+    return replace(contact, residual=missed, message=message)
 
 
 def _residual(model: Model, contact: Contact, change: np.ndarray) -> float:
