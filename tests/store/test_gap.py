@@ -76,7 +76,7 @@ FAULTS = {
     "twice.npy": (lambda path: np.save(path, POINTS[[0, *range(11)]]), "11 distinct"),
     "nan.npy": (lambda path: np.save(path, with_nan()), "1 separations that are not finite"),
     "nan-x.npy": (lambda path: np.save(path, POINTS * [np.nan, 1, 1]), "gap.file"),
-    "empty.csv": (lambda path: path.write_text(""), "rows of"),
+    "empty.csv": (lambda path: path.write_text(""), "no rows"),
     "ragged.csv": (lambda path: path.write_text("x,y,separation\n1,2\n"), "rows of"),
     "header.csv": (lambda path: path.write_text("x,y,separation\n"), "x of shape"),
     "words.csv": (lambda path: path.write_text("x,y,separation\na,b,c\n"), "unreadable"),
@@ -92,3 +92,13 @@ def test_fault_is_told_with_the_file_and_the_cure(tmp_path, name):
     assert error.value.key == "gap.file"
     assert name in error.value.given
     assert error.value.allowed
+
+
+def test_other_units_are_refused(tmp_path):
+    path = tmp_path / "gap.h5"
+    with h5py.File(path, "w") as file:
+        for name, values in (("x", [0, 1]), ("y", [0, 1]), ("separation", [[0, 1], [2, 3]])):
+            file[name] = np.array(values, float)
+        file["separation"].attrs["units"] = "um"
+    with pytest.raises(GapError, match="separation in um"):
+        read_gap(path)

@@ -50,7 +50,13 @@ def _section(ax: Axes, state: State, y: float) -> None:
     for k, (name, color) in enumerate((("x", BLUE), ("y", VERMILLION))):
         bound = state.bounds[k] * p_n
         if same and k == 0:
-            _bounds(ax, x, bound, GREY, r"$\pm\mu\,p_n$" if state.isotropic else "reach of either component")
+            _bounds(
+                ax,
+                x,
+                bound,
+                GREY,
+                r"$\pm\mu\,p_n$" if state.isotropic else "reach of either component",
+            )
         elif not same and drawn[k]:
             _bounds(ax, x, bound, color, f"bound of $p_{name}$")
         if drawn[k]:

@@ -60,6 +60,11 @@ def _read_hdf5(path: Path) -> Gap:
         missing = [name for name in NAMES if name not in file]
         if missing:
             raise GapError(path, f"no dataset {', '.join(missing)}", f"datasets {', '.join(NAMES)}")
+        for name in NAMES:
+            unit = file[name].attrs.get("units", "mm")
+            unit = unit.decode() if isinstance(unit, bytes) else unit
+            if unit != "mm":
+                raise GapError(path, f"{name} in {unit}", "x, y and separation in mm")
         return tuple(np.asarray(file[name], float) for name in NAMES)
 
 
@@ -77,6 +82,8 @@ def _read_csv(path: Path) -> Gap:
     with path.open(newline="", encoding="utf-8-sig") as file:
         table = [[cell.strip() for cell in row] for row in csv.reader(file) if any(row)]
     widths = {len(row) for row in table}
+    if not widths:
+        raise GapError(path, "no rows", "a header x, y, separation and a row for each point")
     if len(widths) != 1:
         raise GapError(path, f"rows of {sorted(widths)} entries", "rows of the same length")
     if tuple(table[0]) == NAMES:
