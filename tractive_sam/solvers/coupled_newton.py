@@ -10,12 +10,12 @@ import numpy as np
 
 from tractive_sam.kernels import friction
 from tractive_sam.solvers.gmres import gmres
-from tractive_sam.solvers.outcome import Cost, Outcome, Status
+from tractive_sam.solvers.newton_steps import damped, forcing, newton_steps
+from tractive_sam.solvers.outcome import Cost, Outcome
 from tractive_sam.solvers.problem import CoupledProblem
 
 STEPS = 60
 KRYLOV = 150
-HALVINGS = 6
 
 
 class _Iterate:
@@ -194,25 +194,37 @@ def coupled_newton(
     preconditionings = 0
     creepage = np.zeros(len(problem.transmission)) if creepage is None else creepage
     approach = approach if problem.load is not None else problem.approach
-    at = _Iterate(problem, pressure, traction, approach, creepage)
-    taken = 0
-    status = Status.OUT_OF_ITERATIONS
-    for taken in range(steps + 1):
-        if at.residual <= tolerance:
-            status = Status.CONVERGED
-            break
-        if not np.isfinite(at.residual) or problem.transmission.lost(at.creepage):
-            status = Status.DIVERGED
-            break
-        if taken == steps:
-            break
+    under_load = problem.load is not None
+
+    def advance(at: _Iterate) -> _Iterate:
+        nonlocal preconditionings
         system = _Linearised(problem, at)
         rhs, known = system.right_hand_side()
-        forcing = max(min(0.1, 0.3 * np.sqrt(at.residual)), 1e-3, 0.3 * tolerance / at.residual)
-        vector, _ = gmres(system.operator, system.preconditioner, rhs, min(forcing, 0.5), KRYLOV)
+        goal = forcing(at.residual, tolerance)
+        vector, _ = gmres(system.operator, system.preconditioner, rhs, goal, KRYLOV)
         preconditionings += system.preconditionings
         step = known + system.complete(vector[: system.size].reshape(system.shape))
-        at = _damped(problem, at, step, vector[system.size :])
+        closer = vector[system.size] if under_load else 0.0
+        faster = vector[system.size + under_load :]
+
+        def trial(length: float) -> _Iterate:
+            return _Iterate(
+                problem,
+                at.pressure + length * step[0],
+                at.traction + length * step[1:],
+                at.approach + length * closer,
+                at.creepage + length * faster,
+            )
+
+        return damped(trial, at.residual, problem.transmission.reach(at.creepage, faster))
+
+    at, taken, status = newton_steps(
+        _Iterate(problem, pressure, traction, approach, creepage),
+        advance,
+        problem.transmission,
+        tolerance,
+        steps,
+    )
     return Outcome(
         status,
         float(at.residual),
@@ -225,24 +237,3 @@ def coupled_newton(
         approach=float(at.approach),
         creepage=at.creepage,
     )
-
-
-def _damped(problem, at: _Iterate, step: np.ndarray, extra: np.ndarray) -> _Iterate:
-    """The full step, or the longest of its halvings that does not raise the residual much."""
-    best = None
-    under_load = problem.load is not None
-    length = problem.transmission.reach(at.creepage, extra[int(under_load) :])
-    for _ in range(HALVINGS):
-        trial = _Iterate(
-            problem,
-            at.pressure + length * step[0],
-            at.traction + length * step[1:],
-            at.approach + (length * extra[0] if under_load else 0.0),
-            at.creepage + length * extra[int(under_load) :],
-        )
-        if trial.residual <= 1.5 * at.residual:
-            return trial
-        if best is None or trial.residual < best.residual:
-            best = trial
-        length *= 0.5
-    return best

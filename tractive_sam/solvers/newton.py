@@ -11,12 +11,12 @@ import numpy as np
 
 from tractive_sam.kernels import friction
 from tractive_sam.solvers.gmres import gmres
-from tractive_sam.solvers.outcome import Cost, Outcome, Status
+from tractive_sam.solvers.newton_steps import damped, forcing, newton_steps
+from tractive_sam.solvers.outcome import Cost, Outcome
 from tractive_sam.solvers.problem import TangentialProblem
 
 STEPS = 60
 KRYLOV = 120
-HALVINGS = 5
 
 
 class _Iterate:
@@ -166,52 +166,37 @@ def newton(
     preconditionings = 0
     projected = np.empty_like(first)
     friction.project(first, problem.bound, projected)
-    at = _Iterate(problem, projected, first_creepage)
-    taken = 0
-    status = Status.OUT_OF_ITERATIONS
-    for taken in range(steps + 1):
-        if at.residual <= tolerance:
-            status = Status.CONVERGED
-            break
-        if not np.isfinite(at.residual) or problem.transmission.lost(at.creepage):
-            status = Status.DIVERGED
-            break
-        if taken == steps:
-            break
+
+    def advance(at: _Iterate) -> _Iterate:
+        nonlocal preconditionings
         system = _Linearised(problem, at)
         rhs, known = system.right_hand_side()
-        forcing = max(min(0.1, 0.3 * np.sqrt(at.residual)), 1e-3, 0.3 * tolerance / at.residual)
-        vector, _ = gmres(system.operator, system.preconditioner, rhs, min(forcing, 0.5), KRYLOV)
+        goal = forcing(at.residual, tolerance)
+        vector, _ = gmres(system.operator, system.preconditioner, rhs, goal, KRYLOV)
         preconditionings += system.preconditionings
         step = known + vector[: system.size].reshape(system.shape)
-        at = _damped(problem, at, step, vector[system.size :])
-    cost = Cost(problem.half_space.slip.applications - before, preconditionings)
+        creepage = vector[system.size :]
+
+        def trial(length: float) -> _Iterate:
+            projected = np.empty_like(step)
+            friction.project(at.traction + length * step, problem.bound, projected)
+            return _Iterate(problem, projected, at.creepage + length * creepage)
+
+        return damped(trial, at.residual, problem.transmission.reach(at.creepage, creepage))
+
+    at, taken, status = newton_steps(
+        _Iterate(problem, projected, first_creepage),
+        advance,
+        problem.transmission,
+        tolerance,
+        steps,
+    )
     return Outcome(
         status,
         float(at.residual),
         taken,
-        cost,
+        Cost(problem.half_space.slip.applications - before, preconditionings),
         traction=at.traction,
         slip=at.slip,
         creepage=at.creepage,
     )
-
-
-def _damped(problem, at: _Iterate, step: np.ndarray, creepage: np.ndarray) -> _Iterate:
-    """The full step, or the longest of its halvings that does not raise the residual much.
-
-    The active sets of a full step may be worse for a while on the way to a better solution, so
-    a moderate rise is allowed.
-    """
-    best = None
-    length = problem.transmission.reach(at.creepage, creepage)
-    for _ in range(HALVINGS):
-        projected = np.empty_like(step)
-        friction.project(at.traction + length * step, problem.bound, projected)
-        trial = _Iterate(problem, projected, at.creepage + length * creepage)
-        if trial.residual <= 1.5 * at.residual:
-            return trial
-        if best is None or trial.residual < best.residual:
-            best = trial
-        length *= 0.5
-    return best

@@ -1,0 +1,74 @@
+"""What the Newton methods share: when to stop, how exactly to solve, how far to go."""
+
+from collections.abc import Callable
+from typing import Protocol, TypeVar
+
+import numpy as np
+
+from tractive_sam.solvers.outcome import Status
+from tractive_sam.solvers.problem import Transmission
+
+HALVINGS = 6
+
+
+class Iterate(Protocol):
+    """A state with its natural residual and the creepages found so far."""
+
+    residual: float
+    creepage: np.ndarray
+
+
+State = TypeVar("State", bound=Iterate)
+
+
+def newton_steps(
+    at: State,
+    advance: Callable[[State], State],
+    transmission: Transmission,
+    tolerance: float,
+    steps: int,
+) -> tuple[State, int, Status]:
+    """Advance until the residual meets the tolerance, the state runs away, or steps run out.
+
+    Returns
+    -------
+    at : State
+        Where it ended.
+    taken : int
+        Steps taken.
+    status : Status
+        Why it ended.
+    """
+    for taken in range(steps + 1):
+        if at.residual <= tolerance:
+            return at, taken, Status.CONVERGED
+        if not np.isfinite(at.residual) or transmission.lost(at.creepage):
+            return at, taken, Status.DIVERGED
+        if taken < steps:
+            at = advance(at)
+    return at, steps, Status.OUT_OF_ITERATIONS
+
+
+def forcing(residual: float, tolerance: float) -> float:
+    """Relative residual to which a linear system is worth solving (inexact Newton).
+
+    Loose while the stick and slip zones still move, sharper towards the end, and never beyond
+    what the tolerance needs.
+    """
+    wanted = max(min(0.1, 0.3 * np.sqrt(residual)), 1e-3, 0.3 * tolerance / residual)
+    return float(min(wanted, 0.5))
+
+
+def damped(trial: Callable[[float], State], residual: float, length: float) -> State:
+    """The trial of the length given, or of the longest halving that does not raise the residual.
+
+    The active sets of a step may be worse for a while on the way to a better solution, so a rise
+    by half is allowed; where none is that good, the best one is taken.
+    """
+    trials = []
+    for _ in range(HALVINGS):
+        trials.append(trial(length))
+        if trials[-1].residual <= 1.5 * residual:
+            return trials[-1]
+        length *= 0.5
+    return min(trials, key=lambda one: one.residual)
