@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from contextlib import nullcontext
+from itertools import chain
 from os import PathLike
 from time import perf_counter
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from tractive_sam.contact import Contact, Gap, Model, NotConverged, equilibrium, grown
 from tractive_sam.record import History, Record
-from tractive_sam.rolling import passages, recorded
+from tractive_sam.rolling import Passage, passages, recorded
 from tractive_sam.scene import Scene
 from tractive_sam.solvers import Status
 from tractive_sam.store import HistoryWriter, open_history, read_gap
@@ -125,8 +126,8 @@ def roll(
     """
     began = perf_counter()
     model = Model(scene, measured_gap(scene))
-    if scene.grid is None:
-        model, _ = _fitted(model, equilibrium(model))
+    model, contact = _fitted(model, equilibrium(model))
+    first = Passage(0, contact, 1)
     hertz = scene.hertz
     reference = {} if hertz is None else {"a0": hertz.a, "b0": hertz.b, "p0": hertz.p0}
     writer = None
@@ -134,7 +135,7 @@ def roll(
         writer = HistoryWriter(path, scene.to_toml(), model.grid, reference, overwrite)
     records, solves, passage = [], 0, None
     with nullcontext() if writer is None else writer:
-        for passage in passages(model):
+        for passage in chain((first,), passages(model, first)):
             solves += passage.solves
             record = recorded(passage)
             if writer is None:

@@ -4,7 +4,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from tractive_sam.operators import HalfSpace, Mesh
+from tractive_sam.operators import HalfSpace, Mesh, StressLayers
 from tractive_sam.reference import Material, combine
 
 
@@ -16,4 +16,14 @@ def test_threads_do_not_disturb_each_other():
     with ThreadPoolExecutor(4) as pool:
         for _ in range(5):
             for a, b in zip(pool.map(operator, fields), alone, strict=True):
+                np.testing.assert_array_equal(a, b)
+
+
+def test_nor_below_the_surface():
+    tractions = np.random.default_rng(0).normal(size=(4, 1, 3, 24, 20))
+    layers = [StressLayers(Mesh((24, 20), 0.1, 0.1), t, (0.3,), 1) for t in tractions]
+    alone = [layer.at(0.2) for layer in layers]
+    with ThreadPoolExecutor(4) as pool:
+        for _ in range(5):
+            for a, b in zip(pool.map(lambda one: one.at(0.2), layers), alone, strict=True):
                 np.testing.assert_array_equal(a, b)

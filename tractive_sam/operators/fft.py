@@ -1,12 +1,16 @@
 """Zero-padded real transforms through FFTW (pyfftw is imported in this room only)."""
 
+from collections.abc import Callable
 from functools import cache, lru_cache
 from threading import Lock, get_ident
+from typing import TypeVar
 
 import numpy as np
 import pyfftw
 
 from tractive_sam.operators import wisdom
+
+Plan = TypeVar("Plan")
 
 PLANNING_SECONDS = 10.0
 """Longest time FFTW may search for the best plan of one transform."""
@@ -97,8 +101,7 @@ class PaddedTransform:
 
 
 @cache
-def recall_wisdom() -> None:
-    """Load what earlier processes learnt about plans, once."""
+def _recall_wisdom() -> None:
     wisdom.load()
 
 
@@ -106,21 +109,32 @@ _PLANNING = Lock()
 """FFTW's planner is not safe for threads."""
 
 
-@lru_cache(maxsize=32)
-def _plan(fields: int, shape: tuple[int, int], threads: int, thread: int) -> PaddedTransform:
-    with _PLANNING:
-        recall_wisdom()
-        plan = PaddedTransform(fields, shape, threads)
-        wisdom.save()
-    return plan
+def planned(make: Callable[..., Plan], most: int) -> Callable[..., Plan]:
+    """Remember what `make` plans, by its arguments, for each thread of the process.
 
+    A plan owns the arrays that it works on, so that threads cannot share it.
 
-def transform(fields: int, shape: tuple[int, int], threads: int = 1) -> PaddedTransform:
-    """The plan for ``fields`` arrays of ``shape``, made on its first use.
-
-    Each thread of the process has its own, since a plan owns the arrays that it works on.
+    Parameters
+    ----------
+    make : callable
+        Plans; its arguments are hashable.
+    most : int
+        How many are remembered, over all threads.
     """
-    return _plan(fields, shape, threads, get_ident())
+
+    @lru_cache(maxsize=most)
+    def of_thread(_thread: int, *arguments) -> Plan:
+        with _PLANNING:
+            _recall_wisdom()
+            made = make(*arguments)
+            wisdom.save()
+        return made
+
+    return lambda *arguments: of_thread(get_ident(), *arguments)
+
+
+transform = planned(PaddedTransform, 32)
+"""The `PaddedTransform` of its arguments, made on its first use."""
 
 
 def spectrum(table: np.ndarray) -> np.ndarray:

@@ -112,17 +112,21 @@ class HalfSpace:
         """p*/s*, MPa."""
         return self.material.shear / max(self.frame.mu) ** 2
 
-    @cached_property
-    def _displacement(self) -> dict[str, np.ndarray]:
-        return {k: spectrum(t) for k, t in self._displacement_tables.items()}
+    def _displacement(self, component: str) -> np.ndarray:
+        return spectrum(influence.displacement(self.mesh, self.material, component))
 
-    @property
-    def _displacement_tables(self) -> dict[str, np.ndarray]:
-        return influence.displacement(self.mesh, self.material)
+    def _slip(self, component: str) -> np.ndarray:
+        return spectrum(influence.slip(self.mesh, self.material, component))
 
     @cached_property
-    def _slip_tables(self) -> dict[str, np.ndarray]:
-        return influence.slip(self.mesh, self.material)
+    def _normal_spectrum(self) -> np.ndarray:
+        return self._per_gap * self._displacement("zz").real
+
+    @cached_property
+    def _slip_spectra(self) -> np.ndarray:
+        """Entries (11, 12, 22) of D_tt."""
+        entries = self._tangential(*(self._slip(k) for k in ("xx", "xy", "yy")))
+        return self._per_slip * np.stack(entries)
 
     def _convolution(self, spectra, product, fields: int) -> Convolution:
         return Convolution(
@@ -141,26 +145,25 @@ class HalfSpace:
     @cached_property
     def normal(self) -> Convolution:
         """pi_n -> A_nn pi_n."""
-        zz = self._displacement["zz"].real * self._per_gap
-        return self._convolution([zz], spectral.scale, 1)
+        return self._convolution([self._normal_spectrum], spectral.scale, 1)
 
     @cached_property
     def normal_inverse(self) -> Convolution:
         """Circulant inverse of `normal`, its preconditioner."""
-        zz = self._displacement["zz"].real * self._per_gap
         size = np.prod(self.mesh.padded) ** 2
-        return self._convolution([1.0 / (zz * size)], spectral.scale, 1)
+        return self._convolution([1.0 / (self._normal_spectrum * size)], spectral.scale, 1)
 
     @cached_property
     def slip(self) -> Convolution:
         """pi_t -> D_tt pi_t."""
-        entries = self._tangential(*(spectrum(self._slip_tables[k]) for k in ("xx", "xy", "yy")))
-        return self._convolution(self._per_slip * np.stack(entries), spectral.symmetric_2x2, 2)
+        return self._convolution(self._slip_spectra, spectral.symmetric_2x2, 2)
 
     @cached_property
     def slip_of_itself(self) -> tuple[float, float, float]:
         """Entries (11, 12, 22) of D_tt of an element on itself."""
-        entries = self._tangential(*(self._slip_tables[k][0, 0] for k in ("xx", "xy", "yy")))
+        alone = Mesh((1, 1), self.mesh.dx, self.mesh.dy)
+        tables = (influence.slip(alone, self.material, k) for k in ("xx", "xy", "yy"))
+        entries = self._tangential(*(table[0, 0] for table in tables))
         return tuple(float(self._per_slip * e) for e in entries)
 
     @cached_property
@@ -177,32 +180,30 @@ class HalfSpace:
         inverse = np.stack((a22, -a12, a11)) / determinant
         return self._convolution(inverse, spectral.symmetric_2x2, 2)
 
-    @property
+    @cached_property
     def _displacement_per_dx(self) -> np.ndarray:
-        entries = self._tangential(*(self._displacement[k].real for k in ("xx", "xy", "yy")))
+        entries = self._tangential(*(self._displacement(k).real for k in ("xx", "xy", "yy")))
         return self._per_slip / self.mesh.dx * np.stack(entries)
 
     @cached_property
     def coupled(self) -> Convolution:
         """(pi_n, pi_t) -> (A_nn pi_n + A_nt pi_t, D_tn pi_n + D_tt pi_t)."""
-        d11, d12, d22 = self._tangential(
-            *(spectrum(self._slip_tables[k]) for k in ("xx", "xy", "yy"))
-        )
+        d11, d12, d22 = self._slip_spectra
         F, per_gap, per_slip = self.frame.matrix, self._per_gap, self._per_slip
         # Reciprocity: u_n from p_x is minus u_x from p_n, A_zx = -A_xz.
-        gap = [-1j * self._displacement[k].imag for k in ("xz", "yz")]
-        drag = [spectrum(self._slip_tables[k]) for k in ("xz", "yz")]
+        gap = [-1j * self._displacement(k).imag for k in ("xz", "yz")]
+        drag = [self._slip(k) for k in ("xz", "yz")]
         entries = np.stack(
             (
-                per_gap * self._displacement["zz"].real + 0j,
+                self._normal_spectrum + 0j,
                 per_gap * (F[0, 0] * gap[0] + F[0, 1] * gap[1]),
                 per_gap * (F[1, 0] * gap[0] + F[1, 1] * gap[1]),
                 per_slip * (F[0, 0] * drag[0] + F[0, 1] * drag[1]),
-                per_slip * d11,
-                per_slip * d12,
+                d11,
+                d12,
                 per_slip * (F[1, 0] * drag[0] + F[1, 1] * drag[1]),
-                per_slip * d12,
-                per_slip * d22,
+                d12,
+                d22,
             )
         )
         return self._convolution(entries, spectral.full_3x3, 3)

@@ -77,7 +77,7 @@ def _periodic(table: np.ndarray, parity: tuple[int, int], mesh: Mesh, shift: int
     return unfolded
 
 
-def displacement(mesh: Mesh, material: CombinedMaterial) -> dict[str, np.ndarray]:
+def displacement(mesh: Mesh, material: CombinedMaterial, component: str) -> np.ndarray:
     """Relative displacement u_A - u_B at an element's centre per unit traction on another.
 
     Juliá & Rodríguez-Tembleque (2025), eq. (43), integrated over the element; the signs of the
@@ -85,14 +85,13 @@ def displacement(mesh: Mesh, material: CombinedMaterial) -> dict[str, np.ndarray
 
     Returns
     -------
-    dict of ndarray, shape (p_x, p_y)
-        By component of `COMPONENTS`, mm/MPa.
+    ndarray, shape (p_x, p_y)
+        For a component of `COMPONENTS`, mm/MPa.
     """
-    coefficients = _coefficients(mesh, material)
-    return {k: _periodic(coefficients[k], _PARITY[k], mesh, 0) for k in COMPONENTS}
+    return _periodic(_coefficients(mesh, material)[component], _PARITY[component], mesh, 0)
 
 
-def slip(mesh: Mesh, material: CombinedMaterial) -> dict[str, np.ndarray]:
+def slip(mesh: Mesh, material: CombinedMaterial, component: str) -> np.ndarray:
     """Slip -du/dx per unit traction, by the first-order upwind difference of the paper, eq. (28).
 
     The difference is taken of the coefficients, once, so that an evaluation of the slip is a
@@ -100,15 +99,9 @@ def slip(mesh: Mesh, material: CombinedMaterial) -> dict[str, np.ndarray]:
 
     Returns
     -------
-    dict of ndarray, shape (p_x, p_y)
-        By component of `COMPONENTS`, 1/MPa.
+    ndarray, shape (p_x, p_y)
+        For a component of `COMPONENTS`, 1/MPa.
     """
-    coefficients = _coefficients(mesh, material)
-    return {
-        k: (
-            _periodic(coefficients[k], _PARITY[k], mesh, 0)
-            - _periodic(coefficients[k], _PARITY[k], mesh, 1)
-        )
-        / mesh.dx
-        for k in COMPONENTS
-    }
+    coefficients, parity = _coefficients(mesh, material)[component], _PARITY[component]
+    here, ahead = (_periodic(coefficients, parity, mesh, shift) for shift in (0, 1))
+    return (here - ahead) / mesh.dx

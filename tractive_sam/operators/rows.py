@@ -32,7 +32,7 @@ def row_compliance(mesh: Mesh, material: CombinedMaterial, contact: np.ndarray) 
     rows = np.flatnonzero(contact.any(axis=0))
     share = contact[:, rows] / contact[:, rows].sum(axis=0)
     px, py = mesh.padded
-    along = np.fft.rfft(influence.displacement(mesh, material)["zz"], axis=0)
+    along = np.fft.rfft(influence.displacement(mesh, material, "zz"), axis=0)
     share = np.fft.rfft(share, n=px, axis=0)
     offsets = (rows[:, None] - rows[None, :]) % py
     # Parseval over the half spectrum: inner frequencies count twice.

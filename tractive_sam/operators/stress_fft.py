@@ -3,13 +3,10 @@
 Their arrays belong to the plan and are overwritten by its next use.
 """
 
-from functools import lru_cache
-
 import numpy as np
 import pyfftw
 
-from tractive_sam.operators import wisdom
-from tractive_sam.operators.fft import plan, recall_wisdom
+from tractive_sam.operators.fft import plan, planned
 
 
 class LayerTransform:
@@ -87,21 +84,8 @@ class EdgeTransform:
         self._plan.execute()
 
 
-@lru_cache(maxsize=8)
-def layer_transform(
-    shape: tuple[int, int], padded: tuple[int, int], threads: int = 1
-) -> LayerTransform:
-    """The plan for layers, made on its first use in the process."""
-    recall_wisdom()
-    transform = LayerTransform(shape, padded, threads)
-    wisdom.save()
-    return transform
+layer_transform = planned(LayerTransform, 8)
+"""The `LayerTransform` of its arguments, made on its first use."""
 
-
-@lru_cache(maxsize=8)
-def edge_transform(edges: int, padded: int) -> EdgeTransform:
-    """The plan for a vertical plane, made on its first use in the process."""
-    recall_wisdom()
-    transform = EdgeTransform(edges, padded)
-    wisdom.save()
-    return transform
+edge_transform = planned(EdgeTransform, 8)
+"""The `EdgeTransform` of its arguments, made on its first use."""
