@@ -35,7 +35,8 @@ def explain(scene: Scene) -> list[Section]:
         If the measured gap cannot be read.
     """
     model = Model(scene, measured_gap(scene))
-    return [_bodies(model), _contact(model), _wear(model), _mesh(model), _work(model)]
+    parts = (_bodies, _contact, _wear, _subsurface, _mesh, _work)
+    return [part(model) for part in parts]
 
 
 def _bodies(model: Model) -> Section:
@@ -114,9 +115,9 @@ def _wear(model: Model) -> Section:
         ("revolutions", f"{wear.revolutions}, {_stepping(wear)}"),
         ("fields kept at", ", ".join(map(str, wear.save))),
     ]
-    hardness = [body.hardness for body in (model.scene.body.A, model.scene.body.B)]
-    share = hardness[1] / sum(hardness)
-    rows.append(("of the depth", f"{share:.0%} from body A, {1 - share:.0%} from B, by hardness"))
+    share = model.scene.body.wear_share
+    told = f"{share['A']:.0%} from body A, {share['B']:.0%} from B, by hardness"
+    rows.append(("of the depth", told))
     if model.scene.solver.slip == "upwind":
         rows.append(("slip", "the paper's upwind difference: frictional work comes out too small"))
     return Section("Wear", rows)
@@ -126,6 +127,22 @@ def _stepping(wear) -> str:
     if wear.stepping == "adaptive":
         return f"in adaptive jumps, to {wear.tolerance:g} of the wear depth"
     return "one by one"
+
+
+def _subsurface(model: Model) -> Section:
+    asked = model.scene.subsurface
+    if asked is None:
+        return Section("Stress", [("stress", "left out: the scene has no [subsurface]")])
+    hertz = model.scene.hertz
+    deepest = f"{asked.depth:g} a" if hertz is None else f"{asked.depth * hertz.a:.4g} mm"
+    kept = "the new bodies" if model.scene.wear is None else "each revolution of wear.save"
+    rows = [
+        ("bodies", ", ".join(asked.bodies)),
+        ("planes", f"{', '.join(map(str, asked.planes))}, at {kept}"),
+        ("depths", f"{asked.elements} to {deepest}, closer towards the surface"),
+        ("largest von Mises stress", "inside and at the surface, with every record"),
+    ]
+    return Section("Stress", rows)
 
 
 def _mesh(model: Model) -> Section:

@@ -4,12 +4,14 @@ from collections.abc import Callable
 from contextlib import nullcontext
 from itertools import chain
 from os import PathLike
+from pathlib import Path
 from time import perf_counter
 
 import numpy as np
 
 from tractive_sam.contact import Contact, Gap, Model, NotConverged, equilibrium, grown
-from tractive_sam.record import History, Record
+from tractive_sam.record import History, Record, state
+from tractive_sam.restart import last_passage
 from tractive_sam.rolling import Passage, passages, recorded
 from tractive_sam.scene import Scene
 from tractive_sam.solvers import Status
@@ -95,6 +97,7 @@ def roll(
     path: str | PathLike | None = None,
     *,
     overwrite: bool = False,
+    resume: bool = False,
     progress: Callable[[Record], None] | None = None,
 ) -> History:
     """Roll a scene through its revolutions; without [wear] that is revolution 0, the new bodies.
@@ -108,6 +111,10 @@ def roll(
         records are kept in memory.
     overwrite : bool
         Whether a results file of this package may be replaced.
+    resume : bool
+        Whether to go on from the last record of the results file, if there is one: of a run that
+        was killed or stopped, or of a finished one that is to be rolled further. The history is
+        that of an uninterrupted run.
     progress : callable, optional
         Called with each record.
 
@@ -120,28 +127,37 @@ def roll(
     Raises
     ------
     ResultsError
-        If the results file cannot be written.
+        If the results file cannot be written, or holds another scene than the one to resume.
     GapError
         If the measured gap cannot be read.
     """
     began = perf_counter()
-    model = Model(scene, measured_gap(scene))
-    model, contact = _fitted(model, equilibrium(model))
-    first = Passage(0, contact, 1)
+    last = None
+    if resume and path is not None and Path(path).exists():
+        last = last_passage(open_history(path), path, scene)
+    if last is None:
+        model = Model(scene, measured_gap(scene))
+        model, contact = _fitted(model, equilibrium(model))
+        start = Passage(0, contact, 1)
+    else:
+        start = last
+        model = Model(scene, measured_gap(scene), last.contact.grid)
     hertz = scene.hertz
     reference = {} if hertz is None else {"a0": hertz.a, "b0": hertz.b, "p0": hertz.p0}
-    writer = None
-    if path is not None:
-        writer = HistoryWriter(path, scene.to_toml(), model.grid, reference, overwrite)
-    records, solves, passage = [], 0, None
+    records, writer = [], None
+    if path is not None and last is None:
+        writer = HistoryWriter(path, scene.to_toml(), model.grid, reference, overwrite or resume)
+    elif path is not None:
+        writer = HistoryWriter.reopen(path, scene.to_toml())
     with nullcontext() if writer is None else writer:
-        for passage in chain((first,), passages(model, first)):
-            solves += passage.solves
-            record = recorded(passage)
+        passage = start
+        for passage in chain((start,) if last is None else (), passages(model, start)):
+            record = recorded(passage, began)
+            began = perf_counter()
             if writer is None:
                 records.append(record)
             else:
-                writer.append(record)
+                writer.append(record, passage.contact.grid, state(passage.contact))
             if progress is not None:
                 progress(record)
         contact = passage.contact
@@ -149,17 +165,9 @@ def roll(
         message = contact.message
         if scene.wear is not None:
             message = f"revolution {passage.revolution}: {message}"
-        totals = {"contact_solves": solves, "wall_seconds": perf_counter() - began}
         if writer is not None:
-            writer.finish(status, message, totals)
+            writer.finish(status, message)
             return open_history(path)
     return History.of_records(
-        records,
-        scene.to_toml(),
-        model.grid.x,
-        model.grid.y,
-        status=status,
-        message=message,
-        totals=totals,
-        **reference,
+        records, scene.to_toml(), contact.grid, status=status, message=message, **reference
     )

@@ -7,7 +7,7 @@ from typer.testing import CliRunner
 from tractive_sam import pipeline
 from tractive_sam.cli import app
 from tractive_sam.operators import Grid
-from tractive_sam.record import FIELDS, SCALARS, Record
+from tractive_sam.record import FIELDS, PROFILES, SCALARS, Record
 from tractive_sam.store import HistoryWriter, open_history
 
 GRID = Grid((1.0, 1.0), (9, 9))
@@ -40,8 +40,8 @@ def make_record(number):
     fields = dict.fromkeys(FIELDS, np.zeros_like(pressure))
     fields |= {"pressure": pressure, "traction_x": 0.3 * pressure, "slip_x": -1e-3 * pressure}
     scalars = dict.fromkeys(SCALARS, number + 0.5) | {"revolution": number}
-    profile = np.full(len(GRID.y), 1e-3 * number)
-    return Record(number, scalars, {"p_max_at": (0.0, 0.0)}, {"wear_profile": profile}, fields)
+    profiles = dict.fromkeys(PROFILES, np.full(len(GRID.y), 1e-3 * number))
+    return Record(number, scalars, {"p_max_at": (0.0, 0.0)}, profiles, fields)
 
 
 @pytest.fixture
@@ -54,7 +54,7 @@ def stored(folder):
         for number in range(30):
             record = make_record(number)
             writer.append(record if number in (0, 29) else replace(record, fields={}))
-        writer.finish("done", "as asked", {"contact_solves": 30, "wall_seconds": 2.0})
+        writer.finish("done", "as asked")
     return path
 
 
@@ -69,7 +69,7 @@ def roll(monkeypatch):
         def __init__(self):
             self.calls = []
 
-        def __call__(self, scene, path=None, *, overwrite=False, progress=None):
+        def __call__(self, scene, path=None, *, overwrite=False, resume=False, progress=None):
             self.calls.append((scene, path, overwrite))
             with HistoryWriter(path, scene.to_toml(), GRID, None, overwrite) as writer:
                 for number in range(3):
@@ -78,7 +78,7 @@ def roll(monkeypatch):
                         progress(make_record(number))
                 if self.error is not None:
                     raise self.error
-                writer.finish(*self.ending, {"contact_solves": 3, "wall_seconds": 0.1})
+                writer.finish(*self.ending)
             return open_history(path)
 
     fake = Roll()

@@ -75,4 +75,5 @@ def history(stored=(0, 10, 100), toml=TOML, reference=True):
         points = dict.fromkeys(POINTS, (0.0, 0.0))
         records.append(Record(revolution, scalars, points, dict.fromkeys(PROFILES, profile), kept))
     hertz = {"a0": HERTZ.a, "b0": HERTZ.b, "p0": HERTZ.p0} if reference else {}
-    return History.of_records(records, toml, X, Y, **hertz)
+    grid = SimpleNamespace(x=X, y=Y, half_length=(0.62, 1.03125))
+    return History.of_records(records, toml, grid, **hertz)

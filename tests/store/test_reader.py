@@ -6,7 +6,7 @@ import pytest
 import xarray as xr
 
 from tests.store.sample_records import REFERENCE, SCENE, make_record, mesh
-from tractive_sam.record import FIELDS, POINTS, SCALARS
+from tractive_sam.record import BODY_POINTS, BODY_SCALARS, FIELDS, POINTS, SCALARS
 from tractive_sam.store import HistoryWriter, ResultsError, open_history
 
 
@@ -19,16 +19,17 @@ def test_what_is_known_of_the_computation(finished):
     assert history.finished
     assert (history.a0, history.b0, history.p0) == (0.28, 0.45, 1144.4)
     assert history.versions["h5py"] == h5py.__version__
-    assert history.totals == {"contact_solves": 12, "wall_seconds": 1.5}
+    assert history.totals == {"contact_solves": 14, "wall_seconds": 3.5}
     np.testing.assert_array_equal(history["p_max_at"][3], [0.1 * 3, -0.1 * 3])
 
 
 def test_dictionary_is_json(finished):
     content = json.loads(json.dumps(open_history(finished).to_dict(), allow_nan=False))
+    rows = {*SCALARS, *POINTS, *BODY_SCALARS, *BODY_POINTS}
     totals = {"contact_solves", "wall_seconds"}
-    assert set(content) == {"status", "message", "a0", "b0", "p0"} | {*SCALARS, *POINTS} | totals
+    assert set(content) == {"status", "message", "a0", "b0", "p0"} | rows | totals
     assert content["revolution"] == [0, 10, 20, 30, 40, 50, 60]
-    assert content["contact_solves"] == 12
+    assert content["contact_solves"] == 14
 
 
 def test_numbers_that_are_not_known_are_null(path):
@@ -77,7 +78,7 @@ class TestXarray:
 
     def test_tree(self, finished, engine):
         with xr.open_datatree(finished, engine=engine) as tree:
-            assert {"grid", "history", "fields"} == set(tree.children)
+            assert {"grid", "history", "fields", "stress", "state"} == set(tree.children)
             assert tree["scene"].item() == SCENE
             assert tree["fields/pressure"].attrs["units"] == "MPa"
 

@@ -13,11 +13,9 @@ def test_file_and_memory_hold_the_same(finished):
     kept = History.of_records(
         records(7),
         SCENE,
-        mesh().x,
-        mesh().y,
+        mesh(),
         **REFERENCE,
         message="every revolution",
-        totals={"contact_solves": 12, "wall_seconds": 1.5},
     )
     assert stored.to_dict() == kept.to_dict()
     assert len(stored) == len(kept) == 7
@@ -96,12 +94,11 @@ def test_wider_mesh(path):
     wide = mesh(7, 13)
     with HistoryWriter(path, SCENE, mesh()) as writer:
         writer.append(make_record(1, with_fields=True))
-        writer.enlarge(wide)
-        writer.append(make_record(2, with_fields=True, grid=wide))
+        writer.append(make_record(2, with_fields=True, grid=wide), wide)
         writer.finish("done")
     stored = open_history(path)
     both = [make_record(1, with_fields=True), make_record(2, with_fields=True, grid=wide)]
-    kept = History.of_records(both, SCENE, wide.x, wide.y)
+    kept = History.of_records(both, SCENE, wide)
     np.testing.assert_array_equal(stored.x, wide.x)
     np.testing.assert_array_equal(stored["wear_profile"], kept["wear_profile"])
     for revolution in (10, 20):

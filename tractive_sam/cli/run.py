@@ -15,12 +15,6 @@ if TYPE_CHECKING:
     from tractive_sam.scene import Scene
 
 
-LEFT_OUT = (
-    "run does not compute the stress of [subsurface] yet; in Python, "
-    "tractive_sam.subsurface.stress_on_planes(contact) does"
-)
-
-
 def run(
     scene: SceneName,
     settings: Settings = None,
@@ -34,6 +28,14 @@ def run(
             "scene in the working folder.",
         ),
     ] = None,
+    resume: Annotated[
+        bool,
+        typer.Option(
+            "--resume",
+            help="Go on from the last record of the results file, if there is one: after a run "
+            "that was killed or stopped, or to more revolutions than before.",
+        ),
+    ] = False,
 ) -> None:
     """Compute a scene, all its revolutions, into a results file."""
     from tractive_sam import pipeline
@@ -42,13 +44,14 @@ def run(
     with bad_input_told():
         asked = read_scene(scene, settings)
         output = output or Path(Path(scene).name).with_suffix(".h5")
-        if asked.subsurface is not None:
-            say(("note: ", "bold yellow"), LEFT_OUT)
         try:
             with _progress(asked) as progress, warnings_told():
-                history = pipeline.roll(asked, output, overwrite=True, progress=progress)
+                history = pipeline.roll(
+                    asked, output, overwrite=True, resume=resume, progress=progress
+                )
         except KeyboardInterrupt:
-            told = f"; {output} holds what was computed" if output.exists() else ""
+            held = f"{output} holds what was computed, --resume goes on from there"
+            told = f"; {held}" if output.exists() else ""
             raise stop(Status.INCOMPLETE, f"interrupted{told}") from None
         except OSError as error:
             raise stop(Status.INCOMPLETE, f"{output} cannot be written: {error}") from None

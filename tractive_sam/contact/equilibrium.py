@@ -1,6 +1,7 @@
 """One steady state of a model, solved and put back into mm, N and MPa."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -78,6 +79,12 @@ def _slip(model: Model, scaled: np.ndarray) -> np.ndarray:
     return slip
 
 
+def _rolling_resistance(model: Model, pressure: np.ndarray, depth: np.ndarray) -> float:
+    """Work of the pressure on the slope of the undeformed, worn gap, N."""
+    slope = np.gradient(model.undeformed_gap + depth, model.grid.dx, axis=0)
+    return float((pressure * slope).sum() * model.grid.element_area)
+
+
 def _contact(model: Model, outcome: Outcome, depth: np.ndarray | DepthInPass | None) -> Contact:
     units = model.units
     touching = outcome.pressure > 0.0
@@ -91,10 +98,7 @@ def _contact(model: Model, outcome: Outcome, depth: np.ndarray | DepthInPass | N
     if model.scene.friction is not None:
         sliding = touching & (np.hypot(*(outcome.traction - outcome.slip)) > outcome.pressure)
     xi_x, xi_y, spin = model.creepages(outcome.creepage)
-    status = outcome.status
-    if outcome.converged and _at_edge(touching):
-        status = Status.OFF_GRID
-    return Contact(
+    contact = Contact(
         model.scene,
         model.grid,
         pressure,
@@ -106,15 +110,15 @@ def _contact(model: Model, outcome: Outcome, depth: np.ndarray | DepthInPass | N
         xi_x,
         xi_y,
         spin,
+        _rolling_resistance(model, pressure, depth),
         sliding,
-        status,
-        message(status, outcome, model),
+        outcome.status,
+        message(outcome.status, outcome, model),
         outcome.residual,
         outcome.cost,
         outcome.trace,
     )
-
-
-def _at_edge(touching: np.ndarray) -> bool:
-    sides = (touching[0], touching[-1], touching[:, 0], touching[:, -1])
-    return any(side.any() for side in sides)
+    if contact.converged and any(contact.at_edge):
+        status = Status.OFF_GRID
+        contact = replace(contact, status=status, message=message(status, outcome, model))
+    return contact

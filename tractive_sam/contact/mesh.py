@@ -8,8 +8,8 @@ from tractive_sam.scene import Scene
 MARGIN = 1.15
 """Half length of the domain over the semi-axis of the Hertzian contact."""
 
-WORN_MARGIN = 3.0
-"""The same in the lateral direction of a scene that wears: discs flatten to several widths."""
+WORN_MARGIN = 1.5
+"""The same in the lateral direction of a scene that wears; it grows on with the contact."""
 
 ACROSS = 64
 """Elements across the shorter axis of the contact."""
@@ -19,9 +19,10 @@ GROWTH = 1.25
 """Factor by which a chosen mesh grows when the contact reaches its edge."""
 
 
-def grown(grid: Grid) -> Grid:
-    """A larger mesh of the same elements."""
-    more = [int(np.ceil(0.5 * (GROWTH - 1.0) * n)) for n in grid.elements]
+def grown(grid: Grid, axes: tuple[bool, bool] = (True, True)) -> Grid:
+    """A mesh of the same elements that is larger along some axes."""
+    share = [0.5 * (GROWTH - 1.0) * grows for grows in axes]
+    more = [int(np.ceil(s * n)) for s, n in zip(share, grid.elements, strict=True)]
     elements = tuple(n + 2 * m for n, m in zip(grid.elements, more, strict=True))
     half_length = (0.5 * elements[0] * grid.dx, 0.5 * elements[1] * grid.dy)
     return Grid(half_length, elements)

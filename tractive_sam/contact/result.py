@@ -1,6 +1,6 @@
 """A solved contact: fields, resultants, and how well it is solved."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -52,6 +52,9 @@ class Contact:
         Rigid-body approach, mm.
     xi_x, xi_y, spin : float
         Longitudinal and lateral creepage; spin in 1/mm.
+    rolling_resistance : float
+        Work of the pressure per distance rolled, the integral of p_n dh/dx over the gap h of the
+        undeformed, worn bodies, N; zero for bodies of equal material.
     sliding : ndarray of bool
         Elements in contact whose traction has reached the friction bound.
     status : Status
@@ -77,6 +80,7 @@ class Contact:
     xi_x: float
     xi_y: float
     spin: float
+    rolling_resistance: float
     sliding: np.ndarray
     status: Status
     message: str
@@ -88,6 +92,34 @@ class Contact:
     def converged(self) -> bool:
         """Whether the contact conditions hold to the tolerance of the scene."""
         return self.status is Status.CONVERGED
+
+    @property
+    def at_edge(self) -> tuple[bool, bool]:
+        """Whether the contact reaches the edge of the mesh in x, and in y."""
+        rows, columns = self.touching.any(axis=1), self.touching.any(axis=0)
+        return bool(rows[0] or rows[-1]), bool(columns[0] or columns[-1])
+
+    def on(self, grid: Grid) -> "Contact":
+        """The same contact on a wider mesh of the same elements, as a first guess there.
+
+        Raises
+        ------
+        ValueError
+            If the wider mesh does not add the same number of elements on either side.
+        """
+        extra = np.subtract(grid.elements, self.grid.elements)
+        same = np.allclose((grid.dx, grid.dy), (self.grid.dx, self.grid.dy), rtol=1e-9)
+        if (extra < 0).any() or (extra % 2).any() or not same:
+            raise ValueError(f"{self.grid} is not the middle of {grid}")
+        sides = [(n // 2, n // 2) for n in extra]
+
+        def padded(field: np.ndarray, outside: float = 0.0) -> np.ndarray:
+            leading = [(0, 0)] * (field.ndim - 2)
+            return np.pad(field, leading + sides, constant_values=outside)
+
+        fields = ("pressure", "traction", "slip", "wear", "sliding")
+        changes = {name: padded(getattr(self, name)) for name in fields}
+        return replace(self, grid=grid, gap=padded(self.gap, np.inf), **changes)
 
     @cached_property
     def touching(self) -> np.ndarray:
@@ -154,6 +186,21 @@ class Contact:
     def dissipation(self) -> float:
         """Frictional work per unit distance rolled, the integral of -p_t . s/V, N."""
         return -self._integral((self.traction * self.slip).sum(axis=0))
+
+    @property
+    def work_supplied(self) -> float:
+        """Work per unit distance rolled that drives the bodies, N; what friction dissipates.
+
+        -(Q_x xi_x + Q_y xi_y + M_z phi) and, for dissimilar bodies, the rolling resistance. The
+        elastic displacements do no work in a cycle: their operators are antisymmetric.
+        """
+        creeping = self.Qx * self.xi_x + self.Qy * self.xi_y + self.Mz * self.spin
+        return self.rolling_resistance - creeping
+
+    @property
+    def wear_rate(self) -> float:
+        """Cross section worn off both bodies in this revolution, mm²."""
+        return float((self.wear[0] - self.wear[-1]).sum() * self.grid.dy)
 
 
 def _extent(occupied: np.ndarray) -> int:

@@ -1,7 +1,31 @@
 """What is kept of a computation: plain numbers and arrays with names and units."""
 
 from tractive_sam.record.history import History
-from tractive_sam.record.quantities import FIELDS, POINTS, PROFILES, SCALARS, Quantity
-from tractive_sam.record.record import Record, record
+from tractive_sam.record.quantities import (
+    BODY_POINTS,
+    BODY_SCALARS,
+    FIELDS,
+    POINTS,
+    PROFILES,
+    SCALARS,
+    STATE,
+    STRESS,
+    Quantity,
+)
+from tractive_sam.record.record import Record, record, state
 
-__all__ = ["FIELDS", "POINTS", "PROFILES", "SCALARS", "History", "Quantity", "Record", "record"]
+__all__ = [
+    "BODY_POINTS",
+    "BODY_SCALARS",
+    "FIELDS",
+    "POINTS",
+    "PROFILES",
+    "SCALARS",
+    "STATE",
+    "STRESS",
+    "History",
+    "Quantity",
+    "Record",
+    "record",
+    "state",
+]

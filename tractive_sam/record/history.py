@@ -5,25 +5,39 @@ import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Protocol, Self
+from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar
 
 import numpy as np
 
-from tractive_sam.record.quantities import FIELDS, POINTS, PROFILES, SCALARS
+from tractive_sam.record.quantities import (
+    BODY_POINTS,
+    BODY_SCALARS,
+    FIELDS,
+    POINTS,
+    PROFILES,
+    SCALARS,
+)
 from tractive_sam.record.record import Record
+
+if TYPE_CHECKING:  # results are to be read without loading what computes them
+    from tractive_sam.operators import Grid
+    from tractive_sam.subsurface import PlaneStress
 
 FINISHED = ("done", "converged")
 """Values of `History.status` that mean that nothing is missing."""
 
 
-class Rows(Protocol):
-    """Fields of several records, read one at a time: an array, or something that reads a file."""
+T_co = TypeVar("T_co", covariant=True)
+
+
+class Rows(Protocol[T_co]):
+    """Fields of several records, read one at a time: a sequence, or something that reads a file."""
 
     def __len__(self) -> int:
         """Number of records with fields."""
 
-    def __getitem__(self, row: int) -> np.ndarray:
-        """The field of one record, shape (n_x, n_y)."""
+    def __getitem__(self, row: int) -> T_co:
+        """The field of one record."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +56,8 @@ class History:
     a0, b0, p0 : float
         Semi-axes in x and y, mm, and largest pressure, MPa, of the unworn contact by Hertz; nan
         where Hertz does not apply.
+    half_length : tuple of float
+        Half lengths of the domain in x and y, mm.
     x, y : ndarray, shapes (n_x,) and (n_y,)
         Centres of the elements, mm.
     scalars : mapping of str to ndarray, shape (n,)
@@ -54,8 +70,14 @@ class History:
         One function of x and y for each record that kept its fields; see `field`.
     field_revolutions : ndarray of int, shape (m,)
         Revolutions of these records.
-    totals : mapping of str to float
-        "contact_solves" and "wall_seconds" of the whole computation, as far as known.
+    bodies : tuple of str
+        Bodies whose stress was computed, of "A" and "B"; none without [subsurface].
+    body_scalars : mapping of str to ndarray, shape (n, len(bodies))
+        One number a record and body.
+    body_points : mapping of str to ndarray, shape (n, len(bodies), 3)
+        One position (x, y, depth) a record and body, mm.
+    stresses : mapping of (body, plane) to Rows, length m
+        Stress on planes for each record that kept its fields; see `stress`.
     versions : mapping of str to str
         Programs that computed it.
     """
@@ -66,14 +88,18 @@ class History:
     a0: float
     b0: float
     p0: float
+    half_length: tuple[float, float]
     x: np.ndarray
     y: np.ndarray
     scalars: Mapping[str, np.ndarray]
     points: Mapping[str, np.ndarray]
     profiles: Mapping[str, np.ndarray]
-    fields: Mapping[str, Rows]
+    fields: Mapping[str, Rows[np.ndarray]]
     field_revolutions: np.ndarray
-    totals: Mapping[str, float]
+    bodies: tuple[str, ...]
+    body_scalars: Mapping[str, np.ndarray]
+    body_points: Mapping[str, np.ndarray]
+    stresses: Mapping[tuple[str, str], "Rows[PlaneStress]"]
     versions: Mapping[str, str]
 
     @classmethod
@@ -81,20 +107,19 @@ class History:
         cls,
         records: Iterable[Record],
         scene_toml: str,
-        x: np.ndarray,
-        y: np.ndarray,
+        grid: "Grid",
         *,
         a0: float = math.nan,
         b0: float = math.nan,
         p0: float = math.nan,
         status: str = "done",
         message: str = "",
-        totals: Mapping[str, float] | None = None,
         versions: Mapping[str, str] | None = None,
     ) -> Self:
-        """Collect records in memory; those of smaller meshes are padded to the mesh (x, y)."""
+        """Collect records in memory; those of smaller meshes are padded to the last mesh."""
         records = list(records)
         kept = [record for record in records if record.fields]
+        bodies = tuple(records[0].bodies) if records else ()
         scalars = _stacked(records, "scalars", SCALARS, ())
         scalars["revolution"] = scalars["revolution"].astype(int)
         return cls(
@@ -104,14 +129,18 @@ class History:
             a0,
             b0,
             p0,
-            x,
-            y,
+            grid.half_length,
+            grid.x,
+            grid.y,
             scalars,
             points=_stacked(records, "points", POINTS, (2,)),
-            profiles=_stacked(records, "profiles", PROFILES, y.shape),
-            fields=_stacked(kept, "fields", FIELDS, x.shape + y.shape),
+            profiles=_stacked(records, "profiles", PROFILES, grid.y.shape),
+            fields=_stacked(kept, "fields", FIELDS, grid.x.shape + grid.y.shape),
             field_revolutions=np.array([record.revolution for record in kept], dtype=int),
-            totals=dict(totals or {}),
+            bodies=bodies,
+            body_scalars=_of_bodies(records, bodies, BODY_SCALARS, ()),
+            body_points=_of_bodies(records, bodies, BODY_POINTS, (3,)),
+            stresses=_by_plane(kept),
             versions=dict(versions or {}),
         )
 
@@ -119,8 +148,9 @@ class History:
         return len(self.scalars["revolution"])
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """What was recorded under a name of `SCALARS`, `POINTS` or `PROFILES`, one row a record."""
-        for kind in (self.scalars, self.points, self.profiles):
+        """What was recorded under a name of `record.quantities`, one row a record."""
+        kinds = (self.scalars, self.points, self.profiles, self.body_scalars, self.body_points)
+        for kind in kinds:
             if name in kind:
                 return kind[name]
         raise KeyError(name)
@@ -129,6 +159,19 @@ class History:
     def finished(self) -> bool:
         """Whether the computation came to its end."""
         return self.status in FINISHED
+
+    @property
+    def totals(self) -> dict[str, float]:
+        """Contacts solved and seconds spent on all records, "contact_solves" and "wall_seconds"."""
+        return {
+            "contact_solves": int(self["solves"].sum()),
+            "wall_seconds": float(np.nansum(self["seconds"])),
+        }
+
+    @property
+    def planes(self) -> tuple[tuple[str, str], ...]:
+        """Body and plane of every stress that was kept, as ("A", "y=0")."""
+        return tuple(self.stresses)
 
     @cached_property
     def settings(self) -> dict[str, Any]:
@@ -157,21 +200,53 @@ class History:
         """
         if name not in self.fields:
             raise LookupError(f"no field {name!r}; there are {', '.join(self.fields) or 'none'}")
+        return self.fields[name][self._row(revolution)]
+
+    def stress(self, body: str, plane: str, revolution: int | None = None) -> "PlaneStress":
+        """Stress of a body on a plane in one revolution.
+
+        Parameters
+        ----------
+        body : "A" or "B"
+            The body.
+        plane : str
+            The plane as the scene names it, "y=0".
+        revolution : int, optional
+            One of `field_revolutions`; the last by default.
+
+        Raises
+        ------
+        LookupError
+            If it was not kept; the message lists what was.
+        """
+        rows = self.stresses.get((body, str(plane)))
+        if rows is None:
+            kept = ", ".join(f"{plane} of {body}" for body, plane in self.planes)
+            raise LookupError(
+                f"no stress on {plane} of body {body}; there is {kept or 'none: add [subsurface]'}"
+            )
+        return rows[self._row(revolution)]
+
+    def _row(self, revolution: int | None) -> int:
+        """The row of a revolution among the records that kept their fields."""
         if revolution is None and len(self.field_revolutions):
-            return self.fields[name][len(self.field_revolutions) - 1]
+            return len(self.field_revolutions) - 1
         rows = np.flatnonzero(self.field_revolutions == revolution)
         if not rows.size:
             kept = ", ".join(map(str, self.field_revolutions)) or "none"
             raise LookupError(f"no fields of revolution {revolution}; there are those of {kept}")
-        return self.fields[name][int(rows[-1])]
+        return int(rows[-1])
 
     def to_dict(self) -> dict[str, Any]:
         """Scalars, points and totals as plain numbers and lists; None where there is no number."""
         rows = {name: self[name].tolist() for name in (*SCALARS, *POINTS)}
+        in_bodies = {
+            name: {body: self[name][:, k].tolist() for k, body in enumerate(self.bodies)}
+            for name in (*BODY_SCALARS, *BODY_POINTS)
+        }
         reference = {"a0": self.a0, "b0": self.b0, "p0": self.p0}
-        return _without_nan(
-            {"status": self.status, "message": self.message} | reference | rows | self.totals
-        )
+        about = {"status": self.status, "message": self.message} | reference
+        return _without_nan(about | rows | in_bodies | self.totals)
 
 
 def _stacked(
@@ -186,7 +261,31 @@ def _stacked(
     }
 
 
-def padded(values: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+def _of_bodies(
+    records: Sequence[Record],
+    bodies: tuple[str, ...],
+    names: Iterable[str],
+    shape: tuple[int, ...],
+) -> dict[str, np.ndarray]:
+    """Arrays with one row a record and one column of that shape a body."""
+    return {
+        name: np.array(
+            [[record.bodies[body][name] for body in bodies] for record in records], float
+        ).reshape(len(records), len(bodies), *shape)
+        for name in names
+    }
+
+
+def _by_plane(kept: Sequence[Record]) -> dict[tuple[str, str], list["PlaneStress"]]:
+    first = kept[0].stress if kept else ()
+    rows = {
+        (one.body, str(one.plane)): [record.stress[k] for record in kept]
+        for k, one in enumerate(first)
+    }
+    return dict(sorted(rows.items()))  # as a file has them
+
+
+def padded(values: np.ndarray, shape: tuple[int, ...], outside: float = 0.0) -> np.ndarray:
     """The values in the middle of an array of zeros: the same function on a wider mesh.
 
     Raises
@@ -197,7 +296,8 @@ def padded(values: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
     extra = np.subtract(shape, values.shape)
     if (extra < 0).any() or (extra % 2).any():
         raise ValueError(f"a mesh of {values.shape} elements is not the middle of one of {shape}")
-    return np.pad(values, [(n // 2, n // 2) for n in extra]) if extra.any() else values
+    sides = [(n // 2, n // 2) for n in extra]
+    return np.pad(values, sides, constant_values=outside) if extra.any() else values
 
 
 def _without_nan(value: Any) -> Any:

@@ -40,7 +40,14 @@ SCALARS: dict[str, Quantity] = {
     "xi_y": Quantity("1", "lateral creepage"),
     "spin": Quantity("1/mm", "spin creepage"),
     "residual": Quantity("1", "relative residual of the contact conditions"),
+    "dissipation": Quantity("N", "frictional work per distance rolled, from traction and slip"),
+    "work_supplied": Quantity("N", "work per distance rolled of the forces that drive the bodies"),
+    "wear_rate": Quantity("mm2", "worn cross section of both bodies per revolution"),
     "operator_applications": Quantity("1", "applications of elastic operators"),
+    "jump": Quantity("1", "revolutions that the next step is to take"),
+    "converged": Quantity("1", "1 where the contact conditions hold to the tolerance"),
+    "solves": Quantity("1", "contacts solved for this record"),
+    "seconds": Quantity("s", "time spent on this record"),
 }
 """One number a record."""
 
@@ -51,6 +58,8 @@ POINTS: dict[str, Quantity] = {
 
 PROFILES: dict[str, Quantity] = {
     "wear_profile": Quantity("mm", "wear depth behind the contact, both bodies together"),
+    "wear_profile_A": Quantity("mm", "wear depth of body A"),
+    "wear_profile_B": Quantity("mm", "wear depth of body B"),
 }
 """A function of y a record."""
 
@@ -63,3 +72,34 @@ FIELDS: dict[str, Quantity] = {
     "wear": Quantity("mm", "wear depth, both bodies together"),
 }
 """A function of x and y a record, kept at chosen revolutions."""
+
+BODY_SCALARS: dict[str, Quantity] = {
+    "von_mises_max": Quantity("MPa", "largest equivalent stress, inside or at the surface"),
+    "von_mises_interior": Quantity("MPa", "largest equivalent stress inside the body"),
+    "von_mises_surface": Quantity(
+        "MPa", "largest equivalent stress at the surface, which depends on the mesh"
+    ),
+}
+"""One number a body and record, of scenes with [subsurface]."""
+
+BODY_POINTS: dict[str, Quantity] = {
+    "von_mises_max_at": Quantity("mm", "position (x, y, depth) of the largest equivalent stress"),
+}
+"""A position a body and record, of scenes with [subsurface]."""
+
+STRESS: dict[str, Quantity] = {
+    "von_mises": Quantity("MPa", "equivalent stress of von Mises"),
+    "xx": Quantity("MPa", "normal stress in x"),
+    "yy": Quantity("MPa", "normal stress in y"),
+    "zz": Quantity("MPa", "normal stress in z"),
+    "xy": Quantity("MPa", "shear stress xy"),
+    "xz": Quantity("MPa", "shear stress xz"),
+    "yz": Quantity("MPa", "shear stress yz"),
+}
+"""A function on a plane below the surface, kept with the fields."""
+
+STATE: dict[str, Quantity] = FIELDS | {
+    "gap": Quantity("mm", "separation of the deformed surfaces"),
+    "sliding": Quantity("1", "1 where the traction has reached the friction bound"),
+}
+"""A function of x and y of the last record, from which rolling goes on."""

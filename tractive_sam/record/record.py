@@ -1,13 +1,17 @@
 """What is kept of one revolution."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 if TYPE_CHECKING:  # results are to be read without loading what computes them
     from tractive_sam.contact import Contact
+    from tractive_sam.subsurface import PlaneStress, VonMisesMaximum
+
+Point = tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -26,6 +30,11 @@ class Record:
         By the names of `PROFILES`.
     fields : mapping of str to ndarray, shape (n_x, n_y)
         By the names of `FIELDS`; empty where they are not kept.
+    bodies : mapping of str to mapping
+        For "A" and "B", numbers and positions by the names of `BODY_SCALARS` and `BODY_POINTS`;
+        empty where no stress is computed.
+    stress : tuple of PlaneStress
+        Stress on the planes that the scene asks for, kept with the fields.
     """
 
     revolution: int
@@ -33,9 +42,20 @@ class Record:
     points: Mapping[str, tuple[float, ...]]
     profiles: Mapping[str, np.ndarray]
     fields: Mapping[str, np.ndarray]
+    bodies: Mapping[str, Mapping[str, float | Point]] = field(default_factory=dict)
+    stress: tuple["PlaneStress", ...] = ()
 
 
-def record(contact: "Contact", revolution: int = 0, with_fields: bool = True) -> Record:
+def record(
+    contact: "Contact",
+    revolution: int = 0,
+    with_fields: bool = True,
+    maxima: Mapping[str, "VonMisesMaximum"] | None = None,
+    stress: Iterable["PlaneStress"] = (),
+    jump: int = 1,
+    solves: int = 1,
+    seconds: float = math.nan,
+) -> Record:
     """Take the record of a contact.
 
     Parameters
@@ -46,7 +66,18 @@ def record(contact: "Contact", revolution: int = 0, with_fields: bool = True) ->
         Its number.
     with_fields : bool
         Whether to keep the fields.
+    maxima : mapping of str to VonMisesMaximum, optional
+        Largest equivalent stress of the bodies "A" and "B".
+    stress : iterable of PlaneStress, optional
+        Stress on planes.
+    jump : int
+        Revolutions that the next step is to take.
+    solves : int
+        Contacts solved on the way.
+    seconds : float
+        Time that took.
     """
+    share = contact.scene.body.wear_share
     return Record(
         revolution,
         scalars={
@@ -67,12 +98,39 @@ def record(contact: "Contact", revolution: int = 0, with_fields: bool = True) ->
             "xi_y": contact.xi_y,
             "spin": contact.spin,
             "residual": contact.residual,
+            "dissipation": contact.dissipation,
+            "work_supplied": contact.work_supplied,
+            "wear_rate": contact.wear_rate,
             "operator_applications": contact.cost.applications,
+            "jump": jump,
+            "converged": float(contact.converged),
+            "solves": solves,
+            "seconds": seconds,
         },
         points={"p_max_at": contact.p_max_at},
-        profiles={"wear_profile": contact.wear[0]},
+        profiles={
+            "wear_profile": contact.wear[0],
+            "wear_profile_A": share["A"] * contact.wear[0],
+            "wear_profile_B": share["B"] * contact.wear[0],
+        },
         fields=_fields(contact) if with_fields else {},
+        bodies={name: _of_body(largest) for name, largest in (maxima or {}).items()},
+        stress=tuple(stress),
     )
+
+
+def state(contact: "Contact") -> dict[str, np.ndarray]:
+    """All fields from which rolling goes on, by the names of `STATE`, shape (n_x, n_y)."""
+    return _fields(contact) | {"gap": contact.gap, "sliding": contact.sliding.astype(float)}
+
+
+def _of_body(largest: "VonMisesMaximum") -> dict[str, float | Point]:
+    return {
+        "von_mises_max": largest.value,
+        "von_mises_interior": largest.interior,
+        "von_mises_surface": largest.surface,
+        "von_mises_max_at": largest.at,
+    }
 
 
 def _fields(contact: "Contact") -> dict[str, np.ndarray]:

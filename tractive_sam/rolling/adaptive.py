@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from tractive_sam.contact import Model
-from tractive_sam.rolling.passage import Passage, next_passage, passage_at
+from tractive_sam.rolling.passage import Passage, next_passage, off_grid, passage_at
 from tractive_sam.rolling.response import wear_response
 
 GAMMA = 1.0 - np.sqrt(0.5)
@@ -69,7 +69,7 @@ def _next_jump(model: Model, last: Passage, stop: int) -> Passage:
         now, error = _jump(model, last, jump, response)
         solves += now.solves
         change = np.clip(SAFETY / np.sqrt(max(error, 1e-6)), SHORTEST_CUT, LONGEST_GROWTH)
-        if error <= 1.0 or jump == 1 or not now.contact.converged:
+        if error <= 1.0 or jump == 1 or (off_grid(now) and model.scene.grid is None):
             # A jump cut short to meet a stop says little about the next one.
             after = max(jump * change, last.jump if jump < last.jump else 0.0)
             return replace(now, solves=solves, jump=max(1, int(after)))

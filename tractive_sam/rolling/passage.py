@@ -125,6 +125,11 @@ def passage_at(
     return Passage(revolution, replace(contact, cost=cost), solves)
 
 
+def off_grid(passage: Passage) -> bool:
+    """Whether the contact has reached the edge of the mesh."""
+    return passage.contact.status is Status.OFF_GRID
+
+
 def _with_lag(contact: Contact, missed: float) -> Contact:
     """The contact with the residual that its own wear leaves, where that is the larger one."""
     if not contact.converged or missed <= contact.residual:

@@ -1,22 +1,29 @@
 """Rolling: the sequence of revolutions, one record each."""
 
 from collections.abc import Iterator
+from dataclasses import replace
+from time import perf_counter
 
-from tractive_sam.contact import Model
+from tractive_sam.contact import Model, grown
 from tractive_sam.record import Record, record
 from tractive_sam.rolling.adaptive import adaptive_passages
-from tractive_sam.rolling.passage import Passage, next_passage, unworn
+from tractive_sam.rolling.passage import Passage, next_passage, off_grid, unworn
+from tractive_sam.subsurface import stress_on_planes, von_mises_maximum
+
+GROWTHS = 16
+"""Most enlargements of a mesh: to 35 times its width."""
 
 
 def passages(model: Model, start: Passage | None = None) -> Iterator[Passage]:
     """Roll a scene through its revolutions.
 
-    Stops after the first contact that is not solved.
+    A mesh that the scene leaves to us grows with the contact; passages from there on are on the
+    wider mesh. Stops after the first contact that is not solved.
 
     Parameters
     ----------
     model : Model
-        The scene in numbers; without [wear] only the new bodies are solved.
+        The scene in numbers.
     start : Passage, optional
         Where to go on; by default with the new bodies, which are then the first one yielded.
     """
@@ -25,12 +32,18 @@ def passages(model: Model, start: Passage | None = None) -> Iterator[Passage]:
         last = unworn(model)
         yield last
     wear = model.scene.wear
-    if wear is None or not last.contact.converged:
-        return
-    if wear.stepping == "adaptive":
-        yield from adaptive_passages(model, last)
-    else:
-        yield from every_passage(model, last)
+    growths = 0
+    while wear is not None and last.contact.converged and last.revolution < wear.revolutions:
+        steps = adaptive_passages if wear.stepping == "adaptive" else every_passage
+        for passage in steps(model, last):
+            if off_grid(passage) and model.scene.grid is None and growths < GROWTHS:
+                growths += 1
+                grid = grown(model.grid, passage.contact.at_edge)
+                model = Model(model.scene, model.measured, grid)
+                last = replace(last, contact=last.contact.on(grid))
+                break
+            last = passage
+            yield last
 
 
 def every_passage(model: Model, start: Passage) -> Iterator[Passage]:
@@ -41,10 +54,32 @@ def every_passage(model: Model, start: Passage) -> Iterator[Passage]:
         yield last
 
 
-def recorded(passage: Passage) -> Record:
-    """The record of a passage, with its fields where the scene saves them or the roll ends."""
-    scene = passage.contact.scene
-    keep = scene.wear is None or passage.revolution in scene.wear.save
+def recorded(passage: Passage, began: float) -> Record:
+    """The record of a passage.
+
+    With its fields, and the stress on the planes of the scene, where the scene saves them or the
+    roll ends; the largest stress of each body goes with every record of a scene with [subsurface].
+
+    Parameters
+    ----------
+    passage : Passage
+        What was rolled.
+    began : float
+        When work on it began, as by `time.perf_counter`.
+    """
+    contact = passage.contact
+    wear, subsurface = contact.scene.wear, contact.scene.subsurface
+    keep = wear is None or passage.revolution in wear.save or not contact.converged
+    bodies = () if subsurface is None else subsurface.bodies
+    maxima = {body: von_mises_maximum(contact, body) for body in bodies}
+    stress = tuple(stress_on_planes(contact)) if keep and bodies else ()
     return record(
-        passage.contact, passage.revolution, with_fields=keep or not passage.contact.converged
+        contact,
+        passage.revolution,
+        with_fields=keep,
+        maxima=maxima,
+        stress=stress,
+        jump=passage.jump,
+        solves=passage.solves,
+        seconds=perf_counter() - began,
     )

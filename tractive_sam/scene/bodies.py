@@ -55,6 +55,12 @@ class Bodies(Table):
             combined_radius(self.A.radius_y, self.B.radius_y),
         )
 
+    @property
+    def wear_share(self) -> dict[str, float]:
+        """Share of each body in the depth worn: inverse to its hardness (paper, eq. 34)."""
+        total = self.A.hardness + self.B.hardness
+        return {"A": self.B.hardness / total, "B": self.A.hardness / total}
+
     def hertz(self, load: Load) -> HertzContact | None:
         """The unworn contact under a load; None unless the radii close on each other in x and y."""
         radius_x, radius_y = self.radii

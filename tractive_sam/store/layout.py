@@ -1,23 +1,44 @@
 """Groups, datasets and dimensions of a results file.
 
-    /scene     the TOML text; attributes: status, message, a0, b0, p0, totals, versions
+    /scene     the TOML text; attributes: status, message, a0, b0, p0, versions
     /grid      x, y
-    /history   record, committed, y, axis; scalars (record,), points (record, axis),
-               profiles (record, y)
+    /history   record, committed, y, axis, body, position; scalars (record,), points (record, axis),
+               profiles (record, y), of bodies (record, body) and (record, body, position)
     /fields    record, revolution, x, y; fields (record, x, y)
+    /stress    of scenes with [subsurface]: a group <body>/<plane> with record, revolution and its
+               two axes, such as x and depth; components (record, x, depth)
+    /state     fields (slot, x, y) of the last record, from which rolling goes on
 
 A netCDF reader seeks the dimensions of a variable in its own group: /grid/x and /grid/y are hard
-linked into the groups that need them. The record of a row of /fields is its row in /history.
+linked into the groups that need them. The record of a row of /fields and /stress is its row in
+/history; that of a slot of /state is the last one that leaves it when divided by their number.
 """
 
 import math
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import h5py
 import numpy as np
 
-from tractive_sam.record import FIELDS, POINTS, PROFILES, SCALARS, Quantity
+from tractive_sam.record import (
+    BODY_POINTS,
+    BODY_SCALARS,
+    FIELDS,
+    POINTS,
+    PROFILES,
+    SCALARS,
+    STATE,
+    STRESS,
+    Quantity,
+    Record,
+)
+from tractive_sam.store.rows import SLOTS
 from tractive_sam.store.versions import versions
+
+if TYPE_CHECKING:
+    from tractive_sam.operators import Grid
+    from tractive_sam.subsurface import PlaneStress
 
 FORMAT = "tractive-sam history"
 FORMAT_VERSION = 1
@@ -28,7 +49,7 @@ RUNNING = ("running", "the computation has not ended yet, or was killed")
 
 VERSION_PREFIX = "version_"
 REFERENCE = ("a0", "b0", "p0")
-TOTALS = ("contact_solves", "wall_seconds")
+SQUEEZED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 
 CHUNK_BYTES = 4096
 """Of the rows in /history: a page of the disk."""
@@ -37,25 +58,83 @@ CHUNK_BYTES = 4096
 def create(
     file: h5py.File,
     scene_toml: str,
-    x: np.ndarray,
-    y: np.ndarray,
+    mesh: "Grid",
     reference: Mapping[str, float],
 ) -> None:
     """Lay out an empty results file."""
     file.attrs.update({"format": FORMAT, "format_version": FORMAT_VERSION})
     _create_scene(file, scene_toml, reference)
     grid = file.create_group("grid")
-    _scale(grid, "x", x, Quantity("mm", "centres of the elements in the rolling direction"))
-    _scale(grid, "y", y, Quantity("mm", "centres of the elements in the lateral direction"))
+    grid.attrs["half_length"] = mesh.half_length
+    _scale(grid, "x", mesh.x, Quantity("mm", "centres of the elements in the rolling direction"))
+    _scale(grid, "y", mesh.y, Quantity("mm", "centres of the elements in the lateral direction"))
     _create_history(file.create_group("history"), grid)
     _create_fields(file.create_group("fields"), grid)
+    file.create_group("stress")
+    _create_state(file.create_group("state"), grid)
 
 
-def set_status(
-    file: h5py.File, status: str, message: str, totals: Mapping[str, float] | None = None
-) -> None:
-    """Say how far the computation has come; totals by the names of `TOTALS`."""
-    file["scene"].attrs.update({"status": status, "message": message} | dict(totals or {}))
+def set_status(file: h5py.File, status: str, message: str) -> None:
+    """Say how far the computation has come."""
+    file["scene"].attrs.update({"status": status, "message": message})
+
+
+def set_scene(file: h5py.File, scene_toml: str) -> None:
+    """Replace the text of the scene: the same one, rolled further."""
+    about = dict(file["scene"].attrs)
+    del file["scene"]
+    file.create_dataset("scene", data=scene_toml).attrs.update(about)
+
+
+def lacks(file: h5py.File, record: Record) -> bool:
+    """Whether there is no room yet for the stress that a record holds."""
+    return (bool(record.bodies) and "body" not in file["history"]) or any(
+        f"{one.body}/{one.plane}" not in file["stress"] for one in record.stress
+    )
+
+
+def create_stress(file: h5py.File, record: Record) -> None:
+    """Make room for the stress of the bodies and planes of a record."""
+    if record.bodies and "body" not in file["history"]:
+        _create_bodies(file["history"], tuple(record.bodies))
+    for one in record.stress:
+        bodies = file["stress"].require_group(one.body)
+        if str(one.plane) not in bodies:
+            _create_plane(bodies.create_group(str(one.plane)), file["grid"], one)
+
+
+def _create_bodies(history: h5py.Group, bodies: tuple[str, ...]) -> None:
+    record = history["record"]
+    body = _scale(history, "body", bodies, Quantity("1", "body"))
+    position = _scale(
+        history, "position", ["x", "y", "depth"], Quantity("1", "component of a position in a body")
+    )
+    for name, quantity in BODY_SCALARS.items():
+        _rows(history, name, quantity, (record, body))
+    for name, quantity in BODY_POINTS.items():
+        _rows(history, name, quantity, (record, body, position))
+
+
+def _create_plane(group: h5py.Group, grid: h5py.Group, plane: "PlaneStress") -> None:
+    group.attrs["position"] = plane.position
+    record = _scale(group, "record", np.empty(0, int), Quantity("1", "row of /history"))
+    _rows(group, "revolution", SCALARS["revolution"], (record,), int)
+    axes = []
+    for name, centres in plane.axes.items():
+        if name in grid:
+            group[name] = grid[name]
+        else:
+            _scale(group, name, centres, Quantity("mm", "depth below the surface of the body"))
+        axes.append(group[name])
+    for name, quantity in STRESS.items():
+        _rows(group, name, quantity, (record, *axes), **SQUEEZED)
+
+
+def _create_state(state: h5py.Group, grid: h5py.Group) -> None:
+    slot = _scale(state, "slot", range(SLOTS), Quantity("1", "copy of the state"))
+    state["x"], state["y"] = grid["x"], grid["y"]
+    for name, quantity in STATE.items():
+        _rows(state, name, quantity, (slot, grid["x"], grid["y"]), rows=SLOTS)
 
 
 def _create_scene(file: h5py.File, scene_toml: str, reference: Mapping[str, float]) -> None:
@@ -88,15 +167,7 @@ def _create_fields(fields: h5py.Group, grid: h5py.Group) -> None:
     fields["x"], fields["y"] = grid["x"], grid["y"]
     _rows(fields, "revolution", SCALARS["revolution"], (record,), int)
     for name, quantity in FIELDS.items():
-        _rows(
-            fields,
-            name,
-            quantity,
-            (record, grid["x"], grid["y"]),
-            compression="gzip",
-            compression_opts=1,
-            shuffle=True,
-        )
+        _rows(fields, name, quantity, (record, grid["x"], grid["y"]), **SQUEEZED)
 
 
 def _scale(group: h5py.Group, name: str, values, quantity: Quantity) -> h5py.Dataset:
@@ -113,23 +184,26 @@ def _rows(
     quantity: Quantity,
     dimensions: tuple[h5py.Dataset, ...],
     dtype: type = float,
+    rows: int = 0,
     **filters,
 ) -> h5py.Dataset:
-    """Create a dataset with one row a record, as yet without rows."""
+    """Create a dataset with one row a record, as yet without rows, or with rows laid out."""
     shape = tuple(len(scale) for scale in dimensions[1:])
-    rows = 1 if filters else max(1, CHUNK_BYTES // (8 * math.prod(shape)))
+    together = 1 if filters else max(1, CHUNK_BYTES // (8 * math.prod(shape)))
     dataset = group.create_dataset(
         name,
-        shape=(0, *shape),
+        shape=(rows, *shape),
         dtype=dtype,
         maxshape=(None,) * len(dimensions),
-        chunks=(rows, *shape),
+        chunks=(together, *shape),
         fillvalue=np.nan if dtype is float else -1,
         **filters,
     )
     for dimension, scale in zip(dataset.dims, dimensions, strict=True):
         dimension.attach_scale(scale)
-    if name != "revolution":
+    if rows:
+        dataset[:] = 0.0  # on disk at once, so that writing a state moves nothing
+    elif name != "revolution":
         dataset.attrs["coordinates"] = "revolution"
     return _describe(dataset, quantity)
 

@@ -13,10 +13,12 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Self
 from uuid import uuid4
 
+import numpy as np
+
 from tractive_sam.record import Record
 from tractive_sam.store import layout, rows
 from tractive_sam.store.errors import ResultsError
-from tractive_sam.store.reader import results_file
+from tractive_sam.store.opening import results_file
 from tractive_sam.store.replacement import open_in_place, replacement
 
 if TYPE_CHECKING:  # results are to be read without loading what computes them
@@ -66,22 +68,41 @@ class HistoryWriter:
         self._run = uuid4().hex
         try:
             with replacement(self.path, empty=True) as file:
-                layout.create(file, scene_toml, grid.x, grid.y, reference or {})
+                layout.create(file, scene_toml, grid, reference or {})
                 file.attrs[RUN] = self._run
         except OSError as error:
             raise ResultsError(f"{self.path} cannot be written: {error}") from error
 
     @classmethod
-    def reopen(cls, path: str | Path) -> Self:
-        """Go on after the last record of an existing results file."""
+    def reopen(cls, path: str | Path, scene_toml: str | None = None) -> Self:
+        """Go on after the last record of an existing results file whose contact was solved.
+
+        Parameters
+        ----------
+        path : path-like
+            The file.
+        scene_toml : str, optional
+            The scene as it is to be rolled on; by default as it was.
+
+        Raises
+        ------
+        ResultsError
+            If there is no such file, or it cannot be read or written.
+        """
         writer = cls.__new__(cls)
         writer.path = Path(path)
         with results_file(writer.path):  # says what is wrong with it
             pass
         writer._run = uuid4().hex
-        with replacement(writer.path) as file:
-            layout.set_status(file, *layout.RUNNING)
-            file.attrs[RUN] = writer._run
+        try:
+            with replacement(writer.path) as file:
+                if scene_toml is not None:
+                    layout.set_scene(file, scene_toml)
+                rows.drop_unsolved(file)
+                layout.set_status(file, *layout.RUNNING)
+                file.attrs[RUN] = writer._run
+        except OSError as error:
+            raise ResultsError(f"{path} cannot be written: {error}") from error
         return writer
 
     def __enter__(self) -> Self:
@@ -99,44 +120,61 @@ class HistoryWriter:
             with suppress(OSError, ResultsError):
                 self.finish("stopped early", f"{kind.__name__}: {error}".removesuffix(": "))
 
-    def append(self, record: Record) -> None:
-        """Store a record; one that fails or is interrupted leaves no trace."""
+    def append(
+        self,
+        record: Record,
+        grid: "Grid | None" = None,
+        state: Mapping[str, np.ndarray] | None = None,
+    ) -> None:
+        """Store a record; one that fails or is interrupted leaves no trace.
+
+        Parameters
+        ----------
+        record : Record
+            What is to be kept.
+        grid : Grid, optional
+            Its mesh, where that may be a wider one of the same elements than the one before; what
+            is stored is padded.
+        state : mapping of str to ndarray, optional
+            Fields from which to go on after it, by the names of `STATE`.
+
+        Raises
+        ------
+        ResultsError
+            If another run has taken over the file.
+        ValueError
+            If the mesh does not have the same number of elements more on either side.
+        """
         with open_in_place(self.path) as file:
             self._check_own(file)
-            fits = not record.fields and not rows.full(file)
+            wider = grid is not None and rows.differs(file, grid)
+            fits = not (record.fields or wider or rows.full(file) or layout.lacks(file, record))
             if fits:
-                rows.fill(file, record)
+                rows.fill(file, record, state)
         if not fits:
             with replacement(self.path) as file:
                 self._check_own(file)
+                if wider:
+                    rows.widen(file, grid)
+                layout.create_stress(file, record)
                 if rows.full(file):
                     rows.lay_out(file, max(FIRST_ROWS, 2 * rows.committed(file)))
                 if record.fields:
                     rows.append_fields(file, record)
-                rows.fill(file, record)
+                rows.fill(file, record, state)
 
-    def enlarge(self, grid: "Grid") -> None:
-        """Go on with a wider mesh of the same elements; what is stored is padded with zeros."""
-        with replacement(self.path) as file:
-            self._check_own(file)
-            rows.widen(file, grid.x, grid.y)
-
-    def finish(
-        self, status: str, message: str = "", totals: Mapping[str, float] | None = None
-    ) -> None:
+    def finish(self, status: str, message: str = "") -> None:
         """Say how the computation ended and drop the rows that it did not need.
 
         Parameters
         ----------
         status, message : str
             As of `History`.
-        totals : mapping of str to float, optional
-            "contact_solves" and "wall_seconds".
         """
         with replacement(self.path) as file:
             self._check_own(file)
             rows.lay_out(file, rows.committed(file))
-            layout.set_status(file, status, message, totals)
+            layout.set_status(file, status, message)
 
     def _check_own(self, file: "File") -> None:
         """Two runs that were given one file must not mix their records."""

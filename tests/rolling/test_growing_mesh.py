@@ -1,0 +1,76 @@
+"""The mesh follows the contact."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from tractive_sam.contact import Model, mesh
+from tractive_sam.operators import Grid
+from tractive_sam.pipeline import roll
+from tractive_sam.rolling import passages
+from tractive_sam.rolling.passage import unworn
+from tractive_sam.scene import Scene
+
+WEARING = Scene.builtin("twin-discs").with_set(
+    ["wear.revolutions=1500", "wear.save=[0, 1500]", "wear.tolerance=1e-2"]
+)
+NARROW = Grid((0.35, 0.54), (15, 15))
+WIDE = Grid((0.35, 0.9), (15, 25))
+
+
+def without_grid(scene):
+    return scene.replace(grid=None, subsurface=None)
+
+
+@pytest.fixture(scope="module")
+def grown():
+    model = Model(without_grid(WEARING), grid=NARROW)
+    return list(passages(model, unworn(model)))
+
+
+def test_grows_sideways_only(grown):
+    grids = [passage.contact.grid for passage in grown]
+    assert grids[0] == NARROW
+    assert grids[-1].elements[0] == 15
+    assert grids[-1].elements[1] > 15
+    for grid in grids:
+        assert (grid.dx, grid.dy) == pytest.approx((NARROW.dx, NARROW.dy), rel=1e-12)
+    assert all(passage.contact.converged for passage in grown)
+
+
+def test_growing_changes_nothing(grown):
+    """The same wear as on a mesh that was wide enough from the start, to the tolerance."""
+    wide = Model(without_grid(WEARING), grid=WIDE)
+    there = list(passages(wide, unworn(wide)))[-1].contact
+    here = grown[-1].contact
+    short = (WIDE.elements[1] - here.grid.elements[1]) // 2
+    there_wear = there.wear[0] if short <= 0 else there.wear[0, short:-short]
+    assert here.wear.max() == pytest.approx(there.wear.max(), rel=2e-3)
+    assert np.abs(here.wear[0] - there_wear).max() < 1e-2 * there.wear.max()
+
+
+def test_wear_stays_where_it_was(grown):
+    """Nothing is interpolated: a widened profile only gains rows that are not worn yet."""
+    for before, now in pairwise(grown):
+        more = now.contact.grid.elements[1] - before.contact.grid.elements[1]
+        if more:
+            entering = now.entering
+            assert not entering[: more // 2].any()
+            assert not entering[-(more // 2) :].any()
+
+
+def test_history_is_on_the_last_mesh(tmp_path, monkeypatch):
+    monkeypatch.setattr(mesh, "ACROSS", 12)
+    scene = without_grid(WEARING)
+    stored, kept = roll(scene, tmp_path / "a.h5"), roll(scene)
+    assert stored.finished
+    assert len(stored.y) > mesh.choose_grid(scene).elements[1]
+    assert stored["wear_profile"].shape == (len(stored), len(stored.y))
+    np.testing.assert_array_equal(stored["wear_profile"], kept["wear_profile"])
+    np.testing.assert_array_equal(stored.field("pressure", 0), kept.field("pressure", 0))
+
+
+def test_a_guess_on_another_mesh_is_refused(grown):
+    with pytest.raises(ValueError, match="is not the middle of"):
+        grown[0].contact.on(Grid((0.35, 0.7), (15, 25)))

@@ -1,0 +1,98 @@
+"""Stress in results files."""
+
+import json
+
+import h5py
+import numpy as np
+import pytest
+import xarray as xr
+
+from tests.store.sample_records import SCENE, make_record, mesh, records, with_stress
+from tractive_sam.record import STRESS, History
+from tractive_sam.store import HistoryWriter, open_history
+
+
+@pytest.fixture
+def stressed(path):
+    with HistoryWriter(path, SCENE, mesh()) as writer:
+        for record in records(5, every=2):
+            writer.append(with_stress(record))
+        writer.finish("done")
+    return path
+
+
+def test_file_and_memory_hold_the_same(stressed):
+    stored = open_history(stressed)
+    kept = History.of_records([with_stress(r) for r in records(5, every=2)], SCENE, mesh())
+    assert stored.to_dict() == kept.to_dict()
+    assert stored.planes == kept.planes
+    assert stored.bodies == ("A", "B")
+    assert stored["von_mises_max_at"].shape == (5, 2, 3)
+    for body, plane in stored.planes:
+        for revolution in (0, 20, 40, None):
+            here, there = (h.stress(body, plane, revolution) for h in (stored, kept))
+            assert (here.body, here.plane, here.position) == (there.body, there.plane, 0.14)
+            assert list(here.axes) == list(there.axes)
+            for name, values in there.components.items():
+                np.testing.assert_array_equal(here.components[name], values)
+            np.testing.assert_allclose(here.von_mises, there.von_mises)
+
+
+def test_json(stressed):
+    content = json.loads(json.dumps(open_history(stressed).to_dict(), allow_nan=False))
+    assert content["von_mises_max"] == {"A": [0, 1, 2, 3, 4], "B": [1, 2, 3, 4, 5]}
+    assert content["von_mises_max_at"]["B"][2] == [2, 1, 0.1]
+
+
+def test_what_was_not_kept(stressed):
+    history = open_history(stressed)
+    with pytest.raises(LookupError, match=r"there is y=0 of A, z=0\.5a of A, y=0 of B"):
+        history.stress("A", "x=0")
+    with pytest.raises(LookupError, match="those of 0, 20, 40"):
+        history.stress("A", "y=0", 10)
+    plain = History.of_records(records(2), SCENE, mesh())
+    assert plain.to_dict()["von_mises_max"] == {}
+    with pytest.raises(LookupError, match=r"none: add \[subsurface\]"):
+        plain.stress("A", "y=0")
+
+
+def test_wider_mesh(path):
+    """Stress beside the former mesh is not known."""
+    wide = mesh(7, 13)
+    with HistoryWriter(path, SCENE, mesh()) as writer:
+        writer.append(with_stress(make_record(1, with_fields=True)))
+        writer.append(with_stress(make_record(2, with_fields=True, grid=wide), wide), wide)
+        writer.finish("done")
+    history = open_history(path)
+    before, after = (history.stress("B", "z=0.5a", n).components["xx"] for n in (10, 20))
+    np.testing.assert_array_equal(before[1:-1, 2:-2], 1.0)
+    assert np.isnan(before[0]).all()
+    assert np.isnan(before[:, -2:]).all()
+    np.testing.assert_array_equal(after, 2.0)
+    assert history.stress("A", "y=0", 10).components["xx"].shape == (7, 3)
+
+
+@pytest.mark.parametrize("engine", ["h5netcdf", "netcdf4"])
+def test_xarray(stressed, engine):
+    pytest.importorskip({"netcdf4": "netCDF4"}.get(engine, engine))
+    with xr.open_dataset(stressed, group="stress/A/y=0", engine=engine) as data:
+        assert set(data) == set(STRESS)
+        assert data.von_mises.dims == ("record", "x", "depth")
+        np.testing.assert_array_equal(data.x, mesh().x)
+        np.testing.assert_array_equal(data.record, [0, 2, 4])
+    with xr.open_dataset(stressed, group="stress/B/z=0.5a", engine=engine) as data:
+        assert data.xz.dims == ("record", "x", "y")
+    with xr.open_dataset(stressed, group="history", engine=engine) as data:
+        assert data.von_mises_max.sel(body="B").dims == ("record",)
+        assert data.von_mises_max_at.dims == ("record", "body", "position")
+
+
+def test_every_dataset_is_described(stressed):
+    def check(name, item):
+        if isinstance(item, h5py.Dataset):
+            assert item.attrs["units"], name
+            assert item.attrs["long_name"], name
+            assert all(dim.keys() for dim in item.dims) or item.is_scale, name
+
+    with h5py.File(stressed) as file:
+        file.visititems(check)

@@ -1,0 +1,139 @@
+"""Where a results file ends, and how to go on from there."""
+
+from os import PathLike
+from typing import Any
+
+import numpy as np
+
+from tractive_sam.contact import Contact
+from tractive_sam.operators import Grid
+from tractive_sam.record import History
+from tractive_sam.rolling import Passage
+from tractive_sam.scene import Scene
+from tractive_sam.solvers import Cost, Status
+from tractive_sam.store import ResultsError, last_state
+
+FREE = (
+    "title",
+    "wear.revolutions",
+    "wear.save",
+    "wear.stepping",
+    "wear.tolerance",
+    "solver",
+    "grid",
+)
+"""Entries of a scene that may change when it is rolled on."""
+
+
+def last_passage(history: History, path: str | PathLike, scene: Scene) -> Passage | None:
+    """The last revolution of a results file, from which a scene is to be rolled on.
+
+    Parameters
+    ----------
+    history : History
+        What the file holds.
+    path : path-like
+        The file.
+    scene : Scene
+        The scene of the file; the entries `FREE` may differ, a grid only in being wider.
+
+    Returns
+    -------
+    Passage or None
+        None if the file holds no record of a contact that was solved.
+
+    Raises
+    ------
+    ResultsError
+        If the file holds another scene, or one rolled further.
+    """
+    _check_same(history, path, scene)
+    row = int(np.flatnonzero(history["converged"])[-1]) if history["converged"].any() else None
+    if row is None:
+        return None
+    revolution = int(history["revolution"][row])
+    last = 0 if scene.wear is None else scene.wear.revolutions
+    if revolution > last:
+        raise ResultsError(
+            f"{path} is rolled to revolution {revolution} already, wear.revolutions = {last}: "
+            "ask for more, or give the run a file of its own"
+        )
+    contact = _on_grid_of(scene, _contact(history, path, row, scene), path)
+    return Passage(revolution, contact, 0, int(history["jump"][row]))
+
+
+def _check_same(history: History, path: str | PathLike, scene: Scene) -> None:
+    before, now = Scene.from_toml_text(history.scene_toml).entries(), scene.entries()
+    differ = sorted(_differing(before, now))
+    if differ:
+        told = "; ".join(f"{k}: {_shown(before, k)} there, {_shown(now, k)} now" for k in differ)
+        raise ResultsError(
+            f"{path} holds another scene ({told}); resume with the same one, or give this one a "
+            "file of its own"
+        )
+
+
+def _differing(before: Any, now: Any, key: str = "") -> list[str]:
+    """Dotted keys of the entries that differ and may not."""
+    if key in FREE or before == now:
+        return []
+    if isinstance(before, dict) and isinstance(now, dict):
+        return [
+            found
+            for name in {**before, **now}
+            for found in _differing(before.get(name), now.get(name), f"{key}.{name}".lstrip("."))
+        ]
+    return [key]
+
+
+def _shown(entries: dict[str, Any], key: str) -> str:
+    value: Any = entries
+    for name in key.split("."):
+        value = (value or {}).get(name)
+    return "nothing" if value is None else str(value)
+
+
+def _contact(history: History, path: str | PathLike, row: int, scene: Scene) -> Contact:
+    fields = last_state(path)
+    elements = (len(history.x), len(history.y))
+    number = {name: float(values[row]) for name, values in history.scalars.items()}
+    creeping = sum(
+        number[force] * number[creepage]
+        for force, creepage in (("Qx", "xi_x"), ("Qy", "xi_y"), ("Mz", "spin"))
+    )
+    return Contact(
+        scene=scene,
+        grid=Grid(history.half_length, elements),
+        pressure=fields["pressure"],
+        traction=np.stack((fields["traction_x"], fields["traction_y"])),
+        slip=np.stack((fields["slip_x"], fields["slip_y"])),
+        gap=fields["gap"],
+        wear=fields["wear"],
+        approach=number["approach"],
+        xi_x=number["xi_x"],
+        xi_y=number["xi_y"],
+        spin=number["spin"],
+        rolling_resistance=number["work_supplied"] + creeping,
+        sliding=fields["sliding"] > 0.0,
+        status=Status.CONVERGED,
+        message=f"contact conditions hold to {number['residual']:.1e}",
+        residual=number["residual"],
+        cost=Cost(),
+    )
+
+
+def _on_grid_of(scene: Scene, contact: Contact, path: str | PathLike) -> Contact:
+    """The contact on the scene's [grid], if it gives one."""
+    if scene.grid is None:
+        return contact
+    grid = Grid(tuple(scene.grid.half_length), tuple(scene.grid.elements))
+    if grid == contact.grid:
+        return contact
+    try:
+        return contact.on(grid)
+    except ValueError:
+        half_length, (nx, ny) = contact.grid.half_length, contact.grid.elements
+        raise ResultsError(
+            f"{path} has {nx} x {ny} elements over +-{half_length[0]:g} x +-{half_length[1]:g} mm; "
+            "a wider grid must have the same elements, as many more on either side"
+        ) from None

@@ -1,0 +1,77 @@
+"""What a results file holds of single records, read only when it is asked for."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from tractive_sam.record import STRESS
+from tractive_sam.store.opening import results_file
+
+if TYPE_CHECKING:  # results are to be read without loading what computes them
+    from tractive_sam.subsurface import PlaneStress
+
+
+@dataclass(frozen=True)
+class StoredField:
+    """One field of several records, read from the file whenever a record is asked for.
+
+    Attributes
+    ----------
+    path : Path
+        The results file.
+    name : str
+        A name of `FIELDS`.
+    length : int
+        Number of records with fields.
+    """
+
+    path: Path
+    name: str
+    length: int
+
+    def __len__(self) -> int:
+        return self.length
+
+    def __getitem__(self, row: int) -> np.ndarray:
+        """The field of one record, shape (n_x, n_y)."""
+        with results_file(self.path) as file:
+            return file["fields"][self.name][range(self.length)[row]]
+
+
+@dataclass(frozen=True)
+class StoredStress:
+    """Stress on one plane of several records, read from the file whenever a record is asked for.
+
+    Attributes
+    ----------
+    path : Path
+        The results file.
+    body, plane : str
+        "A" or "B", and the plane as the scene names it.
+    length : int
+        Number of records with stress.
+    """
+
+    path: Path
+    body: str
+    plane: str
+    length: int
+
+    def __len__(self) -> int:
+        return self.length
+
+    def __getitem__(self, row: int) -> "PlaneStress":
+        """The stress of one record."""
+        from tractive_sam.scene import Plane
+        from tractive_sam.subsurface import PlaneStress
+
+        with results_file(self.path) as file:
+            group = file["stress"][self.body][self.plane]
+            axes = {name: group[name][:] for name in ("x", "y", "depth") if name in group}
+            names = [name for name in STRESS if name != "von_mises"]
+            row = range(self.length)[row]
+            components = {name: group[name][row] for name in names}
+            position = float(group.attrs["position"])
+        return PlaneStress(self.body, Plane.parse(self.plane), position, axes, components)
