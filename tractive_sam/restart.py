@@ -8,7 +8,7 @@ import numpy as np
 from tractive_sam.contact import Contact
 from tractive_sam.operators import Grid
 from tractive_sam.record import History
-from tractive_sam.rolling import Passage
+from tractive_sam.rolling import Milestone, Passage
 from tractive_sam.scene import Scene
 from tractive_sam.solvers import Cost, Status
 from tractive_sam.store import ResultsError, last_state
@@ -58,8 +58,18 @@ def last_passage(history: History, path: str | PathLike, scene: Scene) -> Passag
             f"{path} is rolled to revolution {revolution} already, wear.revolutions = {last}: "
             "ask for more, or give the run a file of its own"
         )
-    contact = _on_grid_of(scene, _contact(history, path, row, scene), path)
-    return Passage(revolution, contact, 0, int(history["jump"][row]))
+    contact = _contact(history, path, row, scene)
+    course = tuple(
+        Milestone(
+            int(history["revolution"][k]),
+            history["entering_profile"][k],
+            history["wear_per_revolution"][k],
+        )
+        for k in (row - 1, row)
+        if k > 0  # the new bodies are not worn yet: the course begins with revolution 1
+    )
+    passage = Passage(revolution, contact, 0, int(history["jump"][row]), course)
+    return _on_grid_of(scene, passage, path)
 
 
 def _check_same(history: History, path: str | PathLike, scene: Scene) -> None:
@@ -122,17 +132,18 @@ def _contact(history: History, path: str | PathLike, row: int, scene: Scene) -> 
     )
 
 
-def _on_grid_of(scene: Scene, contact: Contact, path: str | PathLike) -> Contact:
-    """The contact on the scene's [grid], if it gives one."""
+def _on_grid_of(scene: Scene, passage: Passage, path: str | PathLike) -> Passage:
+    """The passage on the scene's [grid], if it gives one."""
+    before = passage.contact.grid
     if scene.grid is None:
-        return contact
+        return passage
     grid = Grid(tuple(scene.grid.half_length), tuple(scene.grid.elements))
-    if grid == contact.grid:
-        return contact
+    if grid == before:
+        return passage
     try:
-        return contact.on(grid)
+        return passage.on(grid)
     except ValueError:
-        half_length, (nx, ny) = contact.grid.half_length, contact.grid.elements
+        half_length, (nx, ny) = before.half_length, before.elements
         raise ResultsError(
             f"{path} has {nx} x {ny} elements over +-{half_length[0]:g} x +-{half_length[1]:g} mm; "
             "a wider grid must have the same elements, as many more on either side"

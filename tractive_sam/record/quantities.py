@@ -58,6 +58,8 @@ POINTS: dict[str, Quantity] = {
 
 PROFILES: dict[str, Quantity] = {
     "wear_profile": Quantity("mm", "wear depth behind the contact, both bodies together"),
+    "entering_profile": Quantity("mm", "wear depth before the contact, both bodies together"),
+    "wear_per_revolution": Quantity("mm", "depth worn in a revolution, both bodies together"),
     "wear_profile_A": Quantity("mm", "wear depth of body A"),
     "wear_profile_B": Quantity("mm", "wear depth of body B"),
 }

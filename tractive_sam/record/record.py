@@ -52,6 +52,8 @@ def record(
     with_fields: bool = True,
     maxima: Mapping[str, "VonMisesMaximum"] | None = None,
     stress: Iterable["PlaneStress"] = (),
+    profile: np.ndarray | None = None,
+    rate: np.ndarray | None = None,
     jump: int = 1,
     solves: int = 1,
     seconds: float = math.nan,
@@ -70,6 +72,9 @@ def record(
         Largest equivalent stress of the bodies "A" and "B".
     stress : iterable of PlaneStress, optional
         Stress on planes.
+    profile, rate : ndarray, shape (n_y,), optional
+        Depth with which material enters and depth worn in the revolution, mm, as the stepping
+        corrected them; by default those of the contact.
     jump : int
         Revolutions that the next step is to take.
     solves : int
@@ -110,6 +115,8 @@ def record(
         points={"p_max_at": contact.p_max_at},
         profiles={
             "wear_profile": contact.wear[0],
+            "entering_profile": contact.wear[-1] if profile is None else profile,
+            "wear_per_revolution": contact.wear[0] - contact.wear[-1] if rate is None else rate,
             "wear_profile_A": share["A"] * contact.wear[0],
             "wear_profile_B": share["B"] * contact.wear[0],
         },

@@ -1,6 +1,6 @@
 """Counts revolutions: what a pass wears is in the way of the next one."""
 
-from tractive_sam.rolling.passage import Passage, next_passage, unworn
+from tractive_sam.rolling.passage import Milestone, Passage, next_passage, unworn
 from tractive_sam.rolling.revolutions import passages, recorded
 
-__all__ = ["Passage", "next_passage", "passages", "recorded", "unworn"]
+__all__ = ["Milestone", "Passage", "next_passage", "passages", "recorded", "unworn"]

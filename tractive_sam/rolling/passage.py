@@ -5,9 +5,34 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tractive_sam.contact import Contact, Model, equilibrium
+from tractive_sam.operators import Grid
 from tractive_sam.solvers import Cost, Status
 
 CORRECTIONS = 20
+
+
+@dataclass(frozen=True)
+class Milestone:
+    """A revolution that later ones extrapolate from.
+
+    Attributes
+    ----------
+    revolution : int
+        Its number.
+    profile : ndarray, shape (n_y,)
+        Depth with which material enters, mm.
+    rate : ndarray, shape (n_y,)
+        Depth worn in it, mm per revolution.
+    """
+
+    revolution: int
+    profile: np.ndarray
+    rate: np.ndarray
+
+    def on(self, elements: int) -> "Milestone":
+        """The same on a mesh of more elements in y."""
+        more = (elements - self.profile.size) // 2
+        return Milestone(self.revolution, np.pad(self.profile, more), np.pad(self.rate, more))
 
 
 @dataclass(frozen=True)
@@ -24,12 +49,25 @@ class Passage:
         Contacts solved since the passage before.
     jump : int
         Revolutions that adaptive stepping takes next.
+    course : tuple of Milestone
+        The last two revolutions of adaptive stepping, this one last; one only where it begins.
     """
 
     revolution: int
     contact: Contact
     solves: int
     jump: int = 1
+    course: tuple[Milestone, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.course:
+            here = Milestone(self.revolution, self.entering, self.worn)
+            object.__setattr__(self, "course", (here,))
+
+    def on(self, grid: Grid) -> "Passage":
+        """The same on a wider mesh of the same elements."""
+        course = tuple(milestone.on(grid.elements[1]) for milestone in self.course)
+        return replace(self, contact=self.contact.on(grid), course=course)
 
     @property
     def entering(self) -> np.ndarray:

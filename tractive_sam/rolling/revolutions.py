@@ -1,7 +1,6 @@
 """Rolling: the sequence of revolutions, one record each."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 from time import perf_counter
 
 from tractive_sam.contact import Model, grown
@@ -40,7 +39,7 @@ def passages(model: Model, start: Passage | None = None) -> Iterator[Passage]:
                 growths += 1
                 grid = grown(model.grid, passage.contact.at_edge)
                 model = Model(model.scene, model.measured, grid)
-                last = replace(last, contact=last.contact.on(grid))
+                last = last.on(grid)
                 break
             last = passage
             yield last
@@ -79,6 +78,8 @@ def recorded(passage: Passage, began: float) -> Record:
         with_fields=keep,
         maxima=maxima,
         stress=stress,
+        profile=passage.course[-1].profile,
+        rate=passage.course[-1].rate,
         jump=passage.jump,
         solves=passage.solves,
         seconds=perf_counter() - began,
