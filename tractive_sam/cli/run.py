@@ -1,5 +1,6 @@
 """``tractive-sam run``: computes a scene into a results file."""
 
+import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -59,6 +60,9 @@ def run(
         say(("not a solution: ", "bold red"), "the last record below is where it ended")
     if len(history):
         console().print(tables.last_record(history))
+    open_balance = tables.energy(history, only_if_open=True)
+    if open_balance:
+        say(("note: ", "bold yellow"), open_balance)
     say(f"{output}: {history.status}; {history.message}")
     if not history.finished:
         raise stop(Status.INCOMPLETE, "the computation ended early; the file holds it up to there")
@@ -73,7 +77,13 @@ def _progress(scene: "Scene") -> Iterator[Callable[["Record"], None] | None]:
         return
     from rich import progress as bars
 
-    revolutions = scene.wear.revolutions if scene.wear is not None else None
+    revolutions = scene.wear.revolutions if scene.wear is not None else 0
+    adaptive = scene.wear is not None and scene.wear.stepping == "adaptive"
+
+    def effort(done: int) -> float:
+        """Share of the work up to a revolution: adaptive jumps grow with the revolutions rolled."""
+        return math.log1p(done) if adaptive else float(done)
+
     columns = (
         bars.SpinnerColumn(),
         bars.TextColumn("{task.description}"),
@@ -83,14 +93,14 @@ def _progress(scene: "Scene") -> Iterator[Callable[["Record"], None] | None]:
         bars.TimeRemainingColumn(),
     )
     with bars.Progress(*columns, console=terminal, transient=True) as bar:
-        task = bar.add_task("solving the new bodies", total=revolutions)
+        task = bar.add_task("solving the new bodies", total=effort(revolutions) or None)
 
         def advance(record: "Record") -> None:
             done, depth = record.revolution, 1e3 * record.scalars["wear_max"]
             bar.update(
                 task,
-                completed=done,
-                description=f"revolution {done} of {revolutions or 0}, wear {depth:.3g} µm",
+                completed=effort(done),
+                description=f"revolution {done} of {revolutions}, wear {depth:.3g} µm",
             )
 
         yield advance

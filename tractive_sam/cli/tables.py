@@ -3,6 +3,7 @@
 import math
 from typing import TYPE_CHECKING
 
+import numpy as np
 from rich import box
 from rich.table import Table
 
@@ -24,6 +25,9 @@ COURSE = (
 
 MOST_ROWS = 20
 
+CLOSED = 5e-3
+"""Error of the energy balance that needs no word."""
+
 
 def about(history: "History") -> Table:
     """What was computed, and how it ended."""
@@ -33,18 +37,39 @@ def about(history: "History") -> Table:
         unworn = f"a0 = {history.a0:.5g} mm, b0 = {history.b0:.5g} mm, p0 = {history.p0:.6g} MPa"
         rows["unworn contact"] = unworn
     rows["records"] = f"{len(history)}, {len(history.field_revolutions)} with fields"
+    told = energy(history)
+    if told:
+        rows["energy"] = told
     totals = history.totals
-    if totals:
-        spent = f"{totals['contact_solves']:.0f} contacts solved in {totals['wall_seconds']:.3g} s"
+    if totals["contact_solves"]:
+        spent = f"{totals['contact_solves']} contacts solved in {totals['wall_seconds']:.3g} s"
         rows["cost"] = spent
     for name, value in rows.items():
         table.add_row(name, value)
     return table
 
 
+def energy(history: "History", only_if_open: bool = False) -> str:
+    """How the energy law is met where it is met worst; empty where nothing is driven."""
+    balance = history.energy_balance
+    balance = balance[np.isfinite(balance)]
+    if not balance.size:
+        return ""
+    balance = balance[abs(balance - 1.0).argmax()]
+    closed = abs(balance - 1.0) <= CLOSED
+    if closed and only_if_open:
+        return ""
+    told = f"friction dissipates {balance:.5f} of the work supplied"
+    if not closed:
+        told += "; wear is as much in error"
+        if history.settings.get("solver", {}).get("slip") == "upwind":
+            told += ': the upwind slip of the paper does that, solver.slip = "auto" does not'
+    return told
+
+
 def last_record(history: "History") -> Table:
     """The last record, one quantity a row."""
-    from tractive_sam.record import SCALARS
+    from tractive_sam.record import BODY_SCALARS, SCALARS
 
     table = Table(box=box.SIMPLE_HEAD, show_header=False)
     table.add_column(style="bold")
@@ -54,6 +79,10 @@ def last_record(history: "History") -> Table:
     for name, quantity in SCALARS.items():
         unit = "" if quantity.unit == "1" else quantity.unit
         table.add_row(name, _number(history[name][-1]), unit, quantity.long_name)
+    for name, quantity in BODY_SCALARS.items():
+        for body, value in zip(history.bodies, history[name][-1], strict=True):
+            told = _number(value) if math.isfinite(value) else "none"
+            table.add_row(f"{name} {body}", told, quantity.unit, quantity.long_name)
     return table
 
 

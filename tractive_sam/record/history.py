@@ -169,6 +169,19 @@ class History:
         }
 
     @property
+    def energy_balance(self) -> np.ndarray:
+        """Work that friction dissipates over the work supplied, one number a record.
+
+        Unity, whatever the friction law and the profile; nan where nothing is driven. What it
+        misses, the wear misses as well.
+        """
+        supplied = self["work_supplied"]
+        driven = np.abs(supplied) > 0.0
+        return np.divide(
+            self["dissipation"], supplied, out=np.full(len(supplied), np.nan), where=driven
+        )
+
+    @property
     def planes(self) -> tuple[tuple[str, str], ...]:
         """Body and plane of every stress that was kept, as ("A", "y=0")."""
         return tuple(self.stresses)

@@ -13,6 +13,7 @@ from .creep_force import (
     vermeulen_johnson_inverse,
 )
 from .full_slip import full_slip_force, load_to_carry
+from .giwm import GlobalWear, giwm
 from .hertz import HertzContact, combined_radius, hertz
 from .hertz_line import HertzLine, hertz_line
 from .hertz_stress import circle_pressure_stress, circle_shear_stress, hertz_axis_stress
@@ -26,6 +27,7 @@ __all__ = [
     "CombinedMaterial",
     "CreepCoefficients",
     "CreepForces",
+    "GlobalWear",
     "HertzContact",
     "HertzLine",
     "Material",
@@ -37,6 +39,7 @@ __all__ = [
     "creep_coefficients",
     "creep_parameter",
     "full_slip_force",
+    "giwm",
     "hertz",
     "hertz_axis_stress",
     "hertz_line",
