@@ -16,6 +16,7 @@ from tractive_sam.plot.profiles import pressure_profiles, wear_profiles
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.sections import traction_sections
 from tractive_sam.plot.state import State
+from tractive_sam.plot.stress import von_mises, von_mises_sections
 
 __all__ = [
     "FORMATS",
@@ -31,6 +32,8 @@ __all__ = [
     "stick_slip_map",
     "traction",
     "traction_sections",
+    "von_mises",
+    "von_mises_sections",
     "wear_depth",
     "wear_map",
     "wear_over_revolutions",

@@ -57,20 +57,25 @@ class Frame:
         # An element more, as the contact may be one element wide.
         margin = MARGIN * min(np.ptp(x), np.ptp(y)) / 2 + np.diff(states[0].x_over_a)[0]
         sides = x.min() - margin, x.max() + margin, y.min() - margin, y.max() + margin
-        ratio = (sides[3] - sides[2]) / (sides[1] - sides[0])
+        return cls.within(*map(float, sides), width=width)
+
+    @classmethod
+    def within(cls, left: float, right: float, bottom: float, top: float, *, width: float) -> Self:
+        """Frame of these sides, on paper at most that wide."""
+        ratio = (top - bottom) / (right - left)
         width = min(width, LONGEST / ratio)
-        return cls(*map(float, sides), width, float(width * ratio))
+        return cls(left, right, bottom, top, width, width * ratio)
 
     def spacing(self, parts: int) -> float:
         """Distance of points of which a square of the same area has so many on a side."""
         return float(np.sqrt((self.right - self.left) * (self.top - self.bottom))) / parts
 
-    def apply(self, axes: Axes, symbol: str) -> None:
+    def apply(self, axes: Axes, xlabel: str, ylabel: str) -> None:
         """Scale and label axes."""
         axes.xaxis.set_major_locator(_ticks(self.right - self.left, self.width))
         axes.yaxis.set_major_locator(_ticks(self.top - self.bottom, self.height))
         axes.set(xlim=(self.left, self.right), ylim=(self.bottom, self.top), aspect="equal")
-        axes.set(xlabel=f"$x/{symbol}$", ylabel=f"$y/{symbol}$")
+        axes.set(xlabel=xlabel, ylabel=ylabel)
 
 
 def _ticks(span: float, inches: float) -> MultipleLocator:

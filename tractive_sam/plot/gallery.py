@@ -16,6 +16,7 @@ from tractive_sam.plot.fields import pressure, stick_slip_map, traction, wear_ma
 from tractive_sam.plot.profiles import pressure_profiles, wear_profiles
 from tractive_sam.plot.sections import traction_sections
 from tractive_sam.plot.state import State
+from tractive_sam.plot.stress import von_mises_sections
 from tractive_sam.record import History
 
 FORMATS = ("png", "pdf", "svg")
@@ -58,12 +59,23 @@ def _figures(history: History) -> Iterator[tuple[str, Figure]]:
         state = State.of_history(history, revolution)
         for name, draw in _of_state(state).items():
             yield name + ending, draw(state)
+        for plane, bodies in _planes(history).items():
+            name = f"von-mises-{plane.replace('=', '')}{ending}"
+            yield name, von_mises_sections(history, plane, bodies, revolution)
     if len(history) > 1:
         for name, draw in _COURSES.items():
             yield name, draw(history)
     if len(stored) > 1:
         for name, draw in _EVOLUTIONS.items():
             yield name, draw(history)
+
+
+def _planes(history: History) -> dict[str, tuple[str, ...]]:
+    """Planes whose stress was kept, each with its bodies."""
+    planes: dict[str, tuple[str, ...]] = {}
+    for body, plane in getattr(history, "planes", ()):
+        planes[plane] = (*planes.get(plane, ()), body)
+    return planes
 
 
 _COURSES = {"forces": forces, "widths": widths, "wear-depth": wear_depth}

@@ -50,7 +50,8 @@ class Map:
     def __init__(self, figure: Figure, left: float, state: State, frame: Frame) -> None:
         self.figure, self.left, self.state, self.frame = figure, left, state, frame
         self.axes = self._axes(left, frame.width)
-        frame.apply(self.axes, state.scale.a_symbol)
+        symbol = state.scale.a_symbol
+        frame.apply(self.axes, f"$x/{symbol}$", f"$y/{symbol}$")
         self.contact = contact_edge(self.axes, state, colors="black", linewidths=0.9)
 
     @classmethod
@@ -58,7 +59,7 @@ class Map:
         """Make a figure with one map under the title of the scene."""
         frame = Frame.around(state, width=0.72 * WIDTH)
         width = max(LEFT + frame.width + RIGHT, 0.72 * WIDTH)
-        figure = _figure(width, frame, state.caption)
+        figure = paper(width, frame, state.caption)
         middle = (LEFT + width - RIGHT - frame.width) / 2
         return figure, cls(figure, middle, state, frame)
 
@@ -68,7 +69,7 @@ class Map:
         frame = Frame.around(*states, width=1.7 * WIDTH / len(states))
         step = frame.width + APART
         width = LEFT + len(states) * step - APART + RIGHT
-        figure = _figure(width, frame, f"{states[0].title}\n")
+        figure = paper(width, frame, f"{states[0].title}\n")
         charts = [cls(figure, LEFT + k * step, state, frame) for k, state in enumerate(states)]
         for chart in charts:
             chart.axes.set_title(f"$N = {chart.state.revolution}$", loc="center")
@@ -79,9 +80,7 @@ class Map:
 
     def _axes(self, left: float, width: float) -> Axes:
         """Axes as high as the map."""
-        whole_width, whole_height = self.figure.get_size_inches()
-        box = (left / whole_width, BOTTOM / whole_height)
-        return self.figure.add_axes((*box, width / whole_width, self.frame.height / whole_height))
+        return placed(self.figure, left, BOTTOM, width, self.frame.height)
 
     def fill(self, values: np.ndarray, **style) -> QuadMesh:
         """Colour the contact by values at the elements, which may be anything outside."""
@@ -136,10 +135,29 @@ class Map:
         )
 
 
-def _figure(width: float, frame: Frame, title: str) -> Figure:
-    """Make a figure for maps of that frame under a title, of as many lines as it needs."""
+def placed(figure: Figure, left: float, bottom: float, width: float, height: float) -> Axes:
+    """Axes at a place of a figure, inches."""
+    whole_width, whole_height = figure.get_size_inches()
+    box = left / whole_width, bottom / whole_height, width / whole_width, height / whole_height
+    return figure.add_axes(box)
+
+
+def paper(width: float, frame: Frame, title: str, below: float = 0.0) -> Figure:
+    """Make a figure for maps of that frame under a title, of as many lines as it needs.
+
+    Parameters
+    ----------
+    width : float
+        Of the figure, inches.
+    frame : Frame
+        Of the maps.
+    title : str
+        Text, no math.
+    below : float
+        Room below the labels of the maps, inches.
+    """
     lines = [part for line in title.split("\n") for part in wrap(line, int(11 * width)) or [""]]
-    height = BOTTOM + frame.height + TOP + LINE * (len(lines) - 1)
+    height = below + BOTTOM + frame.height + TOP + LINE * (len(lines) - 1)
     figure = Figure(figsize=(width, height), layout="none")
     set_title(figure, "\n".join(lines), y=1 - 0.08 / height, linespacing=1.15)
     return figure

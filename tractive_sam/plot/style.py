@@ -26,8 +26,11 @@ BLUE, VERMILLION, GREEN, ORANGE, SKY, PURPLE, GREY = (
 )
 """Colours told apart by everyone (Okabe & Ito 2008)."""
 
-PRESSURE, TRACTION, SLIP, WEAR = "viridis", "magma", "inferno", "cividis"
+PRESSURE, TRACTION, SLIP, WEAR, STRESS = "viridis", "magma", "inferno", "cividis", "plasma"
 """Perceptually uniform colour maps of the fields."""
+
+SIGNED = "RdBu_r"
+"""Colour map of what has a sign: white at zero."""
 
 _RC = {
     "font.family": ["STIXGeneral", "DejaVu Sans"],

@@ -1,0 +1,202 @@
+import io
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from tests.conftest import steady
+from tractive_sam import plot
+from tractive_sam.plot import gallery
+from tractive_sam.plot.summits import summits
+from tractive_sam.record import History, record
+from tractive_sam.subsurface import stress_on_plane, stress_on_planes, von_mises_maximum
+
+
+@pytest.fixture(scope="module")
+def contact():
+    return steady("spheres", elements=31)
+
+
+@pytest.fixture(scope="module")
+def turned():
+    """With traction in y as well."""
+    return steady("spheres-orthotropic", elements=31)
+
+
+def drawn(figure):
+    """The figure, after it was drawn; warnings are errors in these tests."""
+    assert isinstance(figure, Figure)
+    figure.savefig(io.BytesIO(), dpi=40)
+    return figure
+
+
+def told(figure):
+    """Lines of the legend."""
+    return [text.get_text() for text in figure.legends[0].get_texts()]
+
+
+def marked(axes):
+    """Places of the marks."""
+    return [tuple(np.ravel(line.get_xydata())) for line in axes.lines if line.get_marker() in "o^v"]
+
+
+def test_both_maxima_are_marked_where_they_are(contact):
+    figure = drawn(plot.von_mises(contact))
+    axes, bar = figure.axes
+    maximum, hertz = von_mises_maximum(contact, "A"), contact.scene.hertz
+    interior, surface = marked(axes)
+    # Marks are at the points of the plane: an element in x, depths 0.03 a apart near the maximum.
+    assert interior[0] == pytest.approx(maximum.interior_at[0] / hertz.a, abs=contact.grid.dx)
+    assert interior[1] == pytest.approx(-maximum.interior_at[2] / hertz.a, abs=0.03)
+    assert surface == pytest.approx((maximum.surface_at[0] / hertz.a, 0.0))
+    first, second, note = told(figure)
+    # Beside the maximum by half an element at most, 0.04 a, over which it changes by 0.1 %.
+    assert float(first.split("$")[1]) == pytest.approx(maximum.interior / hertz.p0, rel=2e-3)
+    assert first.startswith("interior")
+    assert second.startswith(f"surface: ${maximum.surface / hertz.p0:.3f}")
+    assert "mesh" in note
+    assert bar.get_ylabel() == r"$\sigma_\mathrm{vM}/p_0$"
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("$x/a_0$", "depth $z/a_0$")
+    assert axes.get_title(loc="left") == "body A, $y = 0$"
+
+
+def test_summits_are_no_maxima_of_the_edges_of_elements():
+    along, depth = np.arange(9.0), np.array([0.0, 0.1, 0.5, 2.0, 3.0, 4.0])
+    values = np.ones((9, 6))
+    values[4, 1] = values[0, 3] = values[2, 5] = 9.0  # too shallow; at the ends of the plane
+    values[6, 3], values[2, 0] = 3.0, 2.0
+    found = {summit.kind: (summit.value, summit.at) for summit in summits(values, (along, depth))}
+    assert found == {"interior": (3.0, (6.0, 2.0)), "surface": (2.0, (2.0, 0.0))}
+    (only,) = summits(np.outer(along, 1.0 + depth), (along, 1.0 + depth))
+    assert (only.kind, only.at) == ("largest", (8.0, 5.0))
+
+
+def test_bodies_share_a_scale_of_colours_above_and_below_the_interface(contact):
+    figure = drawn(plot.von_mises_sections(contact))
+    axes, _ = figure.axes
+    limits = {filled.get_clim() for filled in axes.collections if filled.filled}
+    assert len(limits) == 1
+    bottom, top = axes.get_ylim()
+    assert -bottom == top == pytest.approx(1.5)
+    kinds = [line.split(":")[0] for line in told(figure)[:-1]]
+    assert kinds == ["A, interior", "A, surface", "B, interior", "B, surface"]
+    (_, a_inside), _, (_, b_inside), _ = marked(axes)
+    assert a_inside > 0.0 > b_inside
+
+
+def test_planes_parallel_to_the_surface_show_the_contact(contact):
+    figure = drawn(plot.von_mises_sections(contact, "z=0.5a"))
+    left, right, _ = figure.axes
+    assert [ax.get_title(loc="left") for ax in (left, right)] == [
+        "body A, $z = 0.5\\,a_0$",
+        "body B, $z = 0.5\\,a_0$",
+    ]
+    assert (left.get_xlabel(), left.get_ylabel()) == ("$x/a_0$", "$y/a_0$")
+    assert len(told(figure)) == 2  # nothing of the surface
+
+
+@pytest.mark.parametrize("quantity", ["max_shear", "xx", "xz"])
+def test_other_quantities(contact, quantity):
+    figure = drawn(plot.von_mises_sections(contact, quantity=quantity))
+    low, high = figure.axes[0].collections[0].get_clim()
+    assert low == (0.0 if quantity == "max_shear" else -high)
+    # The shear traction is given; stresses along the surface depend on the mesh.
+    assert (plot.stress.NOTE in told(figure)) == (quantity != "xz")
+
+
+def test_stress_on_a_plane_is_drawn_as_it_is(contact):
+    stress = stress_on_plane(contact, "x=0.5a", "B")
+    figure = drawn(plot.von_mises(stress))
+    assert figure.axes[0].get_xlabel() == "$y$ (mm)"
+    assert figure.axes[1].get_ylabel() == r"$\sigma_\mathrm{vM}$ (MPa)"
+    scaled = drawn(plot.von_mises(stress, scale=plot.Scale.of_contact(contact)))
+    assert scaled.axes[0].get_title(loc="left") == "body B, $x = 0.5\\,a_0$"
+    drawn(plot.von_mises_sections(stress_on_planes(contact, ["y=0.3"], ["A", "B"])))
+
+
+def test_depths_may_come_in_any_order(contact):
+    downwards = stress_on_plane(contact, "y=0", depths=np.linspace(0.0, 4.0, 21))
+    upwards = stress_on_plane(contact, "y=0", depths=np.linspace(4.0, 0.0, 21))
+    assert told(plot.von_mises(downwards)) == told(plot.von_mises(upwards))
+
+
+def test_nothing_overlaps_the_edge_of_the_paper(turned):
+    for plane in ("y=0", "x=0.75a", "z=0"):
+        for figure in (
+            drawn(plot.von_mises(turned, "B", plane)),
+            drawn(plot.von_mises_sections(turned, plane, quantity="xy")),
+        ):
+            box = figure.get_tightbbox()
+            width, height = figure.get_size_inches()
+            assert box.x0 >= 0, plane
+            assert box.y0 >= 0, plane
+            assert box.x1 <= width, plane
+            assert box.y1 <= height, plane
+
+
+def test_sections_are_true_to_scale(turned):
+    axes = drawn(plot.von_mises(turned)).axes[0]
+    box = axes.get_window_extent()
+    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    assert box.width / box.height == pytest.approx((right - left) / (top - bottom), rel=1e-6)
+
+
+def test_what_cannot_be_drawn_is_told(contact):
+    with pytest.raises(ValueError, match="quantity: one of von_mises, max_shear, xx"):
+        plot.von_mises(contact, quantity="zy")
+    with pytest.raises(ValueError, match='"A" or "B"'):
+        plot.von_mises(contact, body="C")
+    with pytest.raises(ValueError, match="planes like"):
+        plot.von_mises(contact, plane="w=0")
+    far = stress_on_plane(contact, "y=0")
+    far.components.update({name: 0.0 * values for name, values in far.components.items()})
+    with pytest.raises(ValueError, match="no stress on the plane"):
+        plot.von_mises(far)
+
+
+class Stored(History):
+    """A history that keeps stress, as far as figures see it."""
+
+    planes = (("A", "y=0"), ("B", "y=0"), ("A", "z=0.5a"))
+    contact = None
+
+    def stress(self, body, plane, revolution=None):
+        assert (body, plane) in self.planes
+        assert revolution in (None, *self.field_revolutions)
+        return stress_on_plane(self.contact, plane, body)
+
+
+@pytest.fixture
+def history(contact, monkeypatch):
+    monkeypatch.setattr(Stored, "contact", contact)
+    hertz = contact.scene.hertz
+    return Stored.of_records(
+        [record(contact, 0), record(contact, 10)],
+        contact.scene.to_toml(),
+        contact.grid.x,
+        contact.grid.y,
+        a0=hertz.a,
+        b0=hertz.b,
+        p0=hertz.p0,
+    )
+
+
+def test_stored_stress_is_drawn_as_that_of_the_contact(contact, history):
+    stored = plot.von_mises_sections(history, "y=0", revolution=10)
+    assert told(stored) == told(plot.von_mises_sections(contact, "y=0"))
+    assert stored.get_suptitle().endswith("N\u00a0=\u00a010")
+    assert told(plot.von_mises(history, "A", "z=0.5a"))
+
+
+def test_save_all_draws_each_plane_with_the_bodies_it_was_kept_for(history, tmp_path, monkeypatch):
+    drawn = []
+    sections = gallery.von_mises_sections
+
+    def spied(history, plane, bodies, revolution):
+        drawn.append((plane, bodies, revolution))
+        return sections(history, plane, bodies, revolution)
+
+    monkeypatch.setattr(gallery, "von_mises_sections", spied)
+    names = {path.name for path in plot.save_all(history, tmp_path)}
+    assert {"von-mises-y0-0.png", "von-mises-y0-10.png", "von-mises-z0.5a-10.png"} <= names
+    assert drawn[:2] == [("y=0", ("A", "B"), 0), ("z=0.5a", ("A",), 0)]

@@ -1,0 +1,267 @@
+"""Stress below the surface: contours on planes through one body or both."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.contour import ContourSet
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, MaxNLocator
+
+from tractive_sam.plot.frame import TICK_ROOM, Frame
+from tractive_sam.plot.map import APART, BAR, BAR_GAP, BOTTOM, LEFT, LINE, RIGHT, paper, placed
+from tractive_sam.plot.scale import Scale
+from tractive_sam.plot.section import Section, common_levels
+from tractive_sam.plot.state import State
+from tractive_sam.plot.style import WIDTH, styled
+from tractive_sam.plot.summits import Summit
+from tractive_sam.plot.zones import contact_edge
+from tractive_sam.record import History
+
+if TYPE_CHECKING:  # stored results are to be drawn without loading what computes them
+    from tractive_sam.contact import Contact
+    from tractive_sam.scene import Plane
+    from tractive_sam.subsurface import PlaneStress
+
+Source: TypeAlias = "Contact | History | PlaneStress | Iterable[PlaneStress]"
+"""What holds stress on a plane, or lets it be computed."""
+
+AROUND = 0.5
+"""Shown beside the contact, in half widths a."""
+
+PLACE = 0.22
+"""Room for the name of the plane above it, inches."""
+
+NOTE = "At the surface, values depend on the mesh."
+
+
+@styled
+def von_mises(
+    source: Source,
+    body: str = "A",
+    plane: "Plane | str" = "y=0",
+    revolution: int | None = None,
+    *,
+    quantity: str = "von_mises",
+    scale: Scale | None = None,
+) -> Figure:
+    """Contours of the equivalent stress of von Mises on a plane of one body, and its maxima.
+
+    On a plane through the depth these are the largest local maxima inside the body and at its
+    surface. A plane parallel to the surface is drawn with the edge of the contact.
+
+    Parameters
+    ----------
+    source : Contact, History or PlaneStress
+        A contact, whose stress is computed; a history that stored it; or the stress on one plane,
+        which is drawn in mm and MPa unless there is a scale.
+    body : "A" or "B"
+        The body concerned.
+    plane : Plane or str
+        As in a scene: "y=0", "x=-0.3" (mm), "y=0.75a", "z=0.48a".
+    revolution : int, optional
+        One of those that the history stored; the last by default.
+    quantity : str
+        What else to draw: "max_shear", or a component, "xx", "yy", "zz", "xy", "xz" or "yz".
+    scale : Scale, optional
+        Half widths and pressure that stand for one; by default those of the contact.
+
+    Raises
+    ------
+    ValueError
+        If there is no such body, plane or quantity, or no stress.
+    """
+    stresses, state = _resolved(source, (body,), plane, revolution)
+    return _drawn(stresses, state, quantity, scale)
+
+
+@styled
+def von_mises_sections(
+    source: Source,
+    plane: "Plane | str" = "y=0",
+    bodies: Sequence[str] = ("A", "B"),
+    revolution: int | None = None,
+    *,
+    quantity: str = "von_mises",
+    scale: Scale | None = None,
+) -> Figure:
+    """Contours as by `von_mises` for both bodies in the same colours, A above B.
+
+    Planes parallel to the surface are drawn side by side.
+
+    Parameters
+    ----------
+    source : Contact, History or iterable of PlaneStress
+        As for `von_mises`; of stresses one plane, a body at a time.
+    plane, revolution, quantity, scale
+        As for `von_mises`.
+    bodies : sequence of "A" and "B"
+        The bodies concerned.
+
+    Raises
+    ------
+    ValueError
+        As by `von_mises`.
+    """
+    stresses, state = _resolved(source, bodies, plane, revolution)
+    return _drawn(stresses, state, quantity, scale)
+
+
+def _resolved(
+    source: Source, bodies: Sequence[str], plane: "Plane | str", revolution: int | None
+) -> tuple[list["PlaneStress"], State | None]:
+    """Stress on the plane in each body, and the state of the contact where it is known."""
+    if isinstance(source, History):
+        stored = [source.stress(body, str(plane), revolution) for body in bodies]
+        return stored, State.of(source, revolution)
+    # Stored results are to be drawn without loading what computes them.
+    from tractive_sam.subsurface import PlaneStress, stress_on_planes  # noqa: PLC0415
+
+    if isinstance(source, PlaneStress):
+        return [source], None
+    if isinstance(source, Iterable):
+        return list(source), None
+    return list(stress_on_planes(source, (plane,), bodies)), State.of(source)
+
+
+def _drawn(
+    stresses: Sequence["PlaneStress"], state: State | None, quantity: str, scale: Scale | None
+) -> Figure:
+    if state is not None and scale is None:
+        scale = state.scale
+    elif state is not None:
+        state = replace(state, scale=scale)
+    sections = [Section(stress, quantity, scale) for stress in stresses]
+    levels = common_levels(sections)
+    if sections[0].parallel:
+        return _side_by_side(sections, state, levels)
+    return _through_the_depth(sections, state, levels)
+
+
+def _through_the_depth(
+    sections: Sequence[Section], state: State | None, levels: np.ndarray
+) -> Figure:
+    """One body downwards, or A upwards and B downwards from the interface."""
+    first, one = sections[0], len(sections) == 1
+    above = [section.body == "A" and not one for section in sections]
+    along, depth = first.axes
+    sides = *_shown(first, state, 0), -depth[-1] * (not all(above)), depth[-1] * any(above)
+    frame = Frame.within(*map(float, sides), width=0.9 * WIDTH)
+    figure, (axes,) = _panels(frame, sections, state, 1)
+    name = "depth " if one else ""
+    frame.apply(axes, first.length(first.names[0]), name + first.length("z"))
+    axes.set_title(f"body {first.body}, {first.place}" if one else first.place)
+    if one:
+        axes.yaxis.set_major_formatter(FuncFormatter(lambda z, _: f"{abs(z):g}"))
+    for section, up in zip(sections, above, strict=True):
+        filled = section.fill(axes, levels, up)
+        _mark(axes, section, up)
+        if not one:
+            _letter(axes, section, up)
+    axes.axhline(0.0, color="black", linewidth=0.7)
+    axes.plot(along, np.where(first.touching, 0.0, np.nan), color="black", linewidth=2.2)
+    _colour_bar(figure, axes, filled, first)
+    return figure
+
+
+def _side_by_side(sections: Sequence[Section], state: State | None, levels: np.ndarray) -> Figure:
+    """Planes parallel to the surface, one map for each body."""
+    first = sections[0]
+    sides = *_shown(first, state, 0), *_shown(first, state, 1)
+    frame = Frame.within(*sides, width=0.72 * WIDTH)
+    figure, charts = _panels(frame, sections, state, len(sections))
+    for axes, section in zip(charts, sections, strict=True):
+        frame.apply(axes, *map(section.length, section.names))
+        axes.set_title(f"body {section.body}, {section.place}")
+        filled = section.fill(axes, levels)
+        _mark(axes, section)
+        if state is not None:
+            contact_edge(axes, state, colors="white", linewidths=1.0, linestyles="--")
+    for axes in charts[1:]:
+        axes.set_ylabel("")
+        axes.tick_params(labelleft=False)
+    _colour_bar(figure, charts[-1], filled, first)
+    return figure
+
+
+def _shown(section: Section, state: State | None, axis: int) -> tuple[float, float]:
+    """Ends of an axis: around the contact where that is known, else all that was computed."""
+    along = section.axes[axis]
+    ends = float(along[0]), float(along[-1])
+    if state is None:
+        return ends
+    touching = state.touching.any(axis=1 if section.names[axis] == "x" else 0)
+    contact = along[touching]
+    return max(ends[0], contact[0] - AROUND), min(ends[1], contact[-1] + AROUND)
+
+
+def _panels(
+    frame: Frame, sections: Sequence[Section], state: State | None, count: int
+) -> tuple[Figure, list[Axes]]:
+    """A figure of panels side by side, and below them a legend of what is marked in them."""
+    handles = [
+        _entry(section, summit, several=len(sections) > 1)
+        for section in sections
+        for summit in section.summits
+    ]
+    if any(section.mesh_dependent for section in sections):
+        handles.append(Line2D([], [], linestyle="none", label=NOTE))
+    below, step = LINE * len(handles), frame.width + APART
+    width = LEFT + count * step - APART + RIGHT
+    figure = paper(width, frame, state.caption if state else "", below + PLACE)
+    style = {"loc": "lower left", "borderaxespad": 0.2, "fontsize": 9, "handlelength": 1.0}
+    figure.legend(handles=handles, bbox_to_anchor=((LEFT - 0.2) / width, 0.0), **style)
+    bottom = BOTTOM + below
+    places = (LEFT + k * step for k in range(count))
+    return figure, [placed(figure, at, bottom, frame.width, frame.height) for at in places]
+
+
+def _entry(section: Section, summit: Summit, *, several: bool) -> Line2D:
+    """What the legend tells of a maximum."""
+    where = ", ".join(
+        section.coordinate("z" if name == "depth" else name, value)
+        for name, value in zip(section.names, summit.at, strict=True)
+        if (name, value) != ("depth", 0.0)
+    )
+    which = f"{section.body}, {summit.kind}" if several else summit.kind
+    label = f"{which}: {section.amount(summit.value)} at {where}"
+    return Line2D([], [], linestyle="none", label=label, **_marker(section, summit))
+
+
+def _mark(axes: Axes, section: Section, upwards: bool = True) -> None:
+    for summit in section.summits:
+        first, second = summit.at
+        second = second if upwards else -second
+        axes.plot(first, second, clip_on=False, zorder=5, **_marker(section, summit))
+
+
+def _marker(section: Section, summit: Summit) -> dict[str, object]:
+    """A circle; at the surface a triangle that points into the body."""
+    triangle = "^" if section.body == "A" else "v"
+    return {
+        "marker": triangle if summit.kind == "surface" else "o",
+        "markersize": 6.5,
+        "markerfacecolor": "white",
+        "markeredgecolor": "black",
+        "markeredgewidth": 0.9,
+    }
+
+
+def _letter(axes: Axes, section: Section, upwards: bool) -> None:
+    """Name the body in its corner."""
+    style = {"va": "top", "y": 0.97} if upwards else {"va": "bottom", "y": 0.03}
+    color = "black" if section.signed else "white"
+    axes.text(x=0.02, s=section.body, transform=axes.transAxes, color=color, fontsize=13, **style)
+
+
+def _colour_bar(figure: Figure, axes: Axes, filled: ContourSet, section: Section) -> None:
+    """Put a colour bar beside the axes, as high as they are, with as many ticks as it has room."""
+    width, height = figure.get_size_inches()
+    box = axes.get_position(original=True)
+    left = box.x1 * width + BAR_GAP
+    beside = placed(figure, left, box.y0 * height, BAR, box.height * height)
+    ticks = MaxNLocator(max(2, int(box.height * height / TICK_ROOM)))
+    figure.colorbar(filled, cax=beside, label=section.symbol, ticks=ticks)
