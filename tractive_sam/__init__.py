@@ -34,6 +34,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from tractive_sam.contact import Contact, NotConverged
+    from tractive_sam.export import export_volume
     from tractive_sam.pipeline import roll, solve
     from tractive_sam.record import History
     from tractive_sam.scene import (
@@ -53,6 +54,15 @@ if TYPE_CHECKING:
         builtin_names,
     )
     from tractive_sam.store import GapError, ResultsError, open_history
+    from tractive_sam.subsurface import (
+        PlaneStress,
+        VonMisesMaximum,
+        stress_at,
+        stress_on_plane,
+        stress_on_planes,
+        stress_volume,
+        von_mises_maximum,
+    )
 
 __all__ = [
     "Bodies",
@@ -66,20 +76,28 @@ __all__ = [
     "Load",
     "Mesh",
     "NotConverged",
+    "PlaneStress",
     "ResultsError",
     "Scene",
     "SceneError",
     "SceneWarning",
     "Solver",
     "Subsurface",
+    "VonMisesMaximum",
     "Wear",
     "builtin_names",
+    "export_volume",
     "open_history",
     "roll",
     "solve",
+    "stress_at",
+    "stress_on_plane",
+    "stress_on_planes",
+    "stress_volume",
+    "von_mises_maximum",
 ]
 
-_ROOMS = ("scene", "store", "record", "contact", "pipeline")
+_ROOMS = ("scene", "store", "record", "contact", "subsurface", "pipeline", "export")
 
 
 def __getattr__(name: str):

@@ -5,6 +5,7 @@ from typing import Annotated
 import typer
 
 from tractive_sam.cli.explain import explain
+from tractive_sam.cli.export import export
 from tractive_sam.cli.plot import plot
 from tractive_sam.cli.run import run
 from tractive_sam.cli.scenes import scenes
@@ -19,7 +20,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (run, show, plot, explain, scenes):
+for command in (run, show, plot, export, explain, scenes):
     app.command()(command)
 
 

@@ -73,7 +73,7 @@ def _figures(history: History) -> Iterator[tuple[str, Figure]]:
 def _planes(history: History) -> dict[str, tuple[str, ...]]:
     """Planes whose stress was kept, each with its bodies."""
     planes: dict[str, tuple[str, ...]] = {}
-    for body, plane in getattr(history, "planes", ()):
+    for body, plane in history.planes:
         planes[plane] = (*planes.get(plane, ()), body)
     return planes
 

@@ -115,7 +115,7 @@ def _resolved(
 ) -> tuple[list["PlaneStress"], State | None]:
     """Stress on the plane in each body, and the state of the contact where it is known."""
     if isinstance(source, History):
-        stored = [source.stress(body, str(plane), revolution) for body in bodies]
+        stored = [source.stress(body, plane, revolution) for body in bodies]
         return stored, State.of(source, revolution)
     # Stored results are to be drawn without loading what computes them.
     from tractive_sam.subsurface import PlaneStress, stress_on_planes  # noqa: PLC0415

@@ -20,6 +20,7 @@ from tractive_sam.store import layout, rows
 from tractive_sam.store.errors import ResultsError
 from tractive_sam.store.opening import results_file
 from tractive_sam.store.replacement import open_in_place, replacement
+from tractive_sam.store.room import make_room
 
 if TYPE_CHECKING:  # results are to be read without loading what computes them
     from h5py import File
@@ -64,7 +65,7 @@ class HistoryWriter:
         overwrite: bool = False,
     ) -> None:
         self.path = Path(path)
-        _make_room(self.path, overwrite)
+        make_room(self.path, overwrite, _check_kind)
         self._run = uuid4().hex
         try:
             with replacement(self.path, empty=True) as file:
@@ -183,16 +184,6 @@ class HistoryWriter:
             raise ResultsError(f"{self.path} was taken over by another run; {cure}")
 
 
-def _make_room(path: Path, overwrite: bool) -> None:
-    if not path.parent.is_dir():
-        raise ResultsError(f"{path.parent} is not a folder; create it, or choose another")
-    if not path.exists():
-        return
-    if not overwrite:
-        raise ResultsError(f"{path} exists already; choose another name, or overwrite it")
-    try:
-        with results_file(path):
-            pass
-    except ResultsError as error:
-        cure = "choose another name, or remove it"
-        raise ResultsError(f"{path} would be overwritten, but {error}; {cure}") from error
+def _check_kind(path: Path) -> None:
+    with results_file(path):
+        pass

@@ -2,13 +2,34 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
-from tractive_sam.contact import Contact
+from tractive_sam.operators import Grid
+from tractive_sam.scene import Scene
 
 SIGNS = {"A": 1.0, "B": -1.0}
 """Sign of z in each body, and of the tangential traction that acts on it."""
+
+
+class Loading(Protocol):
+    """What stress is computed from: a `Contact`, or as much as was stored of one.
+
+    Attributes
+    ----------
+    scene : Scene
+        With the materials.
+    grid : Grid
+        The mesh.
+    pressure, traction : ndarray
+        As of `Contact`.
+    """
+
+    scene: Scene
+    grid: Grid
+    pressure: np.ndarray
+    traction: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -33,7 +54,7 @@ class LoadedBodies:
     poisson: tuple[float, ...]
 
     @classmethod
-    def of(cls, contact: Contact, names: Sequence[str]) -> "LoadedBodies":
+    def of(cls, contact: Loading, names: Sequence[str]) -> "LoadedBodies":
         """Take bodies of a contact.
 
         Raises

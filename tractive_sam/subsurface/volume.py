@@ -5,21 +5,20 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tractive_sam.contact import Contact
 from tractive_sam.operators import Mesh, StressLayers
 from tractive_sam.subsurface.depth import checked
-from tractive_sam.subsurface.loaded import LoadedBodies
+from tractive_sam.subsurface.loaded import LoadedBodies, Loading
 
 
 def stress_volume(
-    contact: Contact, depths: ArrayLike, body: str = "A", threads: int = 1
+    contact: Loading, depths: ArrayLike, body: str = "A", threads: int = 1
 ) -> Iterator[tuple[float, np.ndarray]]:
     """Stress at the centres of the contact's mesh, layer by layer; nothing is kept of a layer.
 
     Parameters
     ----------
-    contact : Contact
-        The solved contact.
+    contact : Contact or Loading
+        The solved contact, or its scene, grid and tractions.
     depths : array_like, shape (n,)
         Depths, in any order, mm.
     body : "A" or "B"
@@ -41,7 +40,7 @@ def stress_volume(
     return _layers(LoadedBodies.of(contact, (body,)), contact, checked(depths), threads)
 
 
-def _layers(load: LoadedBodies, contact: Contact, depths: np.ndarray, threads: int):
+def _layers(load: LoadedBodies, contact: Loading, depths: np.ndarray, threads: int):
     grid = contact.grid
     mesh = Mesh(grid.elements, grid.dx, grid.dy)
     layers = StressLayers(mesh, load.tractions, load.poisson, threads)

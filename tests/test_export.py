@@ -1,0 +1,94 @@
+"""Volumes hold the stress of the contact, wherever it comes from."""
+
+from dataclasses import replace
+
+import h5py
+import numpy as np
+import pytest
+
+import tractive_sam as ts
+from tests.conftest import steady
+from tractive_sam.record import record
+
+
+@pytest.fixture(scope="module")
+def contact():
+    return steady("spheres-orthotropic", elements=15)
+
+
+def history(contact):
+    """Three records of the contact, the second without fields."""
+    hertz = contact.scene.hertz
+    records = [record(contact, N, with_fields=N != 10) for N in (0, 10, 20)]
+    reference = {"a0": hertz.a, "b0": hertz.b, "p0": hertz.p0}
+    toml = contact.scene.to_toml()
+    return ts.History.of_records(records, toml, contact.grid.x, contact.grid.y, **reference)
+
+
+def read(path):
+    """Stress (6, n_x, n_y, n_z), von Mises (n_x, n_y, n_z), and z of the layers."""
+    with h5py.File(path) as file:
+        vtk = file["VTKHDF"]
+        stress = vtk["PointData/stress"][:].T[[0, 1, 2, 3, 5, 4]]
+        von_mises = vtk["PointData/von_mises"][:].T
+        z = vtk.attrs["Origin"][2] + vtk.attrs["Spacing"][2] * np.arange(stress.shape[-1])
+        return stress, von_mises, z
+
+
+@pytest.mark.parametrize(("body", "side"), [("A", 1.0), ("B", -1.0)])
+def test_points_hold_the_stress_there(contact, tmp_path, body, side):
+    path = ts.export_volume(contact, tmp_path / "v.vtkhdf", body=body, depth=2.0, elements=5)
+    stress, von_mises, z = read(path)
+    grid, a = contact.grid, contact.scene.hertz.a
+    assert np.sort(side * z) == pytest.approx(np.linspace(0.0, 2.0 * a, 5))
+    assert (np.diff(z) > 0.0).all()
+    chosen = np.random.default_rng(1).integers((15, 15, 5), size=(40, 3))
+    points = [(grid.x[i], grid.y[j], abs(z[k])) for i, j, k in chosen]
+    i, j, k = chosen.T
+    # Single precision: 6e-8 of the largest stress, about p0.
+    tolerance = 1e-7 * np.abs(stress).max()
+    exact = ts.stress_at(contact, points, body).T
+    np.testing.assert_allclose(stress[:, i, j, k], exact, rtol=0.0, atol=tolerance)
+    xx, yy, zz, xy, xz, yz = exact
+    square = 0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2)
+    square += 3.0 * (xy**2 + xz**2 + yz**2)
+    np.testing.assert_allclose(von_mises[i, j, k] ** 2, square, rtol=0.0, atol=tolerance)
+
+
+def test_depth_and_points_are_those_of_the_scene_by_default(contact, tmp_path):
+    scene = contact.scene
+    _, _, z = read(ts.export_volume(contact, tmp_path / "v.vtkhdf"))
+    assert z.size == scene.subsurface.elements
+    assert z[-1] == pytest.approx(scene.subsurface.depth * scene.hertz.a)
+
+
+def test_a_stored_revolution_gives_the_same_as_its_contact(contact, tmp_path):
+    options = {"body": "B", "elements": 3}
+    direct = ts.export_volume(contact, tmp_path / "direct.vtkhdf", **options)
+    stored = ts.export_volume(history(contact), tmp_path / "stored.vtkhdf", revolution=0, **options)
+    for one, other in zip(read(direct), read(stored), strict=True):
+        # The mesh is read off the centres, to rounding.
+        np.testing.assert_allclose(other, one, rtol=1e-6, atol=1e-7 * np.abs(one).max())
+    with h5py.File(ts.export_volume(history(contact), tmp_path / "last.vtkhdf")) as file:
+        assert file.attrs["revolution"] == 20
+
+
+def test_what_cannot_be_exported_is_told(contact, tmp_path):
+    path = tmp_path / "v.vtkhdf"
+    with pytest.raises(LookupError, match="no fields of revolution 10; there are those of 0, 20"):
+        ts.export_volume(history(contact), path, revolution=10)
+    with pytest.raises(ValueError, match="only a history has revolutions"):
+        ts.export_volume(contact, path, revolution=0)
+    with pytest.raises(ValueError, match='a body is "A" or "B"'):
+        ts.export_volume(contact, path, body="C")
+    for depth in (0.0, -1.0, np.nan, np.inf):
+        with pytest.raises(ValueError, match="depth: a positive number"):
+            ts.export_volume(contact, path, depth=depth)
+    with pytest.raises(ValueError, match="elements: at least 2 points"):
+        ts.export_volume(contact, path, elements=1)
+    apart = replace(contact, pressure=0.0 * contact.pressure)
+    with pytest.raises(ValueError, match="do not touch"):
+        ts.export_volume(apart, path)
+    with pytest.raises(ts.ResultsError, match="suffix"):
+        ts.export_volume(contact, tmp_path / "v.h5")
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,104 @@
+"""``tractive-sam export``: stress in a volume, for ParaView."""
+
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from tractive_sam.cli.output import Status, bad_input_told, say, stop, warnings_told
+from tractive_sam.cli.scene_input import Settings, read_scene
+
+if TYPE_CHECKING:
+    from tractive_sam.contact import Contact
+    from tractive_sam.record import History
+
+RESULTS = (".h5", ".hdf5")
+"""Suffixes by which a results file is told from a scene."""
+
+
+class Body(StrEnum):
+    """The bodies."""
+
+    A = "A"
+    B = "B"
+
+
+def export(
+    source: Annotated[
+        str,
+        typer.Argument(
+            metavar="FILE.h5|SCENE",
+            help="A results file, or a scene, which is solved for the new bodies first.",
+        ),
+    ],
+    settings: Settings = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="FILE.vtkhdf",
+            help="The file; that of an earlier export is replaced. By default, the name of the "
+            "source and the body in the working folder.",
+        ),
+    ] = None,
+    revolution: Annotated[
+        int | None,
+        typer.Option(help="Revolution, of those whose fields the results file holds; the last."),
+    ] = None,
+    body: Annotated[Body, typer.Option(help="Body.")] = Body.A,
+    depth: Annotated[
+        float | None,
+        typer.Option(
+            help="Depth in units of the semi-axis a of the unworn contact; by default that of the "
+            "scene, or 1.5."
+        ),
+    ] = None,
+    elements: Annotated[
+        int | None,
+        typer.Option(help="Points over the depth; by default those of the scene, or 64."),
+    ] = None,
+) -> None:
+    """Write the stress in a volume of one body into a file that ParaView opens."""
+    from tractive_sam.export import export_volume
+    from tractive_sam.store import check_volume
+
+    output = output or Path(f"{Path(source).stem}-{body}.vtkhdf")
+    options = {"body": body.value, "revolution": revolution, "depth": depth, "elements": elements}
+    with bad_input_told():
+        check_volume(output, overwrite=True)
+        try:
+            with warnings_told():
+                opened = _opened(source, settings, revolution)
+                try:
+                    export_volume(opened, output, overwrite=True, **options)
+                except (LookupError, ValueError) as error:
+                    raise stop(Status.INVALID, f"{source}: {error}") from None
+        except KeyboardInterrupt:
+            raise stop(Status.INCOMPLETE, f"interrupted; {output} was not written") from None
+    typer.echo(output)
+
+
+def _opened(source: str, settings: list[str] | None, revolution: int | None) -> "Contact | History":
+    """The history in a results file, or the contact of a scene."""
+    if Path(source).suffix in RESULTS:
+        from tractive_sam.store import open_history
+
+        if settings:
+            refusal = "--set changes a scene; a results file holds what was computed"
+            raise stop(Status.INVALID, refusal)
+        history = open_history(source)
+        if not history.finished:
+            say(("note: ", "bold yellow"), f"{source} is {history.status}: {history.message}")
+        return history
+    from tractive_sam.pipeline import solve
+
+    asked = read_scene(source, settings)
+    if revolution is not None:
+        cure = f"tractive-sam run {source} computes them into a results file, to be exported then"
+        raise stop(Status.INVALID, f"--revolution: a scene has no revolutions yet; {cure}")
+    contact = solve(asked, throw=False)
+    if not contact.converged:
+        raise stop(Status.INCOMPLETE, f"not a solution: {contact.message}")
+    return contact

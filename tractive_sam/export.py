@@ -1,0 +1,145 @@
+"""Stress in a volume, from a contact or a stored revolution into a file for ParaView."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+
+from tractive_sam.contact import Contact
+from tractive_sam.operators import Grid
+from tractive_sam.record import History
+from tractive_sam.reference import max_shear, von_mises
+from tractive_sam.scene import Scene, Subsurface
+from tractive_sam.store import Image, check_volume, write_volume
+from tractive_sam.subsurface import stress_volume
+
+DEFAULT = Subsurface(planes=("y=0",))
+"""Depth and points of a scene without [subsurface]."""
+
+
+@dataclass(frozen=True)
+class Stored:
+    """What a history tells of a contact, as far as stress depends on it; names as of `Contact`."""
+
+    scene: Scene
+    grid: Grid
+    pressure: np.ndarray
+    traction: np.ndarray
+    half_width_x: float
+
+    @classmethod
+    def of(cls, history: History, revolution: int | None) -> "Stored":
+        """Read a revolution whose fields were stored, by default the last.
+
+        Raises
+        ------
+        LookupError
+            If there is none.
+        """
+        pressure = history.field("pressure", revolution)
+        return cls(
+            Scene.from_toml_text(history.scene_toml),
+            Grid(history.half_length, pressure.shape),
+            pressure,
+            np.stack([history.field(f"traction_{k}", revolution) for k in "xy"]),
+            history["half_width_x"][0],
+        )
+
+
+def export_volume(
+    source: Contact | History,
+    path: str | PathLike,
+    *,
+    body: str = "A",
+    revolution: int | None = None,
+    depth: float | None = None,
+    elements: int | None = None,
+    overwrite: bool = False,
+    threads: int = 1,
+) -> Path:
+    """Write the stress in a volume of one body into a file that ParaView opens (VTKHDF).
+
+    Points are the centres of the elements at equally spaced depths from the surface on; body A is
+    at z >= 0, B at z <= 0. Layers are computed and written one after another, so that memory does
+    not grow with their number.
+
+    Parameters
+    ----------
+    source : Contact or History
+        A solved contact, or a history that stored fields.
+    path : path-like
+        The file, with the suffix ``.vtkhdf``.
+    body : "A" or "B"
+        The body concerned.
+    revolution : int, optional
+        Of a history: one of its `field_revolutions`; the last by default.
+    depth : float, optional
+        Depth in units of the semi-axis a of the unworn contact, or of the half width in x where
+        Hertz does not apply; by default that of the scene's [subsurface], or 1.5.
+    elements : int, optional
+        Points over the depth; by default those of the scene's [subsurface], or 64.
+    overwrite : bool
+        Whether a file of this function may be replaced.
+    threads : int
+        Threads to use.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    ValueError
+        If there is no such body, depth or number of points, or no contact.
+    LookupError
+        If the history stored no fields of the revolution; the message lists what it stored.
+    ResultsError
+        If the file cannot be written.
+    """
+    path = Path(path)
+    check_volume(path, overwrite)
+    if isinstance(source, History):
+        if revolution is None and len(source.field_revolutions):
+            revolution = int(source.field_revolutions[-1])
+        source = Stored.of(source, revolution)
+    elif revolution is not None:
+        raise ValueError("revolution: only a history has revolutions; leave it away")
+    if not source.pressure.any():
+        raise ValueError("the bodies do not touch: there is no stress to export")
+    depths = _depths(source, depth, elements)
+    layers = stress_volume(source, depths if body == "A" else depths[::-1], body, threads)
+    about = {"body": body} | ({} if revolution is None else {"revolution": revolution})
+    image = _image(source.grid, depths, body)
+    write_volume(path, image, _arrays(layers), source.scene.to_toml(), about, overwrite)
+    return path
+
+
+def _depths(source: Contact | Stored, depth: float | None, elements: int | None) -> np.ndarray:
+    """Equally spaced depths from 0, mm."""
+    asked = source.scene.subsurface or DEFAULT
+    depth = asked.depth if depth is None else depth
+    elements = asked.elements if elements is None else elements
+    if not 0.0 < depth < np.inf:
+        raise ValueError(f"depth: a positive number of semi-axes a is needed, not {depth}")
+    if elements < 2:
+        raise ValueError(f"elements: at least 2 points over the depth are needed, not {elements}")
+    hertz = source.scene.hertz
+    return np.linspace(0.0, depth * (source.half_width_x if hertz is None else hertz.a), elements)
+
+
+def _image(grid: Grid, depths: np.ndarray, body: str) -> Image:
+    """Points of the volume, z ascending."""
+    lowest = 0.0 if body == "A" else -float(depths[-1])
+    return Image(
+        points=(*grid.elements, depths.size),
+        origin=(float(grid.x[0]), float(grid.y[0]), lowest),
+        spacing=(grid.dx, grid.dy, float(depths[1])),
+    )
+
+
+def _arrays(layers: Iterator[tuple[float, np.ndarray]]) -> Iterator[dict[str, np.ndarray]]:
+    for _, stress in layers:
+        yield {"stress": stress, "von_mises": von_mises(stress), "max_shear": max_shear(stress)}
