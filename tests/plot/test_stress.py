@@ -1,4 +1,5 @@
 import io
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -120,6 +121,25 @@ def test_depths_may_come_in_any_order(contact):
     assert told(plot.von_mises(downwards)) == told(plot.von_mises(upwards))
 
 
+@pytest.mark.parametrize("plane", ["x=0", "z=0.3a"])
+def test_what_a_mesh_has_grown_by_is_left_out(contact, plane):
+    """A results file has nan there."""
+    stress = stress_on_plane(contact, plane)
+    grown = [(2, 2), (2, 2) if plane == "z=0.3a" else (0, 0)]
+    axes = {
+        name: np.pad(axis, pads, mode="linear_ramp", end_values=(-9.0, 9.0)) if pads[0] else axis
+        for (name, axis), pads in zip(stress.axes.items(), grown, strict=True)
+    }
+    components = {
+        name: np.pad(values, grown, constant_values=np.nan)
+        for name, values in stress.components.items()
+    }
+    padded = replace(stress, axes=axes, components=components)
+    assert told(drawn(plot.von_mises(padded, quantity="max_shear"))) == told(
+        plot.von_mises(stress, quantity="max_shear")
+    )
+
+
 def test_nothing_overlaps_the_edge_of_the_paper(turned):
     for plane in ("y=0", "x=0.75a", "z=0"):
         for figure in (
@@ -154,27 +174,16 @@ def test_what_cannot_be_drawn_is_told(contact):
         plot.von_mises(far)
 
 
-class Stored(History):
-    """A history that keeps stress, as far as figures see it."""
-
-    planes = (("A", "y=0"), ("B", "y=0"), ("A", "z=0.5a"))
-    contact = None
-
-    def stress(self, body, plane, revolution=None):
-        assert (body, plane) in self.planes
-        assert revolution in (None, *self.field_revolutions)
-        return stress_on_plane(self.contact, plane, body)
-
-
-@pytest.fixture
-def history(contact, monkeypatch):
-    monkeypatch.setattr(Stored, "contact", contact)
+@pytest.fixture(scope="module")
+def history(contact):
+    """Two records with stress on two planes, one of them of one body."""
+    planes = list(stress_on_planes(contact, ["y=0"], ["A", "B"]))
+    planes.append(stress_on_plane(contact, "z=0.5a"))
     hertz = contact.scene.hertz
-    return Stored.of_records(
-        [record(contact, 0), record(contact, 10)],
+    return History.of_records(
+        [record(contact, revolution, stress=planes) for revolution in (0, 10)],
         contact.scene.to_toml(),
-        contact.grid.x,
-        contact.grid.y,
+        contact.grid,
         a0=hertz.a,
         b0=hertz.b,
         p0=hertz.p0,

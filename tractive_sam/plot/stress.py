@@ -14,7 +14,7 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 from tractive_sam.plot.frame import TICK_ROOM, Frame
 from tractive_sam.plot.map import APART, BAR, BAR_GAP, BOTTOM, LEFT, LINE, RIGHT, paper, placed
 from tractive_sam.plot.scale import Scale
-from tractive_sam.plot.section import Section, common_levels
+from tractive_sam.plot.section import Section, common_levels, known_part
 from tractive_sam.plot.state import State
 from tractive_sam.plot.style import WIDTH, styled
 from tractive_sam.plot.summits import Summit
@@ -134,7 +134,7 @@ def _drawn(
         scale = state.scale
     elif state is not None:
         state = replace(state, scale=scale)
-    sections = [Section(stress, quantity, scale) for stress in stresses]
+    sections = [Section(known_part(stress), quantity, scale) for stress in stresses]
     levels = common_levels(sections)
     if sections[0].parallel:
         return _side_by_side(sections, state, levels)
@@ -189,13 +189,14 @@ def _side_by_side(sections: Sequence[Section], state: State | None, levels: np.n
 
 def _shown(section: Section, state: State | None, axis: int) -> tuple[float, float]:
     """Ends of an axis: around the contact where that is known, else all that was computed."""
-    along = section.axes[axis]
-    ends = float(along[0]), float(along[-1])
+    first, last = section.axes[axis][[0, -1]].tolist()
     if state is None:
-        return ends
-    touching = state.touching.any(axis=1 if section.names[axis] == "x" else 0)
-    contact = along[touching]
-    return max(ends[0], contact[0] - AROUND), min(ends[1], contact[-1] + AROUND)
+        return first, last
+    if section.names[axis] == "x":
+        contact = state.x_over_a[state.touching.any(axis=1)]
+    else:
+        contact = state.y_over_a[state.touching.any(axis=0)]
+    return max(first, float(contact[0]) - AROUND), min(last, float(contact[-1]) + AROUND)
 
 
 def _panels(
