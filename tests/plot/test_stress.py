@@ -115,6 +115,18 @@ def test_stress_on_a_plane_is_drawn_as_it_is(contact):
     drawn(plot.von_mises_sections(stress_on_planes(contact, ["y=0.3"], ["A", "B"])))
 
 
+def test_contact_is_drawn_where_the_plane_crosses_it(contact):
+    """Beside the contact, stress at the surface is of the size of rounding."""
+
+    def thick(figure):
+        (line,) = [line for line in figure.axes[0].lines if line.get_linewidth() > 2.0]
+        return np.count_nonzero(np.isfinite(line.get_ydata()))
+
+    touching = np.count_nonzero(contact.touching[:, contact.grid.elements[1] // 2])
+    assert thick(plot.von_mises(contact)) == touching
+    assert thick(plot.von_mises(contact, plane="y=1.1a")) == 0
+
+
 def test_depths_may_come_in_any_order(contact):
     downwards = stress_on_plane(contact, "y=0", depths=np.linspace(0.0, 4.0, 21))
     upwards = stress_on_plane(contact, "y=0", depths=np.linspace(4.0, 0.0, 21))
@@ -168,6 +180,12 @@ def test_what_cannot_be_drawn_is_told(contact):
         plot.von_mises(contact, body="C")
     with pytest.raises(ValueError, match="planes like"):
         plot.von_mises(contact, plane="w=0")
+    with pytest.raises(ValueError, match="of each body once; not y=0 of A, x=0 of A"):
+        plot.von_mises_sections(stress_on_planes(contact, ["y=0", "x=0"], ["A"]))
+    with pytest.raises(ValueError, match="not nothing"):
+        plot.von_mises_sections([])
+    with pytest.raises(ValueError, match="at least 2 depths"):
+        plot.von_mises(stress_on_plane(contact, "y=0", depths=[0.0]))
     far = stress_on_plane(contact, "y=0")
     far.components.update({name: 0.0 * values for name, values in far.components.items()})
     with pytest.raises(ValueError, match="no stress on the plane"):

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -27,9 +27,7 @@ BANDS = 14
 """About so many colours."""
 
 ROUNDING = 1e-9
-"""Stress at the surface, over the largest pressure, that is none."""
-
-Levels: TypeAlias = np.ndarray
+"""Stress at the surface, over the largest on the plane, that is none."""
 
 
 def known_part(stress: "PlaneStress") -> "PlaneStress":
@@ -57,7 +55,7 @@ class Section:
     Raises
     ------
     ValueError
-        If there is no such quantity.
+        If there is no such quantity, or the plane is but a line.
     """
 
     stress: "PlaneStress"
@@ -68,6 +66,8 @@ class Section:
         known = (*SYMBOLS, *self.stress.components)
         if self.quantity not in known:
             raise ValueError(f"quantity: one of {', '.join(known)}; not {self.quantity!r}")
+        if min(self.values.shape) < 2:
+            raise ValueError("a plane is drawn from at least 2 depths, and 2 points along it")
 
     @property
     def body(self) -> str:
@@ -139,8 +139,8 @@ class Section:
         depth = self.stress.depth
         if depth.min() > 0.0:
             return np.zeros(self.values.shape[0], dtype=bool)
-        p_n = -self.stress.components["zz"][:, np.argmin(depth)]
-        return p_n > ROUNDING * p_n.max()
+        zz = self.stress.components["zz"]
+        return zz[:, np.argmin(depth)] < -ROUNDING * np.abs(zz).max()
 
     def length(self, name: str) -> str:
         """Label of a length, for math text."""
@@ -158,7 +158,7 @@ class Section:
         """A value of the quantity, for math text."""
         return f"${value:.3f}$" if self.scale else rf"${value:.4g}\,\mathrm{{MPa}}$"
 
-    def fill(self, axes: Axes, levels: Levels, upwards: bool = True) -> ContourSet:
+    def fill(self, axes: Axes, levels: np.ndarray, upwards: bool = True) -> ContourSet:
         """Fill axes with contours; depths count upwards or downwards."""
         first, second = self.axes
         second = second if upwards else -second
@@ -170,7 +170,7 @@ class Section:
         return filled
 
 
-def common_levels(sections: Sequence[Section]) -> Levels:
+def common_levels(sections: Sequence[Section]) -> np.ndarray:
     """Round values between which the bands of all sections lie.
 
     Raises

@@ -130,6 +130,10 @@ def _resolved(
 def _drawn(
     stresses: Sequence["PlaneStress"], state: State | None, quantity: str, scale: Scale | None
 ) -> Figure:
+    bodies, planes = {stress.body for stress in stresses}, {stress.plane for stress in stresses}
+    if len(planes) != 1 or len(bodies) < len(stresses):
+        given = ", ".join(f"{stress.plane} of {stress.body}" for stress in stresses) or "nothing"
+        raise ValueError(f"one plane is drawn, of each body once; not {given}")
     if state is not None and scale is None:
         scale = state.scale
     elif state is not None:
@@ -223,7 +227,7 @@ def _panels(
 def _entry(section: Section, summit: Summit, *, several: bool) -> Line2D:
     """What the legend tells of a maximum."""
     where = ", ".join(
-        section.coordinate("z" if name == "depth" else name, value)
+        section.coordinate(r"\mathrm{depth}" if name == "depth" else name, value)
         for name, value in zip(section.names, summit.at, strict=True)
         if (name, value) != ("depth", 0.0)
     )
@@ -240,7 +244,7 @@ def _mark(axes: Axes, section: Section, upwards: bool = True) -> None:
 
 
 def _marker(section: Section, summit: Summit) -> dict[str, object]:
-    """A circle; at the surface a triangle that points into the body."""
+    """A circle; at the surface a triangle, upright in A and upside down in B."""
     triangle = "^" if section.body == "A" else "v"
     return {
         "marker": triangle if summit.kind == "surface" else "o",
