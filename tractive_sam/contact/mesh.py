@@ -14,15 +14,18 @@ WORN_MARGIN = 1.5
 ACROSS = 64
 """Elements across the shorter axis of the contact."""
 
+ACROSS_LINE = 512
+"""Elements across a line contact, where they cost next to nothing."""
+
 
 GROWTH = 1.25
 """Factor by which a chosen mesh grows when the contact reaches its edge."""
 
 
 def grown(grid: Grid, axes: tuple[bool, bool] = (True, True)) -> Grid:
-    """A mesh of the same elements that is larger along some axes."""
+    """A mesh of the same elements that is larger along some axes; a row stays a row."""
     share = [0.5 * (GROWTH - 1.0) * grows for grows in axes]
-    more = [int(np.ceil(s * n)) for s, n in zip(share, grid.elements, strict=True)]
+    more = [int(np.ceil(s * n)) if n > 1 else 0 for s, n in zip(share, grid.elements, strict=True)]
     elements = tuple(n + 2 * m for n, m in zip(grid.elements, more, strict=True))
     half_length = (0.5 * elements[0] * grid.dx, 0.5 * elements[1] * grid.dy)
     return Grid(half_length, elements)
@@ -34,6 +37,8 @@ def choose_grid(scene: Scene, measured=None) -> Grid:
     Elements are at most twice as long as wide or the reverse; their number is odd, so that one is
     centred on the axis.
     """
+    if scene.line:
+        return _of_line(scene)
     if scene.grid is not None:
         return Grid(tuple(scene.grid.half_length), tuple(scene.grid.elements))
     if scene.hertz is None:
@@ -52,3 +57,9 @@ def choose_grid(scene: Scene, measured=None) -> Grid:
         int(2 * np.ceil(length / s - 0.5) + 1) for length, s in zip(half_length, side, strict=True)
     )
     return Grid(half_length, elements)
+
+
+def _of_line(scene: Scene) -> Grid:
+    if scene.grid is not None:
+        return Grid.of_line(scene.grid.half_length[0], scene.grid.elements[0])
+    return Grid.of_line(MARGIN * scene.hertz.a, 2 * int(0.5 * MARGIN * ACROSS_LINE) + 1)

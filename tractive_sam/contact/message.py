@@ -1,6 +1,7 @@
 """What a status means, and what to try where it is not a solution."""
 
 from tractive_sam.contact.model import Model
+from tractive_sam.operators import Grid
 from tractive_sam.solvers.outcome import Outcome, Status
 
 FEWEST = 8
@@ -14,16 +15,18 @@ def message(status: Status, outcome: Outcome, model: Model) -> str:
         text = f"contact conditions hold to {outcome.residual:.1e}"
         touching = outcome.pressure > 0.0
         across = [int(touching.any(axis=1).sum()), int(touching.any(axis=0).sum())]
+        if model.grid.line:
+            del across[1]
         if 0 < min(across) < FEWEST:
             text += (
-                f"; only {across[0]} x {across[1]} elements are in contact: refine the mesh with "
+                f"; only {' x '.join(map(str, across))} elements are in contact: refine the mesh with "
                 "grid.elements or lessen grid.half_length"
             )
         return text
     if status is Status.OFF_GRID:
         return (
             "the contact reaches the edge of the mesh: enlarge grid.half_length "
-            f"(now {model.grid.half_length[0]:g} x {model.grid.half_length[1]:g} mm) and "
+            f"(now {_half_length(model.grid)} mm) and "
             "grid.elements with it"
         )
     reached = (
@@ -41,3 +44,8 @@ def message(status: Status, outcome: Outcome, model: Model) -> str:
         "raise solver.tolerance, or refine the mesh with grid.elements where the contact is only a "
         "few elements wide"
     )
+
+
+def _half_length(grid: Grid) -> str:
+    lengths = grid.half_length[:1] if grid.line else grid.half_length
+    return " x ".join(f"{length:g}" for length in lengths)

@@ -86,7 +86,8 @@ class Model:
         """Units taken from the Hertzian contact, or from the mesh where there is none."""
         hertz, E = self.scene.hertz, self.material.E_star
         if hertz is not None:
-            pressure, length = hertz.p0, float(np.sqrt(hertz.a * hertz.b))
+            pressure = hertz.p0
+            length = hertz.a if self.grid.line else float(np.sqrt(hertz.a * hertz.b))
         else:
             length = 0.5 * float(np.sqrt(self.grid.half_length[0] * self.grid.half_length[1]))
             load = self.scene.load
@@ -103,8 +104,19 @@ class Model:
         return self._operators(self.grid.elements)
 
     def _operators(self, shape: tuple[int, int]) -> HalfSpace:
-        mesh = Mesh(shape, self.grid.dx, self.grid.dy)
+        mesh = Mesh(shape, self.grid.dx, self.grid.dy, self._datum)
         return HalfSpace(mesh, self.material, self.units.length, self.frame)
+
+    @property
+    def _datum(self) -> float | None:
+        """The datum of displacements in a line contact (see `operators.Mesh`), mm.
+
+        One combined radius; the normal operator is positive definite if it is at least as long as
+        the mesh, and with the circulant inverse twice as long.
+        """
+        if not self.grid.line:
+            return None
+        return max(self.scene.body.radii[0], 4.0 * self.grid.half_length[0])
 
     def half_space_of(self, shape: tuple[int, int]) -> HalfSpace:
         """Operators on a part of the mesh, kept for the next contact of that shape."""

@@ -1,5 +1,6 @@
 """A solved contact: fields, resultants, and how well it is solved."""
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -29,6 +30,9 @@ class Contact:
     Fields have the shape (n_x, n_y) of the grid, vectors (2, n_x, n_y) with the x-component first.
     Tractions act on body A; slip is that of A over B per unit rolling speed.
 
+    In a line contact n_y is 1, and forces, moment and dissipation are per length: N/mm, and N for
+    the moment.
+
     Attributes
     ----------
     scene : Scene
@@ -49,7 +53,9 @@ class Contact:
     wear : ndarray
         Depth worn off both bodies together, mm.
     approach : float
-        Rigid-body approach, mm.
+        Rigid-body approach, mm. Of a line contact it is relative to the points of the surface one
+        combined radius R_x away, or two lengths of the mesh where that is more: relative to
+        distant points it is infinite.
     xi_x, xi_y, spin : float
         Longitudinal and lateral creepage; spin in 1/mm.
     rolling_resistance : float
@@ -95,9 +101,10 @@ class Contact:
 
     @property
     def at_edge(self) -> tuple[bool, bool]:
-        """Whether the contact reaches the edge of the mesh in x, and in y."""
+        """Whether the contact reaches the edge of the mesh in x, and in y; a line has none there."""
         rows, columns = self.touching.any(axis=1), self.touching.any(axis=0)
-        return bool(rows[0] or rows[-1]), bool(columns[0] or columns[-1])
+        sides = bool(columns[0] or columns[-1]) and not self.grid.line
+        return bool(rows[0] or rows[-1]), sides
 
     def on(self, grid: Grid) -> "Contact":
         """The same contact on a wider mesh of the same elements, as a first guess there.
@@ -173,7 +180,9 @@ class Contact:
 
     @property
     def half_width_y(self) -> float:
-        """Half the extent of the contact in y, in whole elements, mm."""
+        """Half the extent of the contact in y, in whole elements, mm; inf of a line contact."""
+        if self.grid.line:
+            return math.inf
         return 0.5 * self.grid.dy * _extent(self.touching.any(axis=0))
 
     @property

@@ -10,6 +10,9 @@ import numpy as np
 class Grid:
     """A rectangle centred at the origin, divided into equal elements.
 
+    That of a line contact is a row of elements (n_x, 1), 1 mm long in y: what is summed over it is
+    per length.
+
     Parameters
     ----------
     half_length : tuple of float
@@ -20,6 +23,16 @@ class Grid:
 
     half_length: tuple[float, float]
     elements: tuple[int, int]
+
+    @classmethod
+    def of_line(cls, half_length: float, elements: int) -> "Grid":
+        """The grid of a line contact."""
+        return cls((half_length, 0.5), (elements, 1))
+
+    @property
+    def line(self) -> bool:
+        """Whether it is that of a line contact."""
+        return self.elements[1] == 1
 
     @property
     def dx(self) -> float:

@@ -161,7 +161,7 @@ class HalfSpace:
     @cached_property
     def slip_of_itself(self) -> tuple[float, float, float]:
         """Entries (11, 12, 22) of D_tt of an element on itself."""
-        alone = Mesh((1, 1), self.mesh.dx, self.mesh.dy)
+        alone = self.mesh.of((1, 1))
         tables = (influence.slip(alone, self.material, k) for k in ("xx", "xy", "yy"))
         entries = self._tangential(*(table[0, 0] for table in tables))
         return tuple(float(self._per_slip * e) for e in entries)

@@ -7,13 +7,14 @@ inverses used as preconditioners do. With zeros there, the preconditioned slip o
 condition number of 121 instead of 5 on the scene `spheres` at 45 x 45.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
 from tractive_sam.kernels.tables import quadrant
 from tractive_sam.operators.fft import padded_length
+from tractive_sam.operators.strips import strip_coefficients
 from tractive_sam.reference import CombinedMaterial
 
 COMPONENTS = ("xx", "xy", "yy", "zz", "xz", "yz")
@@ -24,21 +25,35 @@ _PARITY = {"xx": (1, 1), "xy": (-1, -1), "yy": (1, 1), "zz": (1, 1), "xz": (-1, 
 
 @dataclass(frozen=True)
 class Mesh:
-    """Number of elements and their sides: all that a convolution knows of a grid."""
+    """Number of elements and their sides: all that a convolution knows of a grid.
+
+    Where a datum is given the elements are strips endless in y, one beside the other in x (n_y = 1,
+    plane strain): the distance from a load at which its displacement is taken to be zero, mm.
+    """
 
     shape: tuple[int, int]
     dx: float
     dy: float
+    datum: float | None = None
+
+    def of(self, shape: tuple[int, int]) -> "Mesh":
+        """A mesh of another number of the same elements."""
+        return replace(self, shape=shape)
 
     @property
     def padded(self) -> tuple[int, int]:
         """Periods (p_x, p_y) of the tables."""
         return padded_length(self.shape[0]), padded_length(self.shape[1])
 
+    @property
+    def block(self) -> tuple[int, int]:
+        """Elements in x and y that make one of the next coarser mesh."""
+        return (2, 2) if self.datum is None else (2, 1)
+
     def coarsened(self) -> "Mesh":
-        """The mesh of elements twice as long and wide that covers this one."""
-        nx, ny = self.shape
-        return Mesh(((nx + 1) // 2, (ny + 1) // 2), 2.0 * self.dx, 2.0 * self.dy)
+        """The mesh of elements twice as long and, but for strips, wide that covers this one."""
+        (nx, ny), (bx, by) = self.shape, self.block
+        return replace(self, shape=(-(-nx // bx), -(-ny // by)), dx=bx * self.dx, dy=by * self.dy)
 
 
 @lru_cache(maxsize=8)
@@ -49,6 +64,9 @@ def _quadrant(px: int, py: int, dx: float, dy: float) -> np.ndarray:
 
 def _coefficients(mesh: Mesh, material: CombinedMaterial) -> dict[str, np.ndarray]:
     """Displacement per unit traction at the offsets of one quadrant, mm/MPa."""
+    if mesh.datum is not None:
+        px, py = mesh.padded
+        return strip_coefficients((px // 2 + 2, py // 2 + 1), mesh.dx, mesh.datum, material)
     r1, xx, yy, xy, x2, y2 = _quadrant(*mesh.padded, mesh.dx, mesh.dy)
     nu, K = material.poisson, material.coupling
     c = 1.0 / (np.pi * material.shear)

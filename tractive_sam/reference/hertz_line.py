@@ -30,6 +30,20 @@ class HertzLine:
     radius: float
     load_per_length: float
 
+    @property
+    def b(self) -> float:
+        """Half-width in y: inf, the contact being endless."""
+        return math.inf
+
+    @property
+    def approach(self) -> float:
+        """Approach relative to the points of the surface one combined radius R away, mm.
+
+        a²/(2 R) (ln(2 R / a) + 1/2). Relative to distant points it would be infinite: Johnson,
+        section 2.2 and (4.57).
+        """
+        return self.a**2 / (2 * self.radius) * (math.log(2 * self.radius / self.a) + 0.5)
+
     def pressure(self, x: ArrayLike) -> NDArray[np.float64]:
         """Contact pressure at x in mm, MPa; zero outside."""
         return self.p0 * np.sqrt(np.maximum(0.0, 1.0 - np.square(np.divide(x, self.a))))

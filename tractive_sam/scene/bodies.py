@@ -5,7 +5,16 @@ from __future__ import annotations
 import math
 from typing import ClassVar
 
-from ..reference import CombinedMaterial, HertzContact, Material, combine, combined_radius, hertz
+from ..reference import (
+    CombinedMaterial,
+    HertzContact,
+    HertzLine,
+    Material,
+    combine,
+    combined_radius,
+    hertz,
+    hertz_line,
+)
 from .alternatives import exactly_one
 from .quantities import Positive, Radius, Real, entry, positive
 from .table import Check, Table
@@ -61,10 +70,22 @@ class Bodies(Table):
         total = self.A.hardness + self.B.hardness
         return {"A": self.B.hardness / total, "B": self.A.hardness / total}
 
-    def hertz(self, load: Load) -> HertzContact | None:
-        """The unworn contact under a load; None unless the radii close on each other in x and y."""
+    @property
+    def endless(self) -> bool:
+        """Whether both are straight across the rolling direction: without a [gap], a line contact."""
+        return self.A.radius_y == self.B.radius_y == math.inf
+
+    def hertz(self, load: Load) -> HertzContact | HertzLine | None:
+        """The unworn contact under a load; None unless the radii close on each other.
+
+        Of endless bodies, that of a line, under a load per length.
+        """
         radius_x, radius_y = self.radii
-        if not (0 < radius_x < math.inf and 0 < radius_y < math.inf):
-            return None
         e_star = self.material.plane_strain_modulus
+        if not 0 < radius_x < math.inf:
+            return None
+        if self.endless and load.normal is not None:
+            return hertz_line(e_star, radius_x, load.normal)
+        if not 0 < radius_y < math.inf:
+            return None
         return hertz(e_star, radius_x, radius_y, load=load.normal, approach=load.approach)

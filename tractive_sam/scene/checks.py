@@ -6,9 +6,10 @@ import math
 import warnings
 from collections.abc import Iterator
 
-from ..reference import HertzContact, full_slip_force, load_to_carry
+from ..reference import HertzContact, HertzLine, full_slip_force, load_to_carry
 from .alternatives import not_both
 from .faults import Fault, SceneWarning, shown
+from .line import LINE_CHECKS, is_line
 from .table import Check, Known
 from .tables import Mesh
 
@@ -29,6 +30,7 @@ def _traction_needs_friction(known: Known) -> Iterator[Fault]:
 
 def _friction_carries_the_traction(known: Known) -> Iterator[Fault]:
     load, mu = known["load.normal"], known["friction.mu"]
+    unit = "N/mm" if is_line(known) else "N"
     angle = math.radians(known["friction.angle"])
     traction_x, traction_y = known["load.traction_x"], known["load.traction_y"]
     if load is None:  # only the solution tells how much friction can carry
@@ -38,19 +40,21 @@ def _friction_carries_the_traction(known: Known) -> Iterator[Fault]:
         if share >= 1:
             given = shown((traction_x, traction_y))
             limit = math.hypot(traction_x, traction_y) / share
-            yield _too_much("load.traction_x, load.traction_y", given, limit)
+            yield _too_much("load.traction_x, load.traction_y", given, limit, unit)
         return
     # With the other force free, friction carries the most in full slip along this axis.
     most_x, _ = full_slip_force(load, mu, angle, (1.0, 0.0))
     _, most_y = full_slip_force(load, mu, angle, (0.0, 1.0))
     if traction_x is not None and abs(traction_x) >= abs(most_x):
-        yield _too_much("load.traction_x", shown(traction_x), abs(most_x))
+        yield _too_much("load.traction_x", shown(traction_x), abs(most_x), unit)
     if traction_y is not None and abs(traction_y) >= abs(most_y):
-        yield _too_much("load.traction_y", shown(traction_y), abs(most_y))
+        yield _too_much("load.traction_y", shown(traction_y), abs(most_y), unit)
 
 
-def _too_much(key: str, given: str, limit: float) -> Fault:
-    allowed = f"less than {limit:.6g} N: friction can carry at most this much in this direction"
+def _too_much(key: str, given: str, limit: float, unit: str) -> Fault:
+    allowed = (
+        f"less than {limit:.6g} {unit}: friction can carry at most this much in this direction"
+    )
     return Fault(key, given, allowed)
 
 
@@ -69,7 +73,7 @@ def _bodies_can_touch(known: Known) -> Iterator[Fault]:
         key = f"radius_{axis}"
         radius_A, radius_B = known[f"body.A.{key}"], known[f"body.B.{key}"]
         curvature = 1 / radius_A + 1 / radius_B
-        if curvature > 0:
+        if curvature > 0 or (axis == "y" and is_line(known)):
             continue
         if curvature < 0:
             cure = f"1/A + 1/B above 0: the hollow body must have the larger radius in {axis}"
@@ -77,8 +81,8 @@ def _bodies_can_touch(known: Known) -> Iterator[Fault]:
             cure = "radii that curve one body against the other in x, or a [gap]"
         else:
             cure = (
-                "a contact of finite width; line contacts are not modelled: give one body "
-                "a finite radius_y (a crown), or its profile as a [gap]"
+                "a contact of finite width, or both inf (a line contact): give one body a smaller "
+                "radius_y (a crown), or its profile as a [gap]"
             )
         given = f"{radius_A:g} and {radius_B:g}, no contact possible"
         yield Fault(f"body.A.{key}, body.B.{key}", given, cure)
@@ -88,7 +92,7 @@ def _grid_holds_the_contact(known: Known) -> Iterator[Fault]:
     if known["gap"] is not None:  # the Hertz ellipse is not the contact
         return
     half_length, contact = known["grid.half_length"], known["body"].hertz(known["load"])
-    if contact is None:
+    if contact is None or len(half_length) != (1 if is_line(known) else 2):
         return
     for axis, length, name, semi_axis in _directions(half_length, contact):
         if length < semi_axis:
@@ -106,18 +110,19 @@ SCENE_CHECKS: tuple[Check, ...] = (
     _forces_are_for_newton,
     _bodies_can_touch,
     _grid_holds_the_contact,
+    *LINE_CHECKS,
 )
 """All checks of a valid scene."""
 
 
-def warn_if_coarse(grid: Mesh, contact: HertzContact, stacklevel: int) -> None:
-    """Warn, once for both directions, of a grid too coarse to resolve the contact.
+def warn_if_coarse(grid: Mesh, contact: HertzContact | HertzLine, stacklevel: int) -> None:
+    """Warn, once for all directions, of a grid too coarse to resolve the contact.
 
     Parameters
     ----------
     grid : Mesh
         The grid of the scene.
-    contact : HertzContact
+    contact : HertzContact or HertzLine
         The unworn contact on it.
     stacklevel : int
         Of the caller's caller, as in `warnings.warn`.
@@ -130,12 +135,13 @@ def warn_if_coarse(grid: Mesh, contact: HertzContact, stacklevel: int) -> None:
         if count * semi_axis / length < FEWEST_ELEMENTS
     ]
     if needs:
-        text = f"grid.elements: {grid.elements} resolves the contact poorly; use {', '.join(needs)}"
+        given = grid.elements if len(grid.elements) > 1 else grid.elements[0]
+        text = f"grid.elements: {given} resolves the contact poorly; use {', '.join(needs)}"
         warnings.warn(text, SceneWarning, stacklevel=stacklevel + 1)
 
 
 def _directions(
-    half_length: tuple[float, float], contact: HertzContact
+    half_length: tuple[float, ...], contact: HertzContact | HertzLine
 ) -> list[tuple[str, float, str, float]]:
-    """Axis, half length of the grid, name and value of the semi-axis, for x and y."""
-    return [("x", half_length[0], "a", contact.a), ("y", half_length[1], "b", contact.b)]
+    """Axis, half length of the grid, name and value of the semi-axis, for x and, but of lines, y."""
+    return list(zip("xy", half_length, "ab", (contact.a, contact.b), strict=False))

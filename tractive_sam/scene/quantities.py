@@ -35,11 +35,20 @@ def _twice(value: Any) -> Any:
     return (value, value) if number else value
 
 
+def alone(value: Any) -> Any:
+    """One number stands for x alone."""
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    return (value,) if number else value
+
+
 Real = Annotated[float, AfterValidator(_bounded)]
 Radius = Annotated[float, AfterValidator(_curved)]
 Positive = Annotated[Real, Field(gt=0), AfterValidator(_not_tiny)]
 NotNegative = Annotated[Real, Field(ge=0)]
 PositivePair = tuple[Positive, Positive]
+PositiveOneOrTwo = Annotated[
+    tuple[Positive, ...], BeforeValidator(alone), Field(min_length=1, max_length=2)
+]
 OrthotropicPositive = Annotated[PositivePair, BeforeValidator(_twice)]
 OrthotropicNotNegative = Annotated[tuple[NotNegative, NotNegative], BeforeValidator(_twice)]
 

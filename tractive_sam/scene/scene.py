@@ -7,7 +7,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, ClassVar
 
-from ..reference import CombinedMaterial, HertzContact, Material
+from ..reference import CombinedMaterial, HertzContact, HertzLine, Material
 from . import toml
 from .bodies import Bodies
 from .catalogue import builtin_text
@@ -125,8 +125,21 @@ class Scene(Table):
         return self.body.material
 
     @property
-    def hertz(self) -> HertzContact | None:
-        """The Hertz contact of the radii, without any gap; None unless they close in x and y."""
+    def line(self) -> bool:
+        """Whether it is a line contact: plane strain, forces per length, N/mm.
+
+        So it is where both bodies have ``radius_y = inf`` and no [gap] gives the contact a width.
+        """
+        return self.body.endless and self.gap is None
+
+    @property
+    def hertz(self) -> HertzContact | HertzLine | None:
+        """The Hertz contact of the radii, without any gap; None unless they close.
+
+        They have to close in x and y, but for a line contact.
+        """
+        if self.body.endless and not self.line:
+            return None
         return self.body.hertz(self.load)
 
     @classmethod

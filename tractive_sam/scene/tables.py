@@ -5,11 +5,12 @@ Units mm, N, MPa, degrees, revolutions.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from itertools import pairwise
 from typing import Annotated, ClassVar, Literal, TypeVar
 
-from pydantic import AfterValidator, Field, PlainValidator
+from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator
 
 from .alternatives import exactly_one
 from .faults import Fault
@@ -18,8 +19,9 @@ from .quantities import (
     OrthotropicNotNegative,
     OrthotropicPositive,
     Positive,
-    PositivePair,
+    PositiveOneOrTwo,
     Real,
+    alone,
     entry,
     number,
     positive,
@@ -36,14 +38,17 @@ def _distinct(items: tuple[Item, ...]) -> tuple[Item, ...]:
 
 
 class Load(Table):
-    """What presses the bodies together, and the forces to transmit if not the creepages."""
+    """What presses the bodies together, and the forces to transmit if not the creepages.
 
-    normal: Positive | None = positive("normal load P, N", None)
+    All forces of a line contact (both bodies with ``radius_y = inf``) are per length, N/mm.
+    """
+
+    normal: Positive | None = positive("normal load P, N; of a line contact N/mm", None)
     approach: Positive | None = positive(
         "approach of the bodies, mm; up to 0 there is no contact", None
     )
-    traction_x: Real | None = number("force Q_x to transmit, N", None)
-    traction_y: Real | None = number("force Q_y to transmit, N", None)
+    traction_x: Real | None = number("force Q_x to transmit, N or N/mm", None)
+    traction_y: Real | None = number("force Q_y to transmit, N or N/mm", None)
     checks: ClassVar[tuple[Check, ...]] = (exactly_one("normal", "approach"),)
 
 
@@ -107,6 +112,9 @@ class Wear(Table):
 
 
 _Elements = Annotated[int, Field(ge=3, le=10**6)]
+_OneOrTwo = Annotated[
+    tuple[_Elements, ...], BeforeValidator(alone), Field(min_length=1, max_length=2)
+]
 
 
 MOST_ELEMENTS = 5 * 10**7
@@ -114,20 +122,21 @@ MOST_ELEMENTS = 5 * 10**7
 
 
 def _fits_a_machine(known: Known) -> Iterator[Fault]:
-    nx, ny = known["elements"]
-    if nx * ny > MOST_ELEMENTS:
-        yield Fault("elements", f"({nx}, {ny})", f"at most {MOST_ELEMENTS:.0e} elements in all")
+    elements = known["elements"]
+    if math.prod(elements) > MOST_ELEMENTS:
+        yield Fault("elements", str(elements), f"at most {MOST_ELEMENTS:.0e} elements in all")
 
 
 class Mesh(Table):
-    """The [grid] table: a rectangle of equal elements around the origin."""
+    """The [grid] table: a rectangle of equal elements around the origin.
 
-    half_length: PositivePair = entry(
+    A line contact has one number in place of each pair, that in x.
+    """
+
+    half_length: PositiveOneOrTwo = entry(
         "half lengths of the domain in x and y, mm", "a pair of numbers above 0"
     )
-    elements: tuple[_Elements, _Elements] = entry(
-        "elements in x and y", "a pair of whole numbers from 3 to 1e6"
-    )
+    elements: _OneOrTwo = entry("elements in x and y", "a pair of whole numbers from 3 to 1e6")
     checks: ClassVar[tuple[Check, ...]] = (_fits_a_machine,)
 
 

@@ -52,12 +52,18 @@ def refine_pressure(pressure: np.ndarray, gap: np.ndarray, shape: tuple[int, int
     return peak * np.sqrt(np.maximum(refine(continued, shape), 0.0))
 
 
+def _shorter_side(problem: NormalProblem | TangentialProblem) -> int:
+    """Elements of a mesh along its shorter side, of those along which it can be coarsened."""
+    mesh = problem.half_space.mesh
+    return min(n for n, block in zip(mesh.shape, mesh.block, strict=True) if block > 1)
+
+
 Solve = Callable[..., Outcome]
 
 
 def nested_tangential(problem: TangentialProblem, tolerance: float, solve: Solve) -> Outcome:
     """Solve on successively finer meshes, each started from the one before."""
-    if min(problem.bound.shape) <= COARSEST:
+    if _shorter_side(problem) <= COARSEST:
         return solve(problem, tolerance)
     coarse_problem = problem.coarsened()
     coarse = nested_tangential(coarse_problem, max(tolerance, COARSE_TOLERANCE), solve)
@@ -71,7 +77,7 @@ def nested_tangential(problem: TangentialProblem, tolerance: float, solve: Solve
 
 def nested_normal(problem: NormalProblem, tolerance: float, solve: Solve) -> Outcome:
     """Solve on successively finer meshes, each started from the one before."""
-    if min(problem.gap.shape) <= COARSEST:
+    if _shorter_side(problem) <= COARSEST:
         return solve(problem, tolerance)
     coarse_problem = problem.coarsened()
     coarse = nested_normal(coarse_problem, max(tolerance, COARSE_TOLERANCE), solve)

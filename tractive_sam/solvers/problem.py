@@ -1,5 +1,6 @@
 """What a solver is given: dimensionless contact problems (units: `operators.half_space`)."""
 
+import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -7,12 +8,13 @@ import numpy as np
 from tractive_sam.operators import HalfSpace
 
 
-def block_mean(values: np.ndarray, mode: str) -> np.ndarray:
-    """Means over 2 x 2 elements of the last two axes; `mode` pads an odd number as `numpy.pad`."""
-    nx, ny = values.shape[-2:]
-    pad = [(0, 0)] * (values.ndim - 2) + [(0, nx % 2), (0, ny % 2)]
+def block_mean(values: np.ndarray, block: tuple[int, int], mode: str) -> np.ndarray:
+    """Means over blocks of the last two axes; `mode` fills up the last ones as `numpy.pad`."""
+    (nx, ny), (bx, by) = values.shape[-2:], block
+    pad = [(0, 0)] * (values.ndim - 2) + [(0, -nx % bx), (0, -ny % by)]
     v = np.pad(values, pad, mode=mode)
-    return 0.25 * (v[..., ::2, ::2] + v[..., 1::2, ::2] + v[..., ::2, 1::2] + v[..., 1::2, 1::2])
+    parts = [v[..., i::bx, j::by] for i in range(bx) for j in range(by)]
+    return sum(parts) / len(parts)
 
 
 @dataclass(frozen=True)
@@ -38,11 +40,12 @@ class NormalProblem:
 
     def coarsened(self) -> "NormalProblem":
         """The same problem on elements of twice the size."""
+        block = self.half_space.mesh.block
         return replace(
             self,
             half_space=self.half_space.coarsened,
-            gap=block_mean(self.gap, "edge"),
-            load=None if self.load is None else 0.25 * self.load,
+            gap=block_mean(self.gap, block, "edge"),
+            load=None if self.load is None else self.load / math.prod(block),
         )
 
 
@@ -113,12 +116,13 @@ class TangentialProblem:
 
     def coarsened(self) -> "TangentialProblem":
         """The same problem on elements of twice the size."""
+        block, target = self.half_space.mesh.block, self.transmission.target
         return replace(
             self,
             half_space=self.half_space.coarsened,
-            rigid=block_mean(self.rigid, "edge"),
-            bound=block_mean(self.bound, "constant"),
-            transmission=replace(self.transmission, target=0.25 * self.transmission.target),
+            rigid=block_mean(self.rigid, block, "edge"),
+            bound=block_mean(self.bound, block, "constant"),
+            transmission=replace(self.transmission, target=target / math.prod(block)),
         )
 
 
