@@ -9,6 +9,7 @@ from tractive_sam.contact import Contact
 from tractive_sam.subsurface.climb import climb, polish
 from tractive_sam.subsurface.loaded import LoadedBodies
 from tractive_sam.subsurface.pyramid import Pyramid
+from tractive_sam.subsurface.strips import StripLevels
 
 Point = tuple[float, float, float]
 
@@ -80,7 +81,8 @@ def von_mises_maximum(contact: Contact, body: str = "A") -> VonMisesMaximum:
     load = LoadedBodies.of(contact, (body,))
     if not load.tractions.any():
         return VonMisesMaximum(0.0, _NOWHERE, np.nan, _NOWHERE, 0.0, _NOWHERE)
-    pyramid = Pyramid(contact.grid, load.tractions[0], load.poisson[0])
+    levels = StripLevels if contact.grid.line else Pyramid
+    pyramid = levels(contact.grid, load.tractions[0], load.poisson[0])
     depths = _search_depths(contact)
     layers = [pyramid.level(0.5 * depth).layer(depth) for depth in depths]
     surface, surface_at = _largest(pyramid, layers[0])
@@ -91,7 +93,7 @@ def von_mises_maximum(contact: Contact, body: str = "A") -> VonMisesMaximum:
 
 def _search_depths(contact: Contact) -> np.ndarray:
     """The surface, one element below it, and on until no maximum is to be expected any more, mm."""
-    side = max(contact.grid.dx, contact.grid.dy)
+    side = contact.grid.dx if contact.grid.line else max(contact.grid.dx, contact.grid.dy)
     deepest = DEEPEST * min(contact.half_width_x, contact.half_width_y)
     count = max(3, int(np.ceil(np.log(deepest / side) / np.log(GROWTH))) + 1)
     return np.concatenate(([0.0], side * GROWTH ** np.arange(count)))

@@ -14,6 +14,7 @@ from tractive_sam.reference import max_shear, principal_stresses, von_mises
 from tractive_sam.scene import Plane
 from tractive_sam.subsurface.depth import checked, default_depths, semi_axes
 from tractive_sam.subsurface.loaded import LoadedBodies
+from tractive_sam.subsurface.strips import stress_on
 
 
 @dataclass(frozen=True)
@@ -91,7 +92,7 @@ def stress_on_plane(
     Raises
     ------
     ValueError
-        If the plane cannot be read, there is no such body, or depths are negative or not finite.
+        If the plane cannot be read or lies nowhere, there is no such body, or depths are negative or not finite.
     """
     return next(stress_on_planes(contact, (plane,), (body,), depths))
 
@@ -129,20 +130,34 @@ def stress_on_planes(
     load = LoadedBodies.of(contact, asked.bodies if bodies is None else bodies)
     depths = default_depths(contact) if depths is None else checked(depths)
     # Checked at the call, not at the first plane.
-    return (stress for plane in planes for stress in _on_plane(contact, plane, load, depths))
+    placed = [(plane, _position(contact, plane)) for plane in planes]
+    return (stress for where in placed for stress in _on_plane(contact, *where, load, depths))
+
+
+def _position(contact: Contact, plane: Plane) -> float:
+    position = plane.value_in(*semi_axes(contact))
+    if not np.isfinite(position):
+        raise ValueError(f"{plane}: the semi-axis b of a line contact is infinite; use mm or a")
+    return position
 
 
 def _on_plane(
-    contact: Contact, plane: Plane, load: LoadedBodies, depths: np.ndarray
+    contact: Contact, plane: Plane, position: float, load: LoadedBodies, depths: np.ndarray
 ) -> Iterator[PlaneStress]:
-    grid, position = contact.grid, plane.value_in(*semi_axes(contact))
+    grid = contact.grid
     if plane.axis == "z":
         axes = {"x": grid.x, "y": grid.y}
-        mesh = Mesh(grid.elements, grid.dx, grid.dy)
-        stress = StressLayers(mesh, load.tractions, load.poisson).at(position)
     else:
         axes = {"y": grid.y} if plane.axis == "x" else {"x": grid.x}
         axes["depth"] = depths
+    if grid.line:
+        x = np.array([position]) if plane.axis == "x" else grid.x
+        at = np.array([position]) if plane.axis == "z" else depths
+        stress = stress_on(grid, load.tractions, load.poisson, x, at)
+    elif plane.axis == "z":
+        mesh = Mesh(grid.elements, grid.dx, grid.dy)
+        stress = StressLayers(mesh, load.tractions, load.poisson).at(position)
+    else:
         operator = StressPlane(grid, plane.axis, position, load.tractions, load.poisson)
         stress = np.stack([operator.at(depth) for depth in depths], axis=-1)
     for body, tensor in zip(load.names, load.in_contact_axes(stress), strict=True):

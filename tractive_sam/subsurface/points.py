@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from tractive_sam.contact import Contact
 from tractive_sam.kernels import stress_sum
 from tractive_sam.subsurface.loaded import LoadedBodies
+from tractive_sam.subsurface.strips import Strips
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,9 @@ def stress_at(contact: Contact, points: ArrayLike, body: str = "A") -> np.ndarra
     if not np.isfinite(points).all() or (points[:, 2] < 0.0).any():
         raise ValueError("points must be finite, with a depth of at least 0")
     grid, load = contact.grid, LoadedBodies.of(contact, (body,))
-    sides = grid.dx, grid.dy
-    patches = Patches.on_mesh(grid.x, grid.y, sides, load.tractions[0], load.poisson[0])
+    tractions, nu = load.tractions[0], load.poisson[0]
+    if grid.line:
+        patches = Strips.on_grid(grid, tractions, nu)
+    else:
+        patches = Patches.on_mesh(grid.x, grid.y, (grid.dx, grid.dy), tractions, nu)
     return load.in_contact_axes(patches.stress(points).T[None])[0].T

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from tractive_sam.operators import Mesh, StressLayers
 from tractive_sam.subsurface.depth import checked
 from tractive_sam.subsurface.loaded import LoadedBodies, Loading
+from tractive_sam.subsurface.strips import stress_on
 
 
 def stress_volume(
@@ -42,6 +43,12 @@ def stress_volume(
 
 def _layers(load: LoadedBodies, contact: Loading, depths: np.ndarray, threads: int):
     grid = contact.grid
+    if grid.line:
+        for depth in depths:
+            at = np.array([depth])
+            stress = stress_on(grid, load.tractions, load.poisson, grid.x, at)
+            yield float(depth), load.in_contact_axes(stress)[0]
+        return
     mesh = Mesh(grid.elements, grid.dx, grid.dy)
     layers = StressLayers(mesh, load.tractions, load.poisson, threads)
     for depth in depths:

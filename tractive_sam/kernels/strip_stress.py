@@ -1,0 +1,69 @@
+"""Stress inside a half-space under uniform traction on strips of its surface, endless in y.
+
+The half-space is z >= 0, z points into the body; loads and signs are those of
+:mod:`tractive_sam.kernels.stress`. The stress of a strip is the difference between its two edges of
+functions that take a uniform traction to reach from an edge to +infinity. With x from the edge,
+r² = x² + z², t = atan(x/z), and up to constants, which fall out of the difference,
+
+=====  =======================  =============  ===============
+load   sigma_xx                 sigma_zz       sigma_xz
+=====  =======================  =============  ===============
+p_x    -(2 ln r + z²/r²)        z²/r²          -(t - x z/r²)
+p_n    -(t - x z/r²)            -(t + x z/r²)  z²/r²
+=====  =======================  =============  ===============
+
+and sigma_xy = -ln r, sigma_yz = -t for p_y, all over pi. The strain in y is zero:
+sigma_yy = nu (sigma_xx + sigma_zz). Neighbours share an edge, so that a sum over strips is one over
+edges, with the jump of the traction across each.
+
+Source: Johnson, Contact Mechanics (1985), sections 2.2, 2.3 and 2.5, in terms of one edge; the
+shear along y is the antiplane problem, sigma_xy + i sigma_yz an analytic function.
+"""
+
+import math
+
+from numba import njit
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def stress_at(out, points, edges, jumps, width, nu):
+    """Set the stresses at points of a half-space, exact for tractions constant on every strip.
+
+    At the surface, on an edge across which p_x or p_y jumps, the stress is infinite; what is
+    infinite is left out, as in `stress.log_argument`, and the rest is the mean of both sides.
+
+    Parameters
+    ----------
+    out : ndarray, shape (n, 6)
+        Stresses in the order of `stress.COMPONENTS`, in the unit of the tractions.
+    points : ndarray, shape (n, 2)
+        (x, z) with the depth z >= 0.
+    edges : ndarray, shape (m,)
+        x of the edges, in the unit of the points.
+    jumps : ndarray, shape (m, 3)
+        Increase of (p_x, p_y, p_n) across each edge, in the direction of x.
+    width : float
+        Width of the strips.
+    nu : float
+        Poisson's ratio.
+    """
+    f = 1.0 / math.pi
+    for n in range(points.shape[0]):
+        xx = zz = xy = xz = yz = 0.0
+        z = points[n, 1]
+        for m in range(edges.shape[0]):
+            x = points[n, 0] - edges[m]
+            p_x, p_y, p_n = jumps[m, 0], jumps[m, 1], jumps[m, 2]
+            rr = x * x + z * z
+            if rr == 0.0:
+                ln, t, xz_rr, zz_rr = math.log(width), 0.0, 0.0, 0.0
+            else:
+                ln, t = 0.5 * math.log(rr), math.atan2(x, z)
+                xz_rr, zz_rr = x * z / rr, z * z / rr
+            xx -= p_x * (2.0 * ln + zz_rr) + p_n * (t - xz_rr)
+            zz += p_x * zz_rr - p_n * (t + xz_rr)
+            xz += p_n * zz_rr - p_x * (t - xz_rr)
+            xy -= p_y * ln
+            yz -= p_y * t
+        out[n, 0], out[n, 1], out[n, 2] = f * xx, f * nu * (xx + zz), f * zz
+        out[n, 3], out[n, 4], out[n, 5] = f * xy, f * xz, f * yz

@@ -1,0 +1,95 @@
+"""Stress below a line contact, summed over its strips."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from tractive_sam.kernels import strip_stress
+from tractive_sam.operators import Grid
+from tractive_sam.reference import von_mises
+
+
+@dataclass(frozen=True)
+class Strips:
+    """The strips of one half-space, by their edges.
+
+    Attributes
+    ----------
+    edges : ndarray, shape (m,)
+        x, mm.
+    jumps : ndarray, shape (m, 3)
+        Increase of (p_x, p_y, p_n) across each, MPa.
+    width : float
+        Width of a strip, mm.
+    poisson : float
+        Poisson's ratio.
+    """
+
+    edges: np.ndarray
+    jumps: np.ndarray
+    width: float
+    poisson: float
+
+    @classmethod
+    def on_grid(cls, grid: Grid, tractions: np.ndarray, poisson: float) -> "Strips":
+        """Take those of the grid of a line contact with tractions (3, n_x, 1)."""
+        jumps = np.diff(tractions[:, :, 0].T, axis=0, prepend=0.0, append=0.0)
+        edges = np.append(grid.x - 0.5 * grid.dx, grid.x[-1] + 0.5 * grid.dx)
+        loaded = jumps.any(axis=1)
+        return cls(edges[loaded], np.ascontiguousarray(jumps[loaded]), grid.dx, poisson)
+
+    def stress(self, points: np.ndarray) -> np.ndarray:
+        """Stresses (n, 6) at points (n, 3) of the half-space, the same at every y, MPa."""
+        out = np.empty((len(points), 6))
+        at = np.ascontiguousarray(points[:, [0, 2]])
+        strip_stress.stress_at(out, at, self.edges, self.jumps, self.width, self.poisson)
+        return out
+
+
+def stress_on(
+    grid: Grid,
+    tractions: np.ndarray,
+    poisson: Sequence[float],
+    x: np.ndarray,
+    depths: np.ndarray,
+) -> np.ndarray:
+    """Stresses (bodies, 6, n, k) at n places and k depths; tractions (bodies, 3, n_x, 1)."""
+    points = np.stack(np.broadcast_arrays(x[:, None], 0.0, depths), axis=-1).reshape(-1, 3)
+    stresses = [
+        Strips.on_grid(grid, own, nu).stress(points)
+        for own, nu in zip(tractions, poisson, strict=True)
+    ]
+    return np.moveaxis(stresses, 2, 1).reshape(len(poisson), 6, x.size, depths.size)
+
+
+class StripLevels:
+    """The loaded strips in place of a `Pyramid`: they are few, and need no coarser levels.
+
+    Parameters
+    ----------
+    grid : Grid
+        That of a line contact.
+    tractions : ndarray, shape (3, n_x, 1)
+        (p_x, p_y, p_n) on one half-space, MPa.
+    poisson : float
+        Poisson's ratio.
+    """
+
+    def __init__(self, grid: Grid, tractions: np.ndarray, poisson: float):
+        self.x, self.y = grid.x, grid.y
+        self.blocks = grid.elements
+        self._strips = Strips.on_grid(grid, tractions, poisson)
+
+    def level(self, longest: float) -> "StripLevels":  # noqa: ARG002 - the same for any length
+        """The strips."""
+        return self
+
+    def layer(self, depth: float) -> np.ndarray:
+        """Equivalent stress at the centres at one depth, shape (n_x, 1), MPa."""
+        points = np.stack(np.broadcast_arrays(self.x, 0.0, depth), axis=-1)
+        return self.at(points)[:, None]
+
+    def at(self, points: np.ndarray) -> np.ndarray:
+        """Equivalent stress (n,) at points (n, 3), MPa."""
+        return von_mises(self._strips.stress(points).T)
