@@ -12,7 +12,9 @@ Mech. Sci. 294 (2025) 110195.
 
 Conventions, stated here once
 -----------------------------
-**Units** mm, N, MPa, revolutions; angles in degrees in a scene, radians inside; spin in 1/mm.
+**Units** mm, N, MPa, revolutions; angles in degrees in a scene, radians inside; spin in 1/mm. Where
+both bodies have ``radius_y = inf`` they touch along a line, in plane strain: forces are then per
+length, N/mm, moments N, and arrays have the shape (n_x, 1).
 
 **Axes** x is the rolling direction, y lateral, z normal to the contact plane and into body A, the
 upper one. Material crosses the contact from +x, the leading edge, to -x. Arrays have the shape

@@ -46,6 +46,8 @@ def _bodies(model: Model) -> Section:
         ("combined modulus", f"E* = {material.E_star:.6g} MPa, nu = {material.poisson:.4g}"),
         ("combined radii", f"R_x = {radius_x:.6g} mm, R_y = {radius_y:.6g} mm"),
     ]
+    if model.grid.line:
+        rows.append(("line contact", _plane_strain(model)))
     if hertz is not None:
         rows += [
             ("unworn contact (Hertz)", f"a = {hertz.a:.5g} mm, b = {hertz.b:.5g} mm"),
@@ -54,6 +56,14 @@ def _bodies(model: Model) -> Section:
     if model.measured is not None:
         rows.append(("separation", "that of the radii and the measured one of [gap]"))
     return Section("Bodies", rows)
+
+
+def _plane_strain(model: Model) -> str:
+    return (
+        f"plane strain, solved on {model.grid.elements[0]} elements: both bodies are straight and "
+        "endless in y (radius_y = inf), so nothing changes along it; forces are per length, N/mm, "
+        "and the approach is relative to the surface one R_x away"
+    )
 
 
 def _contact(model: Model) -> Section:
@@ -92,11 +102,12 @@ def _contact(model: Model) -> Section:
 
 def _drive(model: Model) -> str:
     creepage, load = model.scene.creepage, model.scene.load
+    unit = "N/mm" if model.grid.line else "N"
     parts = [
-        f"Q_x = {load.traction_x:g} N (creepage found)"
+        f"Q_x = {load.traction_x:g} {unit} (creepage found)"
         if model.free[0]
         else f"xi_x = {creepage.longitudinal:g}",
-        f"Q_y = {load.traction_y:g} N (creepage found)"
+        f"Q_y = {load.traction_y:g} {unit} (creepage found)"
         if model.free[1]
         else f"xi_y = {creepage.lateral:g}",
         f"spin = {creepage.spin:g} /mm",
@@ -149,6 +160,14 @@ def _mesh(model: Model) -> Section:
     grid, hertz = model.grid, model.scene.hertz
     nx, ny = grid.elements
     given = "given" if model.scene.grid is not None else "chosen from the contact"
+    if grid.line:
+        rows = [
+            ("mesh", f"{nx} elements in x, {given}"),
+            ("domain", f"+-{grid.half_length[0]:.4g} mm"),
+            ("element", f"{grid.dx:.4g} mm"),
+            ("across the unworn contact", f"{2 * hertz.a / grid.dx:.0f} elements"),
+        ]
+        return Section("Mesh", rows)
     rows = [
         ("mesh", f"{nx} x {ny} elements, {given}"),
         ("domain", f"+-{grid.half_length[0]:.4g} x +-{grid.half_length[1]:.4g} mm"),

@@ -69,14 +69,14 @@ def energy(history: "History", only_if_open: bool = False) -> str:
 
 def last_record(history: "History") -> Table:
     """The last record, one quantity a row."""
-    from tractive_sam.record import BODY_SCALARS, SCALARS
+    from tractive_sam.record import BODY_SCALARS, scalars
 
     table = Table(box=box.SIMPLE_HEAD, show_header=False)
     table.add_column(style="bold")
     table.add_column(justify="right")
     table.add_column()
     table.add_column(style="dim")
-    for name, quantity in SCALARS.items():
+    for name, quantity in scalars(history.line).items():
         unit = "" if quantity.unit == "1" else quantity.unit
         table.add_row(name, _number(history[name][-1]), unit, quantity.long_name)
     for name, quantity in BODY_SCALARS.items():

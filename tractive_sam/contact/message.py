@@ -19,8 +19,8 @@ def message(status: Status, outcome: Outcome, model: Model) -> str:
             del across[1]
         if 0 < min(across) < FEWEST:
             text += (
-                f"; only {' x '.join(map(str, across))} elements are in contact: refine the mesh with "
-                "grid.elements or lessen grid.half_length"
+                f"; only {' x '.join(map(str, across))} elements are in contact: refine the mesh "
+                "with grid.elements or lessen grid.half_length"
             )
         return text
     if status is Status.OFF_GRID:

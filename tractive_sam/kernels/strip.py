@@ -38,10 +38,10 @@ def logarithm(x: np.ndarray, dx: float, datum: float) -> np.ndarray:
         Distance d at which the displacement by a load is taken to be zero, mm.
     """
     h, x = 0.5 * dx, np.abs(x)
-    apart = np.abs(x - h)
+    apart = np.abs(x - h)  # and x + h - apart is 2 x or dx, whichever is less
     # On an edge of the strip, apart = 0, the product with the infinite logarithm is zero.
     inner = np.where(apart > 0.0, apart, 1.0)
-    outward = 2.0 * (x - h) * np.log1p((x + h - inner) / inner)
+    outward = 2.0 * (x - h) * np.log1p(np.minimum(2.0 * x, dx) / inner)
     return 2.0 * dx - outward - 2.0 * dx * np.log((x + h) / datum)
 
 

@@ -12,6 +12,7 @@ from tractive_sam.plot.evolution import (
 )
 from tractive_sam.plot.fields import pressure, stick_slip_map, traction, wear_map
 from tractive_sam.plot.gallery import FORMATS, save_all
+from tractive_sam.plot.line import line_pressure, line_pressures, line_slip, line_traction
 from tractive_sam.plot.profiles import pressure_profiles, wear_profiles
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.sections import traction_sections
@@ -24,6 +25,10 @@ __all__ = [
     "State",
     "creep_force_curve",
     "forces",
+    "line_pressure",
+    "line_pressures",
+    "line_slip",
+    "line_traction",
     "pressure",
     "pressure_over_revolutions",
     "pressure_profiles",

@@ -26,7 +26,8 @@ def widths(history: History) -> Figure:
     scale = Scale.of_history(history)
     a, b, p = scale.a_symbol, scale.b_symbol, scale.p_symbol
     _course(axes, history, history["half_width_x"] / scale.a, f"half width in $x$ / ${a}$")
-    _course(axes, history, history["half_width_y"] / scale.b, f"half width in $y$ / ${b}$")
+    if not history.line:
+        _course(axes, history, history["half_width_y"] / scale.b, f"half width in $y$ / ${b}$")
     _course(axes, history, history["p_max"] / scale.p, f"largest pressure / ${p}$")
     axes.set_ylim(bottom=0.0)
     axes.set_ylabel("relative to the unworn contact")

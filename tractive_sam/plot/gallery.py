@@ -13,6 +13,7 @@ from tractive_sam.plot.evolution import (
     wear_over_revolutions,
 )
 from tractive_sam.plot.fields import pressure, stick_slip_map, traction, wear_map
+from tractive_sam.plot.line import line_pressure, line_pressures, line_slip, line_traction
 from tractive_sam.plot.profiles import pressure_profiles, wear_profiles
 from tractive_sam.plot.sections import traction_sections
 from tractive_sam.plot.state import State
@@ -66,7 +67,7 @@ def _figures(history: History) -> Iterator[tuple[str, Figure]]:
         for name, draw in _COURSES.items():
             yield name, draw(history)
     if len(stored) > 1:
-        for name, draw in _EVOLUTIONS.items():
+        for name, draw in (_LINE_EVOLUTIONS if history.line else _EVOLUTIONS).items():
             yield name, draw(history)
 
 
@@ -88,9 +89,16 @@ _EVOLUTIONS = {
     "wear-over-revolutions": wear_over_revolutions,
 }
 
+_LINE_EVOLUTIONS = {"pressure-profiles": line_pressures}
+
 
 def _of_state(state: State) -> dict[str, Callable[[State], Figure]]:
     """Names and functions of the figures of a state that would not be empty."""
+    if state.line:
+        figures = {"pressure": line_pressure}
+        if np.any(state.traction):
+            figures |= {"traction": line_traction, "slip": line_slip}
+        return figures
     figures = {"pressure": pressure}
     if np.any(state.traction):
         figures |= {"traction": traction, "traction-sections": traction_sections}

@@ -32,7 +32,7 @@ def traction_sections(source: Source, revolution: int | None = None) -> Figure:
     figure = Figure(figsize=(1.8 * WIDTH, 0.6 * WIDTH))
     axes = figure.subplots(1, len(lines), sharex=True, sharey=True)
     for ax, (name, y) in zip(axes, lines.items(), strict=True):
-        _section(ax, state, y)
+        section(ax, state, y)
         ax.set_title(name, loc="center")
         ax.set_xlabel(f"$x/{scale.a_symbol}$")
     axes[0].set_ylabel(f"$p/{scale.p_symbol}$")
@@ -41,7 +41,8 @@ def traction_sections(source: Source, revolution: int | None = None) -> Figure:
     return figure
 
 
-def _section(ax: Axes, state: State, y: float) -> None:
+def section(ax: Axes, state: State, y: float) -> None:
+    """Draw the tractions along a line of constant y, in mm, between their bounds."""
     x = state.x_over_a
     ax.axhline(0.0, color=GREY, linewidth=0.6)
     drawn = np.abs(state.traction).max(axis=(1, 2)) > NEGLIGIBLE * np.abs(state.traction).max()

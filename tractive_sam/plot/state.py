@@ -118,6 +118,11 @@ class State:
         return ", ".join(filter(None, (self.title, rolled)))
 
     @property
+    def line(self) -> bool:
+        """Whether it is of a line contact, the fields of which do not change along y."""
+        return len(self.y) == 1
+
+    @property
     def isotropic(self) -> bool:
         """Whether friction is the same in all directions."""
         return self.mu is None or self.mu[0] == self.mu[1]

@@ -11,6 +11,7 @@ from tractive_sam.record.quantities import (
     STATE,
     STRESS,
     Quantity,
+    scalars,
 )
 from tractive_sam.record.record import Record, record, state
 
@@ -27,5 +28,6 @@ __all__ = [
     "Quantity",
     "Record",
     "record",
+    "scalars",
     "state",
 ]

@@ -192,6 +192,11 @@ class History:
         return tomllib.loads(self.scene_toml)
 
     @property
+    def line(self) -> bool:
+        """Whether it is of a line contact, with forces per length."""
+        return len(self.y) == 1
+
+    @property
     def title(self) -> str:
         """Title of the scene, empty where it has none."""
         return self.settings.get("title", "")

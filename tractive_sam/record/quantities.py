@@ -51,6 +51,24 @@ SCALARS: dict[str, Quantity] = {
 }
 """One number a record."""
 
+PER_LENGTH: dict[str, Quantity] = {
+    "P": Quantity("N/mm", "normal load per length"),
+    "Qx": Quantity("N/mm", "longitudinal force on body A per length"),
+    "Qy": Quantity("N/mm", "lateral force on body A per length"),
+    "Mz": Quantity("N mm/mm", "spin moment on body A per length"),
+    "approach": Quantity("mm", "approach relative to the surface one radius R_x away"),
+    "dissipation": Quantity("N/mm", "frictional work per distance rolled and length"),
+    "work_supplied": Quantity("N/mm", "work of the driving forces per distance rolled and length"),
+    "wear_rate": Quantity("mm", "worn depth of both bodies per revolution"),
+}
+"""What is another quantity in a line contact."""
+
+
+def scalars(line: bool) -> dict[str, Quantity]:
+    """`SCALARS` as they are to be read in a line contact, or else."""
+    return SCALARS | PER_LENGTH if line else SCALARS
+
+
 POINTS: dict[str, Quantity] = {
     "p_max_at": Quantity("mm", "position (x, y) of the largest pressure"),
 }

@@ -72,7 +72,7 @@ class Bodies(Table):
 
     @property
     def endless(self) -> bool:
-        """Whether both are straight across the rolling direction: without a [gap], a line contact."""
+        """Whether both have ``radius_y = inf``: without a [gap] they touch along a line."""
         return self.A.radius_y == self.B.radius_y == math.inf
 
     def hertz(self, load: Load) -> HertzContact | HertzLine | None:

@@ -143,5 +143,5 @@ def warn_if_coarse(grid: Mesh, contact: HertzContact | HertzLine, stacklevel: in
 def _directions(
     half_length: tuple[float, ...], contact: HertzContact | HertzLine
 ) -> list[tuple[str, float, str, float]]:
-    """Axis, half length of the grid, name and value of the semi-axis, for x and, but of lines, y."""
+    """Axis, half length of the grid, name and value of the semi-axis, for x and y, of lines x."""
     return list(zip("xy", half_length, "ab", (contact.a, contact.b), strict=False))

@@ -32,6 +32,7 @@ from tractive_sam.record import (
     STRESS,
     Quantity,
     Record,
+    scalars,
 )
 from tractive_sam.store.rows import SLOTS
 from tractive_sam.store.versions import versions
@@ -153,7 +154,7 @@ def _create_history(history: h5py.Group, grid: h5py.Group) -> None:
         history.create_dataset("committed", data=0),
         Quantity("1", "number of complete records; rows beyond are of no meaning"),
     )
-    for name, quantity in SCALARS.items():
+    for name, quantity in scalars(line=len(grid["y"]) == 1).items():
         dtype = int if name == "revolution" else float
         _rows(history, name, quantity, (record,), dtype)
     for name, quantity in POINTS.items():

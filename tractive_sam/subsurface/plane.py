@@ -92,7 +92,8 @@ def stress_on_plane(
     Raises
     ------
     ValueError
-        If the plane cannot be read or lies nowhere, there is no such body, or depths are negative or not finite.
+        If the plane cannot be read or has no position, there is no such body, or depths are
+        negative or not finite.
     """
     return next(stress_on_planes(contact, (plane,), (body,), depths))
 

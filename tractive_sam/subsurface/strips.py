@@ -81,8 +81,8 @@ class StripLevels:
         self.blocks = grid.elements
         self._strips = Strips.on_grid(grid, tractions, poisson)
 
-    def level(self, longest: float) -> "StripLevels":  # noqa: ARG002 - the same for any length
-        """The strips."""
+    def level(self, longest: float) -> "StripLevels":
+        """The strips, whatever the length."""
         return self
 
     def layer(self, depth: float) -> np.ndarray:

@@ -1,0 +1,46 @@
+"""Figures of line contacts: functions of x."""
+
+import pytest
+
+from tests.plot.test_figures import drawn, labels
+from tractive_sam import plot
+from tractive_sam.pipeline import roll
+from tractive_sam.scene import Scene
+
+OF_A_STATE = (plot.line_pressure, plot.line_traction, plot.line_slip)
+
+
+@pytest.fixture(scope="module")
+def history():
+    scene = Scene.builtin("cylinders").replace(
+        **{
+            "grid.half_length": 0.42,
+            "grid.elements": 65,
+            "creepage.lateral": 0.001,
+            "wear": {"intensity": 1e-6, "revolutions": 10},
+        }
+    )
+    return roll(scene)
+
+
+@pytest.mark.parametrize("draw", OF_A_STATE)
+def test_figures_of_a_state(draw, history):
+    figure = drawn(draw(history, 10))
+    assert "$x/a_0$" in labels(figure)
+    assert history.title in figure.get_suptitle()
+
+
+def test_slip_is_drawn_in_both_directions(history):
+    names = {text.get_text() for text in drawn(plot.line_slip(history)).legends[0].get_texts()}
+    assert names == {"$s_x/V$", "$s_y/V$"}
+
+
+def test_pressures_of_the_stored_revolutions(history):
+    figure = drawn(plot.line_pressures(history))
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["0", "10"]
+
+
+def test_save_all_draws_no_maps(history, tmp_path):
+    names = {path.stem for path in plot.save_all(history, tmp_path)}
+    of_states = {f"{name}-{N}" for name in ("pressure", "traction", "slip") for N in (0, 10)}
+    assert names == of_states | {"forces", "widths", "wear-depth", "pressure-profiles"}

@@ -1,0 +1,85 @@
+"""Figures of line contacts: functions of x, in place of the maps of wider contacts."""
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from tractive_sam.plot.profiles import chosen
+from tractive_sam.plot.scale import Scale
+from tractive_sam.plot.sections import MARGIN, section
+from tractive_sam.plot.state import Source, State
+from tractive_sam.plot.style import BLUE, GREY, VERMILLION, WIDTH, set_title, styled
+from tractive_sam.record import History
+
+
+@styled
+def line_pressure(source: Source, revolution: int | None = None) -> Figure:
+    """Pressure of a line contact over x, beside that of Hertz."""
+    state = State.of(source, revolution)
+    figure, axes = _over_x(state)
+    x, scale = state.x_over_a, state.scale
+    if scale.hertz:
+        hertz = np.sqrt(np.maximum(1.0 - x**2, 0.0))
+        axes.plot(x, hertz, color=GREY, linewidth=0.9, linestyle="--", label="Hertz, unworn")
+    axes.plot(x, state.pressure[:, 0] / scale.p, color=BLUE, label="$p_n$")
+    axes.set_ylim(bottom=0.0)
+    axes.set_ylabel(f"$p_n/{scale.p_symbol}$")
+    figure.legend(loc="outside right upper")
+    return figure
+
+
+@styled
+def line_traction(source: Source, revolution: int | None = None) -> Figure:
+    """Tractions on body A in a line contact over x, between what friction allows."""
+    state = State.of(source, revolution)
+    figure, axes = _over_x(state)
+    section(axes, state, 0.0)
+    axes.set_ylabel(f"$p/{state.scale.p_symbol}$")
+    figure.legend(loc="outside right upper")
+    return figure
+
+
+@styled
+def line_slip(source: Source, revolution: int | None = None) -> Figure:
+    """Slip of A over B in a line contact over x, per unit rolling speed."""
+    state = State.of(source, revolution)
+    figure, axes = _over_x(state)
+    axes.axhline(0.0, color=GREY, linewidth=0.6)
+    inside = state.touching[:, 0]
+    for name, slip, color in zip("xy", state.slip[..., 0], (BLUE, VERMILLION), strict=True):
+        if np.any(slip):
+            axes.plot(state.x_over_a[inside], slip[inside], color=color, label=f"$s_{name}/V$")
+    axes.set_ylabel("slip / rolling speed")
+    figure.legend(loc="outside right upper")
+    return figure
+
+
+@styled
+def line_pressures(history: History) -> Figure:
+    """Pressure of a line contact over x, at the stored revolutions."""
+    scale = Scale.of_history(history)
+    figure, axes = _over_x(*(State.of_history(history, N) for N in history.field_revolutions))
+    revolutions = chosen(history.field_revolutions)
+    shades = colormaps["viridis_r"](np.linspace(0.08, 1.0, len(revolutions)))
+    for revolution, shade in zip(revolutions, shades, strict=True):
+        pressure = history.field("pressure", revolution)[:, 0]
+        axes.plot(history.x / scale.a, pressure / scale.p, color=shade, label=f"{revolution}")
+    axes.set_ylim(bottom=0.0)
+    axes.set_ylabel(f"$p_n/{scale.p_symbol}$")
+    set_title(figure, history.title)
+    figure.legend(title="$N$", loc="outside right upper")
+    return figure
+
+
+def _over_x(*states: State) -> tuple[Figure, Axes]:
+    """Axes over the contacts of all states."""
+    if not any(state.touching.any() for state in states):
+        raise ValueError("nothing to draw: the bodies do not touch")
+    inside = np.concatenate([s.x_over_a[s.touching[:, 0]] for s in states])
+    figure = Figure(figsize=(1.25 * WIDTH, 0.7 * WIDTH))
+    axes = figure.add_subplot()
+    axes.set_xlim(inside.min() - MARGIN, inside.max() + MARGIN)
+    axes.set_xlabel(f"$x/{states[0].scale.a_symbol}$")
+    set_title(figure, states[0].caption)
+    return figure, axes
