@@ -233,3 +233,13 @@ def test_off_the_grid_is_said():
     contact = equilibrium(model, worn)
     assert not contact.converged
     assert f"now {half_length:g} mm" in contact.message
+
+
+def test_a_gap_that_does_not_end_the_contact_is_said():
+    scene = Scene.builtin("cylinders").replace(
+        gap={"x": [-1, 1], "y": [-1, 1], "separation": np.zeros((2, 2))},
+        **{"grid.half_length": [0.9, 0.9], "grid.elements": [21, 21]},
+    )
+    contact = equilibrium(Model(scene, (scene.gap.x, scene.gap.y, scene.gap.separation)))
+    assert not contact.converged
+    assert "rises towards its sides" in contact.message

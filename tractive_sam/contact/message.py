@@ -24,11 +24,14 @@ def message(status: Status, outcome: Outcome, model: Model) -> str:
             )
         return text
     if status is Status.OFF_GRID:
-        return (
+        text = (
             "the contact reaches the edge of the mesh: enlarge grid.half_length "
             f"(now {_half_length(model.grid)} mm) and "
             "grid.elements with it"
         )
+        if model.scene.body.endless and not model.grid.line:
+            text += "; with radius_y = inf only a [gap] that rises towards its sides ends it in y"
+        return text
     reached = (
         f"not converged: residual {outcome.residual:.1e} after {outcome.iterations} iterations "
         f"({', '.join(outcome.trace)}), asked for {solver.tolerance:.1e}; "

@@ -16,8 +16,8 @@ and sigma_xy = -ln r, sigma_yz = -t for p_y, all over pi. The strain in y is zer
 sigma_yy = nu (sigma_xx + sigma_zz). Neighbours share an edge, so that a sum over strips is one over
 edges, with the jump of the traction across each.
 
-Source: Johnson, Contact Mechanics (1985), sections 2.2, 2.3 and 2.5, in terms of one edge; the
-shear along y is the antiplane problem, sigma_xy + i sigma_yz an analytic function.
+Source: Johnson, Contact Mechanics (1985), sections 2.2, 2.3 and 2.5, in terms of one edge. The
+shear along y is the antiplane problem, sigma_xy and sigma_yz of a line load -x/r² and -z/r².
 """
 
 import math
