@@ -137,7 +137,7 @@ def _on_grid_of(scene: Scene, passage: Passage, path: str | PathLike) -> Passage
     before = passage.contact.grid
     if scene.grid is None:
         return passage
-    grid = Grid(tuple(scene.grid.half_length), tuple(scene.grid.elements))
+    grid = Grid.of(scene.grid.half_length, scene.grid.elements)
     if grid == before:
         return passage
     try:

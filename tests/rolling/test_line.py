@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from tractive_sam.contact import Model, equilibrium
@@ -35,6 +36,16 @@ def test_every_revolution_and_jumps_agree():
     assert Q_x[-1] == pytest.approx(Q_x[1], rel=1e-6)
     assert one_by_one["half_width_y"][-1] == math.inf
     assert jumps.to_dict()["half_width_y"][-1] is None
+
+
+@pytest.mark.parametrize("grid", [{}, {"grid": None}])
+def test_resumed(tmp_path, grid):
+    """A roll that goes on from the file of a shorter one is the same."""
+    path, whole = tmp_path / "line.h5", worn("every-revolution").replace(**grid)
+    roll(whole.replace(**{"wear.revolutions": 7}), path)
+    resumed, truth = roll(whole, path, resume=True), roll(whole)
+    np.testing.assert_array_equal(resumed["wear_profile"], truth["wear_profile"])
+    np.testing.assert_array_equal(resumed["Qx"], truth["Qx"])
 
 
 def test_wear_of_one_row_does_not_answer_itself():

@@ -37,10 +37,11 @@ def choose_grid(scene: Scene, measured=None) -> Grid:
     Elements are at most twice as long as wide or the reverse; their number is odd, so that one is
     centred on the axis.
     """
-    if scene.line:
-        return _of_line(scene)
     if scene.grid is not None:
-        return Grid(tuple(scene.grid.half_length), tuple(scene.grid.elements))
+        return Grid.of(scene.grid.half_length, scene.grid.elements)
+    if scene.line:
+        elements = 2 * int(0.5 * MARGIN * ACROSS_LINE) + 1
+        return Grid.of((MARGIN * scene.hertz.a,), (elements,))
     if scene.hertz is None:
         x, y, _ = measured
         half_length = (float(max(-x[0], x[-1])), float(max(-y[0], y[-1])))
@@ -57,9 +58,3 @@ def choose_grid(scene: Scene, measured=None) -> Grid:
         int(2 * np.ceil(length / s - 0.5) + 1) for length, s in zip(half_length, side, strict=True)
     )
     return Grid(half_length, elements)
-
-
-def _of_line(scene: Scene) -> Grid:
-    if scene.grid is not None:
-        return Grid.of_line(scene.grid.half_length[0], scene.grid.elements[0])
-    return Grid.of_line(MARGIN * scene.hertz.a, 2 * int(0.5 * MARGIN * ACROSS_LINE) + 1)

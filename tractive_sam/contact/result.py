@@ -101,7 +101,7 @@ class Contact:
 
     @property
     def at_edge(self) -> tuple[bool, bool]:
-        """Whether the contact reaches the edge of the mesh in x, and in y; a line has none there."""
+        """Whether the contact reaches the edge of the mesh in x, and in y: a line has none."""
         rows, columns = self.touching.any(axis=1), self.touching.any(axis=0)
         sides = bool(columns[0] or columns[-1]) and not self.grid.line
         return bool(rows[0] or rows[-1]), sides

@@ -25,9 +25,9 @@ class Grid:
     elements: tuple[int, int]
 
     @classmethod
-    def of_line(cls, half_length: float, elements: int) -> "Grid":
-        """The grid of a line contact."""
-        return cls((half_length, 0.5), (elements, 1))
+    def of(cls, half_length: tuple[float, ...], elements: tuple[int, ...]) -> "Grid":
+        """The grid of two directions, or of x alone: that of a line contact."""
+        return cls((*half_length, 0.5)[:2], (*elements, 1)[:2])
 
     @property
     def line(self) -> bool:
