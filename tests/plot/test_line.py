@@ -42,5 +42,6 @@ def test_pressures_of_the_stored_revolutions(history):
 
 def test_save_all_draws_no_maps(history, tmp_path):
     names = {path.stem for path in plot.save_all(history, tmp_path)}
-    of_states = {f"{name}-{N}" for name in ("pressure", "traction", "slip") for N in (0, 10)}
+    drawn = ("pressure", "traction", "slip", "von-mises-y0")
+    of_states = {f"{name}-{N}" for name in drawn for N in (0, 10)}
     assert names == of_states | {"forces", "widths", "wear-depth", "pressure-profiles"}

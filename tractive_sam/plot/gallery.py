@@ -75,7 +75,9 @@ def _planes(history: History) -> dict[str, tuple[str, ...]]:
     """Planes whose stress was kept, each with its bodies."""
     planes: dict[str, tuple[str, ...]] = {}
     for body, plane in history.planes:
-        planes[plane] = (*planes.get(plane, ()), body)
+        # Below a line contact, stress is the same all along y: other planes are only lines.
+        if not history.line or plane.startswith("y"):
+            planes[plane] = (*planes.get(plane, ()), body)
     return planes
 
 
