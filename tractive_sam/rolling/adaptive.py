@@ -31,11 +31,16 @@ SAFETY, SHORTEST_CUT, LONGEST_GROWTH = 0.8, 0.2, 2.0
 LAG = 0.3
 """Residual that the wear within a pass may leave, over the tolerance of the stepping."""
 
-PESSIMISM = 10.0
+PESSIMISM = 15.0
 """What the correction of the profile, the estimate of the error, overstates.
 
 With it, the profile of the scene `twin-discs` after 15,000 revolutions is within a fifth of the
 tolerance (benchmarks/wear.py)."""
+
+REPEATS, ROUGHNESS = 2, 0.1
+"""A jump is solved again at the corrected profile, at most so often, while the correction changes
+the wear rate of a row, and with it its pressure, by more than a share of the largest: a row that
+came into contact during the jump carries far too much or too little at first."""
 
 SETTLING, SETTLED = 0.2, 0.3
 """Longest jump over the distance to the next revolution that is saved, and the jump that is short
@@ -48,7 +53,8 @@ falls with each. Long jumps meet the profile, but not the moment of that."""
 def adaptive_passages(model: Model, start: Passage) -> Iterator[Passage]:
     """Roll from a passage to the end in jumps, meeting every revolution to be saved.
 
-    Each jump costs one contact, seldom two, and one more where it is refused and tried again.
+    Each jump costs one contact; more where rows come into contact, and where it is refused and
+    tried again.
 
     Parameters
     ----------
@@ -127,16 +133,59 @@ def _jump(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple
     lag = max(LAG * tolerance, model.scene.solver.tolerance)
     revolution, entering = last.revolution + jump, last.course[-1].profile
     formula = _Formula.of(last.course, jump)
-    system = formula.leading * np.eye(entering.size) - response
-    right = formula.rate - response @ formula.profile - formula.known
-    profile = np.maximum(np.linalg.solve(system, right), entering)
-    expected = formula.rate + response @ (profile - formula.profile)
-    now = passage_at(model, revolution, profile, last.contact, lag, np.maximum(expected, 0.0))
-    if not now.contact.converged:
-        return now, np.inf
-    rate = now.worn - 0.5 * response @ now.worn
-    correction = np.linalg.solve(system, rate - expected)
-    error = np.abs(correction).max() / profile.max() / (PESSIMISM * tolerance)
-    corrected = np.maximum(profile + correction, entering)
-    reached = Milestone(revolution, corrected, rate + response @ correction)
-    return replace(now, course=(last.course[-1], reached)), error
+    profile, expected, response = _predicted(last, formula, response)
+    now = passage_at(model, revolution, profile, last.contact, lag, expected)
+    solves, error = 0, np.inf
+    for repeats in range(1 + REPEATS):
+        solves += now.solves
+        if not now.contact.converged:
+            return replace(now, solves=solves), np.inf
+        rate = now.worn - 0.5 * response @ now.worn
+        missed = np.where(rate > 0.0, rate - formula.leading * profile - formula.known, 0.0)
+        system = formula.leading * np.eye(entering.size) - response
+        correction = np.linalg.solve(system, missed)
+        corrected = np.maximum(profile + correction, entering)
+        change = response @ correction
+        if repeats == 0:
+            error = np.abs(correction).max() / profile.max() / (PESSIMISM * tolerance)
+        smooth = np.abs(change).max() <= ROUGHNESS * now.worn.max()
+        if error > 1.0 or smooth or repeats == REPEATS:
+            break
+        profile, expected = corrected, np.maximum(now.worn + change, 0.0)
+        now = passage_at(model, revolution, profile, now.contact, lag, expected)
+        response = wear_response(model, now.contact)
+    reached = Milestone(revolution, corrected, rate + change)
+    return replace(now, solves=solves, course=(last.course[-1], reached)), error
+
+
+def _predicted(
+    last: Passage, formula: _Formula, response: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The profile by the formula, the rate expected there, and the response of rows in contact.
+
+    Rows that were not worn two milestones ago have no course to extrapolate. They start from the
+    last milestone, and carry no pressure before their gap has closed; those whose gap does not
+    close stay out of contact.
+    """
+    here = last.course[-1]
+    new = last.course[0].rate <= 0.0
+    stiffness = np.diag(response)
+    near = stiffness < 0.0
+    opened = np.where(near, stiffness * np.where(near, last.contact.gap.min(axis=0), 0.0), 0.0)
+    offset = np.where(
+        new,
+        here.rate - response @ here.profile + opened,
+        formula.rate - response @ formula.profile,
+    )
+    response = response.copy()
+    while True:
+        system = formula.leading * np.eye(offset.size) - response
+        profile = np.linalg.solve(system, offset - formula.known)
+        expected = offset + response @ profile
+        apart = new & (expected < 0.0)
+        if not apart.any():
+            return np.maximum(profile, here.profile), np.maximum(expected, 0.0), response
+        offset[apart] = 0.0
+        response[apart] = 0.0
+        response[:, apart] = 0.0
+        new &= ~apart
