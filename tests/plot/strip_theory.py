@@ -8,7 +8,9 @@ from tractive_sam.record import FIELDS, POINTS, PROFILES, SCALARS, History, Reco
 from tractive_sam.reference import HertzContact
 
 HERTZ = HertzContact(a=0.5, b=0.8, p0=900.0, approach=0.01, load=754.0)
-TOML = 'title = "Strips"\n[friction]\nmu = 0.3\n'
+TOML = (
+    'title = "Strips"\n[friction]\nmu = 0.3\n[body.A]\nradius_y = 50.0\n[body.B]\nradius_y = inf\n'
+)
 SLIPPING = 0.2
 """Half the length of the slip zone, mm."""
 

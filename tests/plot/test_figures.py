@@ -72,6 +72,14 @@ def test_maps_side_by_side_share_their_colours():
     assert bar.get_ylabel() == "$p_n/p_0$"
 
 
+def test_worn_bodies_part_by_what_was_worn_off_them():
+    axes = drawn(plot.worn_profiles(strips.history())).axes[0]
+    upper, lower = axes.lines[2].get_ydata(), axes.lines[5].get_ydata()
+    history = strips.history()
+    worn = history["wear_profile_A"][-1] + history["wear_profile_B"][-1]
+    np.testing.assert_allclose(upper - lower, 1e3 * (worn + history.y**2 / 100.0), rtol=1e-12)
+
+
 def test_nothing_overlaps_the_edge_of_the_paper():
     for draw in OF_A_STATE:
         figure = drawn(draw(strips.history(), 100))
@@ -129,7 +137,7 @@ class TestSaveAll:
         names = {path.name for path in paths}
         assert {"pressure-0.png", "pressure-100.png", "wear-100.png", "forces.png"} <= names
         assert not {"pressure-10.png", "wear-0.png", "pressure.png"} & names
-        assert len(names) == len(paths) == 17
+        assert len(names) == len(paths) == 18
 
     def test_one_state(self, tmp_path):
         one = strips.history(stored=(0,))

@@ -44,4 +44,10 @@ def test_save_all_draws_no_maps(history, tmp_path):
     names = {path.stem for path in plot.save_all(history, tmp_path)}
     drawn = ("pressure", "traction", "slip", "von-mises-y0")
     of_states = {f"{name}-{N}" for name in drawn for N in (0, 10)}
-    assert names == of_states | {"forces", "widths", "wear-depth", "pressure-profiles"}
+    assert names == of_states | {
+        "forces",
+        "widths",
+        "wear-depth",
+        "von-mises-maxima",
+        "pressure-profiles",
+    }

@@ -3,7 +3,7 @@
 Every function returns a matplotlib `Figure` that belongs to no window and no global state.
 """
 
-from tractive_sam.plot.courses import forces, wear_depth, widths
+from tractive_sam.plot.courses import forces, von_mises_course, wear_depth, widths
 from tractive_sam.plot.creep_force import creep_force_curve
 from tractive_sam.plot.evolution import (
     pressure_over_revolutions,
@@ -13,7 +13,7 @@ from tractive_sam.plot.evolution import (
 from tractive_sam.plot.fields import pressure, stick_slip_map, traction, wear_map
 from tractive_sam.plot.gallery import FORMATS, save_all
 from tractive_sam.plot.line import line_pressure, line_pressures, line_slip, line_traction
-from tractive_sam.plot.profiles import pressure_profiles, wear_profiles
+from tractive_sam.plot.profiles import pressure_profiles, wear_profiles, worn_profiles
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.sections import traction_sections
 from tractive_sam.plot.state import State
@@ -38,10 +38,12 @@ __all__ = [
     "traction",
     "traction_sections",
     "von_mises",
+    "von_mises_course",
     "von_mises_sections",
     "wear_depth",
     "wear_map",
     "wear_over_revolutions",
     "wear_profiles",
     "widths",
+    "worn_profiles",
 ]

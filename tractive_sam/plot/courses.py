@@ -2,9 +2,10 @@
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from tractive_sam.plot.scale import Scale
-from tractive_sam.plot.style import WIDTH, set_title, styled
+from tractive_sam.plot.style import BLUE, VERMILLION, WIDTH, set_title, styled
 from tractive_sam.record import History
 
 
@@ -45,6 +46,23 @@ def wear_depth(history: History) -> Figure:
     return figure
 
 
+@styled
+def von_mises_course(history: History) -> Figure:
+    """Largest equivalent stress of each body, inside and at the surface, over the revolutions."""
+    figure, axes = _over_revolutions(history)
+    scale = Scale.of_history(history)
+    colours = {"A": BLUE, "B": VERMILLION}
+    for column, body in enumerate(history.bodies):
+        for place, style in (("interior", "-"), ("surface", "--")):
+            values = history[f"von_mises_{place}"][:, column] / scale.p
+            line = _course(axes, history, values, f"{body}, {place}")
+            line.set(linestyle=style, color=colours[body])
+    axes.set_ylim(bottom=0.0)
+    axes.set_ylabel(rf"largest $\sigma_\mathrm{{vM}}/{scale.p_symbol}$")
+    axes.legend(loc="best", title="surface values depend on the mesh")
+    return figure
+
+
 def _over_revolutions(history: History) -> tuple[Figure, Axes]:
     figure = Figure(figsize=(WIDTH, 0.66 * WIDTH))
     axes = figure.add_subplot()
@@ -53,6 +71,7 @@ def _over_revolutions(history: History) -> tuple[Figure, Axes]:
     return figure, axes
 
 
-def _course(axes: Axes, history: History, values, label: str) -> None:
+def _course(axes: Axes, history: History, values, label: str) -> Line2D:
     (line,) = axes.plot(history["revolution"], values, label=label)
     line.set_clip_on(False)
+    return line

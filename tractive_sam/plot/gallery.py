@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from tractive_sam.plot.courses import forces, wear_depth, widths
+from tractive_sam.plot.courses import forces, von_mises_course, wear_depth, widths
 from tractive_sam.plot.evolution import (
     pressure_over_revolutions,
     slip_over_revolutions,
@@ -14,7 +14,7 @@ from tractive_sam.plot.evolution import (
 )
 from tractive_sam.plot.fields import pressure, stick_slip_map, traction, wear_map
 from tractive_sam.plot.line import line_pressure, line_pressures, line_slip, line_traction
-from tractive_sam.plot.profiles import pressure_profiles, wear_profiles
+from tractive_sam.plot.profiles import pressure_profiles, wear_profiles, worn_profiles
 from tractive_sam.plot.sections import traction_sections
 from tractive_sam.plot.state import State
 from tractive_sam.plot.stress import von_mises_sections
@@ -66,6 +66,8 @@ def _figures(history: History) -> Iterator[tuple[str, Figure]]:
     if len(history) > 1:
         for name, draw in _COURSES.items():
             yield name, draw(history)
+        if history.bodies:
+            yield "von-mises-maxima", von_mises_course(history)
     if len(stored) > 1:
         for name, draw in (_LINE_EVOLUTIONS if history.line else _EVOLUTIONS).items():
             yield name, draw(history)
@@ -85,6 +87,7 @@ _COURSES = {"forces": forces, "widths": widths, "wear-depth": wear_depth}
 
 _EVOLUTIONS = {
     "wear-profiles": wear_profiles,
+    "worn-profiles": worn_profiles,
     "pressure-profiles": pressure_profiles,
     "pressure-over-revolutions": pressure_over_revolutions,
     "slip-over-revolutions": slip_over_revolutions,

@@ -32,6 +32,28 @@ def wear_profiles(history: History) -> Figure:
 
 
 @styled
+def worn_profiles(history: History) -> Figure:
+    """Cross-sections of both bodies at x = 0, A above B, at the stored revolutions.
+
+    Each body by its own radius, less the depth worn off it; as if they touched at one point.
+    """
+    figure, axes = _across(history)
+    row = {revolution: k for k, revolution in enumerate(history["revolution"])}
+    for body, sign in (("A", 1.0), ("B", -1.0)):
+        radius = history.settings["body"][body]["radius_y"]
+        shape = 0.5 * history.y**2 / radius
+        worn = history[f"wear_profile_{body}"]
+        _lines(axes, history, lambda N, s=sign, h=shape, w=worn: MICRON * s * (h + w[row[N]]))
+        axes.text(0.02, 0.5 + 0.44 * sign, body, transform=axes.transAxes, va="center")
+    axes.set_ylabel(r"surface $z$ ($\mathrm{\mu m}$)")
+    handles, labels = axes.get_legend_handles_labels()
+    once = dict(zip(labels, handles, strict=True))
+    figure.legends.clear()
+    figure.legend(once.values(), once.keys(), title="$N$", loc="outside right upper")
+    return figure
+
+
+@styled
 def pressure_profiles(history: History) -> Figure:
     """Largest pressure in every row along the rolling direction, at the stored revolutions."""
     figure, axes = _across(history)
