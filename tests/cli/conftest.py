@@ -49,6 +49,7 @@ def stored(folder):
     """A results file of thirty records."""
     path = folder / "stored.h5"
     toml = 'title = "Stored [not markup]"\n[friction]\nmu = 0.3\n'
+    toml += "[body.A]\nradius_y = 50.0\n[body.B]\nradius_y = inf\n"
     reference = {"a0": 1.0, "b0": 1.0, "p0": 1.0}
     with HistoryWriter(path, toml, GRID, reference) as writer:
         for number in range(30):
