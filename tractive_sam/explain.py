@@ -94,6 +94,10 @@ def _contact(model: Model) -> Section:
             law = f"orthotropic, mu = ({mu1:g}, {mu2:g}) at {scene.friction.angle:g} degrees"
         rows.append(("friction", law))
     rows.append(("method", f"{scene.solver.method}, to {scene.solver.tolerance:g}"))
+    if model.transmits:
+        staggered = model.stencil.staggered
+        scheme = "staggered, second order" if staggered else "upwind, first order (the paper's)"
+        rows.append(("slip", scheme))
     rows.append(
         ("left out", "inertia, speed, lubricant, heat, plasticity; thin or conforming bodies")
     )

@@ -37,19 +37,21 @@ def test_projection_shortens_distances(a, b, bound):
     assert (np.hypot(*(projected(a, bound) - projected(b, bound))) <= apart + 1e-12).all()
 
 
-def linearised(traction, slip, bound):
+def linearised(traction, slip, bound, staggered=False):
     shape = bound.shape
     state, direction = np.empty(shape, np.int8), np.empty((2, *shape))
-    kappa, defect = np.empty(shape), np.empty((2, *shape))
-    squares = friction.linearise(traction, slip, bound, state, direction, kappa, defect)
-    return state, direction, kappa, defect, squares
+    kappa, across, defect = np.empty(shape), np.empty((2, 2, *shape)), np.empty((2, *shape))
+    squares = friction.linearise(
+        traction, slip, bound, staggered, state, direction, kappa, across, defect
+    )
+    return state, direction, kappa, across, defect, squares
 
 
 def test_linearisation_is_the_derivative_of_the_projection():
     rng = np.random.default_rng(0)
     traction, slip = rng.normal(size=(2, 2, 5, 4))
     bound = rng.uniform(0.1, 1.5, (5, 4))
-    state, direction, kappa, defect, squares = linearised(traction, slip, bound)
+    state, direction, kappa, _, defect, squares = linearised(traction, slip, bound)
     np.testing.assert_allclose(defect, projected(traction - slip, bound) - traction, atol=1e-15)
     assert squares == pytest.approx((defect**2).sum())
     assert set(np.unique(state)) == {friction.STICK, friction.SLIP}
@@ -60,6 +62,62 @@ def test_linearisation_is_the_derivative_of_the_projection():
     derivative = np.where(state == friction.SLIP, kappa * (change - along), change)
     # Central difference: error h² times the third derivative, which 1/bound keeps below 1e3.
     np.testing.assert_allclose((ahead - behind) / (2 * h), derivative, atol=1e-8)
+
+
+def turned(slip, bound):
+    out = np.empty_like(slip)
+    friction.turn(slip, bound, out)
+    return out
+
+
+def test_turned_slip_points_where_the_slip_at_the_centre_does():
+    """Linear in x, so that interpolation from the faces is exact: s(i) at the centre i."""
+    faces = np.arange(6)[:, None] + 0.5
+    centres = faces - 0.5
+    slip = np.stack((np.ones((6, 1)), 0.05 * faces))
+    out = turned(slip, np.ones((6, 1)))
+    np.testing.assert_allclose(np.hypot(*out), np.hypot(*slip))
+    np.testing.assert_allclose((out[1] / out[0])[1:], 0.05 * centres[1:], rtol=1e-12)
+
+
+def test_turned_slip_is_continuous_and_never_turns_back():
+    """Also where slip just begins, vanishes or reverses from one face to the next."""
+    rng = np.random.default_rng(2)
+    for _ in range(200):
+        slip = rng.normal(size=(2, 4, 1)) * np.exp(rng.normal(size=(4, 1)) * 3)
+        near = turned(slip + 1e-9 * rng.normal(size=slip.shape), np.ones((4, 1)))
+        out = turned(slip, np.ones((4, 1)))
+        # The direction turns by at most some 1/|slip|, of sizes down to 1e-4 here.
+        assert np.abs(near - out).max() < 1e-7
+        assert ((out * slip).sum(axis=0) > 0).all()
+
+
+def test_rows_are_the_derivative_of_the_law_at_its_solution():
+    """Newton's rows, with tractions that oppose the turned slip or, sticking, none at all."""
+    rng = np.random.default_rng(3)
+    bound = rng.uniform(0.5, 1.5, (6, 3))
+    slip = np.stack((rng.uniform(-1.3, -0.7, (6, 3)), rng.uniform(-0.3, 0.3, (6, 3))))
+    slip[:, 3, 1] *= 0.3  # slip that just begins: its share in the direction changes as well
+    s = turned(slip, bound)
+    traction = -bound * s / np.hypot(*s)
+    state, direction, kappa, across, defect, _ = linearised(traction, slip, bound, True)
+    assert (state == friction.SLIP).all()
+    np.testing.assert_allclose(defect, 0.0, atol=1e-14)
+    change, h = rng.normal(size=(2, 6, 3)), 1e-6
+    defects = []
+    for sign in (1, -1):
+        s = turned(slip + sign * h * change, bound)
+        defects.append(projected(traction - s, bound) - traction)
+    t = np.stack((-direction[1], direction[0]))
+    derivative = (t * (defects[1] - defects[0])).sum(axis=0) / (2 * h)
+    row = np.empty((2, 6, 3))
+    friction.tangent_row(state, direction, kappa, across, bound, 0 * change, change, row)
+    # The row is scaled so that it is kappa t.m + (1 - kappa) t.p; gamma = 1/kappa - 1 undoes it.
+    gamma = 1.0 / kappa - 1.0
+    size = np.hypot(*slip)
+    undone = (t * row).sum(axis=0) / kappa * size / (gamma * bound)
+    undone *= bound / (bound + size)
+    np.testing.assert_allclose(derivative, undone, rtol=1e-6, atol=1e-8)
 
 
 def test_open_elements_carry_nothing():
@@ -73,8 +131,8 @@ def test_sweep_sums_from_the_leading_edge_where_it_sticks():
     state = np.full((4, 1), friction.STICK, np.int8)
     state[0] = friction.OPEN
     increments, out = np.ones((2, 4, 1)), np.empty((2, 4, 1))
-    zero = np.zeros((4, 1))
-    friction.sweep(state, np.zeros((2, 4, 1)), zero + 1, (1.0, 0.0, 1.0), increments, zero, out)
+    zero, own = np.zeros((4, 1)), (1.0, 0.0, 1.0)
+    friction.sweep(state, np.zeros((2, 4, 1)), zero + 1, zero, own, increments, zero, out)
     np.testing.assert_array_equal(out[0, :, 0], [0, 3, 2, 1])
 
 

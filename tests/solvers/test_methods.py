@@ -89,8 +89,9 @@ def tangential_problem():
 
     settings = ["grid.half_length=[4.08, 4.08]", "grid.elements=[21, 21]"]
     model = Model(Scene.builtin("spheres").with_set(settings))
-    pressure = steady("spheres", elements=21).pressure / model.units.pressure
-    return TangentialProblem(model.half_space, model.scaled_rigid_slip, pressure)
+    contact = steady("spheres", elements=21)
+    pressure, gap = contact.pressure / model.units.pressure, contact.gap / model.units.gap
+    return TangentialProblem(model.half_space, model.scaled_rigid_slip, pressure, gap)
 
 
 @pytest.mark.parametrize("angle", [0, 30, 45, 90])

@@ -65,18 +65,8 @@ def _dimensionless(model: Model, depth: DepthInPass) -> DepthInPass:
 
 
 def _slip(model: Model, scaled: np.ndarray) -> np.ndarray:
-    """s/V at the elements' centres.
-
-    The upwind difference is the elastic slip at the leading side of an element. The mean of its two
-    sides belongs to the point where pressure and traction are taken: with it frictional work and
-    energy law agree to rounding. The paper's scheme takes the leading side;
-    ``slip = "upwind"`` keeps that.
-    """
-    slip = model.units.slip * model.frame.slip_to_physical(scaled)
-    if model.scene.solver.slip != "upwind":
-        elastic = slip - model.rigid_slip
-        slip[:, 1:] = model.rigid_slip[:, 1:] + 0.5 * (elastic[:, 1:] + elastic[:, :-1])
-    return slip
+    """s/V that wears and dissipates, from what the stencil solves for."""
+    return model.stencil.at_centres(model.units.slip * model.frame.slip_to_physical(scaled))
 
 
 def _rolling_resistance(model: Model, pressure: np.ndarray, depth: np.ndarray) -> float:
@@ -96,7 +86,9 @@ def _contact(model: Model, outcome: Outcome, depth: np.ndarray | DepthInPass | N
         depth = np.zeros(model.grid.elements)
     sliding = touching
     if model.scene.friction is not None:
-        sliding = touching & (np.hypot(*(outcome.traction - outcome.slip)) > outcome.pressure)
+        friction_slip = model.half_space.friction_slip(outcome.pressure, outcome.gap)
+        opposed = friction_slip.opposed(outcome.slip, outcome.traction)
+        sliding = touching & (np.hypot(*(outcome.traction - opposed)) > outcome.pressure)
     xi_x, xi_y, spin = model.creepages(outcome.creepage)
     contact = Contact(
         model.scene,

@@ -26,6 +26,7 @@ def solve_normal(model: Model, gap: np.ndarray, first: Guess | None, tolerance: 
 def solve_tangential(
     model: Model,
     pressure: np.ndarray,
+    gap: np.ndarray,
     rigid: np.ndarray,
     first: Guess | None,
     tolerance: float,
@@ -40,6 +41,7 @@ def solve_tangential(
         model.half_space_of(pressure[box].shape),
         rigid[:, *box],
         pressure[box],
+        gap[box],
         model.transmission if transmission is None else transmission,
     )
     begin = None if first is None else first.traction[:, *box]
@@ -81,7 +83,9 @@ def in_sequence(model: Model, gap: np.ndarray, first: Guess | None) -> Outcome:
     if not (normal.converged and model.transmits and pressure.any()):
         slip = model.scaled_rigid_slip + slip_by_pressure(model, pressure)
         return replace(normal, traction=np.zeros_like(slip), slip=slip)
-    tangential = solve_tangential(model, pressure, model.scaled_rigid_slip, first, tolerance)
+    tangential = solve_tangential(
+        model, pressure, normal.gap, model.scaled_rigid_slip, first, tolerance
+    )
     return replace(
         tangential.after(normal),
         pressure=pressure,
@@ -100,10 +104,14 @@ def slip_by_pressure(model: Model, pressure: np.ndarray) -> np.ndarray | float:
 
 
 def _rectangle(contact: np.ndarray) -> tuple[slice, slice]:
-    """The contact and one more row behind it, whose slip the one at an element's centre needs."""
+    """The contact and a row on both sides.
+
+    The slip at the centre of an element needs that of the row behind it, the slip of a leading
+    element the gap ahead.
+    """
     i = np.flatnonzero(contact.any(axis=1))
     j = np.flatnonzero(contact.any(axis=0))
-    return slice(max(i[0] - 1, 0), i[-1] + 1), slice(j[0], j[-1] + 1)
+    return slice(max(i[0] - 1, 0), i[-1] + 2), slice(j[0], j[-1] + 1)
 
 
 def _placed(field: np.ndarray, box: tuple[slice, slice], shape: tuple[int, int]) -> np.ndarray:

@@ -9,7 +9,7 @@ from scipy.interpolate import RegularGridInterpolator
 
 from tractive_sam.contact.mesh import choose_grid
 from tractive_sam.contact.wear_law import WearLaw
-from tractive_sam.operators import Frame, Grid, HalfSpace, Mesh
+from tractive_sam.operators import STAGGERED, UPWIND, Frame, Grid, HalfSpace, Mesh, Stencil
 from tractive_sam.scene import Scene, SceneWarning
 from tractive_sam.solvers.problem import Transmission
 
@@ -105,7 +105,7 @@ class Model:
 
     def _operators(self, shape: tuple[int, int]) -> HalfSpace:
         mesh = Mesh(shape, self.grid.dx, self.grid.dy, self._datum)
-        return HalfSpace(mesh, self.material, self.units.length, self.frame)
+        return HalfSpace(mesh, self.material, self.units.length, self.frame, stencil=self.stencil)
 
     @property
     def _datum(self) -> float | None:
@@ -146,11 +146,20 @@ class Model:
         moving = creepage.longitudinal or creepage.lateral or creepage.spin
         return self.scene.friction is not None and bool(moving or any(self.free) or self.dissimilar)
 
+    @property
+    def stencil(self) -> Stencil:
+        """Where the slip of an element is taken."""
+        return UPWIND if self.scene.solver.slip == "upwind" else STAGGERED
+
     @cached_property
     def rigid_slip(self) -> np.ndarray:
-        """Slip of the undeformed bodies by the given creepages, s/V, shape (2, n_x, n_y)."""
+        """Slip of the undeformed bodies by the given creepages, s/V, shape (2, n_x, n_y).
+
+        At the points at which the stencil takes it.
+        """
         creepage = self.scene.creepage
-        x, y = self.grid.x[:, None], self.grid.y[None, :]
+        x = (self.grid.x + self.stencil.rigid_ahead * self.grid.dx)[:, None]
+        y = self.grid.y[None, :]
         longitudinal = creepage.longitudinal - creepage.spin * y
         lateral = creepage.lateral + creepage.spin * x
         return np.stack(np.broadcast_arrays(longitudinal, lateral))

@@ -45,9 +45,10 @@ class Contact:
         (p_x, p_y) on body A, MPa.
     slip : ndarray
         (s_x, s_y)/V at the centres of the elements, dimensionless; zero outside the contact. The
-        contact conditions are solved for the upwind slip, that of the leading side of an element;
-        its mean over both sides, given here, is what wears and dissipates. So an element that
-        sticks beside one that slips shows half its slip. ``slip = "upwind"`` gives the upwind one.
+        mean slip of the leading and the trailing face of an element, by which it wears and
+        dissipates. An element sticks where its leading face does, so one that sticks ahead of one
+        that slips shows half its slip, and a leading one half of what the surfaces slip ahead of
+        the contact. ``slip = "upwind"`` gives the slip of the leading face.
     gap : ndarray
         Separation of the deformed surfaces, mm.
     wear : ndarray

@@ -57,13 +57,19 @@ def together(model: Model, gap: np.ndarray, first: Guess | None) -> Outcome:
 def _one_after_the_other(model: Model, gap: np.ndarray) -> tuple[Guess, Outcome]:
     normal = solve_normal(model, gap, None, _ROUGHLY)
     rigid = model.scaled_rigid_slip + slip_by_pressure(model, normal.pressure)
-    tangential = solve_tangential(model, normal.pressure, rigid, None, _ROUGHLY)
+    tangential = solve_tangential(model, normal.pressure, normal.gap, rigid, None, _ROUGHLY)
     earlier, creepage = tangential.after(normal), tangential.creepage
     if not tangential.converged and len(model.transmission):
         # The slip by the uncoupled pressure can be more than the forces can be had with: then the
         # creepages are left to the coupled method.
         tangential = solve_tangential(
-            model, normal.pressure, rigid, None, _ROUGHLY, transmission=Transmission()
+            model,
+            normal.pressure,
+            normal.gap,
+            rigid,
+            None,
+            _ROUGHLY,
+            transmission=Transmission(),
         )
         earlier, creepage = tangential.after(earlier), np.zeros(len(model.transmission))
     return Guess(normal.pressure, tangential.traction, normal.approach, creepage), earlier

@@ -31,29 +31,115 @@ def project(traction, bound, out):
 
 
 @njit(cache=True)
-def linearise(traction, slip, bound, state, direction, kappa, defect):
+def _centred(slip, bound, i, j):
+    """Slip at the centre of an element, from that of the leading faces.
+
+    By a parabola through the faces ahead, its own and behind; its weights -1/8, 3/4, 3/8 damp
+    odd-even waves as the own face does. By the mean of two where the face ahead is that of a
+    leading element, at the edge of contact.
+    """
+    a0, a1 = slip[0, i, j], slip[1, i, j]
+    if i == 0:
+        return a0, a1
+    m0, m1 = 0.5 * (a0 + slip[0, i - 1, j]), 0.5 * (a1 + slip[1, i - 1, j])
+    if i + 2 < bound.shape[0] and bound[i + 1, j] > 0.0 and bound[i + 2, j] > 0.0:
+        m0 = 0.75 * m0 + 0.375 * a0 - 0.125 * slip[0, i + 1, j]
+        m1 = 0.75 * m1 + 0.375 * a1 - 0.125 * slip[1, i + 1, j]
+    return m0, m1
+
+
+@njit(cache=True)
+def _share(a0, a1, m0, m1):
+    """Share of the centre in the direction opposed, 2 a.m/(a² + m²) and a² + m² (`turn`)."""
+    square = a0 * a0 + a1 * a1 + m0 * m0 + m1 * m1
+    if square < 1e-200:
+        return 0.0, 0.0, 1.0
+    agreement = 2.0 * (a0 * m0 + a1 * m1) / square
+    return min(1.0, max(0.0, 2.0 * agreement - 0.5)), agreement, square
+
+
+@njit(cache=True)
+def _turned(a0, a1, m0, m1):
+    """The slip opposed, and the ratio of its size to that of the vector it is turned to."""
+    share, _, _ = _share(a0, a1, m0, m1)
+    if share == 0.0:
+        return a0, a1, 1.0
+    d0, d1 = a0 + share * (m0 - a0), a1 + share * (m1 - a1)
+    square = d0 * d0 + d1 * d1
+    if square < 1e-200:
+        return a0, a1, 1.0
+    ratio = sqrt((a0 * a0 + a1 * a1) / square)
+    return ratio * d0, ratio * d1, ratio
+
+
+@njit(cache=True)
+def turn(slip, bound, out):
+    """Slip that the tractions oppose, from that of the leading faces.
+
+    Its size is that of the slip a of the leading face, which decides between stick and slip, its
+    direction that of the slip m at the centre. Where slip just begins, or the two disagree, the
+    direction passes over into that of a, by the share 4 a.m/(a² + m²) - 1/2 within 0 and 1 (well
+    within a slip zone it is one): so the law is continuous, and an element sticks rather than slip
+    the wrong way at its leading face.
+    """
+    nx, ny = bound.shape
+    for i in range(nx):
+        for j in range(ny):
+            a0, a1 = slip[0, i, j], slip[1, i, j]
+            if bound[i, j] > 0.0:
+                m0, m1 = _centred(slip, bound, i, j)
+                a0, a1, _ = _turned(a0, a1, m0, m1)
+            out[0, i, j], out[1, i, j] = a0, a1
+
+
+@njit(cache=True)
+def _respond(slip, m0, m1, staggered, t0, t1, i, j, across):
+    """Derivative, along t, of the vector that the slip opposed is turned to (`linearise`)."""
+    a0, a1 = slip[0, i, j], slip[1, i, j]
+    share, agreement, square = 0.0, 0.0, 1.0
+    if staggered:
+        share, agreement, square = _share(a0, a1, m0, m1)
+    across[0, 0, i, j], across[0, 1, i, j] = (1.0 - share) * t0, (1.0 - share) * t1
+    across[1, 0, i, j], across[1, 1, i, j] = share * t0, share * t1
+    if 0.0 < share < 1.0:
+        # The share changes as well.
+        x = 4.0 * (t0 * (m0 - a0) + t1 * (m1 - a1)) / square
+        across[0, 0, i, j] += x * (m0 - agreement * a0)
+        across[0, 1, i, j] += x * (m1 - agreement * a1)
+        across[1, 0, i, j] += x * (a0 - agreement * m0)
+        across[1, 1, i, j] += x * (a1 - agreement * m1)
+
+
+@njit(cache=True)
+def linearise(traction, slip, bound, staggered, state, direction, kappa, across, defect):
     """State of every element and the defect of the friction law, disc(p - s) - p.
 
     Parameters
     ----------
     traction, slip : ndarray, shape (2, nx, ny)
-        Current iterate and its slip.
+        Current iterate and the slip of its leading faces.
     bound : ndarray, shape (nx, ny)
         Radius of the disc.
+    staggered : bool
+        Whether the slip opposed is turned to that at the centre (`turn`).
     state : ndarray of int8, shape (nx, ny)
         Set to OPEN, STICK or SLIP.
     direction : ndarray, shape (2, nx, ny)
         Set to the unit vector of p - s where the element slips.
     kappa : ndarray, shape (nx, ny)
-        Set to the derivative of the projection across the direction of slip: bound/|p - s| where
-        it slips, 1 where it sticks.
+        Set to k, the derivative of the projection across the direction of slip: bound/|p - s| where
+        it slips, 1 where it sticks. Where slip was turned from a vector of another size, k is set,
+        and the defect scaled, so that the row is one in that vector.
+    across : ndarray, shape (2, 2, nx, ny)
+        Set to what the slip opposed answers to the slip at the leading face (first index 0) and
+        at the centre (1), across the direction of slip, where it slips.
     defect : ndarray, shape (2, nx, ny)
-        Set to disc(p - s) - p.
+        Set to disc(p - s) - p, the part across the direction of slip scaled like its row.
 
     Returns
     -------
     float
-        Sum of squares of the defect.
+        Sum of squares of disc(p - s) - p.
     """
     nx, ny = bound.shape
     total = 0.0
@@ -61,33 +147,50 @@ def linearise(traction, slip, bound, state, direction, kappa, defect):
         for j in range(ny):
             g = bound[i, j]
             p0, p1 = traction[0, i, j], traction[1, i, j]
-            q0, q1 = p0 - slip[0, i, j], p1 - slip[1, i, j]
+            s0, s1, ratio = slip[0, i, j], slip[1, i, j], 1.0
+            m0, m1 = s0, s1
+            if staggered and g > 0.0:
+                m0, m1 = _centred(slip, bound, i, j)
+                s0, s1, ratio = _turned(s0, s1, m0, m1)
+            q0, q1 = p0 - s0, p1 - s1
             direction[0, i, j] = direction[1, i, j] = 0.0
             kappa[i, j] = 1.0
             if g <= 0.0:
                 state[i, j] = OPEN
-                q0 = q1 = 0.0
+                d0, d1 = -p0, -p1
+                total += d0 * d0 + d1 * d1
             else:
                 size = sqrt(q0 * q0 + q1 * q1)
                 if size <= g:
                     state[i, j] = STICK
+                    d0, d1 = -slip[0, i, j], -slip[1, i, j]
+                    total += d0 * d0 + d1 * d1
                 else:
                     state[i, j] = SLIP
-                    direction[0, i, j], direction[1, i, j] = q0 / size, q1 / size
+                    n0, n1 = q0 / size, q1 / size
                     # A hundredth of an ulp of pressure must not make 1/kappa infinite.
-                    kappa[i, j] = max(g / size, 1e-100)
-                    q0, q1 = g * direction[0, i, j], g * direction[1, i, j]
-            defect[0, i, j], defect[1, i, j] = q0 - p0, q1 - p1
-            total += defect[0, i, j] ** 2 + defect[1, i, j] ** 2
+                    k = max(g / size, 1e-100)
+                    d0, d1 = g * n0 - p0, g * n1 - p1
+                    total += d0 * d0 + d1 * d1
+                    if ratio != 1.0:
+                        scale = 1.0 / (k * ratio + 1.0 - k)
+                        k = max(scale * k * ratio, 1e-100)
+                        more = (scale - 1.0) * (n0 * d1 - n1 * d0)
+                        d0, d1 = d0 - more * n1, d1 + more * n0
+                    direction[0, i, j], direction[1, i, j] = n0, n1
+                    kappa[i, j] = k
+                    _respond(slip, m0, m1, staggered, -n1, n0, i, j, across)
+            defect[0, i, j], defect[1, i, j] = d0, d1
     return total
 
 
 @njit(cache=True)
-def tangent_row(state, direction, kappa, step, slip, out):
+def tangent_row(state, direction, kappa, across, bound, step, slip, out):
     """Rows of the linearised friction law: s where it sticks, kappa t.s + (1 - kappa) t.p along t.
 
-    ``step`` and ``slip`` are a change of traction and the change of slip it causes; ``t`` is
-    perpendicular to the direction of slip. Components that are no unknowns are set to zero.
+    ``step`` and ``slip`` are a change of traction and the change of slip of the leading faces it
+    causes; ``t`` is perpendicular to the direction of slip, and ``across`` says what t.s is there
+    (`linearise`). Components that are no unknowns are set to zero.
     """
     nx, ny = state.shape
     for i in range(nx):
@@ -96,40 +199,47 @@ def tangent_row(state, direction, kappa, step, slip, out):
                 out[0, i, j], out[1, i, j] = slip[0, i, j], slip[1, i, j]
             elif state[i, j] == SLIP:
                 t0, t1, k = -direction[1, i, j], direction[0, i, j], kappa[i, j]
-                value = k * (t0 * slip[0, i, j] + t1 * slip[1, i, j]) + (1.0 - k) * (
-                    t0 * step[0, i, j] + t1 * step[1, i, j]
-                )
+                along = across[0, 0, i, j] * slip[0, i, j] + across[0, 1, i, j] * slip[1, i, j]
+                if across[1, 0, i, j] != 0.0 or across[1, 1, i, j] != 0.0:
+                    m0, m1 = _centred(slip, bound, i, j)
+                    along += across[1, 0, i, j] * m0 + across[1, 1, i, j] * m1
+                value = k * along + (1.0 - k) * (t0 * step[0, i, j] + t1 * step[1, i, j])
                 out[0, i, j], out[1, i, j] = value * t0, value * t1
             else:
                 out[0, i, j] = out[1, i, j] = 0.0
 
 
 @njit(cache=True)
-def split(state, direction, kappa, own, row, smooth, rough):
+def split(state, direction, kappa, stiffness, own, row, smooth, rough):
     """Divide a residual between the two halves of the upwind-sweep preconditioner.
 
-    Where elements stick the circulant inverse takes all of it (``smooth``). Where they slip, the
-    local term gamma = 1/kappa - 1 competes with the elastic one, of the size of the element's slip
-    of itself, d = t.D t; the circulant inverse takes the share 2 d/(2 d + gamma), the rest
-    (``rough``, a scalar along t) is left to the sweep.
+    A local term gamma competes with the elastic one, of the size of the element's slip of itself,
+    d = t.D t: of leading elements half the bound w (``stiffness``) on their answer to the opening
+    ahead, and of those that slip 1/kappa - 1, which counts 1 + w times since a row is divided by
+    that (`operators.stencil.FrictionSlip`). The circulant inverse takes the share 2 d/(2 d + gamma)
+    (``smooth``); of an element that slips, the rest (``rough``, a scalar along t) is left to the
+    sweep.
     """
     nx, ny = state.shape
     for i in range(nx):
         for j in range(ny):
             smooth[0, i, j] = smooth[1, i, j] = rough[i, j] = 0.0
             if state[i, j] == STICK:
-                smooth[0, i, j], smooth[1, i, j] = row[0, i, j], row[1, i, j]
+                d, w = own[0] + own[2], stiffness[i, j]
+                share = d / (d + 0.5 * w) * (1.0 + w)
+                smooth[0, i, j], smooth[1, i, j] = share * row[0, i, j], share * row[1, i, j]
             elif state[i, j] == SLIP:
                 t0, t1, k = -direction[1, i, j], direction[0, i, j], kappa[i, j]
                 d = own[0] * t0 * t0 + 2.0 * own[1] * t0 * t1 + own[2] * t1 * t1
-                value = (t0 * row[0, i, j] + t1 * row[1, i, j]) / k
-                share = 2.0 * d / (2.0 * d + 1.0 / k - 1.0)
+                w = stiffness[i, j]
+                value = (1.0 + w) * (t0 * row[0, i, j] + t1 * row[1, i, j]) / k
+                share = 2.0 * d / (2.0 * d + 0.5 * w + (1.0 + w) * (1.0 / k - 1.0))
                 rough[i, j] = (1.0 - share) * value
                 smooth[0, i, j], smooth[1, i, j] = share * value * t0, share * value * t1
 
 
 @njit(cache=True)
-def sweep(state, direction, kappa, own, smooth, rough, out):
+def sweep(state, direction, kappa, stiffness, own, smooth, rough, out):
     """Integrate from the leading edge of every row, where the traction is zero.
 
     ``smooth`` is what the circulant inverse made of its share: the increment of traction from one
@@ -149,7 +259,9 @@ def sweep(state, direction, kappa, own, smooth, rough, out):
             if state[i, j] == SLIP:
                 t0, t1 = -direction[1, i, j], direction[0, i, j]
                 d = 2.0 * (own[0] * t0 * t0 + 2.0 * own[1] * t0 * t1 + own[2] * t1 * t1)
-                tau = (d * (a * t0 + b * t1) + rough[i, j]) / (d + 1.0 / kappa[i, j] - 1.0)
+                w = stiffness[i, j]
+                gamma = 0.5 * w + (1.0 + w) * (1.0 / kappa[i, j] - 1.0)
+                tau = (d * (a * t0 + b * t1) + rough[i, j]) / (d + gamma)
                 a, b = tau * t0, tau * t1
             ahead[0, j], ahead[1, j] = a, b
             out[0, i, j], out[1, i, j] = a, b

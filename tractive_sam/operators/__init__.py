@@ -4,7 +4,19 @@ from tractive_sam.operators.convolution import Convolution
 from tractive_sam.operators.grid import Grid
 from tractive_sam.operators.half_space import Frame, HalfSpace
 from tractive_sam.operators.influence import Mesh
+from tractive_sam.operators.stencil import STAGGERED, UPWIND, Stencil
 from tractive_sam.operators.stress_layers import StressLayers
 from tractive_sam.operators.stress_plane import StressPlane
 
-__all__ = ["Convolution", "Frame", "Grid", "HalfSpace", "Mesh", "StressLayers", "StressPlane"]
+__all__ = [
+    "STAGGERED",
+    "UPWIND",
+    "Convolution",
+    "Frame",
+    "Grid",
+    "HalfSpace",
+    "Mesh",
+    "Stencil",
+    "StressLayers",
+    "StressPlane",
+]

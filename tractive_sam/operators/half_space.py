@@ -21,6 +21,7 @@ from tractive_sam.operators import influence
 from tractive_sam.operators.convolution import Convolution
 from tractive_sam.operators.fft import spectrum
 from tractive_sam.operators.influence import Mesh
+from tractive_sam.operators.stencil import UPWIND, FrictionSlip, Stencil, edge_normals
 from tractive_sam.reference import CombinedMaterial
 
 
@@ -77,6 +78,8 @@ class HalfSpace:
         Scaled tribological frame.
     threads : int
         Threads of the transforms.
+    stencil : Stencil
+        How the friction law takes the slip; the operators are those of the leading faces for any.
     """
 
     def __init__(
@@ -86,16 +89,18 @@ class HalfSpace:
         length: float,
         frame: Frame | None = None,
         threads: int = 1,
+        stencil: Stencil = UPWIND,
     ):
         self.mesh = mesh
         self.material = material
         self.length = length
         self.frame = frame or Frame()
         self.threads = threads
+        self.stencil = stencil
 
     def on(self, mesh: Mesh) -> "HalfSpace":
         """The same bodies and units on another mesh."""
-        return HalfSpace(mesh, self.material, self.length, self.frame, self.threads)
+        return HalfSpace(mesh, self.material, self.length, self.frame, self.threads, self.stencil)
 
     @cached_property
     def coarsened(self) -> "HalfSpace":
@@ -155,7 +160,7 @@ class HalfSpace:
 
     @cached_property
     def slip(self) -> Convolution:
-        """pi_t -> D_tt pi_t."""
+        """pi_t -> D_tt pi_t, at the leading faces."""
         return self._convolution(self._slip_spectra, spectral.symmetric_2x2, 2)
 
     @cached_property
@@ -165,6 +170,20 @@ class HalfSpace:
         tables = (influence.slip(alone, self.material, k) for k in ("xx", "xy", "yy"))
         entries = self._tangential(*(table[0, 0] for table in tables))
         return tuple(float(self._per_slip * e) for e in entries)
+
+    def friction_slip(self, bound: np.ndarray, gap: np.ndarray) -> FrictionSlip:
+        """The slip that the friction law sees under dimensionless pressure and gap.
+
+        At an edge of normal n, tractions that are a share of the pressure displace the surface
+        ahead of it by (1 - nu n n^T)/(1 - nu) of what the pressure does: those of line loads.
+        """
+        leading = self.stencil.leading(bound, gap)
+        n = edge_normals(bound, *leading, self.mesh.dx / self.mesh.dy)
+        nu, F = self.material.poisson, self.frame.matrix
+        ratio = (np.eye(2) - nu * np.einsum("am,bm->mab", n, n)) / (1.0 - nu)
+        per_gap = self._per_slip / (self._per_gap * self.mesh.dx)
+        opening = per_gap * F @ ratio @ F.T
+        return FrictionSlip(self.stencil.staggered, bound, gap, leading, opening)
 
     @cached_property
     def tangential(self) -> Convolution:

@@ -110,10 +110,10 @@ def displacement(mesh: Mesh, material: CombinedMaterial, component: str) -> np.n
 
 
 def slip(mesh: Mesh, material: CombinedMaterial, component: str) -> np.ndarray:
-    """Slip -du/dx per unit traction, by the first-order upwind difference of the paper, eq. (28).
+    """Slip -du/dx per unit traction at the leading face of an element (paper, eq. 28).
 
-    The difference is taken of the coefficients, once, so that an evaluation of the slip is a
-    single convolution.
+    The difference of the displacements at the centres on both sides of the face. It is taken of
+    the coefficients, once, so that an evaluation of the slip is a single convolution.
 
     Returns
     -------

@@ -162,7 +162,9 @@ class Solver(Table):
         "iteration of the tangential problem", '"auto", "uzawa", "anderson" or "newton"', "auto"
     )
     slip: Literal["auto", "upwind"] = entry(
-        "how the slip is discretised", '"auto" or "upwind"', "auto"
+        "discretisation of the slip: to second order, or the paper's, to first",
+        '"auto" (second order) or "upwind" (the paper\'s)',
+        "auto",
     )
     tolerance: Real = entry(
         "relative tolerance of the contact conditions",

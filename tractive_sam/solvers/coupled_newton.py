@@ -30,18 +30,22 @@ class _Iterate:
         response = problem.half_space.coupled(np.concatenate((self.pressure[None], self.traction)))
         self.gap = problem.gap + response[0] - approach
         self.slip = problem.rigid + problem.transmission.slip(creepage) + response[1:]
+        self.friction_slip = problem.half_space.friction_slip(self.pressure, self.gap)
         self.active = self.pressure > self.gap
         self.state = np.empty(shape, np.int8)
         self.direction = np.empty((2, *shape))
         self.kappa = np.empty(shape)
+        self.across = np.empty((2, 2, *shape))
         self.defect = np.empty((2, *shape))
         squares = friction.linearise(
             self.traction,
-            self.slip,
+            self.friction_slip.sticking(self.slip, self.traction),
             self.pressure,
+            problem.half_space.stencil.staggered,
             self.state,
             self.direction,
             self.kappa,
+            self.across,
             self.defect,
         )
         squares += np.sum(np.minimum(self.pressure, self.gap) ** 2)
@@ -63,6 +67,7 @@ class _Linearised:
     def __init__(self, problem: CoupledProblem, at: _Iterate):
         self.at = at
         self.half_space = problem.half_space
+        self.stiffness = at.friction_slip.stiffness
         self.vectors = problem.transmission.vectors
         self.under_load = problem.load is not None
         self.shape = (3, *at.pressure.shape)
@@ -79,10 +84,16 @@ class _Linearised:
     def _fields(self, vector):
         return vector[: self.size].reshape(self.shape)
 
-    def _rows(self, step, response):
-        """Linearised conditions of a change of traction and the change of gap and slip by it."""
+    def _rows(self, step, whole, response):
+        """Linearised conditions of a change of the unknowns.
+
+        ``whole`` is that of all tractions (`complete`), ``response`` that of gap and slip by it.
+        """
         at = self.at
-        friction.tangent_row(at.state, at.direction, at.kappa, step[1:], response[1:], self._row)
+        slip = at.friction_slip.sticking_change(response[1:], at.traction, whole, response[0])
+        friction.tangent_row(
+            at.state, at.direction, at.kappa, at.across, at.pressure, step[1:], slip, self._row
+        )
         return np.concatenate((np.where(at.active, response[0], 0.0)[None], self._row))
 
     def _resultants(self, step):
@@ -112,7 +123,7 @@ class _Linearised:
         rhs = np.zeros(self.length)
         field = self._fields(rhs)
         if known.any():
-            field -= self._rows(np.zeros(self.shape), self.half_space.coupled(known))
+            field -= self._rows(np.zeros(self.shape), known, self.half_space.coupled(known))
         field[0] -= np.where(at.active, at.gap, 0.0)
         field[1:] += np.where(at.state == friction.OPEN, 0.0, at.defect - known[1:])
         missed = np.array(
@@ -127,7 +138,7 @@ class _Linearised:
         step = self.complete(free)
         response = self._extend(self.half_space.coupled(step), vector[self.size :])
         out = np.empty(self.length)
-        self._fields(out)[:] = self._rows(free, response)
+        self._fields(out)[:] = self._rows(free, step, response)
         out[self.size :] = self.weight * self._resultants(step)
         return out
 
@@ -135,9 +146,27 @@ class _Linearised:
         at, own = self.at, self.half_space.slip_of_itself
         out = np.empty(self.shape)
         out[0] = np.where(at.active, self.half_space.normal_inverse(rows[:1])[0], 0.0)
-        friction.split(at.state, at.direction, at.kappa, own, rows[1:], self._smooth, self._rough)
+        friction.split(
+            at.state,
+            at.direction,
+            at.kappa,
+            self.stiffness,
+            own,
+            rows[1:],
+            self._smooth,
+            self._rough,
+        )
         increments = self.half_space.tangential_inverse(self._smooth)
-        friction.sweep(at.state, at.direction, at.kappa, own, increments, self._rough, out[1:])
+        friction.sweep(
+            at.state,
+            at.direction,
+            at.kappa,
+            self.stiffness,
+            own,
+            increments,
+            self._rough,
+            out[1:],
+        )
         self.preconditionings += 1
         return out
 
@@ -146,7 +175,7 @@ class _Linearised:
         count = self.length - self.size
         zero = np.zeros(self.shape)
         self._responses = [
-            self._approximate_inverse(self._rows(zero, self._extend(zero.copy(), unit)))
+            self._approximate_inverse(self._rows(zero, zero, self._extend(zero.copy(), unit)))
             for unit in np.eye(count)
         ]
         self._schur = np.array(
@@ -196,7 +225,7 @@ def coupled_newton(
     approach = approach if problem.load is not None else problem.approach
     under_load = problem.load is not None
 
-    def advance(at: _Iterate) -> _Iterate:
+    def advance(at: _Iterate, stalled: bool) -> _Iterate:
         nonlocal preconditionings
         system = _Linearised(problem, at)
         rhs, known = system.right_hand_side()
@@ -216,7 +245,8 @@ def coupled_newton(
                 at.creepage + length * faster,
             )
 
-        return damped(trial, at.residual, problem.transmission.reach(at.creepage, faster))
+        reach = problem.transmission.reach(at.creepage, faster)
+        return damped(trial, at.residual, reach, stalled)
 
     at, taken, status = newton_steps(
         _Iterate(problem, pressure, traction, approach, creepage),

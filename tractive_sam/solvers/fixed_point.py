@@ -86,10 +86,11 @@ class TangentialMap:
     def __call__(self, state: Array) -> Evaluation:
         """Evaluate the map once, at the cost of one application."""
         slip = self.problem.rigid + self.problem.half_space.slip(state)
-        target = self.admissible(state - slip)
+        opposed = self.problem.friction_slip.opposed(slip, state)
+        target = self.admissible(state - opposed)
         size = np.linalg.norm(target)
         residual = np.linalg.norm(target - state) / size if size > 0.0 else 0.0
-        image = self.admissible(state - self.step * slip)
+        image = self.admissible(state - self.step * opposed)
         return Evaluation(image, float(residual), {"traction": state, "slip": slip})
 
 
@@ -121,7 +122,7 @@ class CoupledMap:
         self.problem = problem
         self.wear = wear
         slip = boldness * slip_step(problem.half_space, contact)
-        self.steps = np.array([gap_step(problem.half_space, contact), slip, slip])[:, None, None]
+        self.steps = np.array([gap_step(problem.half_space, contact), slip])
         self._dissimilar = problem.half_space.material.coupling != 0.0
 
     @property
@@ -156,11 +157,13 @@ class CoupledMap:
         gap = problem.gap + lift - problem.approach
         if self.wear is not None:
             gap = gap + self.wear(state[0], slip)
-        forward = np.concatenate((gap[None], slip))
+        opposed = problem.half_space.friction_slip(state[0], gap).opposed(slip, state[1:])
         target = np.empty_like(state)
         target[0] = np.maximum(state[0] - gap, 0.0)
-        friction.project(state[1:] - slip, state[0], target[1:])
+        friction.project(state[1:] - opposed, state[0], target[1:])
         size = np.linalg.norm(target)
         residual = np.linalg.norm(target - state) / size if size > 0.0 else 0.0
         fields = {"pressure": state[0], "traction": state[1:], "gap": gap, "slip": slip}
-        return Evaluation(self.admissible(state - self.steps * forward), float(residual), fields)
+        of_gap, of_slip = self.steps
+        image = state - np.concatenate(((of_gap * gap)[None], of_slip * opposed))
+        return Evaluation(self.admissible(image), float(residual), fields)

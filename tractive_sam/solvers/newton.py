@@ -32,14 +32,17 @@ class _Iterate:
         self.state = np.empty(shape, np.int8)
         self.direction = np.empty((2, *shape))
         self.kappa = np.empty(shape)
+        self.across = np.empty((2, 2, *shape))
         self.defect = np.empty((2, *shape))
         squares = friction.linearise(
             traction,
-            self.slip,
+            problem.friction_slip.sticking(self.slip, traction),
             problem.bound,
+            problem.half_space.stencil.staggered,
             self.state,
             self.direction,
             self.kappa,
+            self.across,
             self.defect,
         )
         self.shortfall = problem.transmission.target - problem.transmission.force(traction)
@@ -57,6 +60,9 @@ class _Linearised:
     def __init__(self, problem: TangentialProblem, at: _Iterate):
         self.at = at
         self.half_space = problem.half_space
+        self.bound = problem.bound
+        self.friction_slip = problem.friction_slip
+        self.stiffness = problem.friction_slip.stiffness
         self.vectors = problem.transmission.vectors
         self.shape = problem.rigid.shape
         self.size = problem.rigid.size
@@ -71,7 +77,10 @@ class _Linearised:
 
     def _rows(self, step, slip):
         at = self.at
-        friction.tangent_row(at.state, at.direction, at.kappa, step, slip, self._row)
+        slip = self.friction_slip.sticking(slip, step)
+        friction.tangent_row(
+            at.state, at.direction, at.kappa, at.across, self.bound, step, slip, self._row
+        )
         return self._row
 
     def right_hand_side(self) -> tuple[np.ndarray, np.ndarray]:
@@ -105,11 +114,15 @@ class _Linearised:
     def _sweep(self, rows: np.ndarray) -> np.ndarray:
         at = self.at
         own = self.half_space.slip_of_itself
-        friction.split(at.state, at.direction, at.kappa, own, rows, self._smooth, self._rough)
+        friction.split(
+            at.state, at.direction, at.kappa, self.stiffness, own, rows, self._smooth, self._rough
+        )
         increments = self.half_space.tangential_inverse(self._smooth)
         self.preconditionings += 1
         out = np.empty(self.shape)
-        friction.sweep(at.state, at.direction, at.kappa, own, increments, self._rough, out)
+        friction.sweep(
+            at.state, at.direction, at.kappa, self.stiffness, own, increments, self._rough, out
+        )
         return out
 
     def _border(self):
@@ -167,7 +180,7 @@ def newton(
     projected = np.empty_like(first)
     friction.project(first, problem.bound, projected)
 
-    def advance(at: _Iterate) -> _Iterate:
+    def advance(at: _Iterate, stalled: bool) -> _Iterate:
         nonlocal preconditionings
         system = _Linearised(problem, at)
         rhs, known = system.right_hand_side()
@@ -182,7 +195,8 @@ def newton(
             friction.project(at.traction + length * step, problem.bound, projected)
             return _Iterate(problem, projected, at.creepage + length * creepage)
 
-        return damped(trial, at.residual, problem.transmission.reach(at.creepage, creepage))
+        length = problem.transmission.reach(at.creepage, creepage)
+        return damped(trial, at.residual, length, stalled)
 
     at, taken, status = newton_steps(
         _Iterate(problem, projected, first_creepage),

@@ -10,6 +10,9 @@ from tractive_sam.solvers.problem import Transmission
 
 HALVINGS = 6
 
+PATIENCE = 3
+"""Steps without a smaller residual after which a step is taken as far only as it helps."""
+
 
 class Iterate(Protocol):
     """A state with its natural residual and the creepages found so far."""
@@ -23,12 +26,14 @@ State = TypeVar("State", bound=Iterate)
 
 def newton_steps(
     at: State,
-    advance: Callable[[State], State],
+    advance: Callable[[State, bool], State],
     transmission: Transmission,
     tolerance: float,
     steps: int,
 ) -> tuple[State, int, Status]:
     """Advance until the residual meets the tolerance, the state runs away, or steps run out.
+
+    `advance` takes a state and whether the residual has stalled, and returns the next state.
 
     Returns
     -------
@@ -39,13 +44,16 @@ def newton_steps(
     status : Status
         Why it ended.
     """
+    least, since = np.inf, 0
     for taken in range(steps + 1):
         if at.residual <= tolerance:
             return at, taken, Status.CONVERGED
         if not np.isfinite(at.residual) or transmission.lost(at.creepage):
             return at, taken, Status.DIVERGED
+        if at.residual < 0.9 * least:
+            least, since = at.residual, taken
         if taken < steps:
-            at = advance(at)
+            at = advance(at, taken - since >= PATIENCE)
     return at, steps, Status.OUT_OF_ITERATIONS
 
 
@@ -59,16 +67,17 @@ def forcing(residual: float, tolerance: float) -> float:
     return float(min(wanted, 0.5))
 
 
-def damped(trial: Callable[[float], State], residual: float, length: float) -> State:
+def damped(trial: Callable[[float], State], residual: float, length: float, stalled: bool) -> State:
     """The trial of the length given, or of the longest halving that does not raise the residual.
 
     The active sets of a step may be worse for a while on the way to a better solution, so a rise
-    by half is allowed; where none is that good, the best one is taken.
+    by half is allowed; where none is that good, the best one is taken. Where the residual has
+    stalled, full steps swing between two states: then the best one is taken as well.
     """
     trials = []
     for _ in range(HALVINGS):
         trials.append(trial(length))
-        if trials[-1].residual <= 1.5 * residual:
+        if not stalled and trials[-1].residual <= 1.5 * residual:
             return trials[-1]
         length *= 0.5
     return min(trials, key=lambda one: one.residual)

@@ -2,10 +2,12 @@
 
 import math
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
 from tractive_sam.operators import HalfSpace
+from tractive_sam.operators.stencil import FrictionSlip
 
 
 def block_mean(values: np.ndarray, block: tuple[int, int], mode: str) -> np.ndarray:
@@ -97,6 +99,8 @@ class Transmission:
 class TangentialProblem:
     """Find |pi_t| <= bound with sigma = rigid + D pi_t and pi_t = -bound sigma/|sigma| in slip.
 
+    Which sigma an element answers for is the stencil's (`operators.stencil`).
+
     Parameters
     ----------
     half_space : HalfSpace
@@ -105,6 +109,8 @@ class TangentialProblem:
         Slip of the undeformed bodies (and, of dissimilar bodies, the slip by the pressure).
     bound : ndarray, shape (n_x, n_y)
         The pressure pi_n; zero outside the contact.
+    gap : ndarray, shape (n_x, n_y)
+        Gap eta of the normal problem; it tells where within their elements the edges lie.
     transmission : Transmission
         Forces given in place of creepages.
     """
@@ -112,7 +118,13 @@ class TangentialProblem:
     half_space: HalfSpace
     rigid: np.ndarray
     bound: np.ndarray
+    gap: np.ndarray
     transmission: Transmission = field(default_factory=Transmission)
+
+    @cached_property
+    def friction_slip(self) -> FrictionSlip:
+        """The slip that the friction law sees."""
+        return self.half_space.friction_slip(self.bound, self.gap)
 
     def coarsened(self) -> "TangentialProblem":
         """The same problem on elements of twice the size."""
@@ -122,6 +134,7 @@ class TangentialProblem:
             half_space=self.half_space.coarsened,
             rigid=block_mean(self.rigid, block, "edge"),
             bound=block_mean(self.bound, block, "constant"),
+            gap=block_mean(self.gap, block, "edge"),
             transmission=replace(self.transmission, target=target / math.prod(block)),
         )
 

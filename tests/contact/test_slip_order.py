@@ -1,0 +1,68 @@
+"""Convergence of the forces under the default slip, and under the paper's."""
+
+import numpy as np
+import pytest
+
+from tests.conftest import steady
+
+MU_P = 0.4013 * 0.4705
+LIMIT = 0.64586
+"""Q_x/(mu P) of `spheres`: the default on meshes up to 271², to 1e-5; `test_both_tend_to_it`."""
+
+
+def share(n, *settings):
+    return steady("spheres", *settings, elements=n).Qx / MU_P
+
+
+def test_error_on_the_usual_meshes():
+    """Upwind: 1.6e-2 and 7e-3."""
+    assert share(45) == pytest.approx(LIMIT, rel=3e-4)
+    assert share(91) == pytest.approx(LIMIT, rel=1e-4)
+
+
+def test_second_order_in_partial_slip():
+    """Over many meshes, as where the edges fall within the elements is noise.
+
+    Far below 1e-4 a first-order remainder shows, a hundredth of the upwind error: that of oblique
+    edges, whose steps are longer than an element.
+    """
+    n = np.arange(15, 62, 2)
+    errors = [abs(share(k) / LIMIT - 1) for k in n]
+    assert -np.polyfit(np.log(n), np.log(errors), 1)[0] > 1.8
+
+
+def test_both_tend_to_it():
+    """The paper's scheme is of first order: extrapolated linearly, less the noise, it agrees."""
+    n = np.arange(61, 182, 12)
+    values = [share(k, 'solver.slip="upwind"') for k in n]
+    limit = np.polyfit(1.0 / n, values, 1)[1]
+    # Noise of 2e-4 a mesh, amplified by the extrapolation.
+    assert limit == pytest.approx(LIMIT, abs=4e-4)
+
+
+SPIN = ("creepage.longitudinal=-0.0015", "creepage.lateral=0.0007", "creepage.spin=0.0005")
+
+
+@pytest.mark.parametrize("wide", [1.0, 2.8])
+def test_spin_and_lateral_creepage(wide):
+    """Where slip turns, its direction and the rigid slip must belong to the right points."""
+    radii = [f"body.{b}.radius_y={337.5 * wide}" for b in "AB"]
+    half_length = 4.2 * wide ** (-1 / 6), 4.2 * wide**0.55
+    mesh = (*radii, *SPIN, f"grid.half_length={list(half_length)}")
+
+    def forces(n, slip):
+        c = steady("spheres", *mesh, f'solver.slip="{slip}"', f"grid.elements=[{n}, {n}]")
+        return np.array([c.Qx, c.Qy, c.Mz / c.scene.hertz.a]) / MU_P
+
+    fine = forces(121, "auto")
+    coarse, upwind = (np.abs(forces(31, slip) - fine) for slip in ("auto", "upwind"))
+    assert coarse.max() < 2e-3
+    assert np.linalg.norm(coarse) < 0.2 * np.linalg.norm(upwind)
+
+
+@pytest.mark.parametrize("elements", [(61, 17), (17, 61)])
+def test_oblong_elements(elements):
+    """Sides 1:4 either way: no worse than the longer side."""
+    contact = steady("spheres", f"grid.elements={list(elements)}")
+    assert contact.converged
+    assert contact.Qx / MU_P == pytest.approx(LIMIT, rel=3e-3)

@@ -1,0 +1,129 @@
+"""The stencil: leading elements, what their faces slip, and the slip that wears."""
+
+import numpy as np
+import pytest
+
+from tractive_sam.operators import STAGGERED, UPWIND, Frame, HalfSpace, Mesh
+from tractive_sam.operators.stencil import edge_normals
+from tractive_sam.reference import Material, combine
+from tractive_sam.solvers.conjugate_gradients import conjugate_gradients
+from tractive_sam.solvers.problem import NormalProblem
+
+N, SIDE = 24, 2.3
+X = SIDE * ((np.arange(N) + 0.5) / N - 0.5)
+DX, DY = SIDE / N, 0.8 * SIDE / N
+FRAME = Frame((0.5, 0.2), 0.4)
+
+
+def half_space(poisson=0.3, stencil=STAGGERED, frame=FRAME):
+    material = combine(Material(1.0, poisson), Material(1.0, poisson))
+    return HalfSpace(Mesh((N, N), DX, DY), material, 1.0, frame, stencil=stencil)
+
+
+@pytest.fixture(scope="module")
+def normal():
+    """Undeformed gap, pressure and gap of a ball, dimensionless."""
+    shape = 0.5 * (X[:, None] ** 2 + 0.64 * X[None, :] ** 2)
+    outcome = conjugate_gradients(NormalProblem(half_space(), shape, None, 0.3), 1e-12)
+    assert outcome.converged
+    return shape, outcome.pressure, outcome.gap
+
+
+def test_leading_elements(normal):
+    _, pressure, gap = normal
+    i, j = STAGGERED.leading(pressure, gap)
+    assert set(j) == set(np.flatnonzero(pressure.any(axis=0)))  # one in every row
+    assert (pressure[i, j] > 0).all()
+    assert not pressure[i + 1, j].any()
+    assert UPWIND.leading(pressure, gap)[0].size == 0
+
+
+def test_edge_normals_of_an_ellipse():
+    y = 0.8 * X
+    pressure = np.sqrt(np.maximum(1.0 - X[:, None] ** 2 - (y[None, :] / 0.7) ** 2, 0.0))
+    i, j = STAGGERED.leading(pressure, np.where(pressure > 0, 0.0, 1.0))
+    keep = np.abs(y[j]) < 0.5  # beyond, a neighbour is out of contact and tells less
+    i, j = i[keep], j[keep]
+    n = edge_normals(pressure, i, j, DX / DY)
+    np.testing.assert_allclose(np.hypot(*n), 1.0)
+    truth = np.arctan2(y[j] / 0.49, X[i])
+    # Half an element from the point at which the gradient is taken: 0.05 over the radius.
+    np.testing.assert_allclose(np.arctan2(n[1], n[0]), truth, atol=0.1)
+
+
+@pytest.mark.parametrize("share", [(0.3, 0.0), (0.0, 0.3), (-0.2, 0.1)])
+def test_a_share_of_the_pressure_sticks_everywhere(normal, share):
+    """Without Poisson's ratio shear displaces as pressure does: u_t is that share of u_n.
+
+    What must vanish is then smooth up to the leading elements: the share of the undeformed slope.
+    """
+    shape, pressure, gap = normal
+    space = half_space(poisson=0.0)
+    traction = np.array(share)[:, None, None] * pressure
+    slip = space.friction_slip(pressure, gap)
+    sticking = slip.sticking(space.slip(traction), traction) * (1.0 + slip.stiffness)
+    slope = np.diff(shape, axis=0, append=np.nan) / DX
+    # Physical: s = share (h_ahead - h)/dx; here in the scaled frame and in units of slip.
+    F = FRAME.matrix
+    unit = FRAME.mu[0] ** 2  # p*/E* over s*, for nu = 0
+    expected = (F @ F.T @ np.array(share))[:, None, None] * slope / unit
+    inside = pressure > 0.0
+    np.testing.assert_allclose(sticking[:, inside], expected[:, inside], atol=1e-9)
+
+
+def test_change_is_the_derivative(normal):
+    _, pressure, gap = normal
+    space, rng = half_space(), np.random.default_rng(0)
+    traction = rng.normal(size=(2, N, N)) * pressure
+    step, slip, widening = (rng.normal(size=s) for s in ((3, N, N), (2, N, N), (N, N)))
+    # The normals and the divisor are taken as they are: an edge that stays, and only the opening.
+    at = space.friction_slip(pressure, gap)
+    i, j = STAGGERED.leading(pressure, gap)
+    step[0] = 0.0
+    step[0][i, j] = rng.normal(size=i.size)
+    h, values = 1e-6, []
+    for sign in (1, -1):
+        moved = pressure + sign * h * step[0] * pressure.max()
+        now = space.friction_slip(moved, gap + sign * h * widening)
+        now._opening = at._opening
+        value = now.sticking(sign * h * slip, traction + sign * h * step[1:])
+        values.append(value * (1.0 + now.stiffness))
+    step[0] *= pressure.max()
+    changed = at.sticking_change(slip, traction, step, widening) * (1.0 + at.stiffness)
+    difference = (values[0] - values[1]) / (2 * h)
+    # Elements of next to no pressure have large third derivatives.
+    firm = pressure[i, j] > 0.1 * pressure.max()
+    i, j = i[firm], j[firm]
+    assert i.size > 5
+    np.testing.assert_allclose(changed[:, i, j], difference[:, i, j], rtol=1e-5, atol=1e-5)
+
+
+def test_stiffness_bounds_the_answer_to_the_traction(normal):
+    """Divided by it, an element answers its own traction no more than one to one."""
+    _, pressure, gap = normal
+    slip = half_space().friction_slip(pressure, gap)
+    zero = np.zeros((2, N, N))
+    for angle in np.linspace(0, np.pi, 7):
+        unit = np.stack((np.full((N, N), np.cos(angle)), np.full((N, N), np.sin(angle))))
+        answer = np.hypot(*slip.sticking(zero, unit))
+        assert answer.max() < 1.0
+        assert ((answer > 0) == (slip.stiffness > 0)).all()
+
+
+def test_upwind_leaves_the_slip_alone(normal):
+    _, pressure, gap = normal
+    slip = np.random.default_rng(0).normal(size=(2, N, N))
+    upwind = half_space(stencil=UPWIND)
+    assert upwind.friction_slip(pressure, gap).opposed(slip, slip) is slip
+    assert UPWIND.at_centres(slip) is slip
+    assert upwind.coarsened.stencil is UPWIND
+
+
+def test_slip_that_wears_does_no_elastic_work():
+    """The mean of both faces is a central difference, antisymmetric with the displacement."""
+    space = half_space()
+    traction = np.zeros((2, N, N))
+    traction[:, 1:-1, 1:-1] = np.random.default_rng(1).normal(size=(2, N - 2, N - 2))
+    slip = STAGGERED.at_centres(space.slip(traction))
+    work = (slip * traction).sum()
+    assert abs(work) < 1e-12 * np.linalg.norm(slip) * np.linalg.norm(traction)
