@@ -43,7 +43,7 @@ def line_through(h, values):
 def mesh_convergence():
     contact_program = REFERENCE["spheres"]["Qx_over_muP_CONTACT"]
     rows = []
-    # Many meshes: where the edges fall relative to the elements is noise on top of the second order.
+    # Many meshes: where edges fall relative to the elements is noise on top of the second order.
     for n in range(41, 362, 10):
         contact = spheres(f"grid.elements=[{n}, {n}]")
         hertz, grid = contact.scene.hertz, contact.grid
