@@ -6,6 +6,7 @@ import difflib
 import reprlib
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 _SHORT = reprlib.Repr()
 _SHORT.maxstring = _SHORT.maxother = 60
@@ -36,6 +37,10 @@ class Fault:
         """Return the same fault as seen from the table that holds this one."""
         return replace(self, key=f"{table}.{self.key}")
 
+    def at(self, array: str, place: int) -> Fault:
+        """Return the same fault, of an entry under `array`, at a place in an array of tables."""
+        return replace(self, key=self.key.replace(array, f"{array}[{place}]", 1))
+
 
 class SceneError(Exception):
     """A scene that cannot be modelled, with every fault that was found.
@@ -46,13 +51,17 @@ class SceneError(Exception):
         At least one; kept as the tuple `faults`.
     """
 
+    subject: ClassVar[str] = "scene"
+
     def __init__(self, faults: Iterable[Fault]) -> None:
         self.faults = tuple(faults)
         super().__init__(self.faults)
 
     def __str__(self) -> str:
         count = len(self.faults)
-        head = "1 fault in the scene" if count == 1 else f"{count} faults in the scene"
+        head = f"1 fault in the {self.subject}"
+        if count > 1:
+            head = f"{count} faults in the {self.subject}"
         return "\n  ".join([f"{head}:", *map(str, self.faults)])
 
 

@@ -10,7 +10,7 @@ import functools
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
-from typing import Annotated, Any, ClassVar, get_args
+from typing import Annotated, Any, ClassVar, get_args, get_origin
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
@@ -73,10 +73,31 @@ class Table(BaseModel):
         """Return what was given, not the defaults, nested as in TOML."""
         given = {key: getattr(self, key) for key in type(self).model_fields}
         return {
-            key: value.entries() if isinstance(value, Table) else value
+            key: _entries(value)
             for key, value in given.items()
             if key in self.model_fields_set and value is not None
         }
+
+    @classmethod
+    def described(cls, key: str) -> FieldInfo:
+        """The field of a dotted key: its title and what it allows.
+
+        Raises
+        ------
+        SceneError
+            If there is none.
+        """
+        table: type[Table] | None = cls
+        path = key.split(".")
+        for depth, name in enumerate(path):
+            if table is None:
+                fault = Fault(key, shown(key), f"no entry within {'.'.join(path[:depth])}")
+                raise SceneError([fault])
+            if name not in table.model_fields:
+                raise SceneError([Fault(key, shown(key), suggestion(name, table.model_fields))])
+            info = table.model_fields[name]
+            table = _table_of(info)
+        return info
 
 
 @dataclass
@@ -102,6 +123,8 @@ def _read(table: type[Table], given: Mapping[Any, Any]) -> _Reading:
             _read_default(reading, key, info)
         elif inner := _table_of(info):
             _read_table(reading, key, inner)
+        elif inner := _item_of(info):
+            _read_array(reading, key, inner)
         else:
             _read_leaf(reading, key, table)
     for check in table.checks:
@@ -137,6 +160,23 @@ def _read_table(reading: _Reading, key: str, table: type[Table]) -> None:
         reading.values[key] = reading.known[key] = value
 
 
+def _read_array(reading: _Reading, key: str, table: type[Table]) -> None:
+    """Read an array of tables, each as if it stood alone."""
+    given = reading.given[key]
+    if not isinstance(given, list | tuple):
+        allowed = f"a list of tables with the keys {', '.join(table.model_fields)}"
+        reading.faults.append(Fault(key, shown(given), allowed))
+        return
+    before, items = len(reading.faults), []
+    for k, one in enumerate(given):
+        item = _Reading({key: one})
+        _read_table(item, key, table)
+        reading.faults.extend(fault.at(key, k) for fault in item.faults)
+        items.append(item.values.get(key))
+    if len(reading.faults) == before:
+        reading.values[key] = reading.known[key] = tuple(items)
+
+
 def _read_leaf(reading: _Reading, key: str, table: type[Table]) -> None:
     given = reading.given[key]
     try:
@@ -158,8 +198,25 @@ def _allowed(info: FieldInfo) -> str:
     return f"{words} ({info.title})" if info.title else str(words)
 
 
+def _entries(value: Any) -> Any:
+    if isinstance(value, Table):
+        return value.entries()
+    if isinstance(value, tuple) and any(isinstance(item, Table) for item in value):
+        return tuple(item.entries() for item in value)
+    return value
+
+
+def _item_of(info: FieldInfo) -> type[Table] | None:
+    """The type of the tables in an array of them."""
+    first = next(iter(get_args(info.annotation)), None)
+    is_array = get_origin(info.annotation) is tuple and isinstance(first, type)
+    return first if is_array and issubclass(first, Table) else None
+
+
 def _table_of(info: FieldInfo) -> type[Table] | None:
     """The type of a nested table, optional or not."""
+    if get_origin(info.annotation) is tuple:
+        return None
     for kind in (info.annotation, *get_args(info.annotation)):
         if isinstance(kind, type) and issubclass(kind, Table):
             return kind

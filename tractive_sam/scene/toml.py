@@ -88,6 +88,8 @@ def _value(value: Any) -> str:
             return _value(value.tolist())
         case list() | tuple():
             return f"[{', '.join(map(_value, value))}]"
+        case Mapping():
+            return f"{{{', '.join(f'{key} = {_value(item)}' for key, item in value.items())}}}"
     # a JSON string is a TOML string, but for the one control character that JSON lets pass
     return json.dumps(str(value), ensure_ascii=False).replace("\x7f", "\\u007f")
 
