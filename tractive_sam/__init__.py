@@ -56,6 +56,14 @@ if TYPE_CHECKING:
         builtin_names,
     )
     from tractive_sam.store import GapError, ResultsError, open_history
+    from tractive_sam.studies import (
+        Study,
+        StudyError,
+        StudyResults,
+        explain_study,
+        open_study,
+        study,
+    )
     from tractive_sam.subsurface import (
         PlaneStress,
         VonMisesMaximum,
@@ -84,22 +92,28 @@ __all__ = [
     "SceneError",
     "SceneWarning",
     "Solver",
+    "Study",
+    "StudyError",
+    "StudyResults",
     "Subsurface",
     "VonMisesMaximum",
     "Wear",
     "builtin_names",
+    "explain_study",
     "export_volume",
     "open_history",
+    "open_study",
     "roll",
     "solve",
     "stress_at",
     "stress_on_plane",
     "stress_on_planes",
     "stress_volume",
+    "study",
     "von_mises_maximum",
 ]
 
-_ROOMS = ("scene", "store", "record", "contact", "subsurface", "pipeline", "export")
+_ROOMS = ("scene", "store", "record", "contact", "subsurface", "pipeline", "export", "studies")
 
 
 def __getattr__(name: str):

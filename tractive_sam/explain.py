@@ -14,6 +14,7 @@ from tractive_sam.scene import Scene
 COLD_APPLICATIONS = 110
 WARM_APPLICATIONS = 70
 ADAPTIVE_SOLVES = 12
+STRESS_APPLICATIONS = 75  # as long as the largest stress of one body takes
 
 
 @dataclass(frozen=True)
@@ -184,28 +185,51 @@ def _mesh(model: Model) -> Section:
 
 
 def _work(model: Model) -> Section:
-    fields = 3 if model.dissimilar and model.transmits else 2 if model.transmits else 1
-    shape = model.grid.elements
-    padded = int(np.prod(model.half_space.mesh.padded))
-    # Spectra of operator and inverse, buffers of the transforms, and the Krylov space.
-    spectra = (9 if fields == 3 else 3 * fields) + 3 * fields
-    memory = 8.0 * (padded * (spectra + 2 * fields + 12) + 40 * fields * np.prod(shape))
-    wear = model.scene.wear
-    solves = 0 if wear is None else wear.revolutions
-    if wear is not None and wear.stepping == "adaptive":
-        # Jumps grow in proportion to the revolutions rolled (benchmarks/wear.py).
-        solves = min(solves, int(ADAPTIVE_SOLVES * np.log1p(wear.revolutions)))
-    seconds = _seconds_per_application(model, fields)
-    applications = COLD_APPLICATIONS + solves * WARM_APPLICATIONS
     if model.scene.solver.method == "uzawa":
         time = "not estimated: the iterations of Uzawa's method are not known beforehand"
     else:
-        time = f"about {_duration(seconds * applications)} ({applications} transform pairs)"
-    return Section("Work", [("memory", f"about {memory / 2**20:.0f} MiB"), ("time", time)])
+        count = applications(model)
+        seconds = duration(seconds_per_application(model) * count)
+        time = f"about {seconds} ({count} transform pairs)"
+    return Section("Work", [("memory", f"about {memory(model) / 2**20:.0f} MiB"), ("time", time)])
 
 
-def _seconds_per_application(model: Model, fields: int) -> float:
-    half_space = model.half_space
+def fields_together(model: Model) -> int:
+    """Fields that an elastic operator of a scene takes at once."""
+    return 3 if model.dissimilar and model.transmits else 2 if model.transmits else 1
+
+
+def memory(model: Model) -> float:
+    """Memory that a scene takes, bytes."""
+    fields, shape = fields_together(model), model.grid.elements
+    padded = int(np.prod(model.half_space.mesh.padded))
+    # Spectra of operator and inverse, buffers of the transforms, and the Krylov space.
+    spectra = (9 if fields == 3 else 3 * fields) + 3 * fields
+    return 8.0 * (padded * (spectra + 2 * fields + 12) + 40 * fields * np.prod(shape))
+
+
+def records(scene: Scene) -> int:
+    """Records that a scene is expected to have."""
+    wear = scene.wear
+    if wear is None:
+        return 1
+    if wear.stepping == "adaptive":
+        # Jumps grow in proportion to the revolutions rolled (benchmarks/wear.py).
+        return 1 + min(wear.revolutions, int(ADAPTIVE_SOLVES * np.log1p(wear.revolutions)))
+    return 1 + wear.revolutions
+
+
+def applications(model: Model) -> int:
+    """Transform pairs that a scene is expected to take, or what takes as long."""
+    count, stress = records(model.scene), model.scene.subsurface
+    bodies = 0 if stress is None else len(stress.bodies)
+    contacts = COLD_APPLICATIONS + (count - 1) * WARM_APPLICATIONS
+    return contacts + count * bodies * STRESS_APPLICATIONS
+
+
+def seconds_per_application(model: Model) -> float:
+    """Time of a transform pair and all that goes with it, measured here and now."""
+    fields, half_space = fields_together(model), model.half_space
     operator = {1: half_space.normal, 2: half_space.slip}.get(fields) or half_space.coupled
     values = np.ones(operator.shape)
     operator(values)
@@ -218,7 +242,8 @@ def _seconds_per_application(model: Model, fields: int) -> float:
     return 2.0 * float(np.median(times))
 
 
-def _duration(seconds: float) -> str:
+def duration(seconds: float) -> str:
+    """A time in words."""
     if seconds < 1.0:
         return "a second or less"
     if seconds < 120.0:

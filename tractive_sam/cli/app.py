@@ -10,6 +10,8 @@ from tractive_sam.cli.plot import plot
 from tractive_sam.cli.run import run
 from tractive_sam.cli.scenes import scenes
 from tractive_sam.cli.show import show
+from tractive_sam.cli.study import study
+from tractive_sam.cli.study_show import study_show
 
 app = typer.Typer(
     name="tractive-sam",
@@ -20,7 +22,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (run, show, plot, export, explain, scenes):
+for command in (run, show, plot, export, explain, scenes, study, study_show):
     app.command()(command)
 
 

@@ -59,7 +59,7 @@ def bad_input_told() -> Iterator[None]:
     try:
         yield
     except SceneError as error:
-        raise _faults(error.faults) from None
+        raise _faults(error.faults, error.subject) from None
     except GapError as error:
         raise _faults([error]) from None
     except ResultsError as error:
@@ -69,10 +69,10 @@ def bad_input_told() -> Iterator[None]:
         raise stop(Status.INVALID, f"the memory does not suffice; choose {cure}") from None
 
 
-def _faults(faults) -> typer.Exit:
+def _faults(faults, subject: str = "scene") -> typer.Exit:
     """List faults: anything with key, given and allowed."""
     count = f"{len(faults)} faults" if len(faults) > 1 else "1 fault"
-    leave = stop(Status.INVALID, f"{count} in the scene")
+    leave = stop(Status.INVALID, f"{count} in the {subject}")
     for fault in faults:
         say("  ", (fault.key, "bold"), f": given {fault.given}; allowed: {fault.allowed}")
     return leave

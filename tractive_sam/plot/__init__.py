@@ -18,11 +18,13 @@ from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.sections import traction_sections
 from tractive_sam.plot.state import State
 from tractive_sam.plot.stress import von_mises, von_mises_sections
+from tractive_sam.plot.study import Variable, study_curves, study_map, study_samples
 
 __all__ = [
     "FORMATS",
     "Scale",
     "State",
+    "Variable",
     "creep_force_curve",
     "forces",
     "line_pressure",
@@ -35,6 +37,9 @@ __all__ = [
     "save_all",
     "slip_over_revolutions",
     "stick_slip_map",
+    "study_curves",
+    "study_map",
+    "study_samples",
     "traction",
     "traction_sections",
     "von_mises",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import re
 import tomllib
 from collections.abc import Mapping
@@ -80,8 +79,6 @@ def _value(value: Any) -> str:
     match value:
         case bool():
             return str(value).lower()
-        case float() if math.isinf(value):
-            return "inf" if value > 0 else "-inf"
         case int() | float():
             return repr(value)
         case np.ndarray():

@@ -1,0 +1,241 @@
+"""Studies on a cluster of processes, workers killed meanwhile, and what the engine costs.
+
+A scheduler and two workers are started by their command lines. The creep-force map of
+`spheres-orthotropic` over 10 creepages and 7 angles, and `twin-discs` over 7 angles, run on them
+through ``tractive-sam study`` while a worker is killed in each (SIGKILL): of the first its process,
+which its nanny starts anew; of the second the nanny as well, so that one worker is left. Results are
+compared with those of one process. Then the map runs on one worker and on two, 2,000 cases that do
+nothing tell what the engine itself costs, and a folder of 10,000 cases what it costs to read one.
+"""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from itertools import pairwise
+from pathlib import Path
+from time import perf_counter, sleep
+
+import numpy as np
+from distributed import Client
+from timing import show, write
+
+import tractive_sam as ts
+from tractive_sam.studies import cases
+from tractive_sam.studies.cluster import on_cluster
+from tractive_sam.studies.cost import estimates
+from tractive_sam.studies.task import Task
+
+ANGLES = [0, 15, 30, 45, 60, 75, 90]
+MAP = ts.Study(
+    title="Creep forces of the orthotropic spheres",
+    scene="spheres-orthotropic",
+    without=["subsurface"],
+    axis=[
+        {"key": "creepage.longitudinal", "start": -0.0005, "stop": -0.005, "number": 10},
+        {"key": "friction.angle", "values": ANGLES},
+    ],
+)
+DISCS = ts.Study(
+    title="Twin discs over the angle of friction",
+    scene="twin-discs",
+    without=["subsurface"],
+    axis=[{"key": "friction.angle", "values": ANGLES}],
+)
+COMPARED = ("revolution", "Qx", "Qy", "p_max", "wear_max", "half_width_y", "stick_fraction")
+IDLE_CASES, MANY_CASES = 2000, 10_000
+
+
+def started(*arguments: str, folder: Path) -> subprocess.Popen:
+    program = Path(sys.executable).with_name("dask")
+    log = (folder / "dask.log").open("a")
+    return subprocess.Popen(
+        [program, *arguments], stdout=log, stderr=log, cwd=folder, start_new_session=True
+    )
+
+
+@contextmanager
+def cluster(workers: int, folder: Path) -> Iterator[str]:
+    """A scheduler and workers, each a program of its own; yields the address."""
+    file = folder / f"scheduler-{workers}.json"
+    file.unlink(missing_ok=True)
+    programs = [started("scheduler", "--port", "0", "--no-dashboard", "--no-show",
+                        "--scheduler-file", file.name, folder=folder)]  # fmt: skip
+    try:
+        while not file.exists():
+            sleep(0.1)
+        address = json.loads(file.read_text())["address"]
+        for _ in range(workers):
+            programs.append(started("worker", address, "--nthreads", "1", "--no-dashboard",
+                                    "--local-directory", str(folder), folder=folder))  # fmt: skip
+        with Client(address, set_as_default=False) as client:
+            client.wait_for_workers(workers)
+            client.run(_warmed_up)
+        yield address
+    finally:
+        for program in reversed(programs):
+            with suppress(ProcessLookupError):
+                os.killpg(program.pid, signal.SIGTERM)
+        for program in programs:
+            program.wait()
+
+
+def _warmed_up() -> None:
+    """Have the kernels compiled and loaded: they are not what is timed."""
+    ts.roll(MAP.scene)
+
+
+def serial(study: ts.Study, folder: Path) -> tuple[ts.StudyResults, float]:
+    began = perf_counter()
+    results = ts.study(study, folder, workers=0)
+    return results, perf_counter() - began
+
+
+def client(study: ts.Study, folder: Path, address: str) -> subprocess.Popen:
+    """The study by its command line."""
+    file = folder.with_suffix(".toml")
+    file.write_text(study.to_toml())
+    command = [sys.executable, "-m", "tractive_sam", "study", file, "-o", folder]
+    log = folder.with_suffix(".log").open("w")
+    return subprocess.Popen([*command, "--scheduler", address], stderr=log)
+
+
+def killed(address: str, with_nanny: bool) -> None:
+    """Kill one worker that computes."""
+    with Client(address, set_as_default=False) as client:
+        pid, parent = next(iter(client.run(lambda: (os.getpid(), os.getppid())).values()))
+    if with_nanny:
+        os.kill(parent, signal.SIGKILL)
+    os.kill(pid, signal.SIGKILL)
+
+
+def survived(study: ts.Study, wanted: ts.StudyResults, folder: Path, with_nanny: bool) -> dict:
+    """Run a study, kill a worker when a third of it is done, and compare."""
+    with cluster(2, folder.parent) as address:
+        began = perf_counter()
+        running = client(study, folder, address)
+        while len(list(folder.glob("[0-9]*.h5"))) < len(study) // 3 + 1:
+            sleep(0.1)
+        killed(address, with_nanny)
+        interrupted = ts.open_study(folder).counts
+        assert running.wait() == 0, folder.with_suffix(".log").read_text()
+        took = perf_counter() - began
+    found = ts.open_study(folder)
+    assert found.complete, found.counts
+    row = {"study": study.title, "cases": len(study), "s, one worker killed": took}
+    row["complete when killed"] = interrupted["complete"]
+    for name in COMPARED:
+        now, then = found.column(name), wanted.column(name)
+        row[f"{name} differs"] = (
+            float(np.abs(now - then).max() / np.abs(then).max()) if np.any(then) else 0.0
+        )
+    return row
+
+
+def scaling(study: ts.Study, scratch: Path) -> list[dict]:
+    rows, _ = [], serial(study, scratch / "warm")
+    results, took = serial(study, scratch / "serial")
+    rows.append({"workers": "none, in one process", "seconds": took, "busy": 1.0})
+    for workers in (1, 2):
+        with cluster(workers, scratch) as address:
+            folder, busy = scratch / f"scaling-{workers}", []
+            began = perf_counter()
+            ts.study(
+                study,
+                folder,
+                scheduler=address,
+                progress=lambda now, busy=busy: now.outcome and busy.append(now.outcome.seconds),
+            )
+            took = perf_counter() - began
+        rows.append({"workers": workers, "seconds": took, "busy": sum(busy) / (workers * took)})
+    return rows
+
+
+def engine(scratch: Path) -> dict:
+    """Time of handing out cases that end at once, and of the messages that go with them."""
+    axis = {"key": "friction.angle", "start": 0, "stop": 90, "number": IDLE_CASES}
+    idle = cases(ts.Study(scene=DISCS.scene, axis=[axis]))
+    nowhere = scratch / "nowhere"  # a worker that finds no folder says so and is done
+    tasks = [Task(case, nowhere / f"{case.name}.h5", 1.0) for case in idle]
+    with cluster(2, scratch) as address:
+        with Client(address, set_as_default=False) as client:
+            before = client.run_on_scheduler(_cpu_seconds)
+        began, own = perf_counter(), _cpu_seconds()
+        assert len(list(on_cluster(tasks, address, lambda _: 0, print))) == IDLE_CASES
+        took, own = perf_counter() - began, _cpu_seconds() - own
+        with Client(address, set_as_default=False) as client:
+            spent = client.run_on_scheduler(_cpu_seconds) - before
+    return {
+        "cases": IDLE_CASES,
+        "ms a case": 1e3 * took / IDLE_CASES,
+        "ms of scheduler": 1e3 * spent / IDLE_CASES,
+        "ms of client": 1e3 * own / IDLE_CASES,
+    }
+
+
+def _cpu_seconds() -> float:
+    times = os.times()
+    return times.user + times.system
+
+
+def many(done: ts.StudyResults, scratch: Path) -> dict:
+    """What the client does with a study of 10,000 cases that are all complete."""
+    axis = {"key": "friction.angle", "start": 0, "stop": 90, "number": MANY_CASES}
+    study, folder = ts.Study(scene=DISCS.scene, axis=[axis]), scratch / "many"
+    folder.mkdir()
+    (folder / "study.toml").write_text(study.to_toml())
+    times = [perf_counter()]
+    found = cases(study)
+    times.append(perf_counter())
+    estimates(found)
+    times.append(perf_counter())
+    with (folder / "complete.jsonl").open("w") as file:
+        for case in found:
+            (folder / f"{case.name}.h5").touch()
+            line = {"digest": case.digest, "message": "", "row": done.rows[0].last}
+            file.write(json.dumps(line) + "\n")
+    times.append(perf_counter())
+    assert ts.open_study(folder).complete
+    times.append(perf_counter())
+    check, estimate, _, read = (after - before for before, after in pairwise(times))
+    began = perf_counter()
+    for row in done.rows:
+        ts.open_history(row.file)
+    return {
+        "cases": MANY_CASES,
+        "s to check": check,
+        "s to estimate": estimate,
+        "s to show": read,
+        "MB of complete.jsonl": (folder / "complete.jsonl").stat().st_size / 1e6,
+        "ms to open a file": 1e3 * (perf_counter() - began) / len(done),
+    }
+
+
+def main():
+    scratch = Path(tempfile.mkdtemp(prefix="study-", dir=os.environ.get("SCRATCH")))
+    _warmed_up()
+    rows = []
+    for name, study, with_nanny in (("map", MAP, False), ("discs", DISCS, True)):
+        wanted, took = serial(study, scratch / f"{name}-serial")
+        row = survived(study, wanted, scratch / name, with_nanny)
+        sizes = [row.file.stat().st_size for row in wanted.rows]
+        rows.append({"s, one process": took, "MB a case": np.mean(sizes) / 1e6} | row)
+    show("One worker of two killed", rows)
+    scaled = scaling(MAP, scratch)
+    show("Scaling of the creep-force map", scaled)
+    cost = [engine(scratch)]
+    show("Cases that end at once, on two workers", cost)
+    large = [many(wanted, scratch)]
+    show("A study of many cases", large)
+    print(f"written: {write('study_killed', rows)}, {write('study_scaling', scaled)}, "
+          f"{write('study_engine', cost)}, {write('study_many', large)}")  # fmt: skip
+    shutil.rmtree(scratch)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,109 @@
+"""``tractive-sam study-show``: what a study has come to."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich import box
+from rich.table import Table
+
+from tractive_sam.cli.output import Status, bad_input_told, console, say, stop
+from tractive_sam.cli.plot import Format
+from tractive_sam.cli.tables import COURSE
+
+if TYPE_CHECKING:
+    from tractive_sam.studies import StudyResults
+
+MOST_FAILURES = 10
+"""Failures whose message is told."""
+
+
+def study_show(
+    directory: Annotated[Path, typer.Argument(metavar="DIR", help="The folder of a study.")],
+    csv: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Write the table, every quantity of it, as CSV."),
+    ] = None,
+    figures: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Draw quantities over one or two axes into a folder."),
+    ] = None,
+    quantity: Annotated[
+        list[str] | None,
+        typer.Option(help="What to draw, as Qx_over_P; may be repeated."),
+    ] = None,
+    at: Annotated[
+        list[str] | None,
+        typer.Option(metavar="KEY=VALUE", help="Hold an axis in figures where more than two vary."),
+    ] = None,
+    format: Annotated[Format, typer.Option(help="Format of the figures.")] = Format.PNG,
+) -> None:
+    """Show all cases of a study with their last records, also while it runs."""
+    with bad_input_told():
+        from tractive_sam.scene.override import parse_settings
+        from tractive_sam.studies import open_study, save_figures
+
+        results = open_study(directory)
+        held = parse_settings(at or ())
+        try:
+            if csv is not None:
+                results.save_csv(csv)
+            drawn = []
+            if figures is not None:
+                drawn = save_figures(
+                    results, figures, quantities=tuple(quantity or ()), at=held, format=format
+                )
+        except OSError as error:
+            raise stop(Status.INVALID, f"the output cannot be written: {error}") from None
+        except ValueError as error:
+            raise stop(Status.INVALID, str(error)) from None
+    if csv is None and figures is None:
+        console().print(_table(results))
+    failures(results)
+    say(_standing(results))
+    for path in [csv] * (csv is not None) + drawn:
+        typer.echo(path)
+
+
+def failures(results: "StudyResults") -> None:
+    """Say which cases failed, and why."""
+    failed = [row for row in results.rows if row.status == "failed"]
+    for row in failed[:MOST_FAILURES]:
+        say((f"{row.case} failed: ", "bold red"), row.message)
+    if len(failed) > MOST_FAILURES:
+        say(f"and {len(failed) - MOST_FAILURES} more")
+
+
+def _standing(results: "StudyResults") -> str:
+    counts = [f"{count} {status}" for status, count in results.counts.items() if count]
+    return f"{len(results)} cases: {', '.join(counts)}"
+
+
+def _table(results: "StudyResults") -> Table:
+    """The cases, one a row."""
+    keys = [key for one in results.study.dimensions for key in one.columns]
+    line = results.study.scene.line
+    shown = [one for one in COURSE if one[0] != "residual" and not (line and "_y" in one[0])]
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    table.add_column("case", justify="right")
+    for key in keys:
+        table.add_column(key.replace(".", ".\n"), justify="right")
+    table.add_column("status")
+    for _, heading, _, _ in shown:
+        table.add_column(heading, justify="right", no_wrap=True)
+    for row in results.rows:
+        changes = [_short(row.case.changes[key]) for key in keys]
+        numbers = [
+            format(_of_kind(row.last[name] * factor, form), form) if name in row.last else ""
+            for name, _, factor, form in shown
+        ]
+        table.add_row(str(row.case.number), *changes, row.status, *numbers)
+    return table
+
+
+def _of_kind(value: float, form: str) -> float | int:
+    return int(value) if form == "d" else value
+
+
+def _short(value) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)

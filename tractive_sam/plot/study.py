@@ -1,0 +1,181 @@
+"""A quantity over what varies in a study: curves, maps and scattered samples."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from textwrap import fill
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from tractive_sam.plot.style import GREY, PRESSURE, SIGNED, WIDTH, set_title, styled
+
+MOST_CURVES = 10
+"""In one figure."""
+
+ONE_SIGN = 0.02
+"""Share of the largest value up to which those of the other sign do not count."""
+
+LETTERS = 40
+"""Of a label before it goes on in the next line."""
+
+LABELS = {
+    "Qx": "$Q_x$ (N)",
+    "Qy": "$Q_y$ (N)",
+    "Mz": "$M_z$ (N mm)",
+    "Qx_over_P": "$Q_x/P$",
+    "Qy_over_P": "$Q_y/P$",
+    "p_max": "largest pressure (MPa)",
+    "wear_max": "largest wear depth (mm)",
+    "creepage.longitudinal": r"$\xi_x$",
+    "creepage.lateral": r"$\xi_y$",
+    "creepage.spin": r"$\phi$ (1/mm)",
+    "friction.mu": r"$\mu$",
+    "friction.angle": r"$\beta$ (degrees)",
+    "load.normal": "$P$ (N)",
+}
+"""Symbols that the field has for quantities and for entries of a scene."""
+
+
+@dataclass(frozen=True)
+class Variable:
+    """What is drawn along an axis of a figure.
+
+    Attributes
+    ----------
+    name : str
+        Name of the quantity, or key of the entry of the scene.
+    values : ndarray
+        Numbers, or texts, which are drawn at equal distances.
+    meaning : str
+        What to call it where the field has no symbol, with its unit.
+    """
+
+    name: str
+    values: np.ndarray
+    meaning: str = ""
+
+    @property
+    def label(self) -> str:
+        """What to write along the axis."""
+        return LABELS.get(self.name) or fill(self.meaning or self.name, LETTERS)
+
+    @property
+    def numeric(self) -> bool:
+        """Whether it has numbers."""
+        return self.values.dtype.kind in "iuf"
+
+    @property
+    def places(self) -> np.ndarray:
+        """Where along the axis."""
+        return self.values.astype(float) if self.numeric else np.arange(self.values.size) * 1.0
+
+    @property
+    def logarithmic(self) -> bool:
+        """Whether it is spaced so, over a decade at least."""
+        places = np.sort(self.places)
+        if places.size < 3 or places[0] <= 0.0 or places[-1] < 10.0 * places[0]:
+            return False
+        steps = places[1:] / places[:-1]
+        return bool(np.allclose(steps, steps[0], rtol=1e-3))
+
+
+@styled
+def study_curves(
+    x: Variable, y: Variable, over: Variable | None = None, *, title: str = ""
+) -> Figure:
+    """A quantity over one entry of a scene, one curve for each value of another.
+
+    Parameters
+    ----------
+    x : Variable
+        The entry, n values.
+    y : Variable
+        The quantity, shape (n,), or (n, m) with `over`; nan where it is not known.
+    over : Variable, optional
+        The other entry, m values; at most `MOST_CURVES` of them are drawn.
+    title : str
+        Title of the figure.
+    """
+    figure = Figure(figsize=(WIDTH, 0.72 * WIDTH))
+    axes = figure.add_subplot()
+    columns = {"": y.values}
+    if over is not None:
+        shown = np.unique(np.linspace(0, over.values.size - 1, MOST_CURVES).astype(int))
+        columns = {_told(over.values[k]): y.values[:, k] for k in shown}
+    order = np.argsort(x.places)
+    if over is not None:  # its values have an order, and so have the colours
+        axes.set_prop_cycle(color=colormaps[PRESSURE](np.linspace(0.0, 0.9, len(columns))))
+    for name, column in columns.items():
+        axes.plot(x.places[order], column[order], "o-", label=name, markersize=3.5)
+    if over is not None:
+        axes.legend(title=over.label)
+    _label(axes, x, y)
+    set_title(figure, title)
+    return figure
+
+
+@styled
+def study_map(x: Variable, y: Variable, quantity: Variable, *, title: str = "") -> Figure:
+    """A quantity over two entries of a scene; cases where it is not known are left grey.
+
+    Parameters
+    ----------
+    x, y : Variable
+        The entries, n and m values.
+    quantity : Variable
+        The quantity, shape (n, m).
+    title : str
+        Title of the figure.
+    """
+    figure = Figure(figsize=(WIDTH, 0.8 * WIDTH))
+    axes = figure.add_subplot(facecolor="#DDDDDD")
+    across, along = np.argsort(x.places), np.argsort(y.places)
+    values = np.ma.masked_invalid(quantity.values[np.ix_(across, along)].T)
+    mesh = axes.pcolormesh(
+        x.places[across], y.places[along], values, shading="nearest", **_colours(values)
+    )
+    figure.colorbar(mesh, label=quantity.label)
+    _label(axes, x, y)
+    set_title(figure, title)
+    return figure
+
+
+@styled
+def study_samples(variables: Mapping[str, Variable], y: Variable, *, title: str = "") -> Figure:
+    """A quantity over each entry of a Latin hypercube, one point a sample."""
+    count = len(variables)
+    figure = Figure(figsize=(WIDTH * min(count, 3) * 0.7, 0.6 * WIDTH * -(-count // 3)))
+    panels = figure.subplots(-(-count // 3), min(count, 3), sharey=True, squeeze=False)
+    for axes in panels.flat[count:]:
+        axes.set_axis_off()
+    for axes, variable in zip(panels.flat, variables.values(), strict=False):
+        axes.plot(variable.places, y.values, "o", markersize=3, color=GREY)
+        _label(axes, variable, y)
+    for axes in panels[:, 1:].flat:
+        axes.set_ylabel("")
+    set_title(figure, title)
+    return figure
+
+
+def _colours(values: np.ma.MaskedArray) -> dict:
+    """White at zero where both signs matter."""
+    largest = float(np.abs(values).max()) if values.count() else 0.0
+    if values.count() and min(-values.min(), values.max()) > ONE_SIGN * largest:
+        return {"cmap": SIGNED, "vmin": -largest, "vmax": largest}
+    return {"cmap": PRESSURE}
+
+
+def _label(axes: Axes, x: Variable, y: Variable) -> None:
+    axes.set(xlabel=x.label, ylabel=y.label)
+    if x.logarithmic:
+        axes.set_xscale("log")
+    if not y.numeric:
+        axes.set_yticks(y.places, y.values)
+    if not x.numeric:
+        axes.set_xticks(x.places, x.values)
+
+
+def _told(value) -> str:
+    return str(value) if isinstance(value, str) else f"{value:.6g}"

@@ -1,0 +1,110 @@
+"""Studies: many scenes on many cores and machines.
+
+    >>> import tractive_sam as ts
+    >>> study = ts.Study(
+    ...     scene="spheres",
+    ...     set=["grid.elements=[15, 15]"],
+    ...     without=["subsurface"],
+    ...     axis=[
+    ...         {"key": "creepage.longitudinal", "start": -1e-3, "stop": -4e-3, "number": 2},
+    ...         {"key": "friction.mu", "values": [0.2, 0.4]},
+    ...     ],
+    ... )
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     results = ts.study(study, folder, workers=0)  # 0: in this process
+    >>> results.dataset()["Qx_over_P"].sel({"friction.mu": 0.2}).round(2).values
+    array([0.12, 0.19])
+
+The file of a study
+-------------------
+::
+
+    title = "Creep forces"                 # optional
+    scene = "spheres-orthotropic"          # a built-in name, a file, or [scene] with its tables
+    without = ["subsurface"]               # optional: what to leave out of it
+    set = ["solver.tolerance=1e-9"]        # optional: settings
+
+    [[axis]]                               # every combination of the axes is a case
+    key = "friction.angle"
+    values = [0, 45, 90]
+
+    [[axis]]                               # a range
+    key = "load.normal"
+    start = 100.0
+    stop = 1000.0
+    number = 4
+    spacing = "logarithmic"                # or "linear", the default
+
+    [[axis.zip]]                           # varies in step with load.normal
+    key = "grid.half_length"
+    values = [[0.2, 0.8], [0.3, 1.1], [0.4, 1.5], [0.5, 2.0]]
+
+    [latin]                                # a Latin hypercube of 20 samples, times the axes
+    number = 20
+    seed = 1
+
+    [[latin.variable]]
+    key = "friction.mu"
+    start = 0.1
+    stop = 0.6
+
+Where the cases run
+-------------------
+On processes of this machine, or on the workers of any scheduler of dask.distributed. Workers need
+this package, one thread each, and the folder of the study under the same name::
+
+    dask scheduler                                         # says its address
+    dask worker ADDRESS --nthreads 1 --nworkers 16         # on every machine
+    tractive-sam study STUDY.toml -o DIR --scheduler ADDRESS
+
+The nannies of ``dask worker`` hold BLAS to one thread; with ``--no-nanny``, set OMP_NUM_THREADS=1.
+Under SLURM, dask-jobqueue starts the workers as jobs::
+
+    from dask_jobqueue import SLURMCluster
+
+    cluster = SLURMCluster(cores=16, processes=16, memory="32GB", walltime="12:00:00")
+    cluster.adapt(maximum_jobs=32)
+    ts.study("STUDY.toml", "/shared/DIR", scheduler=cluster.scheduler_address)
+
+What holds when something dies
+------------------------------
+The state of a study is in its files (see `folder`), not in the scheduler. A case is complete when
+its results file says so, and is then never run again; to run the study again is to go on with it,
+also with other axes: cases are known by the hash of their scenes. A case whose worker died is
+handed to another one and goes on from its last record; whoever computes a case holds a lock on it.
+A client that loses its scheduler waits for it, or for another one at that address, for ten minutes.
+Where the client itself goes, cases begun end on their workers, and the next client finds them.
+"""
+
+from tractive_sam.studies.axis import SAMPLE, Axis, Bounds, Dimension, Latin, Values
+from tractive_sam.studies.case import Case, cases
+from tractive_sam.studies.cluster import SchedulerLostError
+from tractive_sam.studies.cost import explain_study
+from tractive_sam.studies.design import Study, StudyError, is_study
+from tractive_sam.studies.figures import save_figures
+from tractive_sam.studies.results import STATUSES, Row, StudyResults, open_study
+from tractive_sam.studies.run import Progress, study
+
+__all__ = [
+    "SAMPLE",
+    "STATUSES",
+    "Axis",
+    "Bounds",
+    "Case",
+    "Dimension",
+    "Latin",
+    "Progress",
+    "Row",
+    "SchedulerLostError",
+    "Study",
+    "StudyError",
+    "StudyResults",
+    "Values",
+    "cases",
+    "explain_study",
+    "is_study",
+    "open_study",
+    "save_figures",
+    "study",
+]

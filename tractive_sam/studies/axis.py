@@ -1,0 +1,190 @@
+"""What varies in a study, and through which values."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar, Literal, get_args
+
+import numpy as np
+from pydantic import AfterValidator
+from scipy.stats import qmc
+
+from tractive_sam.scene import Fault, Scene, SceneError
+from tractive_sam.scene.faults import shown
+from tractive_sam.scene.quantities import Real, entry, number
+from tractive_sam.scene.table import Check, Known, Table
+
+MOST = 1_000_000
+"""Cases of a study, and values of an axis."""
+
+DIGITS = 12
+"""Of the values of a range: what rounding leaves beyond them would only be in the way."""
+
+SAMPLE = "sample"
+"""Name of the dimension of a Latin hypercube."""
+
+
+def _entry_of_scene(key: str) -> str:
+    try:
+        Scene.described(key)
+    except SceneError as error:
+        raise ValueError(f"a dotted key of a scene: {error.faults[0].allowed}") from None
+    return key
+
+
+Key = Annotated[str, AfterValidator(_entry_of_scene)]
+Spacing = Literal["linear", "logarithmic"]
+
+_KEY = "a dotted key of a scene, like friction.angle"
+_SPACING = '"linear" or "logarithmic"'
+
+
+def _one_way_to_give_values(known: Known) -> Iterator[Fault]:
+    ends = [name for name in ("start", "stop", "number") if name in known.given]
+    allowed = "either values, or start, stop and number"
+    if "values" in known.given:
+        if ends:
+            yield Fault("values", f"together with {', '.join(ends)}", allowed)
+    elif len(ends) < 3:
+        yield Fault("values", f"only {', '.join(ends)}" if ends else "nothing", allowed)
+
+
+def _distinct(known: Known) -> Iterator[Fault]:
+    values = known["values"] or ()
+    if any(value in values[:k] for k, value in enumerate(values)):
+        yield Fault("values", shown(values), "each value once")
+
+
+def _logarithm_exists(known: Known) -> Iterator[Fault]:
+    start, stop = known["start"], known["stop"]
+    if known["spacing"] == "logarithmic" and start is not None and stop is not None:
+        if start * stop > 0.0:
+            return
+        yield Fault("spacing", f"logarithmic from {start:g} to {stop:g}", "two numbers of one sign")
+
+
+def _apart(known: Known) -> Iterator[Fault]:
+    if known["start"] is not None and known["start"] == known["stop"]:
+        yield Fault("stop", f"{known['stop']:g}", "another number than start")
+
+
+class Values(Table):
+    """An entry of the scene and its values: a list, or a range from start to stop."""
+
+    key: Key = entry("the entry that varies", _KEY)
+    values: tuple[Any, ...] | None = entry(
+        "the values, one by one", "a list of at least one value", None, min_length=1
+    )
+    start: Real | None = number("first value of a range", None)
+    stop: Real | None = number("last value of a range", None)
+    number: int | None = entry(
+        "number of values of a range", "a whole number from 2 to 1e6", None, ge=2, le=MOST
+    )
+    spacing: Spacing = entry("spacing of a range", _SPACING, "linear")
+    checks: ClassVar[tuple[Check, ...]] = (
+        _one_way_to_give_values,
+        _distinct,
+        _logarithm_exists,
+        _apart,
+    )
+
+    def column(self) -> tuple[Any, ...]:
+        """The values."""
+        if self.values is not None:
+            return self.values
+        shares = np.linspace(0.0, 1.0, self.number)
+        return _between(self.key, self.start, self.stop, self.spacing, shares)
+
+
+def _as_long_as_the_axis(known: Known) -> Iterator[Fault]:
+    wanted = _length(known["values"], known["number"])
+    for k, other in enumerate(known["zip"]):
+        if len(other.column()) != wanted:
+            given = f"{len(other.column())} values"
+            yield Fault(f"zip[{k}].values", given, f"{wanted}, as many as the axis has")
+
+
+def _length(values: tuple | None, number: int | None) -> int | None:
+    return number if values is None else len(values)
+
+
+class Axis(Values):
+    """An axis of a study; entries zipped with it take their values in step with it."""
+
+    zip: tuple[Values, ...] = entry("entries that vary together with this one", "", ())
+    checks: ClassVar[tuple[Check, ...]] = (*Values.checks, _as_long_as_the_axis)
+
+    def dimension(self) -> Dimension:
+        """The values by key."""
+        columns = {one.key: one.column() for one in (self, *self.zip)}
+        return Dimension(self.key, columns)
+
+
+class Bounds(Table):
+    """An entry of the scene and the interval in which it is sampled."""
+
+    key: Key = entry("the entry that varies", _KEY)
+    start: Real = number("one end of the interval")
+    stop: Real = number("the other end of the interval")
+    spacing: Spacing = entry("in what it is uniform", _SPACING, "linear")
+    checks: ClassVar[tuple[Check, ...]] = (_logarithm_exists, _apart)
+
+
+class Latin(Table):
+    """A Latin hypercube: every entry's interval is divided evenly among the samples."""
+
+    number: int = entry("number of samples", "a whole number from 1 to 1e6", ge=1, le=MOST)
+    variable: tuple[Bounds, ...] = entry("entries and intervals", "a list of at least one table")
+    seed: int = entry("seed of the samples", "a whole number from 0", 0, ge=0)
+
+    def dimension(self) -> Dimension:
+        """The samples by key."""
+        hypercube = qmc.LatinHypercube(len(self.variable), rng=np.random.default_rng(self.seed))
+        shares = hypercube.random(self.number).T
+        columns = {
+            one.key: _between(one.key, one.start, one.stop, one.spacing, share)
+            for one, share in zip(self.variable, shares, strict=True)
+        }
+        return Dimension(SAMPLE, columns)
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """One direction in which cases are counted.
+
+    Attributes
+    ----------
+    name : str
+        Key of the axis, or `SAMPLE`.
+    columns : mapping of str to tuple
+        Values by dotted key, all of one length.
+    """
+
+    name: str
+    columns: dict[str, tuple[Any, ...]]
+
+    def __len__(self) -> int:
+        return len(next(iter(self.columns.values())))
+
+    def at(self, place: int) -> dict[str, Any]:
+        """The entries at one place."""
+        return {key: column[place] for key, column in self.columns.items()}
+
+
+def _between(
+    key: str, start: float, stop: float, spacing: Spacing, shares: np.ndarray
+) -> tuple[float | int, ...]:
+    """Values at some shares of the way from start to stop; whole ones where the entry is whole."""
+    if spacing == "logarithmic":
+        values = start * (stop / start) ** shares
+    else:
+        values = start + (stop - start) * shares
+    if _whole(key):
+        return tuple(round(value) for value in values.tolist())
+    return tuple(float(f"{value:.{DIGITS}g}") for value in values.tolist())
+
+
+def _whole(key: str) -> bool:
+    kind = Scene.described(key).annotation
+    return kind is int or int in get_args(kind)

@@ -1,0 +1,112 @@
+"""The cases of a study: one scene each, all of them checked before any is run."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tractive_sam.scene import Fault, Scene, SceneError, toml
+from tractive_sam.store import GapError, read_gap
+from tractive_sam.studies.design import Study, StudyError
+
+DIGEST = 16
+"""Hexadecimal digits of the hash of a scene."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """One scene of a study.
+
+    Attributes
+    ----------
+    number : int
+        Its place among all cases, the last dimension counting fastest.
+    changes : mapping of str to object
+        What varies, by dotted key.
+    scene : Scene
+        What is computed.
+    digest : str
+        Hash of the scene, but for its title.
+    """
+
+    number: int
+    changes: dict[str, Any]
+    scene: Scene
+    digest: str
+
+    @property
+    def name(self) -> str:
+        """Name of its files, without suffix."""
+        return f"{self.number:05d}-{self.digest}"
+
+    def __str__(self) -> str:
+        told = ", ".join(f"{key} = {value}" for key, value in self.changes.items())
+        return f"case {self.number} ({told})"
+
+
+def cases(study: Study) -> list[Case]:
+    """Every case of a study.
+
+    Raises
+    ------
+    StudyError
+        With the faults of all scenes that are not valid, each told once.
+    """
+    found, faults, seen = [], {}, {}
+    contents = cache(_contents)
+    for number, changes in enumerate(_changes(study)):
+        try:
+            scene = study.scene.replace(**changes)
+            case = Case(number, changes, scene, _digest(scene, contents))
+        except SceneError as error:
+            case, told = Case(number, changes, study.scene, ""), error.faults
+        except GapError as error:
+            case = Case(number, changes, study.scene, "")
+            told = [Fault(error.key, error.given, error.allowed)]
+        else:
+            twin = seen.setdefault(case.digest, case)
+            allowed = f"scenes that differ; {twin} is the same"
+            told = [] if twin is case else [Fault("axis", "a scene twice", allowed)]
+            found.append(case)
+        for fault in told:
+            # The same entry is at fault in many cases: one is told, and how many there are.
+            faults.setdefault((fault.key, fault.given), []).append((fault, case))
+    if faults:
+        raise StudyError(_told(same) for same in faults.values())
+    return found
+
+
+def _changes(study: Study) -> Iterator[dict[str, Any]]:
+    """What varies, case by case."""
+    dimensions = study.dimensions
+    for index in np.ndindex(study.shape):
+        places = zip(dimensions, index, strict=True)
+        yield {key: value for one, k in places for key, value in one.at(k).items()}
+
+
+def _told(same: list[tuple[Fault, Case]]) -> Fault:
+    fault, case = same[0]
+    where = f"in {case}" if len(same) == 1 else f"in {case} and {len(same) - 1} more"
+    return replace(fault, given=f"{fault.given} {where}")
+
+
+def _digest(scene: Scene, contents) -> str:
+    """Hash of all that a scene asks for: its entries and the content of its files."""
+    entries = scene.entries()
+    entries.pop("title", None)
+    hashed = hashlib.sha256(toml.emit(entries).encode())
+    if scene.gap is not None and scene.gap.file is not None:
+        hashed.update(contents(str(scene.gap.file)))
+    return hashed.hexdigest()[:DIGEST]
+
+
+def _contents(file: str) -> bytes:
+    """Hash of a measured gap, which is read to see that it can be."""
+    read_gap(file)
+    return hashlib.sha256(Path(file).read_bytes()).digest()

@@ -1,0 +1,169 @@
+"""Cases on the workers of dask.distributed.
+
+The scheduler is asked for nothing but to hand out cases, long ones first. Whatever it forgets is in
+the files: a case that was cut off is handed out again and goes on from its last record.
+"""
+
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from time import monotonic, sleep
+from typing import TYPE_CHECKING
+from uuid import uuid4
+
+from tractive_sam.studies.task import Task
+from tractive_sam.studies.worker import FAILED, HELD, ONE_THREAD, Outcome, run_case
+
+if TYPE_CHECKING:
+    from distributed import Client, Future
+
+MISSING = "dask is not installed: pip install 'tractive-sam[study]', or ask for 0 workers"
+
+FIRST_CONTACT = 30.0
+"""Longest wait for a scheduler that was never there, s."""
+
+PATIENCE = 600.0
+"""Longest wait for a scheduler that was lost, s."""
+
+PAUSE = 1.0
+"""Before what was cut off or held is handed out again, s."""
+
+
+class SchedulerLostError(ConnectionError):
+    """There is no scheduler (any more)."""
+
+
+class _CutOffError(Exception):
+    """The connection to the scheduler broke, or it forgot what it was asked for."""
+
+
+@contextmanager
+def local_cluster(workers: int | None) -> Iterator[str]:
+    """Processes on this machine, one for each core unless told otherwise; yields their address."""
+    from distributed import LocalCluster
+
+    with LocalCluster(
+        n_workers=workers or len(os.sched_getaffinity(0)),
+        threads_per_worker=1,
+        processes=True,
+        memory_limit=0,  # a scene takes what it takes; `explain` tells how much
+        dashboard_address=None,
+        env=ONE_THREAD,
+    ) as cluster:
+        yield cluster.scheduler_address
+
+
+def on_cluster(
+    tasks: list[Task],
+    address: str,
+    reached: Callable[[Task], int],
+    say: Callable[[str], None],
+) -> Iterator[tuple[Task, Outcome]]:
+    """Have tasks done by the workers of a scheduler; yields them as they end.
+
+    Parameters
+    ----------
+    tasks : list of Task
+        What is to be done.
+    address : str
+        Of the scheduler.
+    reached : callable
+        Records that the results file of a task holds.
+    say : callable
+        Told when something has to be waited for.
+
+    Raises
+    ------
+    SchedulerLostError
+        If there is no scheduler there, or none any more for `PATIENCE`.
+    """
+    left = {task.case.digest: task for task in tasks}
+    killed: dict[str, int] = {}
+    patience = FIRST_CONTACT
+    while left:
+        try:
+            with _client(address, patience, say) as client:
+                patience = PATIENCE
+                for task, outcome in _handed_out(client, list(left.values())):
+                    ended = outcome or _after_deaths(task, reached(task), killed)
+                    if ended is not None and ended.status != HELD:
+                        del left[task.case.digest]
+                        yield task, ended
+        except _CutOffError:
+            say("the scheduler was lost; what is not complete is handed out again")
+        if left:
+            sleep(PAUSE)
+
+
+def _after_deaths(task: Task, records: int, killed: dict[str, int]) -> Outcome | None:
+    """A failure, unless the case came further than when its workers died before."""
+    before = killed.get(task.case.digest, 0)
+    killed[task.case.digest] = records
+    if records > before:
+        return None
+    cure = "memory may not suffice: tractive-sam explain tells what a scene takes"
+    return Outcome(FAILED, f"every worker that computed it died; {cure}")
+
+
+@contextmanager
+def _client(address: str, patience: float, say: Callable[[str], None]) -> Iterator["Client"]:
+    from distributed import Client
+
+    client, began, told = None, monotonic(), False
+    while client is None:
+        try:
+            client = Client(address, timeout=5, set_as_default=False)
+        except (OSError, TimeoutError) as error:
+            if monotonic() - began > patience:
+                cure = "start one and run the study again: complete cases are not run again"
+                raise SchedulerLostError(f"there is no scheduler at {address}; {cure}") from error
+            if not told:
+                say(f"waiting for a scheduler at {address}")
+            told = True
+            sleep(PAUSE)
+    try:
+        yield client
+    finally:
+        with suppress(OSError, TimeoutError):
+            client.close(timeout=5)
+
+
+def _handed_out(client: "Client", tasks: list[Task]) -> Iterator[tuple[Task, Outcome | None]]:
+    """Hand out every task once; yields each with its outcome, None if its workers died."""
+    from distributed import as_completed
+
+    round_of = uuid4().hex  # so that the scheduler takes it for nothing that it was asked before
+    futures = {
+        client.submit(
+            run_case,
+            task.case.scene.to_toml(),
+            str(task.file),
+            key=f"case-{task.case.number}-{round_of}",
+            priority=task.seconds,
+            pure=False,
+        ): task
+        for task in tasks
+    }
+    try:
+        for future in as_completed(futures, loop=client.loop):
+            task = futures.pop(future)
+            yield task, _outcome(future)
+            future.release()
+    finally:
+        # Where the client goes before its cases are done, those not begun yet are forgotten.
+        for future in futures:
+            with suppress(OSError, TimeoutError):
+                future.release()
+
+
+def _outcome(future: "Future") -> Outcome | None:
+    from distributed.scheduler import KilledWorker
+
+    if future.status == "finished":
+        return future.result()
+    if future.status != "error":
+        raise _CutOffError
+    error = future.exception()
+    if isinstance(error, KilledWorker):
+        return None
+    return Outcome(FAILED, f"{type(error).__name__}: {error}")

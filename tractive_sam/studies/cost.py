@@ -1,0 +1,131 @@
+"""What a study will take, from its scenes."""
+
+from collections import defaultdict
+from functools import cache
+
+import numpy as np
+
+from tractive_sam import explain
+from tractive_sam.contact import Model
+from tractive_sam.pipeline import measured_gap
+from tractive_sam.record import FIELDS, PROFILES, SCALARS, STATE, STRESS
+from tractive_sam.store import read_gap
+from tractive_sam.studies.case import Case, cases
+from tractive_sam.studies.design import Study
+
+SLOTS = 2
+"""Records whose state a results file holds."""
+
+EMPTY_FILE = 2e5
+"""Size of a results file without anything in it, bytes."""
+
+UZAWA = 20.0
+"""Applications of Uzawa's method over those of the default one, roughly: it orders the cases."""
+
+
+def explain_study(study: Study, workers: int) -> list[explain.Section]:
+    """Say what a study is made of, and estimate the time and the room that it takes.
+
+    Parameters
+    ----------
+    study : Study
+        What is asked.
+    workers : int
+        Processes at work.
+
+    Raises
+    ------
+    StudyError
+        With the faults of all scenes that are not valid.
+    """
+    found = cases(study)
+    models = _models(found)
+    seconds = np.array(_times(models))
+    volume = sum(map(_bytes, models))
+    largest = max(models, key=lambda model: explain.fields_together(model) * _size(model))
+    memory = explain.memory(largest) / 2**20
+    whole = max(seconds.sum() / workers, seconds.max())
+    duration = explain.duration
+    return [
+        explain.Section("Cases", [*_axes(study), ("in all", f"{len(found)} cases")]),
+        explain.Section(
+            "Work",
+            [
+                ("a case", f"{duration(seconds.min())} to {duration(seconds.max())}"),
+                ("all cases", f"about {duration(seconds.sum())} of one core"),
+                (f"with {workers} workers", f"about {duration(whole)}; --workers N for others"),
+                ("memory", f"about {memory:.0f} MiB a worker, and 200 MiB for programs"),
+                ("results", f"at most about {volume / 1e6:.0f} MB in {len(found)} files"),
+            ],
+        ),
+    ]
+
+
+def estimates(found: list[Case]) -> list[float]:
+    """Time that each case is expected to take on a core like this one, s."""
+    return _times(_models(found))
+
+
+def _axes(study: Study) -> list[tuple[str, str]]:
+    rows = []
+    for one in study.dimensions:
+        for key, column in one.columns.items():
+            told = ", ".join(map(_short, column[:3]))
+            if len(column) > 3:
+                told += f" ... {_short(column[-1])}"
+            rows.append((key, f"{len(column)} values: {told}"))
+    return rows
+
+
+def _short(value) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _models(found: list[Case]) -> list[Model]:
+    read = cache(read_gap)  # many cases share a measured gap
+    models = []
+    for case in found:
+        gap = case.scene.gap
+        from_file = gap is not None and gap.file is not None
+        measured = read(gap.file) if from_file else measured_gap(case.scene)
+        models.append(Model(case.scene, measured))
+    return models
+
+
+def _times(models: list[Model]) -> list[float]:
+    """Seconds of each; one mesh of a kind is timed, for others it follows from their size."""
+    kinds = defaultdict(list)
+    for model in models:
+        kinds[explain.fields_together(model), model.grid.line].append(model)
+    pace = {kind: _pace(alike) for kind, alike in kinds.items()}
+    return [
+        pace[explain.fields_together(model), model.grid.line]
+        * _size(model)
+        * explain.applications(model)
+        * (UZAWA if model.scene.solver.method == "uzawa" else 1.0)
+        for model in models
+    ]
+
+
+def _pace(alike: list[Model]) -> float:
+    typical = sorted(alike, key=_size)[len(alike) // 2]
+    return explain.seconds_per_application(typical) / _size(typical)
+
+
+def _size(model: Model) -> float:
+    """Measure of the work of a transform."""
+    elements = float(np.prod(model.grid.elements))
+    return elements * np.log2(4.0 * elements)
+
+
+def _bytes(model: Model) -> float:
+    """Size of a results file, if nothing in it could be compressed."""
+    scene, (nx, ny) = model.scene, model.grid.elements
+    kept = 1 if scene.wear is None else len(scene.wear.save)
+    numbers = (kept * len(FIELDS) + SLOTS * len(STATE)) * nx * ny
+    numbers += explain.records(scene) * (len(SCALARS) + len(PROFILES) * ny)
+    if scene.subsurface is not None:
+        below = scene.subsurface
+        planes = len(below.planes) * len(below.bodies)
+        numbers += kept * planes * len(STRESS) * below.elements * (nx + ny) // 2
+    return EMPTY_FILE + 8.0 * numbers

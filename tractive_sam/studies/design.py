@@ -1,0 +1,185 @@
+"""The design of a study: a scene and what varies in it, checked as a whole."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from os import PathLike
+from pathlib import Path
+from typing import Any, ClassVar
+
+from tractive_sam.scene import Fault, Scene, SceneError, builtin_names, toml
+from tractive_sam.scene.faults import shown
+from tractive_sam.scene.quantities import entry
+from tractive_sam.scene.table import Check, Known, Table
+from tractive_sam.studies.axis import MOST, Axis, Dimension, Latin
+
+
+class StudyError(SceneError):
+    """A study that cannot be run, with every fault that was found, those of its scenes too."""
+
+    subject: ClassVar[str] = "study"
+
+
+def _something_varies(known: Known) -> Iterator[Fault]:
+    if not known["axis"] and known["latin"] is None:
+        yield Fault("axis", "nothing", "at least one [[axis]], or a [latin] hypercube")
+
+
+def _each_entry_once(known: Known) -> Iterator[Fault]:
+    keys = Counter(key for one in _dimensions(known["axis"], known["latin"]) for key in one.columns)
+    for key, count in keys.items():
+        if count > 1:
+            yield Fault("axis", f"{key} varies {count} times", "each entry of the scene once")
+
+
+def _not_too_many(known: Known) -> Iterator[Fault]:
+    count = math.prod(map(len, _dimensions(known["axis"], known["latin"])))
+    if count > MOST:
+        yield Fault("axis", f"{count} cases", f"at most {MOST:.0e}")
+
+
+class Study(Table):
+    """A scene, and the entries of it that vary: every combination of the axes is a case.
+
+    Parameters
+    ----------
+    scene : Scene, str or mapping
+        What does not vary: a scene, the name of a built-in one, a scene file, or the tables of one.
+    axis : iterable of Axis or mapping
+        See `Axis`; the last one varies fastest.
+    latin : Latin or mapping, optional
+        Entries that vary together at random, see `Latin`.
+    set : iterable of str
+        Settings of the scene, as ``solver.tolerance=1e-9``.
+    without : iterable of str
+        Entries and tables of the scene to leave out, as ``subsurface``.
+    title : str
+        What is studied.
+
+    Raises
+    ------
+    StudyError
+        With every fault of the study.
+    """
+
+    title: str = entry("title", "a text", "")
+    scene: Scene = entry("the scene", "a built-in name, a scene file, or the tables of a scene")
+    axis: tuple[Axis, ...] = entry("the axes", "a list of tables", ())
+    latin: Latin | None = entry("the Latin hypercube", "", None)
+    checks: ClassVar[tuple[Check, ...]] = (_something_varies, _each_entry_once, _not_too_many)
+
+    def __init__(
+        self,
+        /,
+        scene: Any = None,
+        set: Iterable[str] = (),
+        without: Iterable[str] = (),
+        **given: Any,
+    ) -> None:
+        faults: list[Fault] = []
+        try:
+            scene = _settled(scene, set, without)
+        except SceneError as error:
+            faults += error.faults
+            scene = Scene.builtin(builtin_names()[0])  # so that the rest is judged as well
+        try:
+            super().__init__(scene=scene, **given)
+        except SceneError as error:
+            faults += error.faults
+        if faults:
+            raise StudyError(faults)
+
+    @classmethod
+    def from_toml(cls, path: str | PathLike[str]) -> Study:
+        """Read a study file; relative files in it are sought from its folder.
+
+        Raises
+        ------
+        StudyError
+            If the file cannot be read, is no TOML, or describes no valid study.
+        """
+        path = Path(path).absolute()
+        try:
+            tables = toml.parse_file(path)
+        except SceneError as error:
+            raise StudyError(error.faults) from None
+        return cls(**_files_from(path.parent, tables))
+
+    def to_toml(self) -> str:
+        """Write it as TOML, with its scene in it and settings made; `from_toml` gives it back."""
+        return toml.emit(self.entries())
+
+    @property
+    def dimensions(self) -> tuple[Dimension, ...]:
+        """Directions in which cases are counted, the last one fastest."""
+        return _dimensions(self.axis, self.latin)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of values along each dimension."""
+        return tuple(map(len, self.dimensions))
+
+    def __len__(self) -> int:
+        return math.prod(self.shape)
+
+
+def is_study(path: str | PathLike[str]) -> bool:
+    """Whether a file is TOML with what only a study has: axes or a Latin hypercube."""
+    try:
+        return bool({"axis", "latin"} & toml.parse_file(Path(path)).keys())
+    except SceneError:
+        return False
+
+
+def _files_from(folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
+    """The tables with relative files sought from a folder."""
+    match tables:
+        case {"scene": str(name)} if (folder / name).is_file():
+            tables["scene"] = str(folder / name)
+        case {"scene": {"gap": {"file": str(file)}}}:
+            tables["scene"]["gap"]["file"] = str(folder / file)
+    for axis in tables.get("axis") or ():
+        match axis:
+            case {"key": "gap.file", "values": list(files)}:
+                axis["values"] = [str(folder / file) for file in files]
+    return tables
+
+
+def _dimensions(axes: Iterable[Axis], latin: Latin | None) -> tuple[Dimension, ...]:
+    of_axes = tuple(axis.dimension() for axis in axes)
+    return of_axes if latin is None else (*of_axes, latin.dimension())
+
+
+def _settled(scene: Any, settings: Any, without: Any) -> Any:
+    """The scene with its settings made; what is no scene is left to the check of its tables."""
+    faults = [
+        Fault(name, shown(given), f"a list of {kind}")
+        for name, given, kind in (
+            ("set", settings, "settings like solver.tolerance=1e-9"),
+            ("without", without, "keys like subsurface"),
+        )
+        if not isinstance(given, list | tuple) or not all(isinstance(one, str) for one in given)
+    ]
+    if faults:
+        raise SceneError(faults)
+    if not settings and not without and not isinstance(scene, str):
+        return scene
+    try:
+        found = _named(scene)
+        changed = found.replace(**dict.fromkeys(without)) if without else found
+        return changed.with_set(settings) if settings else changed
+    except SceneError as error:
+        raise SceneError(fault.under("scene") for fault in error.faults) from None
+
+
+def _named(scene: Any) -> Scene:
+    if isinstance(scene, Scene):
+        return scene
+    if not isinstance(scene, str):
+        return Scene(**(scene or {}))
+    path = Path(scene)
+    return (
+        Scene.from_toml(path) if path.suffix == ".toml" or path.is_file() else Scene.builtin(scene)
+    )

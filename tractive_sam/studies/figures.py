@@ -1,0 +1,133 @@
+"""Figures of a study: each quantity over one or two of its axes."""
+
+from collections.abc import Iterator, Mapping
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tractive_sam.plot import Variable, study_curves, study_map, study_samples
+from tractive_sam.studies.axis import SAMPLE
+from tractive_sam.studies.results import StudyResults, title_of
+
+DRAWN = ("Qx_over_P", "Qy_over_P", "Mz", "p_max", "stick_fraction", "wear_max")
+"""Quantities of which there are figures unless others are asked for."""
+
+
+def save_figures(
+    results: StudyResults,
+    directory: str | PathLike[str],
+    *,
+    quantities: tuple[str, ...] = (),
+    at: Mapping[str, Any] | None = None,
+    format: str = "png",
+) -> list[Path]:
+    """Draw quantities of the last records over what varies.
+
+    Curves over the longest axis, one for each value of the second longest, and a map over both;
+    samples of a Latin hypercube over each of their entries.
+
+    Parameters
+    ----------
+    results : StudyResults
+        What to draw.
+    directory : path-like
+        Where to; made if it does not exist.
+    quantities : tuple of str
+        Names of `StudyResults.quantities`; by default those of `DRAWN` that are not the same
+        everywhere.
+    at : mapping of str to object, optional
+        Values at which other axes are held, by key; they are needed where more than two vary.
+    format : str
+        One of `plot.FORMATS`.
+
+    Returns
+    -------
+    list of Path
+        The files.
+
+    Raises
+    ------
+    ValueError
+        If there is no such quantity, axis or value, or more than two axes would be left.
+    """
+    directory = Path(directory)
+    unknown = [name for name in quantities if name not in results.quantities]
+    if unknown:
+        known = ", ".join(results.quantities) or "none yet"
+        raise ValueError(f"no quantity {', '.join(unknown)}; there are {known}")
+    left = _held(results, at or {})
+    names = quantities or [name for name in DRAWN if _varies(results, name)]
+    directory.mkdir(parents=True, exist_ok=True)
+    paths = []
+    for name in names:
+        for kind, figure in _figures(results, name, left):
+            paths.append(directory / f"{name.replace(' ', '-')}-{kind}.{format}")
+            figure.savefig(paths[-1])
+    return paths
+
+
+def _held(results: StudyResults, at: Mapping[str, Any]) -> tuple[int | slice, ...]:
+    """An index into the cases that holds some axes and leaves at most two."""
+    dimensions = results.study.dimensions
+    names = [one.name for one in dimensions]
+    unknown = [key for key in at if key not in names]
+    if unknown:
+        raise ValueError(f"no axis {', '.join(unknown)}; there are {', '.join(names)}")
+    index: list[int | slice] = []
+    for one in dimensions:
+        if one.name not in at:
+            index.append(slice(None))
+            continue
+        column = range(len(one)) if one.name == SAMPLE else one.columns[one.name]
+        if at[one.name] not in column:
+            told = ", ".join(map(str, column))
+            raise ValueError(f"{one.name} has no value {at[one.name]}; it has {told}")
+        index.append(list(column).index(at[one.name]))
+    free = [n for n, k in zip(names, index, strict=True) if isinstance(k, slice)]
+    # A sample has entries enough of its own.
+    most = 1 if SAMPLE in free else 2
+    if not 1 <= len(free) <= most:
+        raise ValueError(
+            f"{len(free)} axes vary, {', '.join(free) or 'none'}; hold all but {most} by KEY=VALUE"
+        )
+    return tuple(index)
+
+
+def _varies(results: StudyResults, name: str) -> bool:
+    values = results.column(name)
+    values = values[np.isfinite(values)]
+    return bool(values.size) and bool(np.ptp(values) > 1e-9 * np.abs(values).max())
+
+
+def _figures(results: StudyResults, name: str, index: tuple) -> Iterator[tuple[str, Any]]:
+    """Kinds of figures, and the figures."""
+    free = [
+        one for one, k in zip(results.study.dimensions, index, strict=True) if isinstance(k, slice)
+    ]
+    about = results.quantities[name]
+    unit = "" if about.unit == "1" else f" ({about.unit})"
+    values = results.column(name).reshape(results.study.shape)[index]
+    quantity = Variable(name, values, about.long_name + unit)
+    title = results.study.title or results.study.scene.title
+    if free[0].name == SAMPLE:
+        variables = {key: _variable(free[0].columns, key) for key in free[0].columns}
+        yield "samples", study_samples(variables, quantity, title=title)
+        return
+    if len(free) == 1:
+        yield "curve", study_curves(_variable(free[0].columns), quantity, title=title)
+        return
+    if len(free[0]) < len(free[1]):
+        free, quantity = free[::-1], Variable(name, values.T, quantity.meaning)
+    x, over = (_variable(one.columns) for one in free)
+    yield "curves", study_curves(x, quantity, over, title=title)
+    yield "map", study_map(x, over, quantity, title=title)
+
+
+def _variable(columns: Mapping[str, tuple], key: str | None = None) -> Variable:
+    """Values of an entry; of the first one, that of the axis, by default."""
+    key = key or next(iter(columns))
+    numbers = all(isinstance(one, int | float) for one in columns[key])
+    values = np.array(columns[key] if numbers else [str(one) for one in columns[key]])
+    return Variable(key, values, title_of(key))

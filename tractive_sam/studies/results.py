@@ -1,0 +1,239 @@
+"""What a study has come to: a table of its cases, and a dataset over its axes."""
+
+import csv
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tractive_sam.record import BODY_SCALARS, History, Quantity, scalars
+from tractive_sam.scene import Scene
+from tractive_sam.store import ResultsError, open_history
+from tractive_sam.studies.case import Case, cases
+from tractive_sam.studies.design import Study
+from tractive_sam.studies.folder import Folder
+from tractive_sam.studies.lock import is_locked
+from tractive_sam.studies.worker import COMPLETE, FAILED, lock_of, summary
+
+if TYPE_CHECKING:
+    import xarray
+
+RUNNING, INTERRUPTED, WAITING = "running", "interrupted", "waiting"
+STATUSES = (COMPLETE, RUNNING, INTERRUPTED, FAILED, WAITING)
+
+
+@dataclass(frozen=True)
+class Row:
+    """What a case has come to.
+
+    Attributes
+    ----------
+    case : Case
+        The case.
+    status : str
+        One of `STATUSES`.
+    message : str
+        How it ended; empty where it has not.
+    file : Path or None
+        Its results file, if there is one.
+    last : mapping of str to number
+        Its last record, by the names of `record.SCALARS`, and as ``von_mises_max A``; its totals.
+    """
+
+    case: Case
+    status: str
+    message: str = ""
+    file: Path | None = None
+    last: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class StudyResults:
+    """All cases of a study, as their files have them.
+
+    Attributes
+    ----------
+    path : Path
+        The folder of the study.
+    study : Study
+        What was asked.
+    rows : tuple of Row
+        What each case has come to, in the order of the cases.
+    """
+
+    path: Path
+    study: Study
+    rows: tuple[Row, ...]
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    @property
+    def complete(self) -> bool:
+        """Whether every case is complete."""
+        return self.counts[COMPLETE] == len(self.rows)
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Number of cases by status."""
+        found = [row.status for row in self.rows]
+        return {status: found.count(status) for status in STATUSES}
+
+    @cached_property
+    def quantities(self) -> dict[str, Quantity]:
+        """What is known of last records, with units."""
+        names = {name: None for row in self.rows for name in row.last}
+        of_bodies = {
+            f"{name} {body}": Quantity(quantity.unit, f"{quantity.long_name}, body {body}")
+            for name, quantity in BODY_SCALARS.items()
+            for body in "AB"
+        }
+        line = self.rows[0].case.scene.line if self.rows else False
+        known = scalars(line) | of_bodies
+        return {name: known[name] for name in names if name in known}
+
+    def history(self, number: int) -> History:
+        """The history of a case.
+
+        Raises
+        ------
+        ResultsError
+            If it has no results file yet.
+        """
+        row = self.rows[number]
+        if row.file is None:
+            raise ResultsError(f"{row.case} is {row.status}: it has no results yet")
+        return open_history(row.file)
+
+    def column(self, name: str, revolution: int | None = None) -> np.ndarray:
+        """A quantity of all cases, shape (len(self),); nan where it is not known.
+
+        Parameters
+        ----------
+        name : str
+            One of `quantities`.
+        revolution : int, optional
+            Of the record of this revolution, in place of the last one.
+        """
+        if revolution is None:
+            return np.array([row.last.get(name, math.nan) for row in self.rows])
+        return np.array([_at(row, name, revolution) for row in self.rows])
+
+    def values(self, key: str) -> np.ndarray:
+        """What an entry of the scene is in each case: numbers, or else text."""
+        return _as_array([row.case.changes[key] for row in self.rows])
+
+    def dataset(self, revolution: int | None = None) -> "xarray.Dataset":
+        """Every quantity over the axes, with status and message of each case.
+
+        The dimensions are the keys of the axes, and `SAMPLE` of a Latin hypercube; entries that
+        vary along with another one are coordinates as well.
+
+        Parameters
+        ----------
+        revolution : int, optional
+            Take the record of this revolution, in place of the last one of each case; nan where
+            there is none.
+        """
+        import xarray
+
+        study = self.study
+        dims, shape = [one.name for one in study.dimensions], study.shape
+        coordinates = {
+            key: (one.name, _as_array(column), {"long_name": title_of(key)})
+            for one in study.dimensions
+            for key, column in one.columns.items()
+        }
+        variables = {
+            name: (
+                dims,
+                self.column(name, revolution).reshape(shape),
+                {"units": quantity.unit, "long_name": quantity.long_name},
+            )
+            for name, quantity in self.quantities.items()
+        }
+        for name in ("status", "message"):
+            told = np.array([getattr(row, name) for row in self.rows], dtype=object)
+            variables[name] = (dims, told.astype(str).reshape(shape))
+        return xarray.Dataset(variables, coordinates, {"title": study.title or study.scene.title})
+
+    def save_csv(self, path: str | PathLike[str]) -> None:
+        """Write the table of all cases as CSV, numbers as they are."""
+        keys = [key for one in self.study.dimensions for key in one.columns]
+        names = list(self.quantities)
+        with Path(path).open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(["case", *keys, "status", "message", "file", *names])
+            for row in self.rows:
+                changes = [row.case.changes[key] for key in keys]
+                about = [row.status, row.message, row.file.name if row.file else ""]
+                last = [row.last.get(name, "") for name in names]
+                writer.writerow([row.case.number, *changes, *about, *last])
+
+
+def open_study(directory: str | PathLike[str]) -> StudyResults:
+    """Read the folder of a study, also while it runs.
+
+    Raises
+    ------
+    ResultsError
+        If it is not one.
+    """
+    folder = Folder(directory)
+    study = folder.study()
+    files, complete, failures = folder.results(), folder.complete(), folder.failures()
+    rows = []
+    for case in cases(study):
+        file, kept = folder.file_of(case, files), complete.get(case.digest)
+        if kept and case.digest in files:
+            rows.append(Row(case, COMPLETE, kept["message"], file, kept["row"]))
+        else:
+            rows.append(_row(case, file, failures.get(case.digest, "")))
+    return StudyResults(folder.path, study, tuple(rows))
+
+
+def title_of(key: str) -> str:
+    """What an entry of the scene means, with its unit."""
+    return Scene.described(key).title or key
+
+
+def _row(case: Case, file: Path, failure: str) -> Row:
+    """What the results file of a case says."""
+    running = is_locked(lock_of(file))
+    if not file.exists():
+        status = RUNNING if running else FAILED if failure else WAITING
+        return Row(case, status, "" if running else failure)
+    try:
+        history = open_history(file)
+    except ResultsError as error:
+        return Row(case, FAILED, str(error), file)
+    last = summary(history)
+    if history.finished:
+        return Row(case, COMPLETE, history.message, file, last)
+    if running:
+        return Row(case, RUNNING, "", file, last)
+    if failure or history.status != "running":
+        return Row(case, FAILED, failure or history.message, file, last)
+    return Row(case, INTERRUPTED, "", file, last)
+
+
+def _at(row: Row, name: str, revolution: int) -> float:
+    """A quantity of one revolution."""
+    if row.file is None:
+        return math.nan
+    history = open_history(row.file)
+    found = np.flatnonzero(history["revolution"] == revolution)
+    name, _, body = name.partition(" ")
+    if not found.size or (body and body not in history.bodies):
+        return math.nan
+    values = history[name][found[-1]]
+    return float(values[history.bodies.index(body)] if body else values)
+
+
+def _as_array(values) -> np.ndarray:
+    numbers = all(isinstance(one, int | float) and not isinstance(one, bool) for one in values)
+    return np.array(values) if numbers else np.array([str(one) for one in values])

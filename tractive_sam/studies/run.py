@@ -1,0 +1,152 @@
+"""Runs a study: hands out what is not complete, and keeps what comes back."""
+
+from collections.abc import Callable, Iterator
+from contextlib import nullcontext
+from dataclasses import dataclass
+from importlib.util import find_spec
+from os import PathLike
+from time import sleep
+
+from tractive_sam.store import ResultsError, open_history
+from tractive_sam.studies import cluster
+from tractive_sam.studies.case import Case, cases
+from tractive_sam.studies.cost import estimates
+from tractive_sam.studies.design import Study
+from tractive_sam.studies.folder import Folder
+from tractive_sam.studies.results import StudyResults, open_study
+from tractive_sam.studies.task import Task
+from tractive_sam.studies.worker import COMPLETE, HELD, Outcome, run_case
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a study is, after a case has ended.
+
+    Attributes
+    ----------
+    cases, ended, failed : int
+        Number of cases in all, of those that need no more work, and of those among them that
+        failed.
+    share : float
+        Share of the expected work that is done.
+    case : Case or None
+        The case that has ended; None at the beginning.
+    outcome : Outcome or None
+        What became of it.
+    """
+
+    cases: int
+    ended: int
+    failed: int
+    share: float
+    case: Case | None = None
+    outcome: Outcome | None = None
+
+
+def study(
+    asked: Study | str | PathLike[str],
+    directory: str | PathLike[str],
+    *,
+    scheduler: str | None = None,
+    workers: int | None = None,
+    progress: Callable[[Progress], None] | None = None,
+    say: Callable[[str], None] | None = None,
+) -> StudyResults:
+    """Run the cases of a study that are not complete, long ones first.
+
+    A script that calls it without a scheduler of its own must do so under ``if __name__ ==
+    "__main__":``, as the workers are processes that import the script.
+
+    Parameters
+    ----------
+    asked : Study or path-like
+        The study, or its file.
+    directory : path-like
+        Its folder; where it is that of an earlier run, the study goes on: complete cases are not
+        run again, others go on from their last record.
+    scheduler : str, optional
+        Address of a scheduler of dask.distributed whose workers are to do it; they have to see the
+        folder under the same name.
+    workers : int, optional
+        Without a scheduler: number of processes on this machine, by default its cores. With 0, the
+        cases are computed in this process, one after another.
+    progress : callable, optional
+        Called at the beginning, and whenever a case has ended.
+    say : callable, optional
+        Called with a word about what is waited for.
+
+    Returns
+    -------
+    StudyResults
+        All cases, complete or not.
+
+    Raises
+    ------
+    StudyError
+        With the faults of the study and of all its scenes; nothing has been run then.
+    ResultsError
+        If the folder cannot be used.
+    SchedulerLostError
+        If there is no scheduler, or none any more; what is complete remains so.
+    """
+    asked = asked if isinstance(asked, Study) else Study.from_toml(asked)
+    found, folder = cases(asked), Folder(directory)
+    with folder.taken(asked):
+        tasks, done = _left(folder, found)
+        # Cases that are complete already are of no interest to the bar: it shows the work left.
+        total = sum(task.seconds for task in tasks) or 1.0
+        ended, failed, share = done, 0, 0.0
+        tell = progress or (lambda _: None)
+        tell(Progress(len(found), ended, failed, share))
+        for task, outcome in _ended(tasks, scheduler, workers, say or (lambda _: None)):
+            if outcome.status == COMPLETE:
+                folder.keep(task.case, outcome.message, outcome.row)
+            else:
+                folder.fail(task.case, outcome.message)
+            ended += 1
+            failed += outcome.status != COMPLETE
+            share += task.seconds / total
+            tell(Progress(len(found), ended, failed, share, task.case, outcome))
+    return open_study(directory)
+
+
+def _left(folder: Folder, found: list[Case]) -> tuple[list[Task], int]:
+    """What is to be done, long cases first, and the number of those that are complete."""
+    files, complete = folder.results(), folder.complete()
+    left = [c for c in found if not (c.digest in complete and c.digest in files)]
+    seconds = estimates(left)
+    tasks = [
+        Task(case, folder.file_of(case, files), time)
+        for case, time in zip(left, seconds, strict=True)
+    ]
+    return sorted(tasks, key=lambda task: -task.seconds), len(found) - len(left)
+
+
+def _ended(
+    tasks: list[Task], scheduler: str | None, workers: int | None, say: Callable[[str], None]
+) -> Iterator[tuple[Task, Outcome]]:
+    if not tasks:
+        return
+    if workers == 0 and scheduler is None:
+        yield from _one_after_another(tasks)
+        return
+    if find_spec("distributed") is None:
+        raise ResultsError(cluster.MISSING)
+    chosen = nullcontext(scheduler) if scheduler else cluster.local_cluster(workers)
+    with chosen as address:
+        yield from cluster.on_cluster(tasks, address, _reached, say)
+
+
+def _one_after_another(tasks: list[Task]) -> Iterator[tuple[Task, Outcome]]:
+    for task in tasks:
+        while (outcome := run_case(task.case.scene.to_toml(), str(task.file))).status == HELD:
+            sleep(1.0)
+        yield task, outcome
+
+
+def _reached(task: Task) -> int:
+    """Records in the results file of a task."""
+    try:
+        return len(open_history(task.file))
+    except ResultsError:
+        return 0
