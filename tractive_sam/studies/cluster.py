@@ -91,6 +91,9 @@ def on_cluster(
                         yield task, ended
         except _CutOffError:
             say("the scheduler was lost; what is not complete is handed out again")
+        else:
+            if left:
+                say(f"{len(left)} cases are begun elsewhere, by an earlier client; waiting for them")
         if left:
             sleep(PAUSE)
 
