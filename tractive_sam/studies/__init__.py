@@ -3,18 +3,15 @@
     >>> import tractive_sam as ts
     >>> study = ts.Study(
     ...     scene="spheres",
-    ...     set=["grid.elements=[15, 15]"],
     ...     without=["subsurface"],
     ...     axis=[
     ...         {"key": "creepage.longitudinal", "start": -1e-3, "stop": -4e-3, "number": 2},
     ...         {"key": "friction.mu", "values": [0.2, 0.4]},
     ...     ],
     ... )
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     results = ts.study(study, folder, workers=0)  # 0: in this process
+    >>> results = ts.study(study, "creep-forces", workers=0)  # 0: in this process
     >>> results.dataset()["Qx_over_P"].sel({"friction.mu": 0.2}).round(2).values
-    array([0.12, 0.19])
+    array([0.09, 0.2 ])
 
 The file of a study
 -------------------

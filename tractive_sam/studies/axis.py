@@ -70,7 +70,14 @@ def _apart(known: Known) -> Iterator[Fault]:
 
 
 class Values(Table):
-    """An entry of the scene and its values: a list, or a range from start to stop."""
+    """An entry of the scene and its values: a list, or a range from start to stop.
+
+    Examples
+    --------
+    >>> from tractive_sam.studies import Values
+    >>> Values(key="load.normal", start=1, stop=100, number=3, spacing="logarithmic").column()
+    (1.0, 10.0, 100.0)
+    """
 
     key: Key = entry("the entry that varies", _KEY)
     values: tuple[Any, ...] | None = entry(
@@ -82,12 +89,7 @@ class Values(Table):
         "number of values of a range", "a whole number from 2 to 1e6", None, ge=2, le=MOST
     )
     spacing: Spacing = entry("spacing of a range", _SPACING, "linear")
-    checks: ClassVar[tuple[Check, ...]] = (
-        _one_way_to_give_values,
-        _distinct,
-        _logarithm_exists,
-        _apart,
-    )
+    checks: ClassVar[tuple[Check, ...]] = (_one_way_to_give_values, _logarithm_exists, _apart)
 
     def column(self) -> tuple[Any, ...]:
         """The values."""
@@ -110,10 +112,19 @@ def _length(values: tuple | None, number: int | None) -> int | None:
 
 
 class Axis(Values):
-    """An axis of a study; entries zipped with it take their values in step with it."""
+    """An axis of a study; entries zipped with it take their values in step with it.
+
+    Examples
+    --------
+    >>> from tractive_sam.studies import Axis
+    >>> friction = {"key": "friction.mu", "values": [0.2, 0.4]}
+    >>> axis = Axis(key="load.normal", values=[100.0, 300.0], zip=[friction])
+    >>> axis.dimension().at(1)
+    {'load.normal': 300.0, 'friction.mu': 0.4}
+    """
 
     zip: tuple[Values, ...] = entry("entries that vary together with this one", "", ())
-    checks: ClassVar[tuple[Check, ...]] = (*Values.checks, _as_long_as_the_axis)
+    checks: ClassVar[tuple[Check, ...]] = (*Values.checks, _distinct, _as_long_as_the_axis)
 
     def dimension(self) -> Dimension:
         """The values by key."""
@@ -122,7 +133,14 @@ class Axis(Values):
 
 
 class Bounds(Table):
-    """An entry of the scene and the interval in which it is sampled."""
+    """An entry of the scene and the interval in which it is sampled.
+
+    Examples
+    --------
+    >>> from tractive_sam.studies import Bounds
+    >>> Bounds(key="friction.mu", start=0.1, stop=0.6).spacing
+    'linear'
+    """
 
     key: Key = entry("the entry that varies", _KEY)
     start: Real = number("one end of the interval")
@@ -132,7 +150,16 @@ class Bounds(Table):
 
 
 class Latin(Table):
-    """A Latin hypercube: every entry's interval is divided evenly among the samples."""
+    """A Latin hypercube: every entry's interval is divided evenly among the samples.
+
+    Examples
+    --------
+    >>> from tractive_sam.studies import Latin
+    >>> latin = Latin(number=2, variable=[{"key": "friction.mu", "start": 0.0, "stop": 1.0}])
+    >>> low, high = sorted(latin.dimension().columns["friction.mu"])
+    >>> low < 0.5 < high
+    True
+    """
 
     number: int = entry("number of samples", "a whole number from 1 to 1e6", ge=1, le=MOST)
     variable: tuple[Bounds, ...] = entry("entries and intervals", "a list of at least one table")
@@ -159,6 +186,13 @@ class Dimension:
         Key of the axis, or `SAMPLE`.
     columns : mapping of str to tuple
         Values by dotted key, all of one length.
+
+    Examples
+    --------
+    >>> from tractive_sam.studies import Dimension
+    >>> dimension = Dimension("friction.angle", {"friction.angle": (0, 45, 90)})
+    >>> len(dimension), dimension.at(1)
+    (3, {'friction.angle': 45})
     """
 
     name: str

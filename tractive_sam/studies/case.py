@@ -33,6 +33,17 @@ class Case:
         What is computed.
     digest : str
         Hash of the scene, but for its title.
+
+    Examples
+    --------
+    >>> import tractive_sam as ts
+    >>> from tractive_sam.studies import cases
+    >>> study = ts.Study(scene="spheres", axis=[{"key": "friction.mu", "values": [0.2, 0.4]}])
+    >>> case = cases(study)[1]
+    >>> print(case)
+    case 1 (friction.mu = 0.4)
+    >>> case.scene.friction.mu
+    (0.4, 0.4)
     """
 
     number: int
@@ -57,6 +68,15 @@ def cases(study: Study) -> list[Case]:
     ------
     StudyError
         With the faults of all scenes that are not valid, each told once.
+
+    Examples
+    --------
+    >>> import tractive_sam as ts
+    >>> from tractive_sam.studies import cases
+    >>> angles = {"key": "friction.angle", "values": [0, 45, 90]}
+    >>> loads = {"key": "load.normal", "values": [100.0, 300.0]}
+    >>> len(cases(ts.Study(scene="twin-discs", axis=[angles, loads])))
+    6
     """
     found, faults, seen = [], {}, {}
     contents = cache(_contents)

@@ -30,7 +30,17 @@ PAUSE = 1.0
 
 
 class SchedulerLostError(ConnectionError):
-    """There is no scheduler (any more)."""
+    """There is no scheduler (any more); what is complete remains so.
+
+    Examples
+    --------
+    >>> from tractive_sam import studies
+    >>> def patiently(study, folder, address):
+    ...     try:
+    ...         return studies.study(study, folder, scheduler=address)
+    ...     except studies.SchedulerLostError:
+    ...         return studies.study(study, folder)  # on this machine, from where it ended
+    """
 
 
 class _CutOffError(Exception):
@@ -84,6 +94,7 @@ def on_cluster(
         try:
             with _client(address, patience, say) as client:
                 patience = PATIENCE
+                _look_at_workers(client, say)
                 for task, outcome in _handed_out(client, list(left.values())):
                     ended = outcome or _after_deaths(task, reached(task), killed)
                     if ended is not None and ended.status != HELD:
@@ -96,6 +107,16 @@ def on_cluster(
                 say(f"{len(left)} cases are begun elsewhere, by an earlier client; waiting for them")
         if left:
             sleep(PAUSE)
+
+
+def _look_at_workers(client: "Client", say: Callable[[str], None]) -> None:
+    """Say what would leave the user waiting."""
+    threads = client.nthreads()
+    if not threads:
+        say("the scheduler has no workers yet; dask worker ADDRESS --nthreads 1 starts one")
+    many = sum(count > 1 for count in threads.values())
+    if many:
+        say(f"{many} workers have several threads, which slows them; start them with --nthreads 1")
 
 
 def _after_deaths(task: Task, records: int, killed: dict[str, int]) -> Outcome | None:

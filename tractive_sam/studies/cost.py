@@ -37,6 +37,17 @@ def explain_study(study: Study, workers: int) -> list[explain.Section]:
     ------
     StudyError
         With the faults of all scenes that are not valid.
+
+    Examples
+    --------
+    >>> import tractive_sam as ts
+    >>> angles = {"key": "friction.angle", "start": 0, "stop": 90, "number": 7}
+    >>> study = ts.Study(scene="twin-discs", axis=[angles])
+    >>> axes, work = ts.explain_study(study, workers=2)
+    >>> axes.rows
+    [('friction.angle', '7 values: 0, 15, 30 ... 90'), ('in all', '7 cases')]
+    >>> [what for what, told in work.rows]
+    ['a case', 'all cases', 'with 2 workers', 'memory', 'results']
     """
     found = cases(study)
     models = _models(found)
@@ -51,7 +62,7 @@ def explain_study(study: Study, workers: int) -> list[explain.Section]:
         explain.Section(
             "Work",
             [
-                ("a case", f"{duration(seconds.min())} to {duration(seconds.max())}"),
+                ("a case", " to ".join(dict.fromkeys(map(duration, (min(seconds), max(seconds)))))),
                 ("all cases", f"about {duration(seconds.sum())} of one core"),
                 (f"with {workers} workers", f"about {duration(whole)}; --workers N for others"),
                 ("memory", f"about {memory:.0f} MiB a worker, and 200 MiB for programs"),

@@ -4,20 +4,31 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 from typing import Any, ClassVar
 
 from tractive_sam.scene import Fault, Scene, SceneError, builtin_names, toml
-from tractive_sam.scene.faults import shown
+from tractive_sam.scene.faults import shown, suggestion
 from tractive_sam.scene.quantities import entry
 from tractive_sam.scene.table import Check, Known, Table
 from tractive_sam.studies.axis import MOST, Axis, Dimension, Latin
 
 
 class StudyError(SceneError):
-    """A study that cannot be run, with every fault that was found, those of its scenes too."""
+    """A study that cannot be run, with every fault that was found, those of its scenes too.
+
+    Examples
+    --------
+    >>> import tractive_sam as ts
+    >>> ts.Study(scene="spheres", axis=[{"key": "friction.angel", "values": [0, 90]}])
+    Traceback (most recent call last):
+        ...
+    tractive_sam.studies.design.StudyError: 1 fault in the study:
+      axis[0].key: given 'friction.angel'; allowed: a dotted key of a scene: angle, perhaps? ...
+    """
 
     subject: ClassVar[str] = "study"
 
@@ -62,6 +73,20 @@ class Study(Table):
     ------
     StudyError
         With every fault of the study.
+
+    Examples
+    --------
+    >>> import tractive_sam as ts
+    >>> study = ts.Study(
+    ...     scene="twin-discs",
+    ...     set=["wear.revolutions=1000"],
+    ...     axis=[
+    ...         {"key": "friction.angle", "values": [0, 45, 90]},
+    ...         {"key": "load.normal", "start": 100, "stop": 400, "number": 4},
+    ...     ],
+    ... )
+    >>> study.shape, len(study)
+    ((3, 4), 12)
     """
 
     title: str = entry("title", "a text", "")
@@ -78,7 +103,12 @@ class Study(Table):
         without: Iterable[str] = (),
         **given: Any,
     ) -> None:
-        faults: list[Fault] = []
+        known = (*type(self).model_fields, "set", "without")
+        faults = [
+            Fault(key, shown(given.pop(key)), suggestion(key, known))
+            for key in [*given]
+            if key not in known
+        ]
         try:
             scene = _settled(scene, set, without)
         except SceneError as error:
@@ -126,7 +156,14 @@ class Study(Table):
 
 
 def is_study(path: str | PathLike[str]) -> bool:
-    """Whether a file is TOML with what only a study has: axes or a Latin hypercube."""
+    """Whether a file is TOML with what only a study has: axes or a Latin hypercube.
+
+    Examples
+    --------
+    >>> from tractive_sam.studies import is_study
+    >>> is_study("twin-discs")  # a scene, and no file
+    False
+    """
     try:
         return bool({"axis", "latin"} & toml.parse_file(Path(path)).keys())
     except SceneError:
@@ -140,11 +177,20 @@ def _files_from(folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
             tables["scene"] = str(folder / name)
         case {"scene": {"gap": {"file": str(file)}}}:
             tables["scene"]["gap"]["file"] = str(folder / file)
-    for axis in tables.get("axis") or ():
-        match axis:
+    for one in _tables_with_values(tables.get("axis")):
+        match one:
             case {"key": "gap.file", "values": list(files)}:
-                axis["values"] = [str(folder / file) for file in files]
+                one["values"] = [str(folder / str(file)) for file in files]
     return tables
+
+
+def _tables_with_values(axes: Any) -> Iterator[Any]:
+    """The axes and what is zipped with them, as far as they are tables."""
+    for axis in axes if isinstance(axes, list) else ():
+        yield axis
+        match axis:
+            case {"zip": list(zipped)}:
+                yield from zipped
 
 
 def _dimensions(axes: Iterable[Axis], latin: Latin | None) -> tuple[Dimension, ...]:
@@ -164,22 +210,35 @@ def _settled(scene: Any, settings: Any, without: Any) -> Any:
     ]
     if faults:
         raise SceneError(faults)
-    if not settings and not without and not isinstance(scene, str):
+    if not isinstance(scene, Scene | Mapping | str):
         return scene
+    _check_keys(without)
     try:
         found = _named(scene)
         changed = found.replace(**dict.fromkeys(without)) if without else found
         return changed.with_set(settings) if settings else changed
     except SceneError as error:
-        raise SceneError(fault.under("scene") for fault in error.faults) from None
+        raise SceneError(map(_in_study, error.faults)) from None
 
 
-def _named(scene: Any) -> Scene:
+def _check_keys(without: Iterable[str]) -> None:
+    for key in without:
+        try:
+            Scene.described(key)
+        except SceneError as error:
+            raise SceneError(replace(fault, key="without") for fault in error.faults) from None
+
+
+def _in_study(fault: Fault) -> Fault:
+    """A fault of the scene as seen from the study; one of the whole scene has no key of its own."""
+    return replace(fault, key="scene") if fault.key.startswith("(") else fault.under("scene")
+
+
+def _named(scene: Scene | Mapping[str, Any] | str) -> Scene:
     if isinstance(scene, Scene):
         return scene
     if not isinstance(scene, str):
-        return Scene(**(scene or {}))
+        return Scene(**scene)
     path = Path(scene)
-    return (
-        Scene.from_toml(path) if path.suffix == ".toml" or path.is_file() else Scene.builtin(scene)
-    )
+    is_file = path.suffix == ".toml" or path.is_file()
+    return Scene.from_toml(path) if is_file else Scene.builtin(scene)

@@ -51,6 +51,16 @@ def save_figures(
     ------
     ValueError
         If there is no such quantity, axis or value, or more than two axes would be left.
+
+    Examples
+    --------
+    >>> import tractive_sam as ts
+    >>> mu = {"key": "friction.mu", "values": [0.2, 0.4]}
+    >>> study = ts.Study(scene="spheres", without=["subsurface"], axis=[mu])
+    >>> results = ts.study(study, "friction", workers=0)
+    >>> for path in ts.studies.save_figures(results, "figures", quantities=("Qx_over_P",)):
+    ...     print(path.name)
+    Qx_over_P-curve.png
     """
     directory = Path(directory)
     unknown = [name for name in quantities if name not in results.quantities]

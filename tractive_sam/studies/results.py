@@ -42,6 +42,15 @@ class Row:
         Its results file, if there is one.
     last : mapping of str to number
         Its last record, by the names of `record.SCALARS`, and as ``von_mises_max A``; its totals.
+
+    Examples
+    --------
+    >>> import tractive_sam as ts
+    >>> mu = {"key": "friction.mu", "values": [0.2, 0.4]}
+    >>> study = ts.Study(scene="spheres", without=["subsurface"], axis=[mu])
+    >>> row = ts.study(study, "friction", workers=0).rows[1]
+    >>> row.status, row.case.changes
+    ('complete', {'friction.mu': 0.4})
     """
 
     case: Case
@@ -63,6 +72,20 @@ class StudyResults:
         What was asked.
     rows : tuple of Row
         What each case has come to, in the order of the cases.
+
+    Examples
+    --------
+    >>> import tractive_sam as ts
+    >>> mu = {"key": "friction.mu", "values": [0.2, 0.4]}
+    >>> study = ts.Study(scene="spheres", without=["subsurface"], axis=[mu])
+    >>> results = ts.study(study, "friction", workers=0)
+    >>> results.counts["complete"]
+    2
+    >>> results.dataset()["Qx_over_P"].sel({"friction.mu": 0.4}).round(1).item()
+    0.3
+    >>> results.save_csv("friction.csv")
+    >>> results.history(1).status
+    'done'
     """
 
     path: Path
@@ -182,6 +205,15 @@ def open_study(directory: str | PathLike[str]) -> StudyResults:
     ------
     ResultsError
         If it is not one.
+
+    Examples
+    --------
+    >>> import tractive_sam as ts
+    >>> mu = {"key": "friction.mu", "values": [0.2, 0.4]}
+    >>> study = ts.Study(scene="spheres", without=["subsurface"], axis=[mu])
+    >>> results = ts.study(study, "friction", workers=0)
+    >>> ts.open_study("friction").rows == results.rows
+    True
     """
     folder = Folder(directory)
     study = folder.study()

@@ -33,6 +33,18 @@ class Progress:
         The case that has ended; None at the beginning.
     outcome : Outcome or None
         What became of it.
+
+    Examples
+    --------
+    >>> import tractive_sam as ts
+    >>> mu = {"key": "friction.mu", "values": [0.2, 0.4]}
+    >>> study = ts.Study(scene="spheres", without=["subsurface"], axis=[mu])
+    >>> def tell(progress: ts.studies.Progress) -> None:
+    ...     print(f"{progress.ended} of {progress.cases}, {progress.share:.0%} of the work")
+    >>> results = ts.study(study, "friction", workers=0, progress=tell)
+    0 of 2, 0% of the work
+    1 of 2, 50% of the work
+    2 of 2, 100% of the work
     """
 
     cases: int
@@ -88,6 +100,17 @@ def study(
         If the folder cannot be used.
     SchedulerLostError
         If there is no scheduler, or none any more; what is complete remains so.
+
+    Examples
+    --------
+    >>> import tractive_sam as ts
+    >>> mu = {"key": "friction.mu", "values": [0.2, 0.4]}
+    >>> study = ts.Study(scene="spheres", without=["subsurface"], axis=[mu])
+    >>> results = ts.study(study, "friction", workers=0)
+    >>> results.complete
+    True
+    >>> results.column("Qx_over_P").round(1)
+    array([0.2, 0.3])
     """
     asked = asked if isinstance(asked, Study) else Study.from_toml(asked)
     found, folder = cases(asked), Folder(directory)
