@@ -3,9 +3,10 @@
 A scheduler and two workers are started by their command lines. The creep-force map of
 `spheres-orthotropic` over 10 creepages and 7 angles, and `twin-discs` over 7 angles, run on them
 through ``tractive-sam study`` while a worker is killed in each (SIGKILL): of the first its process,
-which its nanny starts anew; of the second the nanny as well, so that one worker is left. Results are
-compared with those of one process. Then the map runs on one worker and on two, 2,000 cases that do
+which its nanny starts anew; of the second the nanny as well, so that one worker is left. Results
+are compared with those of one process. Then both run on one worker and on two, 2,000 cases that do
 nothing tell what the engine itself costs, and a folder of 10,000 cases what it costs to read one.
+The last table says on paper what 10,000 cases would take on 500 cores, from these figures.
 """
 
 import json
@@ -48,7 +49,9 @@ DISCS = ts.Study(
     axis=[{"key": "friction.angle", "values": ANGLES}],
 )
 COMPARED = ("revolution", "Qx", "Qy", "p_max", "wear_max", "half_width_y", "stick_fraction")
-IDLE_CASES, MANY_CASES = 2000, 10_000
+IDLE_CASES, MANY_CASES, CORES = 2000, 10_000, 500
+SHARED_DISKS = 5.0
+"""What a file system that 500 cores share may take, GB/s: an assumption."""
 
 
 def started(*arguments: str, folder: Path) -> subprocess.Popen:
@@ -70,9 +73,9 @@ def cluster(workers: int, folder: Path) -> Iterator[str]:
         while not file.exists():
             sleep(0.1)
         address = json.loads(file.read_text())["address"]
-        for _ in range(workers):
-            programs.append(started("worker", address, "--nthreads", "1", "--no-dashboard",
-                                    "--local-directory", str(folder), folder=folder))  # fmt: skip
+        programs.append(started("worker", address, "--nthreads", "1", "--nworkers", str(workers),
+                                "--no-dashboard", "--local-directory", str(folder),
+                                folder=folder))  # fmt: skip
         with Client(address, set_as_default=False) as client:
             client.wait_for_workers(workers)
             client.run(_warmed_up)
@@ -90,10 +93,27 @@ def _warmed_up() -> None:
     ts.roll(MAP.scene)
 
 
-def serial(study: ts.Study, folder: Path) -> tuple[ts.StudyResults, float]:
-    began = perf_counter()
+def serial(study: ts.Study, folder: Path) -> tuple[ts.StudyResults, dict]:
+    """Run a study in this process; returns also what a case costs there."""
+    before, began = _written(), perf_counter()
     results = ts.study(study, folder, workers=0)
-    return results, perf_counter() - began
+    took, (calls, volume) = perf_counter() - began, _written() - before
+    count = len(results)
+    return results, {
+        "study": study.title,
+        "cases": count,
+        "s a case": took / count,
+        "writes a case": calls / count,
+        "MB written a case": volume / 1e6 / count,
+        "MB a file": np.mean([row.file.stat().st_size for row in results.rows]) / 1e6,
+    }
+
+
+def _written() -> np.ndarray:
+    """Calls that wrote, and bytes, of this process up to now."""
+    lines = Path("/proc/self/io").read_text().splitlines()
+    counts = {name: int(count) for name, count in (line.split(": ") for line in lines)}
+    return np.array([counts["syscw"], counts["wchar"]])
 
 
 def client(study: ts.Study, folder: Path, address: str) -> subprocess.Popen:
@@ -137,13 +157,11 @@ def survived(study: ts.Study, wanted: ts.StudyResults, folder: Path, with_nanny:
     return row
 
 
-def scaling(study: ts.Study, scratch: Path) -> list[dict]:
-    rows, _ = [], serial(study, scratch / "warm")
-    results, took = serial(study, scratch / "serial")
-    rows.append({"workers": "none, in one process", "seconds": took, "busy": 1.0})
+def scaling(study: ts.Study, alone: float, scratch: Path) -> list[dict]:
+    rows = [{"study": study.title, "workers": "none, in one process", "s": alone, "busy": 1.0}]
     for workers in (1, 2):
+        folder, busy = scratch / f"scaling-{len(study)}-{workers}", []
         with cluster(workers, scratch) as address:
-            folder, busy = scratch / f"scaling-{workers}", []
             began = perf_counter()
             ts.study(
                 study,
@@ -152,7 +170,8 @@ def scaling(study: ts.Study, scratch: Path) -> list[dict]:
                 progress=lambda now, busy=busy: now.outcome and busy.append(now.outcome.seconds),
             )
             took = perf_counter() - began
-        rows.append({"workers": workers, "seconds": took, "busy": sum(busy) / (workers * took)})
+        share = sum(busy) / (workers * took)
+        rows.append({"study": study.title, "workers": workers, "s": took, "busy": share})
     return rows
 
 
@@ -216,24 +235,53 @@ def many(done: ts.StudyResults, scratch: Path) -> dict:
     }
 
 
+def on_paper(alone: dict, engine: dict, large: dict) -> dict:
+    """Time of many cases on many cores, if each case takes as long as here, and what they write."""
+    cores = MANY_CASES * alone["s a case"] / CORES
+    scheduler = MANY_CASES * engine["ms of scheduler"] / 1e3
+    disks = MANY_CASES * alone["MB written a case"] / 1e3 / SHARED_DISKS
+    took = max(cores, scheduler, disks)
+    return {
+        "study": alone["study"],
+        "cases": MANY_CASES,
+        "cores": CORES,
+        "s of the cores": cores,
+        "s of the scheduler": scheduler,
+        "s of the client": MANY_CASES * engine["ms of client"] / 1e3,
+        f"s of disks of {SHARED_DISKS:g} GB/s": disks,
+        "s to begin": large["s to check"] + large["s to estimate"],
+        "GB in files": MANY_CASES * alone["MB a file"] / 1e3,
+        "writes/s": MANY_CASES * alone["writes a case"] / took,
+        "files/s": MANY_CASES / took,
+    }
+
+
 def main():
     scratch = Path(tempfile.mkdtemp(prefix="study-", dir=os.environ.get("SCRATCH")))
     _warmed_up()
-    rows = []
+    tables = {name: [] for name in ("case", "killed", "scaling", "engine", "many", "on_paper")}
     for name, study, with_nanny in (("map", MAP, False), ("discs", DISCS, True)):
-        wanted, took = serial(study, scratch / f"{name}-serial")
-        row = survived(study, wanted, scratch / name, with_nanny)
-        sizes = [row.file.stat().st_size for row in wanted.rows]
-        rows.append({"s, one process": took, "MB a case": np.mean(sizes) / 1e6} | row)
-    show("One worker of two killed", rows)
-    scaled = scaling(MAP, scratch)
-    show("Scaling of the creep-force map", scaled)
-    cost = [engine(scratch)]
-    show("Cases that end at once, on two workers", cost)
-    large = [many(wanted, scratch)]
-    show("A study of many cases", large)
-    print(f"written: {write('study_killed', rows)}, {write('study_scaling', scaled)}, "
-          f"{write('study_engine', cost)}, {write('study_many', large)}")  # fmt: skip
+        serial(study, scratch / f"{name}-warm")  # kernels, plans and the disk
+        wanted, alone = serial(study, scratch / f"{name}-serial")
+        tables["case"].append(alone)
+        tables["killed"].append(survived(study, wanted, scratch / name, with_nanny))
+        tables["scaling"] += scaling(study, len(study) * alone["s a case"], scratch)
+    tables["engine"].append(engine(scratch))
+    tables["many"].append(many(wanted, scratch))
+    tables["on_paper"] = [
+        on_paper(alone, *tables["engine"], *tables["many"]) for alone in tables["case"]
+    ]
+    titles = {
+        "case": "Cases in one process",
+        "killed": "One worker of two killed; differences from one process",
+        "scaling": "Scaling",
+        "engine": "Cases that end at once, on two workers",
+        "many": "A study of many cases that are complete",
+        "on_paper": f"{MANY_CASES} cases on {CORES} cores, on paper",
+    }
+    for name, rows in tables.items():
+        show(titles[name], rows)
+        print(f"written: {write(f'study_{name}', rows)}")
     shutil.rmtree(scratch)
 
 

@@ -24,6 +24,10 @@ def study_show(
         Path | None,
         typer.Option(metavar="FILE", help="Write the table, every quantity of it, as CSV."),
     ] = None,
+    netcdf: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Write every quantity over the axes, for xarray."),
+    ] = None,
     figures: Annotated[
         Path | None,
         typer.Option(metavar="DIR", help="Draw quantities over one or two axes into a folder."),
@@ -46,22 +50,29 @@ def study_show(
         results = open_study(directory)
         held = parse_settings(at or ())
         try:
+            written = []
             if csv is not None:
                 results.save_csv(csv)
-            drawn = []
+                written.append(csv)
+            if netcdf is not None:
+                results.save_netcdf(netcdf)
+                written.append(netcdf)
             if figures is not None:
-                drawn = save_figures(
+                written += save_figures(
                     results, figures, quantities=tuple(quantity or ()), at=held, format=format
                 )
+        except ImportError as error:
+            cure = "pip install 'tractive-sam[study]'"
+            raise stop(Status.INVALID, f"{error.name} is not installed: {cure}") from None
         except OSError as error:
             raise stop(Status.INVALID, f"the output cannot be written: {error}") from None
         except ValueError as error:
             raise stop(Status.INVALID, str(error)) from None
-    if csv is None and figures is None:
+    if (csv, netcdf, figures) == (None, None, None):
         console().print(_table(results))
     failures(results)
     say(_standing(results))
-    for path in [csv] * (csv is not None) + drawn:
+    for path in written:
         typer.echo(path)
 
 

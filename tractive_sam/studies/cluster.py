@@ -104,7 +104,7 @@ def on_cluster(
             say("the scheduler was lost; what is not complete is handed out again")
         else:
             if left:
-                say(f"{len(left)} cases are begun elsewhere, by an earlier client; waiting for them")
+                say(f"waiting for {len(left)} cases that an earlier client began")
         if left:
             sleep(PAUSE)
 

@@ -19,6 +19,9 @@ SLOTS = 2
 EMPTY_FILE = 2e5
 """Size of a results file without anything in it, bytes."""
 
+OF_A_FILE = 0.1
+"""Time that a results file takes, whatever is in it, s (benchmarks/study.py)."""
+
 UZAWA = 20.0
 """Applications of Uzawa's method over those of the default one, roughly: it orders the cases."""
 
@@ -110,7 +113,8 @@ def _times(models: list[Model]) -> list[float]:
         kinds[explain.fields_together(model), model.grid.line].append(model)
     pace = {kind: _pace(alike) for kind, alike in kinds.items()}
     return [
-        pace[explain.fields_together(model), model.grid.line]
+        OF_A_FILE
+        + pace[explain.fields_together(model), model.grid.line]
         * _size(model)
         * explain.applications(model)
         * (UZAWA if model.scene.solver.method == "uzawa" else 1.0)

@@ -84,6 +84,7 @@ class StudyResults:
     >>> results.dataset()["Qx_over_P"].sel({"friction.mu": 0.4}).round(1).item()
     0.3
     >>> results.save_csv("friction.csv")
+    >>> results.save_netcdf("friction.nc")
     >>> results.history(1).status
     'done'
     """
@@ -183,6 +184,10 @@ class StudyResults:
             told = np.array([getattr(row, name) for row in self.rows], dtype=object)
             variables[name] = (dims, told.astype(str).reshape(shape))
         return xarray.Dataset(variables, coordinates, {"title": study.title or study.scene.title})
+
+    def save_netcdf(self, path: str | PathLike[str]) -> None:
+        """Write `dataset` as a netCDF file."""
+        self.dataset().to_netcdf(path, engine="h5netcdf")
 
     def save_csv(self, path: str | PathLike[str]) -> None:
         """Write the table of all cases as CSV, numbers as they are."""

@@ -1,0 +1,121 @@
+import csv
+
+import pytest
+
+SMALL = """
+title = "Friction of small spheres"
+scene = "spheres"
+without = ["subsurface"]
+set = ["grid.elements=[21, 21]"]
+
+[[axis]]
+key = "friction.mu"
+values = [0.2, 0.4]
+"""
+
+FAILING = SMALL.replace("friction.mu", "load.traction_x").replace(
+    "[0.2, 0.4]", "[0.1, 0.4]"
+).replace('"]\n\n', '", "load.approach=0.036"]\n\n')  # fmt: skip
+
+
+@pytest.fixture
+def file(folder):
+    path = folder / "study.toml"
+    path.write_text(SMALL)
+    return path
+
+
+def test_study_and_its_table(call, file):
+    result = call("study", file, "-o", "done", "--workers", "0")
+    assert result.exit_code == 0, result.output
+    assert "2 cases, 0 of them complete already" in result.stderr
+    assert "2 of 2: case" in result.stderr
+    assert "done: 2 of 2 cases complete; tractive-sam study-show done" in result.stderr
+    again = call("study", file, "-o", "done", "--workers", "0")
+    assert "2 cases, 2 of them complete already" in again.stderr
+    shown = call("study-show", "done")
+    assert shown.exit_code == 0
+    assert "2 cases: 2 complete" in shown.stderr
+    assert shown.stdout.count("complete") == 2
+    assert "friction" in shown.stdout
+
+
+def test_table_as_csv_dataset_and_figures(call, file, folder):
+    call("study", file, "-o", "done", "--workers", "0")
+    result = call("study-show", "done", "--csv", "a.csv", "--figures", "b", "--quantity", "Qx")
+    assert result.stdout.split() == ["a.csv", "b/Qx-curve.png"]
+    with (folder / "a.csv").open() as table:
+        assert len(list(csv.DictReader(table))) == 2
+    assert call("study-show", "done", "--netcdf", "a.nc").stdout.split() == ["a.nc"]
+    assert (folder / "a.nc").exists()
+
+
+def test_failed_case_is_told(call, folder):
+    (folder / "study.toml").write_text(FAILING)
+    result = call("study", "study.toml", "-o", "done", "--workers", "0")
+    assert result.exit_code == 3
+    assert "case 1 (load.traction_x = 0.4) failed: " in result.stderr
+    assert "1 of 2 cases complete" in result.stderr
+    assert "not all cases are complete" in result.stderr
+    shown = call("study-show", "done")
+    assert shown.exit_code == 0
+    assert "case 1 (load.traction_x = 0.4) failed: " in shown.stderr
+    assert "1 complete, 1 failed" in shown.stderr
+
+
+def test_explain(call, file):
+    result = call("explain", file, "--workers", "3")
+    assert result.exit_code == 0
+    for text in ("Friction of small spheres", "2 values: 0.2, 0.4", "2 cases", "with 3 workers"):
+        assert text in result.stdout
+    refused = call("explain", file, "--set", "load.normal=1")
+    assert refused.exit_code == 2
+    assert "write the setting into the file" in refused.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["missing.toml", "-o", "done"], ["missing.toml", "no such file"]),
+        (["study.toml"], ["Missing option", "--output"]),
+        (["study.toml", "-o", "study.toml"], ["is not a folder"]),
+        (["study.toml", "-o", "."], ["a study needs a folder of its own"]),
+        (["study.toml", "-o", "done", "--workers", "-1"], ["-1"]),
+        (["study.toml", "-o", "done", "--workers", "1", "--scheduler", "x"], ["--workers"]),
+        (["study.toml", "-o", "done", "--scheduler", "nonsense:x"], ["nonsense"]),
+    ],
+)
+def test_bad_input(call, file, folder, arguments, told):
+    (folder / "other.txt").write_text("")
+    result = call("study", *arguments)
+    assert result.exit_code == 2
+    for text in told:
+        assert text in result.output
+
+
+def test_every_fault_of_a_study_is_told(call, folder):
+    wrong = SMALL.replace("friction.mu", "friction.mew").replace('"spheres"', '"spheers"')
+    (folder / "study.toml").write_text(wrong)
+    result = call("study", "study.toml", "-o", "done")
+    assert result.exit_code == 2
+    assert "2 faults in the study" in result.stderr
+    assert "axis[0].key: given 'friction.mew'" in result.stderr
+    assert "scene: given 'spheers'" in result.stderr
+    assert not (folder / "done").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["nowhere"], "is not the folder of a study"),
+        (["done", "--figures", "b", "--quantity", "Qz"], "no quantity Qz"),
+        (["done", "--figures", "b", "--at", "friction.mu=0.3"], "has no value 0.3"),
+        (["done", "--figures", "b", "--at", "friction.mu"], "no key and value"),
+        (["done", "--csv", "no/folder/a.csv"], "cannot be written"),
+    ],
+)
+def test_bad_show(call, file, arguments, told):
+    call("study", file, "-o", "done", "--workers", "0")
+    result = call("study-show", *arguments)
+    assert result.exit_code == 2
+    assert told in result.stderr

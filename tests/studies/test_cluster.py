@@ -1,0 +1,187 @@
+"""A scheduler and workers as programs of their own, killed where it hurts."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from contextlib import suppress
+
+import numpy as np
+import pytest
+
+from tractive_sam.studies import SchedulerLostError, Study, cluster, open_study, study
+
+pytest.importorskip("distributed", reason="dask.distributed is of the extra study")
+
+LONGEST = 120.0
+"""Wait for anything, s; on an idle machine nothing takes ten."""
+
+ASKED = Study(
+    title="Small discs",
+    scene="twin-discs",
+    without=["subsurface"],
+    set=[
+        "grid.half_length=[0.35, 0.9]",
+        "grid.elements=[15, 25]",
+        "wear.revolutions=80",
+        "wear.save=[80]",
+        'wear.stepping="every-revolution"',  # so that a case takes about a second
+    ],
+    axis=[{"key": "friction.angle", "values": [0, 45, 90]}],
+)
+
+
+@pytest.fixture(scope="module")
+def wanted(tmp_path_factory):
+    """The results of one process."""
+    return study(ASKED, tmp_path_factory.mktemp("serial"), workers=0)
+
+
+class Programs:
+    """Programs in a folder, ended with the test."""
+
+    def __init__(self, folder):
+        self.folder, self.running = folder, []
+        with socket.create_server(("127.0.0.1", 0)) as found:
+            self.port = found.getsockname()[1]
+        self.address = f"tcp://127.0.0.1:{self.port}"
+        (folder / "study.toml").write_text(ASKED.to_toml())
+
+    def start(self, *arguments):
+        environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+        with (self.folder / "log.txt").open("a") as log:
+            program = subprocess.Popen(
+                [sys.executable, "-m", *map(str, arguments)],
+                cwd=self.folder,
+                env=environment,
+                stdout=log,
+                stderr=log,
+                start_new_session=True,
+            )
+        self.running.append(program)
+        return program
+
+    def scheduler(self):
+        return self.start("dask", "scheduler", "--port", self.port, "--no-dashboard", "--no-show")
+
+    def workers(self, count):
+        options = ("--nthreads", "1", "--nworkers", count, "--no-dashboard")
+        return self.start("dask", "worker", self.address, *options)
+
+    def client(self):
+        command = ("study", "study.toml", "-o", "results", "--scheduler", self.address)
+        return self.start("tractive_sam", *command)
+
+    def said(self):
+        return (self.folder / "log.txt").read_text()
+
+    def results(self):
+        return open_study(self.folder / "results")
+
+    def until_begun(self, records):
+        """Wait until some case that is not complete has records."""
+        until(lambda: self._reached() >= records, self.said)
+
+    def _reached(self):
+        if not (self.folder / "results" / "study.toml").exists():
+            return 0
+        running = [row for row in self.results().rows if row.status == "running" and row.last]
+        return max((row.last["revolution"] for row in running), default=0)
+
+    def end(self):
+        for program in reversed(self.running):
+            with suppress(ProcessLookupError):
+                os.killpg(program.pid, signal.SIGKILL)
+            program.wait()
+
+
+def until(holds, said=lambda: ""):
+    end = time.monotonic() + LONGEST
+    while not holds():
+        assert time.monotonic() < end, said()
+        time.sleep(0.05)
+
+
+def ended(program, said):
+    until(lambda: program.poll() is not None, said)
+    return program.returncode
+
+
+@pytest.fixture
+def programs(tmp_path):
+    programs = Programs(tmp_path)
+    yield programs
+    programs.end()
+
+
+def assert_same(results, wanted):
+    assert results.complete, results.counts
+    for name in ("revolution", "Qx", "Qy", "Mz", "p_max", "wear_max", "half_width_y"):
+        # Plans of transforms may differ between processes, and with them the last digits, which
+        # grow to what the tolerance of the solver leaves open.
+        np.testing.assert_allclose(
+            results.column(name), wanted.column(name), rtol=1e-6, atol=1e-9, err_msg=name
+        )
+
+
+def test_worker_killed(programs, wanted):
+    """Its nanny starts another one; the case that it computed goes on from its last record."""
+    from distributed import Client
+
+    programs.scheduler()
+    programs.workers(2)
+    client = programs.client()
+    programs.until_begun(records=5)
+    with Client(programs.address, set_as_default=False) as cluster:
+        # BLAS is held to one thread by the nannies.
+        threads = cluster.run(lambda: os.environ["OMP_NUM_THREADS"])
+        assert set(threads.values()) == {"1"}
+        for pid in cluster.run(os.getpid).values():
+            os.kill(pid, signal.SIGKILL)
+    assert ended(client, programs.said) == 0, programs.said()
+    assert_same(programs.results(), wanted)
+
+
+def test_scheduler_killed(programs, wanted):
+    """Its workers end with it; the client waits for others, and cases go on where they ended."""
+    scheduler = programs.scheduler()
+    programs.workers(2)
+    client = programs.client()
+    programs.until_begun(records=5)
+    scheduler.kill()
+    until(lambda: "the scheduler was lost" in programs.said(), programs.said)
+    assert client.poll() is None
+    programs.scheduler()
+    programs.workers(1)
+    assert ended(client, programs.said) == 0, programs.said()
+    assert_same(programs.results(), wanted)
+
+
+def test_client_leaves_and_comes_back(programs, wanted):
+    programs.scheduler()
+    programs.workers(2)
+    client = programs.client()
+    programs.until_begun(records=5)
+    client.send_signal(signal.SIGINT)
+    assert ended(client, programs.said) == 3, programs.said()
+    assert "the same command goes on from there" in programs.said()
+    client = programs.client()
+    assert ended(client, programs.said) == 0, programs.said()
+    assert_same(programs.results(), wanted)
+
+
+def test_local_cluster(tmp_path):
+    friction = {"key": "friction.mu", "values": [0.2, 0.4]}
+    asked = Study(scene="spheres", set=["grid.elements=[21, 21]"], axis=[friction])
+    told = []
+    results = study(asked, tmp_path, workers=2, progress=told.append)
+    assert results.complete
+    assert len({now.outcome.worker for now in told[1:]} - {f"{socket.gethostname()}:{os.getpid()}"})
+
+
+def test_no_scheduler(tmp_path, monkeypatch):
+    monkeypatch.setattr(cluster, "FIRST_CONTACT", 0.1)
+    with pytest.raises(SchedulerLostError, match="no scheduler at tcp://127.0.0.1:9; start one"):
+        study(ASKED, tmp_path, scheduler="tcp://127.0.0.1:9")

@@ -1,0 +1,160 @@
+import pytest
+
+from tractive_sam.scene import Scene, toml
+from tractive_sam.studies import Study, StudyError, cases, is_study
+from tests.studies.conftest import CREEPAGE, MU, small
+
+WHOLE = """
+title = "Creep forces"
+scene = "spheres-orthotropic"
+without = ["subsurface"]
+set = ["solver.tolerance=1e-9"]
+
+[[axis]]
+key = "friction.angle"
+values = [0, 45, 90]
+
+[[axis]]
+key = "load.normal"
+start = 0.1
+stop = 1.0
+number = 4
+spacing = "logarithmic"
+
+[[axis.zip]]
+key = "creepage.lateral"
+values = [0.0, 0.0, 1e-4, 2e-4]
+
+[latin]
+number = 5
+seed = 1
+
+[[latin.variable]]
+key = "creepage.longitudinal"
+start = -0.001
+stop = -0.005
+"""
+
+
+def test_file_of_a_study(written):
+    study = Study.from_toml(written(WHOLE))
+    assert is_study(written(WHOLE))
+    assert study.scene.subsurface is None
+    assert study.scene.solver.tolerance == 1e-9
+    assert study.shape == (3, 4, 5)
+    assert len(cases(study)) == len(study) == 60
+
+
+def test_what_is_written_is_read_back(written):
+    study = Study.from_toml(written(WHOLE))
+    assert Study.from_toml(written(study.to_toml(), "again.toml")) == study
+
+
+def test_last_axis_is_the_fastest():
+    found = [tuple(case.changes.values()) for case in cases(small(MU, CREEPAGE))]
+    assert found == [(mu, xi) for mu in (0.2, 0.4) for xi in (-1e-3, -2e-3, -3e-3)]
+
+
+def test_scenes_of_the_cases():
+    for case in cases(small()):
+        wanted = small().scene.replace(**case.changes)
+        assert case.scene == wanted
+
+
+def test_digest_is_that_of_the_scene_alone():
+    before = {case.digest: case.scene for case in cases(small(MU, CREEPAGE))}
+    after = {case.digest: case.scene for case in cases(small(CREEPAGE, MU, title="Other"))}
+    assert before == after
+    assert len(before) == 6
+
+
+def test_scene_file_beside_the_study(written):
+    written(Scene.builtin("spheres").to_toml(), "mine.toml")
+    study = 'scene = "mine.toml"\n[[axis]]\nkey = "friction.mu"\nvalues = [0.2, 0.4]\n'
+    assert len(Study.from_toml(written(study))) == 2
+
+
+def test_gap_files_beside_the_study(written, tmp_path):
+    """They are part of the scene: another content is another case."""
+    gap = "x,y,separation\n" + "".join(f"{x},{y},0.001\n" for x in (-9.0, 9.0) for y in (-9.0, 9.0))
+    written(gap, "one.csv")
+    written(gap, "two.csv")
+    axis = '[[axis]]\nkey = "gap.file"\nvalues = ["one.csv", "two.csv"]\n'
+    scene = 'scene = "spheres"\n'
+    path = written(scene + axis)
+    before = cases(Study.from_toml(path))
+    assert before[0].scene.gap.file == str(tmp_path / "one.csv")
+    written(gap.replace("0.001", "0.002"), "one.csv")
+    after = cases(Study.from_toml(path))
+    assert before[0].digest != after[0].digest
+    assert before[1].digest == after[1].digest
+    friction = {"key": "friction.mu", "values": [0.1, 0.2]}
+    zipped = f"[[axis]]\n{toml.emit(friction)}{axis.replace('[[axis]]', '[[axis.zip]]')}"
+    assert [case.scene.gap.file for case in cases(Study.from_toml(written(scene + zipped)))] == [
+        str(tmp_path / "one.csv"),
+        str(tmp_path / "two.csv"),
+    ]
+
+
+def test_fault_of_many_scenes_is_told_once():
+    with pytest.raises(StudyError) as caught:
+        cases(small(CREEPAGE, {"key": "load.normal", "values": [0.4, -1]}))
+    (fault,) = caught.value.faults
+    assert fault.key == "load.normal"
+    assert "in case 1 (creepage.longitudinal = -0.001, load.normal = -1) and 2 more" in fault.given
+
+
+def test_scenes_that_are_the_same_are_refused():
+    with pytest.raises(StudyError, match="a scene twice in case 1 .*scenes that differ"):
+        cases(small({"key": "title", "values": ["a", "b"]}))
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("scene = 3", "scene: given 3; allowed: a table with the keys title"),
+        ('scene = "spheers"', "scene: given 'spheers'; allowed: spheres, perhaps"),
+        ('scene = "no.toml"', "scene: given '.*no.toml'; allowed: a readable file"),
+        ("", "scene: given nothing; allowed: a built-in name, a scene file"),
+        ('scene = "spheres"', r"axis: given nothing; allowed: at least one \[\[axis\]\]"),
+        ('scene = "spheres"\naxis = 3', "axis: given 3; allowed: a list of tables"),
+        ('scene = "spheres"\naxis = [3]', r"axis\[0\]: given 3; allowed: a table"),
+        ('scene = "spheres"\nlatin = 3', "latin: given 3; allowed: a table"),
+        ('scene = "spheres"\nset = "a"', "set: given 'a'; allowed: a list of settings"),
+        ('scene = "spheres"\nset = ["load.normal=-1"]', "scene.load.normal: given -1"),
+        ('scene = "spheres"\nwithout = ["subsurfac"]', "without: .*subsurface, perhaps"),
+        ('scene = "spheres"\nwithot = []', "withot: .*without, perhaps"),
+        ("scene = {}\nscene = {}", r"\(file\): .*TOML"),
+        (
+            'scene = "spheres"\naxis = [{key = "friction.mu", values = [0.1]}]\n'
+            '[latin]\nnumber = 2\nvariable = [{key = "friction.mu", start = 0, stop = 1}]',
+            "axis: given friction.mu varies 2 times; allowed: each entry of the scene once",
+        ),
+        (
+            'scene = "spheres"\n'
+            '[[axis]]\nkey = "friction.mu"\nstart = 0.1\nstop = 0.2\nnumber = 2000\n'
+            '[[axis]]\nkey = "load.normal"\nstart = 0.1\nstop = 0.2\nnumber = 2000\n',
+            "axis: given 4000000 cases; allowed: at most",
+        ),
+    ],
+)
+def test_bad_files(written, text, told):
+    with pytest.raises(StudyError, match=told):
+        Study.from_toml(written(text))
+
+
+def test_faults_are_told_together():
+    with pytest.raises(StudyError) as caught:
+        Study(scene="nothing", oops=1, axis=[{"key": "friction.mu"}], latin={"number": 0})
+    assert [fault.key for fault in caught.value.faults] == [
+        "oops",
+        "scene",
+        "axis[0].values",
+        "latin.number",
+        "latin.variable",
+    ]
+
+
+def test_a_scene_is_no_study(written):
+    assert not is_study(written(Scene.builtin("spheres").to_toml()))
+    assert not is_study("spheres")

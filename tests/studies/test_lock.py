@@ -1,0 +1,34 @@
+import subprocess
+import sys
+
+import pytest
+
+from tractive_sam.studies.lock import HeldError, is_locked, locked
+
+
+def test_one_holder_at_a_time(tmp_path):
+    path = tmp_path / "lock"
+    with locked(path):
+        assert is_locked(path)
+        with pytest.raises(HeldError), locked(path):
+            pass
+    assert not path.exists()
+    assert not is_locked(path)
+
+
+def test_lock_ends_with_its_process(tmp_path):
+    """However that ends; the file may stay and is taken over."""
+    path = tmp_path / "lock"
+    holds = (
+        "import sys, time, pathlib; from tractive_sam.studies.lock import locked\n"
+        "with locked(pathlib.Path(sys.argv[1])): print('held', flush=True); time.sleep(60)"
+    )
+    with subprocess.Popen([sys.executable, "-c", holds, path], stdout=subprocess.PIPE) as holder:
+        assert holder.stdout.readline() == b"held\n"
+        assert is_locked(path)
+        holder.kill()
+        holder.wait()
+    assert path.exists()
+    assert not is_locked(path)
+    with locked(path):
+        pass

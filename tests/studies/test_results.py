@@ -1,0 +1,171 @@
+"""The table of a study, its dataset, and its figures."""
+
+import csv
+
+import numpy as np
+import pytest
+
+from tests.studies.conftest import CREEPAGE, MU, small
+from tractive_sam.pipeline import roll
+from tractive_sam.store import ResultsError
+from tractive_sam.studies import Study, cases, open_study, save_figures, study
+from tractive_sam.studies.folder import Folder
+from tractive_sam.studies.lock import locked
+from tractive_sam.studies.worker import lock_of
+
+xarray = pytest.importorskip("xarray", reason="xarray is of the extra study")
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory):
+    return study(small(), tmp_path_factory.mktemp("done"), workers=0)
+
+
+def test_dataset_has_the_axes(done):
+    data = done.dataset()
+    assert data["Qx_over_P"].dims == ("creepage.longitudinal", "friction.mu")
+    assert data["Qx_over_P"].shape == (3, 2)
+    assert data["p_max"].attrs["units"] == "MPa"
+    for row in done.rows:
+        assert data["Qx"].sel(row.case.changes).item() == row.last["Qx"]
+    # More friction and more creepage transmit more.
+    assert (np.diff(data["Qx"].values, axis=0) > 0).all()
+    assert (np.diff(data["Qx"].values, axis=1) > 0).all()
+
+
+def test_dataset_is_written_and_read(done, tmp_path):
+    data = done.dataset()
+    data.to_netcdf(tmp_path / "study.nc", engine="h5netcdf")
+    with xarray.open_dataset(tmp_path / "study.nc", engine="h5netcdf") as again:
+        xarray.testing.assert_equal(again.load(), data)
+
+
+def test_dataset_of_a_revolution(tmp_path):
+    asked = Study(
+        scene="twin-discs",
+        without=["subsurface"],
+        set=["grid.elements=[15, 41]", "wear.save=[3]", "wear.revolutions=3"],
+        axis=[{"key": "friction.angle", "values": [0, 90]}],
+    )
+    results = study(asked, tmp_path, workers=0)
+    new = results.dataset(0)
+    for number in range(2):
+        history = results.history(number)
+        assert new["Qx"][number] == history["Qx"][0]
+        assert new["wear_max"][number] == 0.0
+    assert np.isnan(results.dataset(17)["Qx"]).all()
+
+
+def test_entries_that_vary_together(tmp_path):
+    zipped = {"key": "creepage.lateral", "values": [1e-4, 3e-4]}
+    results = study(small({**MU, "zip": [zipped]}), tmp_path, workers=0)
+    data = results.dataset()
+    assert data["Qy"].dims == ("friction.mu",)
+    np.testing.assert_array_equal(data["creepage.lateral"], zipped["values"])
+    assert data["creepage.lateral"].dims == ("friction.mu",)
+
+
+def test_csv_has_every_case_and_quantity(done, tmp_path):
+    done.save_csv(tmp_path / "table.csv")
+    with (tmp_path / "table.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 6
+    assert [float(row["Qx"]) for row in rows] == done.column("Qx").tolist()
+    assert [float(row["friction.mu"]) for row in rows] == done.values("friction.mu").tolist()
+    assert {row["status"] for row in rows} == {"complete"}
+
+
+def test_every_status_is_told(tmp_path):
+    asked = small()
+    found = cases(asked)
+    files = [tmp_path / f"{case.name}.h5" for case in found]
+    folder = Folder(tmp_path)
+
+    class Killed(BaseException):
+        pass
+
+    def killed(record):
+        raise Killed
+
+    with folder.taken(asked):
+        roll(found[0].scene, files[0])
+        folder.fail(found[1], "no space left")
+        with locked(lock_of(files[2])):
+            statuses = [row.status for row in open_study(tmp_path).rows]
+        files[4].write_text("no HDF5")
+    assert statuses == ["complete", "failed", "running", "waiting", "waiting", "waiting"]
+    results = open_study(tmp_path)
+    assert [row.status for row in results.rows[2:5]] == ["waiting", "waiting", "failed"]
+    assert results.rows[1].message == "no space left"
+    assert np.isnan(results.column("Qx")[1:]).all()
+    assert results.dataset()["status"].shape == (3, 2)
+    with pytest.raises(ResultsError, match="case 1 .* no results yet"):
+        results.history(1)
+
+
+def names(paths):
+    return sorted(path.name for path in paths)
+
+
+def test_figures_over_two_axes(done, tmp_path):
+    paths = save_figures(done, tmp_path, quantities=("Qx_over_P", "p_max"))
+    assert names(paths) == [
+        "Qx_over_P-curves.png",
+        "Qx_over_P-map.png",
+        "p_max-curves.png",
+        "p_max-map.png",
+    ]
+    assert all(path.stat().st_size > 5000 for path in paths)
+
+
+def test_figures_by_default_are_of_what_varies(done, tmp_path):
+    drawn = {path.name.partition("-")[0] for path in save_figures(done, tmp_path)}
+    assert drawn == {"Qx_over_P", "stick_fraction"}  # the pressure is the same everywhere
+
+
+def test_figures_over_one_axis(done, tmp_path):
+    held = {"friction.mu": 0.2}
+    paths = save_figures(done, tmp_path, quantities=("Qx",), at=held, format="pdf")
+    assert names(paths) == ["Qx-curve.pdf"]
+
+
+def test_figures_of_samples(tmp_path):
+    latin = {
+        "number": 4,
+        "variable": [
+            {"key": "friction.mu", "start": 0.1, "stop": 0.5},
+            {"key": "load.normal", "start": 0.2, "stop": 0.6},
+        ],
+    }
+    results = study(small(axis=(), latin=latin), tmp_path / "a", workers=0)
+    assert results.dataset()["Qx"].dims == ("sample",)
+    assert names(save_figures(results, tmp_path, quantities=("Qx",))) == ["Qx-samples.png"]
+
+
+def test_figures_while_nothing_is_known(tmp_path):
+    with Folder(tmp_path).taken(small()):
+        results = open_study(tmp_path)
+    assert save_figures(results, tmp_path) == []
+    assert results.quantities == {}
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        ({"quantities": ("Qz",)}, "no quantity Qz; there are .*Qx"),
+        ({"at": {"friction.angle": 0}}, "no axis friction.angle; there are creepage"),
+        ({"at": {"friction.mu": 0.3}}, "friction.mu has no value 0.3; it has 0.2, 0.4"),
+        ({"at": {"friction.mu": 0.2, "creepage.longitudinal": -1e-3}}, "0 axes vary"),
+    ],
+)
+def test_bad_figures(done, tmp_path, options, told):
+    with pytest.raises(ValueError, match=told):
+        save_figures(done, tmp_path, **options)
+
+
+def test_three_axes_are_too_many_for_a_figure(tmp_path):
+    loads = {"key": "load.normal", "values": [0.3, 0.4]}
+    with Folder(tmp_path).taken(small(CREEPAGE, MU, loads)):
+        results = open_study(tmp_path)
+    with pytest.raises(ValueError, match="3 axes vary, .*; hold all but 2 by KEY=VALUE"):
+        save_figures(results, tmp_path)

@@ -1,0 +1,211 @@
+"""Studies in one process: what is kept, what is run again, and what is told of failures."""
+
+import numpy as np
+import pytest
+
+from tests.studies.conftest import CREEPAGE, MU, small
+from tractive_sam.pipeline import roll
+from tractive_sam.store import ResultsError, open_history
+from tractive_sam.studies import (
+    Study,
+    StudyError,
+    cases,
+    explain_study,
+    open_study,
+    run,
+    study,
+    worker,
+)
+from tractive_sam.studies.cost import estimates
+from tractive_sam.studies.folder import Folder
+from tractive_sam.studies.lock import locked
+
+
+@pytest.fixture
+def rolled(monkeypatch):
+    """The files that are rolled."""
+    files = []
+
+    def spy(scene, path, **options):
+        files.append(path)
+        return roll(scene, path, **options)
+
+    monkeypatch.setattr(worker, "roll", spy)
+    return files
+
+
+def test_results_are_those_of_the_scenes(tmp_path):
+    results = study(small(), tmp_path, workers=0)
+    assert results.complete
+    for row in results.rows:
+        wanted = roll(row.case.scene)
+        for name in ("Qx", "Qy", "p_max", "stick_fraction"):
+            # Computed twice by the same steps: the plans of the transforms may be others.
+            assert row.last[name] == pytest.approx(wanted[name][-1], rel=1e-9, abs=1e-12)
+        assert results.history(row.case.number).finished
+
+
+def test_complete_cases_are_not_run_again(tmp_path, rolled):
+    study(small(MU), tmp_path, workers=0)
+    assert len(rolled) == 2
+    assert study(small(MU), tmp_path, workers=0).complete
+    assert len(rolled) == 2
+    assert study(small(MU, CREEPAGE), tmp_path, workers=0).complete  # the same scene is among them
+    assert len(rolled) == 8 - (small().scene.creepage.longitudinal in (-1e-3, -2e-3, -3e-3))
+
+
+def test_what_is_complete_is_what_the_files_say(tmp_path, rolled):
+    """The table of complete cases only saves time: it may be lost, or say too much."""
+    results = study(small(MU), tmp_path, workers=0)
+    (tmp_path / "complete.jsonl").write_text('{"digest": "cut o')
+    assert [row.last for row in open_study(tmp_path).rows] == [row.last for row in results.rows]
+    assert study(small(MU), tmp_path, workers=0).complete
+    assert len(rolled) == 2
+    results.rows[0].file.unlink()
+    assert open_study(tmp_path).counts["waiting"] == 1
+    assert study(small(MU), tmp_path, workers=0).complete
+    assert len(rolled) == 3
+
+
+def test_interrupted_case_goes_on_from_its_last_record(tmp_path):
+    wanted = roll(worn().scene)
+    (case,) = cases(worn())
+    file = tmp_path / f"{case.name}.h5"
+
+    class Stop(Exception):
+        pass
+
+    def stop(record):
+        if record.revolution >= 50:
+            raise Stop
+
+    Folder(tmp_path / "none")
+    with Folder(tmp_path).taken(worn()):
+        pass
+    with pytest.raises(Stop):
+        roll(case.scene, file, progress=stop)
+    before = open_history(file)
+    assert open_study(tmp_path).rows[0].status == "failed"  # it says that it was stopped
+    results = study(worn(), tmp_path, workers=0)
+    assert results.complete
+    after = results.history(0)
+    np.testing.assert_array_equal(after["seconds"][: len(before)], before["seconds"])
+    np.testing.assert_allclose(after["wear_max"], wanted["wear_max"], rtol=1e-6)
+
+
+def worn(**given):
+    return Study(
+        scene="twin-discs",
+        without=["subsurface"],
+        set=[
+            "grid.half_length=[0.35, 0.9]",
+            "grid.elements=[15, 25]",
+            "wear.revolutions=200",
+            "wear.save=[200]",
+        ],
+        axis=[{"key": "friction.angle", "values": [45]}],
+        **given,
+    )
+
+
+def failing():
+    """The second force is more than friction carries, which nobody knows beforehand."""
+    axis = {"key": "load.traction_x", "values": [0.1, 0.4, 0.05]}
+    return small(axis, set=["grid.elements=[21, 21]", "load.approach=0.036"])
+
+
+def test_failed_case_is_told_and_stops_no_other(tmp_path):
+    told = []
+    results = study(failing(), tmp_path, workers=0, progress=told.append)
+    assert [row.status for row in results.rows] == ["complete", "failed", "complete"]
+    assert results.rows[1].message
+    assert (told[-1].ended, told[-1].failed, told[-1].cases) == (3, 1, 3)
+    assert told[-1].share == pytest.approx(1.0)
+    data = results.dataset()
+    assert data["status"].values.tolist() == ["complete", "failed", "complete"]
+    assert results.rows[1].message in data["message"].values
+
+
+def test_case_that_raises_is_told(tmp_path, monkeypatch):
+    def broken(scene, path, **options):
+        if scene.friction.mu[0] == 0.4:
+            raise RuntimeError("no space left")
+        return roll(scene, path, **options)
+
+    monkeypatch.setattr(worker, "roll", broken)
+    results = study(small(MU), tmp_path, workers=0)
+    assert [row.status for row in results.rows] == ["complete", "failed"]
+    assert results.rows[1].message == "RuntimeError: no space left"
+    monkeypatch.setattr(worker, "roll", roll)
+    assert study(small(MU), tmp_path, workers=0).complete
+    assert not list(tmp_path.glob("*.txt"))
+
+
+def test_a_case_has_one_writer(tmp_path):
+    (case, _) = cases(small(MU))
+    file = tmp_path / f"{case.name}.h5"
+    with locked(worker.lock_of(file)):
+        outcome = worker.run_case(case.scene.to_toml(), str(file))
+    assert outcome.status == worker.HELD
+    assert not file.exists()
+
+
+def test_worker_that_does_not_see_the_folder(tmp_path):
+    (case, _) = cases(small(MU))
+    outcome = worker.run_case(case.scene.to_toml(), str(tmp_path / "nowhere" / "a.h5"))
+    assert outcome.status == "failed"
+    assert "must be on a file system that all its machines share" in outcome.message
+
+
+def test_folder_belongs_to_one_client(tmp_path):
+    with (
+        Folder(tmp_path).taken(small()),
+        pytest.raises(ResultsError, match="run by another client"),
+    ):
+        study(small(), tmp_path, workers=0)
+
+
+def test_folder_of_something_else(tmp_path):
+    (tmp_path / "precious.txt").write_text("gold")
+    with pytest.raises(ResultsError, match="a study needs a folder of its own"):
+        study(small(), tmp_path, workers=0)
+    with pytest.raises(ResultsError, match="is not a folder"):
+        study(small(), tmp_path / "precious.txt", workers=0)
+    with pytest.raises(ResultsError, match="tractive-sam study STUDY.toml -o"):
+        open_study(tmp_path)
+    assert [one.name for one in tmp_path.iterdir()] == ["precious.txt"]
+
+
+def test_nothing_is_run_where_a_scene_is_not_valid(tmp_path):
+    with pytest.raises(StudyError, match=r"load\.normal"):
+        study(small({"key": "load.normal", "values": [0.4, -1]}), tmp_path / "new", workers=0)
+    assert not (tmp_path / "new").exists()
+
+
+def test_long_cases_first(tmp_path):
+    revolutions = {"key": "wear.revolutions", "values": [1, 100, 10]}
+    asked = Study(scene="twin-discs", set=["grid.elements=[15, 41]"], axis=[revolutions])
+    tasks, done = run._left(Folder(tmp_path), cases(asked))
+    assert [task.case.changes["wear.revolutions"] for task in tasks] == [100, 10, 1]
+    assert done == 0
+
+
+def test_estimates_follow_the_mesh():
+    meshes = {"key": "grid.elements", "values": [[41, 41], [81, 81], [161, 161]]}
+    small_one, middle, large = np.array(estimates(cases(small(meshes, set=["load.normal=0.4705"]))))
+    # Beyond what every file takes, time goes with n log n, n being four times as many.
+    assert 4.0 < (large - middle) / (middle - small_one) < 6.0
+
+
+def test_time_of_the_whole_study_is_shared_by_the_workers():
+    def seconds(workers):
+        told = dict(explain_study(worn_often(), workers)[1].rows)[f"with {workers} workers"]
+        return float(told.split()[1])
+
+    # Measured twice on a machine that does other things, too.
+    assert 1.5 < seconds(1) / seconds(2) < 3.0 or seconds(1) > seconds(2)
+
+
+def worn_often():
+    angles = {"key": "friction.angle", "start": 0, "stop": 90, "number": 40}
+    return Study(scene="twin-discs", axis=[angles])
