@@ -13,7 +13,7 @@ import pytest
 
 from tractive_sam.studies import SchedulerLostError, Study, cluster, open_study, study
 
-pytest.importorskip("distributed", reason="dask.distributed is of the extra study")
+distributed = pytest.importorskip("distributed", reason="dask.distributed is of the extra study")
 
 LONGEST = 120.0
 """Wait for anything, s; on an idle machine nothing takes ten."""
@@ -128,13 +128,11 @@ def assert_same(results, wanted):
 
 def test_worker_killed(programs, wanted):
     """Its nanny starts another one; the case that it computed goes on from its last record."""
-    from distributed import Client
-
     programs.scheduler()
     programs.workers(2)
     client = programs.client()
     programs.until_begun(records=5)
-    with Client(programs.address, set_as_default=False) as cluster:
+    with distributed.Client(programs.address, set_as_default=False) as cluster:
         # BLAS is held to one thread by the nannies.
         threads = cluster.run(lambda: os.environ["OMP_NUM_THREADS"])
         assert set(threads.values()) == {"1"}
@@ -178,10 +176,11 @@ def test_local_cluster(tmp_path):
     told = []
     results = study(asked, tmp_path, workers=2, progress=told.append)
     assert results.complete
-    assert len({now.outcome.worker for now in told[1:]} - {f"{socket.gethostname()}:{os.getpid()}"})
+    here = f"{socket.gethostname()}:{os.getpid()}"
+    assert here not in {now.outcome.worker for now in told[1:]}
 
 
 def test_no_scheduler(tmp_path, monkeypatch):
     monkeypatch.setattr(cluster, "FIRST_CONTACT", 0.1)
-    with pytest.raises(SchedulerLostError, match="no scheduler at tcp://127.0.0.1:9; start one"):
+    with pytest.raises(SchedulerLostError, match=r"no scheduler at tcp://127.0.0.1:9; start one"):
         study(ASKED, tmp_path, scheduler="tcp://127.0.0.1:9")

@@ -99,7 +99,7 @@ def test_every_status_is_told(tmp_path):
     assert results.rows[1].message == "no space left"
     assert np.isnan(results.column("Qx")[1:]).all()
     assert results.dataset()["status"].shape == (3, 2)
-    with pytest.raises(ResultsError, match="case 1 .* no results yet"):
+    with pytest.raises(ResultsError, match=r"case 1 .* no results yet"):
         results.history(1)
 
 
@@ -167,5 +167,5 @@ def test_three_axes_are_too_many_for_a_figure(tmp_path):
     loads = {"key": "load.normal", "values": [0.3, 0.4]}
     with Folder(tmp_path).taken(small(CREEPAGE, MU, loads)):
         results = open_study(tmp_path)
-    with pytest.raises(ValueError, match="3 axes vary, .*; hold all but 2 by KEY=VALUE"):
+    with pytest.raises(ValueError, match=r"3 axes vary, .*; hold all but 2 by KEY=VALUE"):
         save_figures(results, tmp_path)

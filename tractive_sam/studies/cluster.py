@@ -11,6 +11,7 @@ from time import monotonic, sleep
 from typing import TYPE_CHECKING
 from uuid import uuid4
 
+from tractive_sam.store import ResultsError
 from tractive_sam.studies.task import Task
 from tractive_sam.studies.worker import FAILED, HELD, ONE_THREAD, Outcome, run_case
 
@@ -84,6 +85,8 @@ def on_cluster(
 
     Raises
     ------
+    ResultsError
+        If that is no address.
     SchedulerLostError
         If there is no scheduler there, or none any more for `PATIENCE`.
     """
@@ -145,6 +148,9 @@ def _client(address: str, patience: float, say: Callable[[str], None]) -> Iterat
                 say(f"waiting for a scheduler at {address}")
             told = True
             sleep(PAUSE)
+        except ValueError:
+            cure = "give it as tcp://HOST:PORT, as the scheduler says it"
+            raise ResultsError(f"{address} is no address of a scheduler; {cure}") from None
     try:
         yield client
     finally:

@@ -198,8 +198,8 @@ def _dimensions(axes: Iterable[Axis], latin: Latin | None) -> tuple[Dimension, .
     return of_axes if latin is None else (*of_axes, latin.dimension())
 
 
-def _settled(scene: Any, settings: Any, without: Any) -> Any:
-    """The scene with its settings made; what is no scene is left to the check of its tables."""
+def _settled(scene: Any, settings: Any, without: Any) -> Scene:
+    """The scene with its settings made."""
     faults = [
         Fault(name, shown(given), f"a list of {kind}")
         for name, given, kind in (
@@ -211,7 +211,8 @@ def _settled(scene: Any, settings: Any, without: Any) -> Any:
     if faults:
         raise SceneError(faults)
     if not isinstance(scene, Scene | Mapping | str):
-        return scene
+        given = "nothing" if scene is None else shown(scene)
+        raise SceneError([Fault("scene", given, Study.model_fields["scene"].description)])
     _check_keys(without)
     try:
         found = _named(scene)

@@ -14,6 +14,9 @@ from tractive_sam.studies.results import StudyResults, title_of
 DRAWN = ("Qx_over_P", "Qy_over_P", "Mz", "p_max", "stick_fraction", "wear_max")
 """Quantities of which there are figures unless others are asked for."""
 
+NOISE = 1e-6
+"""Share of its size by which a quantity varies where it should not: what solvers leave open."""
+
 
 def save_figures(
     results: StudyResults,
@@ -108,7 +111,16 @@ def _held(results: StudyResults, at: Mapping[str, Any]) -> tuple[int | slice, ..
 def _varies(results: StudyResults, name: str) -> bool:
     values = results.column(name)
     values = values[np.isfinite(values)]
-    return bool(values.size) and bool(np.ptp(values) > 1e-9 * np.abs(values).max())
+    return bool(values.size) and bool(np.ptp(values) > NOISE * _size(results, name))
+
+
+def _size(results: StudyResults, name: str) -> float:
+    """What a quantity is small against."""
+    if name == "Mz":
+        return float(np.nanmax(results.column("P") * results.column("half_width_x")))
+    if name in ("Qx_over_P", "Qy_over_P", "stick_fraction"):
+        return 1.0
+    return float(np.nanmax(np.abs(results.column(name))))
 
 
 def _figures(results: StudyResults, name: str, index: tuple) -> Iterator[tuple[str, Any]]:

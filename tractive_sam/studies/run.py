@@ -97,7 +97,7 @@ def study(
     StudyError
         With the faults of the study and of all its scenes; nothing has been run then.
     ResultsError
-        If the folder cannot be used.
+        If the folder cannot be used, or dask is not installed or cannot read the address.
     SchedulerLostError
         If there is no scheduler, or none any more; what is complete remains so.
 
