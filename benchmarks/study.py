@@ -73,9 +73,11 @@ def cluster(workers: int, folder: Path) -> Iterator[str]:
         while not file.exists():
             sleep(0.1)
         address = json.loads(file.read_text())["address"]
-        programs.append(started("worker", address, "--nthreads", "1", "--nworkers", str(workers),
-                                "--no-dashboard", "--local-directory", str(folder),
-                                folder=folder))  # fmt: skip
+        worker = ("worker", address, "--nthreads", "1", "--no-dashboard")
+        programs += [
+            started(*worker, "--local-directory", str(folder), folder=folder)
+            for _ in range(workers)
+        ]
         with Client(address, set_as_default=False) as client:
             client.wait_for_workers(workers)
             client.run(_warmed_up)
@@ -95,14 +97,16 @@ def _warmed_up() -> None:
 
 def serial(study: ts.Study, folder: Path) -> tuple[ts.StudyResults, dict]:
     """Run a study in this process; returns also what a case costs there."""
-    before, began = _written(), perf_counter()
+    before, began, spent = _written(), perf_counter(), _cpu_seconds()
     results = ts.study(study, folder, workers=0)
     took, (calls, volume) = perf_counter() - began, _written() - before
+    spent = _cpu_seconds() - spent
     count = len(results)
     return results, {
         "study": study.title,
         "cases": count,
         "s a case": took / count,
+        "s of CPU a case": spent / count,
         "writes a case": calls / count,
         "MB written a case": volume / 1e6 / count,
         "MB a file": np.mean([row.file.stat().st_size for row in results.rows]) / 1e6,
@@ -157,12 +161,15 @@ def survived(study: ts.Study, wanted: ts.StudyResults, folder: Path, with_nanny:
     return row
 
 
-def scaling(study: ts.Study, alone: float, scratch: Path) -> list[dict]:
-    rows = [{"study": study.title, "workers": "none, in one process", "s": alone, "busy": 1.0}]
+def scaling(study: ts.Study, alone: dict, scratch: Path) -> list[dict]:
+    """Time on one worker and on two; that of the CPU does not know what else the machine does."""
+    count = alone["cases"]
+    of_one = {"workers": "none, in one process", "s": count * alone["s a case"], "busy": 1.0}
+    rows = [{"study": study.title, **of_one, "s of CPU": count * alone["s of CPU a case"]}]
     for workers in (1, 2):
         folder, busy = scratch / f"scaling-{len(study)}-{workers}", []
         with cluster(workers, scratch) as address:
-            began = perf_counter()
+            began, spent = perf_counter(), _cpu_seconds_of_workers(address)
             ts.study(
                 study,
                 folder,
@@ -170,9 +177,16 @@ def scaling(study: ts.Study, alone: float, scratch: Path) -> list[dict]:
                 progress=lambda now, busy=busy: now.outcome and busy.append(now.outcome.seconds),
             )
             took = perf_counter() - began
+            spent = _cpu_seconds_of_workers(address) - spent
         share = sum(busy) / (workers * took)
-        rows.append({"study": study.title, "workers": workers, "s": took, "busy": share})
+        found = {"workers": workers, "s": took, "busy": share, "s of CPU": spent}
+        rows.append({"study": study.title, **found})
     return rows
+
+
+def _cpu_seconds_of_workers(address: str) -> float:
+    with Client(address, set_as_default=False) as client:
+        return sum(client.run(_cpu_seconds).values())
 
 
 def engine(scratch: Path) -> dict:
@@ -265,7 +279,7 @@ def main():
         wanted, alone = serial(study, scratch / f"{name}-serial")
         tables["case"].append(alone)
         tables["killed"].append(survived(study, wanted, scratch / name, with_nanny))
-        tables["scaling"] += scaling(study, len(study) * alone["s a case"], scratch)
+        tables["scaling"] += scaling(study, alone, scratch)
     tables["engine"].append(engine(scratch))
     tables["many"].append(many(wanted, scratch))
     tables["on_paper"] = [

@@ -56,13 +56,21 @@ this package, one thread each, and the folder of the study under the same name::
     tractive-sam study STUDY.toml -o DIR --scheduler ADDRESS
 
 The nannies of ``dask worker`` hold BLAS to one thread; with ``--no-nanny``, set OMP_NUM_THREADS=1.
-Under SLURM, dask-jobqueue starts the workers as jobs::
+FFTW has one thread wherever nothing else is asked for, and the compiled kernels have no others.
+Under SLURM, dask-jobqueue (``pip install dask-jobqueue``) starts the workers as jobs::
 
     from dask_jobqueue import SLURMCluster
 
-    cluster = SLURMCluster(cores=16, processes=16, memory="32GB", walltime="12:00:00")
+    cluster = SLURMCluster(
+        cores=16,  # of a job
+        processes=16,  # one thread each
+        memory="32GB",  # of a job; tractive-sam explain tells what a worker takes
+        walltime="12:00:00",
+    )
     cluster.adapt(maximum_jobs=32)
     ts.study("STUDY.toml", "/shared/DIR", scheduler=cluster.scheduler_address)
+
+A job that meets its walltime is a worker that dies: its cases go on in the next one.
 
 What holds when something dies
 ------------------------------
@@ -70,7 +78,8 @@ The state of a study is in its files (see `folder`), not in the scheduler. A cas
 its results file says so, and is then never run again; to run the study again is to go on with it,
 also with other axes: cases are known by the hash of their scenes. A case whose worker died is
 handed to another one and goes on from its last record; whoever computes a case holds a lock on it.
-A client that loses its scheduler waits for it, or for another one at that address, for ten minutes.
+A client that loses its scheduler waits for it, or for another one at that address, for ten minutes;
+the workers of a scheduler end with it, and have to be started again as well.
 Where the client itself goes, cases begun end on their workers, and the next client finds them.
 """
 
