@@ -20,7 +20,8 @@ def test_package_docstring():
 
 @pytest.mark.parametrize("module", ["", *STUDIES])
 def test_examples_of_studies(module, tmp_path, monkeypatch):
-    pytest.importorskip("xarray", reason="xarray is of the extra study")
+    for needed in ("xarray", "h5netcdf"):
+        pytest.importorskip(needed, reason=f"{needed} is of the extra study")
     monkeypatch.chdir(tmp_path)
     found = import_module(f"tractive_sam.studies.{module}".rstrip("."))
     assert doctest.testmod(found, optionflags=doctest.ELLIPSIS).failed == 0

@@ -46,6 +46,7 @@ def test_table_as_csv_dataset_and_figures(call, file, folder):
     assert result.stdout.split() == ["a.csv", "b/Qx-curve.png"]
     with (folder / "a.csv").open() as table:
         assert len(list(csv.DictReader(table))) == 2
+    pytest.importorskip("h5netcdf", reason="h5netcdf is of the extra study")
     assert call("study-show", "done", "--netcdf", "a.nc").stdout.split() == ["a.nc"]
     assert (folder / "a.nc").exists()
 
