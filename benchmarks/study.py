@@ -250,8 +250,8 @@ def many(done: ts.StudyResults, scratch: Path) -> dict:
 
 
 def on_paper(alone: dict, engine: dict, large: dict) -> dict:
-    """Time of many cases on many cores, if each case takes as long as here, and what they write."""
-    cores = MANY_CASES * alone["s a case"] / CORES
+    """Time of many cases on many cores like these, and what they write."""
+    cores = MANY_CASES * alone["s of CPU a case"] / CORES
     scheduler = MANY_CASES * engine["ms of scheduler"] / 1e3
     disks = MANY_CASES * alone["MB written a case"] / 1e3 / SHARED_DISKS
     took = max(cores, scheduler, disks)

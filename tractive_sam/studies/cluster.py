@@ -58,7 +58,7 @@ def local_cluster(workers: int | None) -> Iterator[str]:
         threads_per_worker=1,
         processes=True,
         memory_limit=0,  # a scene takes what it takes; `explain` tells how much
-        dashboard_address=None,
+        dashboard_address=":0",  # any free port: that of other clusters is taken
         env=ONE_THREAD,
     ) as cluster:
         yield cluster.scheduler_address
