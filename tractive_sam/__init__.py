@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from tractive_sam.pipeline import roll, solve
     from tractive_sam.record import History
     from tractive_sam.scene import (
+        Accuracy,
         Bodies,
         Body,
         Creepage,
@@ -75,6 +76,7 @@ if TYPE_CHECKING:
     )
 
 __all__ = [
+    "Accuracy",
     "Bodies",
     "Body",
     "Contact",

@@ -5,8 +5,10 @@ from time import perf_counter
 
 import numpy as np
 
+from tractive_sam.accuracy import Refined, refined, with_tolerances
 from tractive_sam.contact import Model
 from tractive_sam.pipeline import measured_gap
+from tractive_sam.record import scalars
 from tractive_sam.scene import Scene
 
 # Typical work of a solve at a tolerance of 1e-8, in applications of operator and preconditioner
@@ -35,9 +37,35 @@ def explain(scene: Scene) -> list[Section]:
     GapError
         If the measured gap cannot be read.
     """
-    model = Model(scene, measured_gap(scene))
+    measured = measured_gap(scene)
+    accuracy = []
+    if scene.accuracy is None:
+        model = Model(scene, measured)
+    else:
+        chosen = with_tolerances(scene)
+        found = refined(chosen, measured)
+        model = Model(chosen, measured, found.model.grid)
+        accuracy = [_accuracy(found)]
     parts = (_bodies, _contact, _wear, _subsurface, _mesh, _work)
-    return [part(model) for part in parts]
+    return [part(model) for part in parts[:4]] + accuracy + [part(model) for part in parts[4:]]
+
+
+def _accuracy(found: Refined) -> Section:
+    scene, contact = found.contact.scene, found.contact
+    meshes = "refined by halves until the error bars are within it"
+    if scene.wear is not None:
+        meshes += "; further, where two coarser meshes rolled before show that wear asks for it"
+    rows = [("asked for", f"{scene.accuracy.tolerance:g}, relative: the mesh is {meshes}")]
+    if found.missed:
+        rows.append(("not reached", found.missed))
+    for name in ("Qx", "Qy", "Mz", "p_max"):
+        if name in contact.error_bars:
+            bar = contact.error_bars[name]
+            told = (
+                f"{getattr(contact, name):.6g} +- {bar:.1g} {scalars(contact.grid.line)[name].unit}"
+            )
+            rows.append((f"{name} of the new bodies", told))
+    return Section("Accuracy", rows)
 
 
 def _bodies(model: Model) -> Section:
@@ -164,7 +192,11 @@ def _subsurface(model: Model) -> Section:
 def _mesh(model: Model) -> Section:
     grid, hertz = model.grid, model.scene.hertz
     nx, ny = grid.elements
-    given = "given" if model.scene.grid is not None else "chosen from the contact"
+    given = "chosen from the contact"
+    if model.scene.grid is not None:
+        given = "given"
+    elif model.scene.accuracy is not None:
+        given = "found by refinement"
     if grid.line:
         rows = [
             ("mesh", f"{nx} elements in x, {given}"),
@@ -224,7 +256,9 @@ def applications(model: Model) -> int:
     count, stress = records(model.scene), model.scene.subsurface
     bodies = 0 if stress is None else len(stress.bodies)
     contacts = COLD_APPLICATIONS + (count - 1) * WARM_APPLICATIONS
-    return contacts + count * bodies * STRESS_APPLICATIONS
+    # Coarser meshes that give the error bars take together about as long as the finest.
+    meshes = 1 if model.scene.accuracy is None else 2
+    return meshes * (contacts + count * bodies * STRESS_APPLICATIONS)
 
 
 def seconds_per_application(model: Model) -> float:

@@ -1,7 +1,8 @@
 """From a scene to its results: the two front doors, `solve` and `roll`."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import nullcontext
+from dataclasses import dataclass, replace
 from itertools import chain
 from os import PathLike
 from pathlib import Path
@@ -9,16 +10,15 @@ from time import perf_counter
 
 import numpy as np
 
-from tractive_sam.contact import Contact, Gap, Model, NotConverged, equilibrium, grown
+from tractive_sam.accuracy import Judge, Levels, judge_of, refined, with_tolerances
+from tractive_sam.contact import Contact, Gap, Model, NotConverged, equilibrium, fitted
+from tractive_sam.operators import Grid
 from tractive_sam.record import History, Record, state
 from tractive_sam.restart import last_passage
 from tractive_sam.rolling import Passage, passages, recorded
 from tractive_sam.scene import Scene
 from tractive_sam.solvers import Status
 from tractive_sam.store import HistoryWriter, open_history, read_gap
-
-GROWTHS = 8
-"""Most enlargements of a mesh that the scene left to us."""
 
 
 def measured_gap(scene: Scene) -> Gap | None:
@@ -54,16 +54,21 @@ def solve(
     Returns
     -------
     Contact
-        Fields, resultants, residual and cost.
+        Fields, resultants, residual and cost; of a scene with [accuracy], without `wear` or
+        `start`, on the mesh that it takes, and with error bars.
 
     Raises
     ------
     ValueError
         If `wear` or `start` do not fit the mesh.
     NotConverged
-        If `throw` and the contact conditions do not hold to the scene's tolerance.
+        If `throw` and the contact conditions do not hold to the scene's tolerance, or its
+        [accuracy] was not reached.
     """
-    model = Model(scene, measured_gap(scene))
+    measured = measured_gap(scene)
+    if scene.accuracy is not None and wear is None and start is None:
+        return _checked(_accurate(scene, measured), throw)
+    model = Model(scene, measured)
     if wear is not None:
         wear = np.asarray(wear, float)
         if wear.shape != model.grid.elements or not np.isfinite(wear).all():
@@ -74,22 +79,25 @@ def solve(
             f"over {model.grid.half_length} mm; not {start.grid.elements} over "
             f"{start.grid.half_length}"
         )
-    contact = equilibrium(model, wear, start)
     if start is None and wear is None:
-        model, contact = _fitted(model, contact)
+        _, contact = fitted(model)
+    else:
+        contact = equilibrium(model, wear, start)
+    return _checked(contact, throw)
+
+
+def _checked(contact: Contact, throw: bool) -> Contact:
     if throw and not contact.converged:
         raise NotConverged(contact)
     return contact
 
 
-def _fitted(model: Model, contact: Contact) -> tuple[Model, Contact]:
-    """Enlarge a mesh that the scene left to us until it holds the contact."""
-    for _ in range(GROWTHS):
-        if contact.status is not Status.OFF_GRID or model.scene.grid is not None:
-            break
-        model = Model(model.scene, model.measured, grown(model.grid))
-        contact = equilibrium(model)
-    return model, contact
+def _accurate(scene: Scene, measured: Gap | None) -> Contact:
+    """New bodies on the mesh that their accuracy takes."""
+    found = refined(with_tolerances(scene), measured)
+    if not found.contact.converged or not found.missed:
+        return found.contact
+    return replace(found.contact, status=Status.INACCURATE, message=found.missed)
 
 
 def roll(
@@ -122,7 +130,7 @@ def roll(
     -------
     History
         All records. Where a contact was not solved the history ends with it, and `status` and
-        `message` say so.
+        `message` say so; of a scene with [accuracy] they also say where that was not reached.
 
     Raises
     ------
@@ -131,43 +139,113 @@ def roll(
     GapError
         If the measured gap cannot be read.
     """
-    began = perf_counter()
     last = None
     if resume and path is not None and Path(path).exists():
         last = last_passage(open_history(path), path, scene)
-    if last is None:
-        model = Model(scene, measured_gap(scene))
-        model, contact = _fitted(model, equilibrium(model))
-        start = Passage(0, contact, 1)
+    run = _Run(scene, path, overwrite or resume, progress)
+    if scene.accuracy is not None:
+        return _rolled_accurately(run, last)
+    model = Model(scene, measured_gap(scene), None if last is None else last.contact.grid)
+    if last is not None:
+        return run.resumed(model, last)
+    model, contact = fitted(model)
+    return run.begun(model, Passage(0, contact, 1))
+
+
+def _rolled_accurately(run: "_Run", last: Passage | None) -> History:
+    """Roll on finer and finer meshes, until the error bars are within the tolerance."""
+    scene, measured = with_tolerances(run.scene), measured_gap(run.scene)
+    levels = Levels(scene, measured)
+    if last is not None:
+        level = levels.of(last.contact.grid)
+        judge, _ = judge_of(scene, measured, level, settled=True)
+        history = run.resumed(Model(scene, measured, last.contact.grid), last, judge)
     else:
-        start = last
-        model = Model(scene, measured_gap(scene), last.contact.grid)
-    hertz = scene.hertz
-    reference = {} if hertz is None else {"a0": hertz.a, "b0": hertz.b, "p0": hertz.p0}
-    records, writer = [], None
-    if path is not None and last is None:
-        writer = HistoryWriter(path, scene.to_toml(), model.grid, reference, overwrite or resume)
-    elif path is not None:
-        writer = HistoryWriter.reopen(path, scene.to_toml())
-    with nullcontext() if writer is None else writer:
-        passage = start
-        for passage in chain((start,) if last is None else (), passages(model, start)):
-            record = recorded(passage, began)
-            began = perf_counter()
-            if writer is None:
-                records.append(record)
-            else:
-                writer.append(record, passage.contact.grid, state(passage.contact))
-            if progress is not None:
-                progress(record)
-        contact = passage.contact
-        status = "done" if contact.converged else str(contact.status)
-        message = contact.message
-        if scene.wear is not None:
-            message = f"revolution {passage.revolution}: {message}"
-        if writer is not None:
-            writer.finish(status, message)
-            return open_history(path)
-    return History.of_records(
-        records, scene.to_toml(), contact.grid, status=status, message=message, **reference
-    )
+        new = refined(scene, measured)
+        if scene.wear is None or not new.contact.converged:
+            return run.begun(new.model, Passage(0, new.contact, 1), missed=new.missed)
+        judge, level = judge_of(scene, measured, new.level)
+        history = run.begun(*_new(scene, measured, levels.grid(level)), judge)
+    while history.status == Status.INACCURATE and levels.allowed(level + 1):
+        judge, level = judge.followed(), level + 1
+        history = replace(run, overwrite=True).begun(
+            *_new(scene, measured, levels.grid(level)), judge
+        )
+    return history
+
+
+def _new(scene: Scene, measured: Gap | None, grid: Grid) -> tuple[Model, Passage]:
+    model, contact = fitted(Model(scene, measured, grid))
+    return model, Passage(0, contact, 1)
+
+
+@dataclass(frozen=True)
+class _Run:
+    """Rolls a scene and keeps the records, in a file or in memory; arguments as of `roll`."""
+
+    scene: Scene
+    path: str | PathLike | None
+    overwrite: bool
+    progress: Callable[[Record], None] | None
+
+    def begun(
+        self, model: Model, start: Passage, judge: Judge | None = None, missed: str = ""
+    ) -> History:
+        """Roll from the new bodies on; `missed` tells what is wrong with their accuracy."""
+        writer = None
+        if self.path is not None:
+            text = self.scene.to_toml()
+            writer = HistoryWriter(self.path, text, model.grid, self._reference, self.overwrite)
+        return self._kept(model, start, (start,), writer, judge, missed)
+
+    def resumed(self, model: Model, last: Passage, judge: Judge | None = None) -> History:
+        """Roll on from the last record of the file."""
+        writer = HistoryWriter.reopen(self.path, self.scene.to_toml())
+        return self._kept(model, last, (), writer, judge)
+
+    def _kept(
+        self,
+        model: Model,
+        start: Passage,
+        first: Iterable[Passage],
+        writer: HistoryWriter | None,
+        judge: Judge | None = None,
+        missed: str = "",
+    ) -> History:
+        records, passage, began = [], start, perf_counter()
+        with nullcontext() if writer is None else writer:
+            for passage in chain(first, passages(model, start)):
+                record = recorded(passage, began, judge)
+                began = perf_counter()
+                if writer is None:
+                    records.append(record)
+                else:
+                    writer.append(record, passage.contact.grid, state(passage.contact))
+                if self.progress is not None:
+                    self.progress(record)
+            contact = passage.contact
+            if judge is not None:
+                missed = judge.missed
+            status, message = _ended(passage, missed)
+            if writer is not None:
+                writer.finish(status, message)
+                return open_history(self.path)
+        text = self.scene.to_toml()
+        end = {"status": status, "message": message}
+        return History.of_records(records, text, contact.grid, **end, **self._reference)
+
+    @property
+    def _reference(self) -> dict[str, float]:
+        hertz = self.scene.hertz
+        return {} if hertz is None else {"a0": hertz.a, "b0": hertz.b, "p0": hertz.p0}
+
+
+def _ended(passage: Passage, missed: str) -> tuple[str, str]:
+    """Status and message of a history that ends with this passage."""
+    contact = passage.contact
+    if contact.converged and missed:
+        return str(Status.INACCURATE), missed
+    message = contact.message
+    if contact.scene.wear is not None:
+        message = f"revolution {passage.revolution}: {message}"
+    return "done" if contact.converged else str(contact.status), message

@@ -56,7 +56,8 @@ def run(
             raise stop(Status.INCOMPLETE, f"interrupted{told}") from None
         except OSError as error:
             raise stop(Status.INCOMPLETE, f"{output} cannot be written: {error}") from None
-    if not history.finished:
+    inaccurate = history.status == "inaccurate"
+    if not (history.finished or inaccurate):
         say(("not a solution: ", "bold red"), "the last record below is where it ended")
     if len(history):
         console().print(tables.last_record(history))
@@ -64,6 +65,8 @@ def run(
     if open_balance:
         say(("note: ", "bold yellow"), open_balance)
     say(f"{output}: {history.status}; {history.message}")
+    if inaccurate:
+        raise stop(Status.INCOMPLETE, "less accurate than asked for; the error bars tell how much")
     if not history.finished:
         raise stop(Status.INCOMPLETE, "the computation ended early; the file holds it up to there")
 
@@ -93,7 +96,9 @@ def _progress(scene: "Scene") -> Iterator[Callable[["Record"], None] | None]:
         bars.TimeRemainingColumn(),
     )
     with bars.Progress(*columns, console=terminal, transient=True) as bar:
-        task = bar.add_task("solving the new bodies", total=effort(revolutions) or None)
+        coarser = scene.accuracy is not None and scene.wear is not None
+        first = "rolling on coarser meshes" if coarser else "solving the new bodies"
+        task = bar.add_task(first, total=effort(revolutions) or None)
 
         def advance(record: "Record") -> None:
             done, depth = record.revolution, 1e3 * record.scalars["wear_max"]

@@ -78,12 +78,23 @@ def last_record(history: "History") -> Table:
     table.add_column(style="dim")
     for name, quantity in scalars(history.line).items():
         unit = "" if quantity.unit == "1" else quantity.unit
-        table.add_row(name, _number(history[name][-1]), unit, quantity.long_name)
+        value, error_bar = history[name][-1], _error_bar(history, name)
+        table.add_row(name, _number(value, error_bar), unit, quantity.long_name)
     for name, quantity in BODY_SCALARS.items():
-        for body, value in zip(history.bodies, history[name][-1], strict=True):
-            told = _number(value) if math.isfinite(value) else "none"
+        for k, body in enumerate(history.bodies):
+            value, error_bar = history[name][-1, k], _error_bar(history, name, k)
+            told = _number(value, error_bar) if math.isfinite(value) else "none"
             table.add_row(f"{name} {body}", told, quantity.unit, quantity.long_name)
     return table
+
+
+def _error_bar(history: "History", name: str, *body: int) -> float:
+    """The last error bar of a quantity, zero where it has none."""
+    try:
+        bars = history[f"{name}_error"]
+    except KeyError:
+        return 0.0
+    return float(np.nan_to_num(bars[(-1, *body)]))
 
 
 def records(history: "History") -> Table:
@@ -100,5 +111,11 @@ def records(history: "History") -> Table:
     return table
 
 
-def _number(value: float) -> str:
+def _number(value: float, error_bar: float = 0.0) -> str:
+    if error_bar > 0.0:
+        # As many digits as the error bar has, which is told to two.
+        decimals = max(0, 1 - math.floor(math.log10(error_bar)))
+        if abs(value) >= 1e-3:
+            return f"{value:.{decimals}f} ± {error_bar:.{decimals}f}"
+        return f"{value:.4g} ± {error_bar:.2g}"
     return f"{value:.0f}" if float(value).is_integer() and abs(value) < 1e9 else f"{value:.4g}"

@@ -111,7 +111,20 @@ def _rectangle(contact: np.ndarray) -> tuple[slice, slice]:
     """
     i = np.flatnonzero(contact.any(axis=1))
     j = np.flatnonzero(contact.any(axis=0))
-    return slice(max(i[0] - 1, 0), i[-1] + 2), slice(j[0], j[-1] + 1)
+    nx, ny = contact.shape
+    return _rounded(max(i[0] - 1, 0), min(i[-1] + 2, nx), nx), _rounded(j[0], j[-1] + 1, ny)
+
+
+def _rounded(first: int, end: int, most: int) -> slice:
+    """At least these elements, a whole number of steps where there are that many.
+
+    Contacts that grow element by element then share their operators and plans, at the price of at
+    most a sixteenth more elements, or three.
+    """
+    step = max(4, 2 ** int(np.log2((end - first) / 16 + 1)))
+    length = min(-(-(end - first) // step) * step, most)
+    first = min(first, most - length)
+    return slice(first, first + length)
 
 
 def _placed(field: np.ndarray, box: tuple[slice, slice], shape: tuple[int, int]) -> np.ndarray:

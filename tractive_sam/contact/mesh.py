@@ -31,29 +31,37 @@ def grown(grid: Grid, axes: tuple[bool, bool] = (True, True)) -> Grid:
     return Grid(half_length, elements)
 
 
-def choose_grid(scene: Scene, measured=None) -> Grid:
+def choose_grid(scene: Scene, measured=None, finer: float = 1.0) -> Grid:
     """The scene's [grid], or one chosen from the Hertzian contact or the measured gap.
 
     Elements are at most twice as long as wide or the reverse; their number is odd, so that one is
     centred on the axis.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is asked.
+    measured : Gap, optional
+        The measured separation of a scene with [gap].
+    finer : float
+        Elements of a chosen mesh along each axis over the usual.
     """
     if scene.grid is not None:
         return Grid.of(scene.grid.half_length, scene.grid.elements)
     if scene.line:
-        elements = 2 * int(0.5 * MARGIN * ACROSS_LINE) + 1
+        elements = 2 * int(0.5 * MARGIN * ACROSS_LINE * finer) + 1
         return Grid.of((MARGIN * scene.hertz.a,), (elements,))
     if scene.hertz is None:
         x, y, _ = measured
         half_length = (float(max(-x[0], x[-1])), float(max(-y[0], y[-1])))
         across = 0.5 * min(half_length)
-        side = (2.0 * across / ACROSS,) * 2
+        side = (2.0 * across / (ACROSS * finer),) * 2
     else:
         a, b = scene.hertz.a, scene.hertz.b
         lateral = MARGIN if scene.wear is None else WORN_MARGIN
         half_length = (MARGIN * a, lateral * b)
-        shorter = 2.0 * min(a, b) / ACROSS
-        longest = 2.0 * shorter
-        side = (min(2.0 * a / ACROSS, longest), min(2.0 * b / ACROSS, longest))
+        side = (2.0 * a / (ACROSS * finer), 2.0 * b / (ACROSS * finer))
+        side = tuple(min(length, 2.0 * min(side)) for length in side)
     elements = tuple(
         int(2 * np.ceil(length / s - 0.5) + 1) for length, s in zip(half_length, side, strict=True)
     )

@@ -1,7 +1,8 @@
 """A solved contact: fields, resultants, and how well it is solved."""
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -74,6 +75,9 @@ class Contact:
         Applications of operators and preconditioners.
     trace : tuple of str
         Steps that led to the solution.
+    error_bars : mapping of str to float
+        Of scenes with [accuracy]: how far numbers may be from those on an infinitely fine mesh, by
+        their recorded names and in their units; "von_mises_max A" of the stress in body A.
     """
 
     scene: Scene
@@ -94,6 +98,7 @@ class Contact:
     residual: float
     cost: Cost
     trace: tuple[str, ...] = ()
+    error_bars: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def converged(self) -> bool:

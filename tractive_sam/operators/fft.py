@@ -1,5 +1,6 @@
 """Zero-padded real transforms through FFTW (pyfftw is imported in this room only)."""
 
+import atexit
 from collections.abc import Callable
 from functools import cache, lru_cache
 from threading import Lock, get_ident
@@ -103,6 +104,7 @@ class PaddedTransform:
 @cache
 def _recall_wisdom() -> None:
     wisdom.load()
+    atexit.register(wisdom.save)
 
 
 _PLANNING = Lock()
@@ -126,9 +128,7 @@ def planned(make: Callable[..., Plan], most: int) -> Callable[..., Plan]:
     def of_thread(_thread: int, *arguments) -> Plan:
         with _PLANNING:
             _recall_wisdom()
-            made = make(*arguments)
-            wisdom.save()
-        return made
+            return make(*arguments)
 
     return lambda *arguments: of_thread(get_ident(), *arguments)
 

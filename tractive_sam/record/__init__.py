@@ -2,8 +2,10 @@
 
 from tractive_sam.record.history import History
 from tractive_sam.record.quantities import (
+    BODY_ERROR_BARS,
     BODY_POINTS,
     BODY_SCALARS,
+    ERROR_BARS,
     FIELDS,
     POINTS,
     PROFILES,
@@ -11,13 +13,16 @@ from tractive_sam.record.quantities import (
     STATE,
     STRESS,
     Quantity,
+    error_bars,
     scalars,
 )
 from tractive_sam.record.record import Record, record, state
 
 __all__ = [
+    "BODY_ERROR_BARS",
     "BODY_POINTS",
     "BODY_SCALARS",
+    "ERROR_BARS",
     "FIELDS",
     "POINTS",
     "PROFILES",
@@ -27,6 +32,7 @@ __all__ = [
     "History",
     "Quantity",
     "Record",
+    "error_bars",
     "record",
     "scalars",
     "state",

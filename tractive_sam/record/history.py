@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar
 import numpy as np
 
 from tractive_sam.record.quantities import (
+    BODY_ERROR_BARS,
     BODY_POINTS,
     BODY_SCALARS,
+    ERROR_BARS,
     FIELDS,
     POINTS,
     PROFILES,
@@ -61,7 +63,7 @@ class History:
     x, y : ndarray, shapes (n_x,) and (n_y,)
         Centres of the elements, mm.
     scalars : mapping of str to ndarray, shape (n,)
-        One number a record.
+        One number a record; `ERROR_BARS` of scenes with [accuracy] only.
     points : mapping of str to ndarray, shape (n, 2)
         One position a record, mm.
     profiles : mapping of str to ndarray, shape (n, n_y)
@@ -73,7 +75,7 @@ class History:
     bodies : tuple of str
         Bodies whose stress was computed, of "A" and "B"; none without [subsurface].
     body_scalars : mapping of str to ndarray, shape (n, len(bodies))
-        One number a record and body.
+        One number a record and body; `BODY_ERROR_BARS` of scenes with [accuracy] only.
     body_points : mapping of str to ndarray, shape (n, len(bodies), 3)
         One position (x, y, depth) a record and body, mm.
     stresses : mapping of (body, plane) to Rows, length m
@@ -120,7 +122,9 @@ class History:
         records = list(records)
         kept = [record for record in records if record.fields]
         bodies = tuple(records[0].bodies) if records else ()
-        scalars = _stacked(records, "scalars", SCALARS, ())
+        barred = bool(records) and ERROR_BARS.keys() <= records[0].scalars.keys()
+        bars, body_bars = (ERROR_BARS, BODY_ERROR_BARS) if barred else ({}, {})
+        scalars = _stacked(records, "scalars", (*SCALARS, *bars), ())
         scalars["revolution"] = scalars["revolution"].astype(int)
         return cls(
             scene_toml,
@@ -138,7 +142,7 @@ class History:
             fields=_stacked(kept, "fields", FIELDS, grid.x.shape + grid.y.shape),
             field_revolutions=np.array([record.revolution for record in kept], dtype=int),
             bodies=bodies,
-            body_scalars=_of_bodies(records, bodies, BODY_SCALARS, ()),
+            body_scalars=_of_bodies(records, bodies, (*BODY_SCALARS, *body_bars), ()),
             body_points=_of_bodies(records, bodies, BODY_POINTS, (3,)),
             stresses=_by_plane(kept),
             versions=dict(versions or {}),
@@ -257,10 +261,10 @@ class History:
 
     def to_dict(self) -> dict[str, Any]:
         """Scalars, points and totals as plain numbers and lists; None where there is no number."""
-        rows = {name: self[name].tolist() for name in (*SCALARS, *POINTS)}
+        rows = {name: self[name].tolist() for name in (*self.scalars, *self.points)}
         in_bodies = {
             name: {body: self[name][:, k].tolist() for k, body in enumerate(self.bodies)}
-            for name in (*BODY_SCALARS, *BODY_POINTS)
+            for name in (*self.body_scalars, *self.body_points)
         }
         reference = {"a0": self.a0, "b0": self.b0, "p0": self.p0}
         about = {"status": self.status, "message": self.message} | reference

@@ -69,6 +69,21 @@ def scalars(line: bool) -> dict[str, Quantity]:
     return SCALARS | PER_LENGTH if line else SCALARS
 
 
+def error_bars(line: bool) -> dict[str, Quantity]:
+    """`ERROR_BARS` as they are to be read in a line contact, or else."""
+    units = scalars(line)
+    return {
+        name: Quantity(units[name.removesuffix("_error")].unit, quantity.long_name)
+        for name, quantity in ERROR_BARS.items()
+    }
+
+
+ERROR_BARS: dict[str, Quantity] = {
+    f"{name}_error": Quantity(SCALARS[name].unit, f"error bar of {name}")
+    for name in ("P", "Qx", "Qy", "Mz", "approach", "p_max", "wear_max", "xi_x", "xi_y")
+}
+"""One number a record, of scenes with [accuracy]."""
+
 POINTS: dict[str, Quantity] = {
     "p_max_at": Quantity("mm", "position (x, y) of the largest pressure"),
 }
@@ -101,6 +116,16 @@ BODY_SCALARS: dict[str, Quantity] = {
     ),
 }
 """One number a body and record, of scenes with [subsurface]."""
+
+BODY_ERROR_BARS: dict[str, Quantity] = {
+    "von_mises_max_error": Quantity("MPa", "error bar of von_mises_max"),
+}
+"""One number a body and record, of scenes with [accuracy] and [subsurface]."""
+
+BODY_ERROR_BARS: dict[str, Quantity] = {
+    "von_mises_max_error": Quantity("MPa", "error bar of von_mises_max"),
+}
+"""One number a body and record, of scenes with [accuracy] and [subsurface]."""
 
 BODY_POINTS: dict[str, Quantity] = {
     "von_mises_max_at": Quantity("mm", "position (x, y, depth) of the largest equivalent stress"),

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from tractive_sam.record.quantities import BODY_ERROR_BARS, ERROR_BARS
+
 if TYPE_CHECKING:  # results are to be read without loading what computes them
     from tractive_sam.contact import Contact
     from tractive_sam.subsurface import PlaneStress, VonMisesMaximum
@@ -23,7 +25,8 @@ class Record:
     revolution : int
         Revolutions rolled before and in this one.
     scalars : mapping of str to float
-        By the names of `SCALARS`.
+        By the names of `SCALARS` and, of scenes with [accuracy], `ERROR_BARS`; nan where the
+        error is not known.
     points : mapping of str to tuple of float
         By the names of `POINTS`, mm.
     profiles : mapping of str to ndarray, shape (n_y,)
@@ -31,8 +34,8 @@ class Record:
     fields : mapping of str to ndarray, shape (n_x, n_y)
         By the names of `FIELDS`; empty where they are not kept.
     bodies : mapping of str to mapping
-        For "A" and "B", numbers and positions by the names of `BODY_SCALARS` and `BODY_POINTS`;
-        empty where no stress is computed.
+        For "A" and "B", numbers and positions by the names of `BODY_SCALARS`, `BODY_ERROR_BARS` and
+        `BODY_POINTS`; empty where no stress is computed.
     stress : tuple of PlaneStress
         Stress on the planes that the scene asks for, kept with the fields.
     """
@@ -83,6 +86,7 @@ def record(
         Time that took.
     """
     share = contact.scene.body.wear_share
+    bars = {} if contact.scene.accuracy is None else _bars(contact, ERROR_BARS)
     return Record(
         revolution,
         scalars={
@@ -111,6 +115,7 @@ def record(
             "converged": float(contact.converged),
             "solves": solves,
             "seconds": seconds,
+            **bars,
         },
         points={"p_max_at": contact.p_max_at},
         profiles={
@@ -121,7 +126,7 @@ def record(
             "wear_profile_B": share["B"] * contact.wear[0],
         },
         fields=_fields(contact) if with_fields else {},
-        bodies={name: _of_body(largest) for name, largest in (maxima or {}).items()},
+        bodies={name: _of_body(contact, name, largest) for name, largest in (maxima or {}).items()},
         stress=tuple(stress),
     )
 
@@ -131,12 +136,22 @@ def state(contact: "Contact") -> dict[str, np.ndarray]:
     return _fields(contact) | {"gap": contact.gap, "sliding": contact.sliding.astype(float)}
 
 
-def _of_body(largest: "VonMisesMaximum") -> dict[str, float | Point]:
+def _bars(contact: "Contact", names: Iterable[str], body: str = "") -> dict[str, float]:
+    """Error bars by their recorded names; nan where there is none."""
+    known = contact.error_bars
+    return {name: known.get(name.removesuffix("_error") + body, math.nan) for name in names}
+
+
+def _of_body(contact: "Contact", body: str, largest: "VonMisesMaximum") -> dict[str, float | Point]:
+    bars = {}
+    if contact.scene.accuracy is not None:
+        bars = _bars(contact, BODY_ERROR_BARS, f" {body}")
     return {
         "von_mises_max": largest.value,
         "von_mises_interior": largest.interior,
         "von_mises_surface": largest.surface,
         "von_mises_max_at": largest.at,
+        **bars,
     }
 
 

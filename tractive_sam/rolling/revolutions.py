@@ -1,13 +1,14 @@
 """Rolling: the sequence of revolutions, one record each."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from time import perf_counter
 
 from tractive_sam.contact import Model, grown
 from tractive_sam.record import Record, record
 from tractive_sam.rolling.adaptive import adaptive_passages
 from tractive_sam.rolling.passage import Passage, next_passage, off_grid, unworn
-from tractive_sam.subsurface import stress_on_planes, von_mises_maximum
+from tractive_sam.subsurface import VonMisesMaximum, stress_on_planes, von_mises_maxima
 
 GROWTHS = 16
 """Most enlargements of a mesh: to 35 times its width."""
@@ -53,7 +54,11 @@ def every_passage(model: Model, start: Passage) -> Iterator[Passage]:
         yield last
 
 
-def recorded(passage: Passage, began: float) -> Record:
+Judge = Callable[[Passage, Mapping[str, VonMisesMaximum]], Mapping[str, float]]
+"""Gives a passage, with the largest stresses in its bodies, the error bars of `Contact`."""
+
+
+def recorded(passage: Passage, began: float, judge: Judge | None = None) -> Record:
     """The record of a passage.
 
     With its fields, and the stress on the planes of the scene, where the scene saves them or the
@@ -65,13 +70,16 @@ def recorded(passage: Passage, began: float) -> Record:
         What was rolled.
     began : float
         When work on it began, as by `time.perf_counter`.
+    judge : Judge, optional
+        Where its error bars come from; by default they are those of the contact.
     """
     contact = passage.contact
-    wear, subsurface = contact.scene.wear, contact.scene.subsurface
+    wear = contact.scene.wear
     keep = wear is None or passage.revolution in wear.save or not contact.converged
-    bodies = () if subsurface is None else subsurface.bodies
-    maxima = {body: von_mises_maximum(contact, body) for body in bodies}
-    stress = tuple(stress_on_planes(contact)) if keep and bodies else ()
+    maxima = von_mises_maxima(contact)
+    stress = tuple(stress_on_planes(contact)) if keep and maxima else ()
+    if judge is not None:
+        contact = replace(contact, error_bars=judge(passage, maxima))
     return record(
         contact,
         passage.revolution,

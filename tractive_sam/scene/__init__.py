@@ -10,6 +10,7 @@ from .gap import Gap
 from .plane import Plane
 from .scene import Scene
 from .tables import (
+    Accuracy,
     Creepage,
     Friction,
     Load,
@@ -20,6 +21,7 @@ from .tables import (
 )
 
 __all__ = [
+    "Accuracy",
     "Bodies",
     "Body",
     "Creepage",

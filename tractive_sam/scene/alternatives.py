@@ -15,6 +15,10 @@ _PAIRS = (
     (("load.traction_x",), ("creepage.longitudinal",)),
     (("load.traction_y",), ("creepage.lateral",)),
     (("gap.file",), _GAP_ARRAYS),
+    (
+        ("accuracy", "accuracy.tolerance", "accuracy.elements"),
+        ("grid", "grid.half_length", "grid.elements"),
+    ),
 )
 
 RIVALS = {key: others for pair in _PAIRS for keys, others in (pair, pair[::-1]) for key in keys}

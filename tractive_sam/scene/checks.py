@@ -104,6 +104,7 @@ def _grid_holds_the_contact(known: Known) -> Iterator[Fault]:
 SCENE_CHECKS: tuple[Check, ...] = (
     not_both("load.traction_x", "creepage.longitudinal"),
     not_both("load.traction_y", "creepage.lateral"),
+    not_both("grid", "accuracy"),
     _wear_needs_friction,
     _traction_needs_friction,
     _friction_carries_the_traction,

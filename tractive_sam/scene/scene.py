@@ -16,7 +16,7 @@ from .gap import Gap
 from .override import override, parse_settings
 from .quantities import entry
 from .table import Check, Table
-from .tables import Creepage, Friction, Load, Mesh, Solver, Subsurface, Wear
+from .tables import Accuracy, Creepage, Friction, Load, Mesh, Solver, Subsurface, Wear
 
 
 class Scene(Table):
@@ -43,6 +43,7 @@ class Scene(Table):
     friction: Friction | None = entry("the friction law", "", None)
     wear: Wear | None = entry("the wear law", "", None)
     grid: Mesh | None = entry("the grid", "", None)
+    accuracy: Accuracy | None = entry("the accuracy that chooses the grid", "", None)
     gap: Gap | None = entry("the additional separation", "", None)
     subsurface: Subsurface | None = entry("the subsurface stress", "", None)
     solver: Solver = entry("the solver", "", Solver())

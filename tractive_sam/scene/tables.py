@@ -140,6 +140,22 @@ class Mesh(Table):
     checks: ClassVar[tuple[Check, ...]] = (_fits_a_machine,)
 
 
+class Accuracy(Table):
+    """An accuracy in place of a mesh: the mesh and all tolerances follow from it.
+
+    The mesh is refined until the error bars of the forces and of the moment, of the largest
+    pressure of the new bodies and of the depth of wear are within the tolerance. The largest
+    stress has a bar of its own, which may be wider.
+    """
+
+    tolerance: Real = entry(
+        "error of the results, relative", "a number from 1e-5 to 0.1", 1e-3, ge=1e-5, le=0.1
+    )
+    elements: int = entry(
+        "most elements of a mesh", "a whole number from 1000 to 5e7", 300_000, ge=1000, le=5 * 10**7
+    )
+
+
 class Subsurface(Table):
     """Where the stress below the surface is computed."""
 

@@ -13,6 +13,7 @@ class Status(StrEnum):
     OUT_OF_ITERATIONS = "out of iterations"
     DIVERGED = "diverged"
     OFF_GRID = "off grid"
+    INACCURATE = "inaccurate"
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,7 @@ import h5py
 import numpy as np
 
 from tractive_sam.record import (
+    BODY_ERROR_BARS,
     BODY_POINTS,
     BODY_SCALARS,
     FIELDS,
@@ -32,6 +33,7 @@ from tractive_sam.record import (
     STRESS,
     Quantity,
     Record,
+    error_bars,
     scalars,
 )
 from tractive_sam.store.rows import SLOTS
@@ -88,30 +90,39 @@ def set_scene(file: h5py.File, scene_toml: str) -> None:
 
 
 def lacks(file: h5py.File, record: Record) -> bool:
-    """Whether there is no room yet for the stress that a record holds."""
-    return (bool(record.bodies) and "body" not in file["history"]) or any(
-        f"{one.body}/{one.plane}" not in file["stress"] for one in record.stress
+    """Whether there is no room yet for some of the numbers or the stress that a record holds."""
+    history = file["history"]
+    return (
+        not all(name in history for name in record.scalars)
+        or (bool(record.bodies) and "body" not in history)
+        or any(f"{one.body}/{one.plane}" not in file["stress"] for one in record.stress)
     )
 
 
-def create_stress(file: h5py.File, record: Record) -> None:
-    """Make room for the stress of the bodies and planes of a record."""
-    if record.bodies and "body" not in file["history"]:
-        _create_bodies(file["history"], tuple(record.bodies))
+def add_columns(file: h5py.File, record: Record) -> None:
+    """Make room for the error bars, bodies and planes of a record."""
+    history = file["history"]
+    for name, quantity in error_bars(line=len(file["grid/y"]) == 1).items():
+        if name in record.scalars and name not in history:
+            _rows(history, name, quantity, (history["record"],))
+    if record.bodies and "body" not in history:
+        _create_bodies(history, record)
     for one in record.stress:
         bodies = file["stress"].require_group(one.body)
         if str(one.plane) not in bodies:
             _create_plane(bodies.create_group(str(one.plane)), file["grid"], one)
 
 
-def _create_bodies(history: h5py.Group, bodies: tuple[str, ...]) -> None:
+def _create_bodies(history: h5py.Group, first: Record) -> None:
     record = history["record"]
-    body = _scale(history, "body", bodies, Quantity("1", "body"))
+    body = _scale(history, "body", tuple(first.bodies), Quantity("1", "body"))
     position = _scale(
         history, "position", ["x", "y", "depth"], Quantity("1", "component of a position in a body")
     )
-    for name, quantity in BODY_SCALARS.items():
-        _rows(history, name, quantity, (record, body))
+    known = next(iter(first.bodies.values()))
+    for name, quantity in (BODY_SCALARS | BODY_ERROR_BARS).items():
+        if name in known:
+            _rows(history, name, quantity, (record, body))
     for name, quantity in BODY_POINTS.items():
         _rows(history, name, quantity, (record, body, position))
 

@@ -7,8 +7,10 @@ import h5py
 import numpy as np
 
 from tractive_sam.record import (
+    BODY_ERROR_BARS,
     BODY_POINTS,
     BODY_SCALARS,
+    ERROR_BARS,
     FIELDS,
     POINTS,
     PROFILES,
@@ -48,13 +50,14 @@ def open_history(path: str | Path) -> History:
             half_length=tuple(map(float, grid.attrs["half_length"])),
             x=grid["x"][:],
             y=grid["y"][:],
-            scalars={name: history[name][:n] for name in SCALARS},
-            points={name: history[name][:n] for name in POINTS},
-            profiles={name: history[name][:n] for name in PROFILES},
+            scalars=_rows(history, n, SCALARS) | _rows(history, n, ERROR_BARS, optional=True),
+            points=_rows(history, n, POINTS),
+            profiles=_rows(history, n, PROFILES),
             fields={name: StoredField(path, name, m) for name in FIELDS},
             field_revolutions=fields["revolution"][:],
             bodies=bodies,
-            body_scalars=_of_bodies(history, n, BODY_SCALARS, (len(bodies),)),
+            body_scalars=_of_bodies(history, n, BODY_SCALARS, (len(bodies),))
+            | _rows(history, n, BODY_ERROR_BARS, optional=True),
             body_points=_of_bodies(history, n, BODY_POINTS, (len(bodies), 3)),
             stresses=_stresses(path, file, m),
             versions={
@@ -76,6 +79,13 @@ def last_state(path: str | Path) -> dict[str, np.ndarray]:
     with results_file(Path(path)) as file:
         slot = (committed(file) - 1) % SLOTS
         return {name: file["state"][name][slot] for name in STATE}
+
+
+def _rows(
+    history: h5py.Group, n: int, names: Iterable[str], optional: bool = False
+) -> dict[str, np.ndarray]:
+    """The first rows under these names, or under those of them that there are."""
+    return {name: history[name][:n] for name in names if not optional or name in history}
 
 
 def _of_bodies(

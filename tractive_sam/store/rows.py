@@ -7,8 +7,10 @@ import h5py
 import numpy as np
 
 from tractive_sam.record import (
+    BODY_ERROR_BARS,
     BODY_POINTS,
     BODY_SCALARS,
+    ERROR_BARS,
     FIELDS,
     POINTS,
     PROFILES,
@@ -39,7 +41,8 @@ def full(file: h5py.File) -> bool:
 def lay_out(file: h5py.File, count: int) -> None:
     """Change the number of rows in /history; on disk at once, so that filling moves nothing."""
     history = file["history"]
-    names = (*SCALARS, *POINTS, *PROFILES, *BODY_SCALARS, *BODY_POINTS)
+    of_records = (*SCALARS, *ERROR_BARS, *POINTS, *PROFILES)
+    names = (*of_records, *BODY_SCALARS, *BODY_ERROR_BARS, *BODY_POINTS)
     for name in (name for name in names if name in history):
         before = len(history[name])
         history[name].resize(count, axis=0)

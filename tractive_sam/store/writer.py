@@ -157,7 +157,7 @@ class HistoryWriter:
                 self._check_own(file)
                 if wider:
                     rows.widen(file, grid)
-                layout.create_stress(file, record)
+                layout.add_columns(file, record)
                 if rows.full(file):
                     rows.lay_out(file, max(FIRST_ROWS, 2 * rows.committed(file)))
                 if record.fields:

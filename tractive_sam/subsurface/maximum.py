@@ -91,6 +91,13 @@ def von_mises_maximum(contact: Contact, body: str = "A") -> VonMisesMaximum:
     return VonMisesMaximum(value, at, interior, interior_at, surface, surface_at)
 
 
+def von_mises_maxima(contact: Contact) -> dict[str, VonMisesMaximum]:
+    """The largest equivalent stress in each body that the scene's [subsurface] names."""
+    subsurface = contact.scene.subsurface
+    bodies = () if subsurface is None else subsurface.bodies
+    return {body: von_mises_maximum(contact, body) for body in bodies}
+
+
 def _search_depths(contact: Contact) -> np.ndarray:
     """The surface, one element below it, and on until no maximum is to be expected any more, mm."""
     side = contact.grid.dx if contact.grid.line else max(contact.grid.dx, contact.grid.dy)

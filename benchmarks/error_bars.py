@@ -1,0 +1,146 @@
+"""Do the error bars of [accuracy] hold? Random scenes, each against a much finer mesh.
+
+A Latin hypercube over aspect ratio 0.2 to 5, creepages and spin of any direction from stick to full
+slip, friction 0.05 to 1 with a ratio of 1 to 4 at any angle, Poisson's ratios 0 to 0.49, and for
+two scenes in three moduli of different bodies up to ten times apart. Every scene is solved to a
+tolerance, and again on a mesh with up to 4 x 4 elements for each one.
+
+    python benchmarks/error_bars.py [--scenes 100] [--tolerance 3e-3] [--seed 1]
+"""
+
+import argparse
+import math
+import warnings
+from time import perf_counter
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.stats import qmc
+from timing import show, write
+
+import tractive_sam as ts
+from tractive_sam.accuracy import Levels, with_tolerances
+from tractive_sam.contact import Model, fitted
+from tractive_sam.subsurface import von_mises_maxima
+
+LOAD, STEEL = 1000.0, 208e3
+FINER, MOST = 4, 150_000
+"""Levels by which the second mesh is finer, if it has no more elements than that."""
+
+NAMES = ("Qx", "Qy", "Mz", "approach", "p_max")
+
+
+def random_scenes(count: int, seed: int) -> list[ts.Scene]:
+    """Scenes of the hypercube."""
+    return [_scene(*row) for row in qmc.LatinHypercube(11, rng=seed).random(count)]
+
+
+def _scene(aspect, mu, ratio, angle, nu_A, nu_B, moduli, strength, pole, around, equal) -> ts.Scene:
+    same = equal < 1 / 3
+    friction = 0.05 * 20.0**mu
+    steel = {"young": STEEL, "poisson": 0.49 * nu_A}
+    other = steel if same else {"young": STEEL * 10.0 ** (2 * moduli - 1), "poisson": 0.49 * nu_B}
+    flat = {"radius_x": math.inf, "radius_y": math.inf}
+
+    def scene(log_radius: float, **creepage) -> ts.Scene:
+        return ts.Scene(
+            body={
+                "A": steel | {"radius_x": 100.0 * 10.0**log_radius, "radius_y": 100.0},
+                "B": other | flat,
+            },
+            load={"normal": LOAD},
+            creepage=creepage,
+            friction={"mu": (friction, friction / 4.0**ratio), "angle": 360.0 * angle - 180.0},
+            subsurface={"planes": ("y=0",)},
+        )
+
+    def misses(log_radius: float) -> float:
+        hertz = scene(log_radius).hertz
+        return math.log(hertz.a / hertz.b) - (2.0 * aspect - 1.0) * math.log(5.0)
+
+    log_radius = brentq(misses, -3.0, 3.0)
+    hertz = scene(log_radius).hertz
+    size = math.sqrt(hertz.a * hertz.b)
+    # Kalker's creepage, from a thirtieth to ten times that at which all slips.
+    full = 3.0 * friction * LOAD / (4.0 * size**2 * scene(log_radius).material.shear)
+    creepage = full * 10.0 ** (2.5 * strength - 1.5)
+    height, turn = 2.0 * pole - 1.0, 2.0 * math.pi * around
+    level = creepage * math.sqrt(1.0 - height**2)
+    return scene(
+        log_radius,
+        longitudinal=level * math.cos(turn),
+        lateral=level * math.sin(turn),
+        spin=creepage * height / size,
+    )
+
+
+def judged(scene: ts.Scene, tolerance: float) -> list[dict]:
+    """A row for every quantity of a scene: value, error bar, error, whether it holds."""
+    scene = scene.replace(**{"accuracy.tolerance": tolerance})
+    began = perf_counter()
+    contact = ts.solve(scene, throw=False)
+    seconds = perf_counter() - began
+    assert contact.error_bars, contact.message
+    levels = Levels(scene, None)
+    level = levels.of(contact.grid)
+    finer = level + FINER
+    while math.prod(levels.grid(finer).elements) > MOST and finer > level + 2:
+        finer -= 1
+    _, fine = fitted(Model(with_tolerances(scene), None, levels.grid(finer)))
+    force = float(np.hypot(*contact.traction).sum() * contact.grid.element_area)
+    arm = math.sqrt(contact.half_width_x * contact.half_width_y)
+    scales = {"Qx": force, "Qy": force, "Mz": force * arm}
+    pairs = [(name, getattr(contact, name), getattr(fine, name)) for name in NAMES]
+    here, there = von_mises_maxima(contact), von_mises_maxima(fine)
+    pairs += [(f"von_mises_max {b}", here[b].value, there[b].value) for b in "AB"]
+    rows = []
+    for name, value, truth in pairs:
+        bar, scale = contact.error_bars[name], scales.get(name, abs(value))
+        error = abs(value - truth)
+        rows.append(
+            {
+                "quantity": name,
+                "elements": "x".join(map(str, contact.grid.elements)),
+                "levels finer": finer - level,
+                "K": scene.material.coupling,
+                "value": value,
+                "relative bar": bar / scale,
+                "relative error": error / scale,
+                "holds": error <= bar,
+                "seconds": seconds,
+            }
+        )
+    return rows
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--scenes", type=int, default=100)
+    parser.add_argument("--tolerance", type=float, default=3e-3)
+    parser.add_argument("--seed", type=int, default=1)
+    asked = parser.parse_args()
+    warnings.simplefilter("ignore", ts.SceneWarning)
+    rows = []
+    for k, scene in enumerate(random_scenes(asked.scenes, asked.seed)):
+        rows += [{"scene": k, **row} for row in judged(scene, asked.tolerance)]
+        print(f"\r{k + 1} of {asked.scenes} scenes", end="", flush=True)
+    print()
+    write("error_bars", rows)
+    table = []
+    for name in dict.fromkeys(row["quantity"] for row in rows):
+        of = [row for row in rows if row["quantity"] == name]
+        bars, errors = (np.array([row[f"relative {k}"] for row in of]) for k in ("bar", "error"))
+        table.append(
+            {
+                "quantity": name,
+                "bar holds": f"{np.mean([row['holds'] for row in of]):.0%}",
+                "bar within tolerance": f"{np.mean(bars <= asked.tolerance):.0%}",
+                "median bar": float(np.median(bars)),
+                "bar over error, median": float(np.median(bars / np.maximum(errors, 1e-12))),
+            }
+        )
+    show(f"{asked.scenes} random scenes, tolerance {asked.tolerance:g}", table)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,135 @@
+"""The revolutions of a scene on coarser meshes, by which those on a finer one are judged."""
+
+from collections.abc import Mapping
+from functools import cached_property
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+from tractive_sam.accuracy.error_bars import Sample, relative_error_bars
+from tractive_sam.accuracy.judgement import judge, worst_of
+from tractive_sam.accuracy.levels import Levels
+from tractive_sam.contact import Gap, Model, fitted
+from tractive_sam.rolling import Passage, passages
+from tractive_sam.scene import Scene
+from tractive_sam.subsurface import VonMisesMaximum, von_mises_maxima
+
+
+class Course:
+    """Samples of a scene over its revolutions on one mesh."""
+
+    def __init__(self) -> None:
+        self._revolutions: list[int] = []
+        self._samples: list[Sample] = []
+
+    def add(self, revolution: int, sample: Sample) -> None:
+        """Take up the next sample."""
+        self._revolutions.append(revolution)
+        self._samples.append(sample)
+
+    def at(self, revolution: int) -> Sample | None:
+        """The sample of a revolution, interpolated over their logarithm; None beyond the last."""
+        if not self._revolutions or revolution > self._revolutions[-1]:
+            return None
+        if revolution in self._revolutions or len(self._revolutions) == 1:
+            return self._samples[self._revolutions.index(revolution)]
+        between = self._between(np.log1p(revolution))
+        names = self._samples[0].values
+        values, scales = between[: len(names)], between[len(names) : -1]
+        return Sample(
+            dict(zip(names, values.tolist(), strict=True)),
+            dict(zip(names, scales.tolist(), strict=True)),
+            float(between[-1]),
+        )
+
+    @cached_property
+    def _between(self) -> PchipInterpolator:
+        rows = [[*one.values.values(), *one.scales.values(), one.residual] for one in self._samples]
+        return PchipInterpolator(np.log1p(self._revolutions), rows)
+
+
+class Judge:
+    """Gives the revolutions on one mesh their error bars, by their courses on two coarser ones.
+
+    Parameters
+    ----------
+    coarse, middle : Course
+        On meshes of a quarter and of half the elements, complete.
+
+    Attributes
+    ----------
+    middle : Course
+        As given.
+    course : Course
+        What was judged.
+    missed : str
+        Which error bar was last too wide at a saved revolution, and what to do; or empty.
+    """
+
+    def __init__(self, coarse: Course, middle: Course) -> None:
+        self._coarse, self.middle, self.course = coarse, middle, Course()
+        self.missed = ""
+
+    def __call__(
+        self, passage: Passage, maxima: Mapping[str, VonMisesMaximum]
+    ) -> Mapping[str, float]:
+        """Error bars of a revolution."""
+        contact, revolution = passage.contact, passage.revolution
+        if not contact.converged:
+            return {}
+        sample = Sample.of(contact, maxima)
+        self.course.add(revolution, sample)
+        samples = (self._coarse.at(revolution), self.middle.at(revolution), sample)
+        judgement = judge(contact, samples, peak=revolution == 0)
+        if judgement.missed and revolution in contact.scene.wear.save:
+            self.missed = f"revolution {revolution}: {judgement.missed}"
+        return judgement.error_bars
+
+    def followed(self) -> "Judge":
+        """The judge of the next finer mesh."""
+        return Judge(self.middle, self.course)
+
+
+def judge_of(
+    scene: Scene, measured: Gap | None, level: int, settled: bool = False
+) -> tuple[Judge, int]:
+    """Roll a scene on coarser meshes than the one that its accuracy takes.
+
+    Parameters
+    ----------
+    scene : Scene
+        With [accuracy], [wear] and the tolerances of `with_tolerances`.
+    measured : Gap, optional
+        Its measured separation.
+    level : int
+        Level of the mesh on which the new bodies are accurate enough.
+    settled : bool
+        Whether it is to be that one.
+
+    Returns
+    -------
+    Judge, int
+        And the level of the mesh to judge: the first whose error bars may be narrow enough, by
+        the difference between the two before it.
+    """
+    levels, last = Levels(scene, measured), scene.wear.revolutions
+    coarse, middle = (_rolled(Model(scene, measured, levels.grid(level - k))) for k in (2, 1))
+    while not settled and levels.allowed(level + 1):
+        before, now = coarse.at(last), middle.at(last)
+        if before is not None and now is not None:
+            least, _ = worst_of(relative_error_bars(before, now, now), peak=False)
+            if least <= scene.accuracy.tolerance:
+                break
+        coarse, middle = middle, _rolled(Model(scene, measured, levels.grid(level)))
+        level += 1
+    return Judge(coarse, middle), level
+
+
+def _rolled(model: Model) -> Course:
+    course = Course()
+    model, contact = fitted(model)
+    for passage in passages(model, Passage(0, contact, 1)):
+        if passage.contact.converged:
+            maxima = von_mises_maxima(passage.contact)
+            course.add(passage.revolution, Sample.of(passage.contact, maxima))
+    return course

@@ -1,0 +1,66 @@
+"""Whether a contact is as accurate as its scene asks for."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from tractive_sam.accuracy.error_bars import Sample, error_bars, relative_error_bars
+from tractive_sam.accuracy.levels import NEEDED
+from tractive_sam.contact import Contact
+
+GOVERNING = ("P", "Qx", "Qy", "Mz", "xi_x", "xi_y", "wear_max")
+"""What has to be within the tolerance; of new bodies the largest pressure as well."""
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """Error bars of a contact, and what is wrong with them.
+
+    Attributes
+    ----------
+    error_bars : mapping of str to float
+        As of `Contact`; empty where too few meshes were solved.
+    missed : str
+        Which of them is too wide, and what to do; empty where all are as asked for.
+    """
+
+    error_bars: Mapping[str, float]
+    missed: str
+
+
+def judge(contact: Contact, samples: Sequence[Sample | None], peak: bool) -> Judgement:
+    """Judge a contact by coarser ones.
+
+    Parameters
+    ----------
+    contact : Contact
+        On the finest mesh.
+    samples : sequence of Sample or None
+        Of this and coarser meshes, the finest last; None where a mesh could not be solved.
+    peak : bool
+        Whether the largest pressure has to be within the tolerance as well.
+    """
+    solved = [sample for sample in samples[-NEEDED:] if sample is not None]
+    if len(solved) < NEEDED:
+        told = f"error bars take {NEEDED} meshes, of which {len(solved)} could be solved"
+        return Judgement({}, _advised(contact, told))
+    relative = relative_error_bars(*solved)
+    fineness = contact.grid.dx / contact.half_width_x if contact.touching.any() else 0.0
+    bars = error_bars(relative, solved[-1], fineness)
+    worst, name = worst_of(relative, peak)
+    if worst <= contact.scene.accuracy.tolerance:
+        return Judgement(bars, "")
+    return Judgement(bars, _advised(contact, f"{name} has a relative error bar of {worst:.1e}"))
+
+
+def worst_of(relative: Mapping[str, float], peak: bool) -> tuple[float, str]:
+    """The widest of the relative error bars that govern, and its name."""
+    names = (*GOVERNING, "p_max") if peak else GOVERNING
+    return max((relative[name], name) for name in names)
+
+
+def _advised(contact: Contact, told: str) -> str:
+    accuracy = contact.scene.accuracy
+    return (
+        f"{told}; accuracy.tolerance asks for {accuracy.tolerance:.1e}, and accuracy.elements "
+        f"allows no more than {accuracy.elements} elements: raise one of them"
+    )

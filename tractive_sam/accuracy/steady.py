@@ -1,0 +1,61 @@
+"""New bodies on finer and finer meshes."""
+
+import math
+from dataclasses import dataclass, replace
+
+from tractive_sam.accuracy.error_bars import Sample
+from tractive_sam.accuracy.judgement import judge
+from tractive_sam.accuracy.levels import FIRST, Levels
+from tractive_sam.contact import Contact, Gap, Model, fitted
+from tractive_sam.scene import Scene
+from tractive_sam.solvers import Cost
+from tractive_sam.subsurface import von_mises_maxima
+
+
+@dataclass(frozen=True)
+class Refined:
+    """New bodies on the mesh that their accuracy takes.
+
+    Attributes
+    ----------
+    model : Model
+        The scene on that mesh.
+    contact : Contact
+        Its contact, with error bars; its cost is that of all meshes.
+    level : int
+        Level of the mesh.
+    missed : str
+        Why the finest mesh allowed does not suffice; empty where it does.
+    """
+
+    model: Model
+    contact: Contact
+    level: int
+    missed: str
+
+
+def refined(scene: Scene, measured: Gap | None) -> Refined:
+    """Solve new bodies on finer and finer meshes, until the error bars are within the tolerance.
+
+    Parameters
+    ----------
+    scene : Scene
+        With [accuracy] and the tolerances of `with_tolerances`.
+    measured : Gap, optional
+        Its measured separation.
+    """
+    levels = Levels(scene, measured)
+    samples: list[Sample | None] = []
+    cost, elements, level = Cost(), 1, FIRST
+    while True:
+        model, contact = fitted(Model(scene, measured, levels.grid(level)))
+        before, elements = elements, math.prod(model.grid.elements)
+        cost = contact.cost + cost.scaled(before / elements)
+        # A contact of a few elements may fail where a finer one does not.
+        solved = contact.converged
+        samples.append(Sample.of(contact, von_mises_maxima(contact)) if solved else None)
+        judgement = judge(contact, samples, peak=True)
+        if not judgement.missed or not levels.allowed(level + 1):
+            contact = replace(contact, cost=cost, error_bars=judgement.error_bars)
+            return Refined(model, contact, level, judgement.missed)
+        level += 1

@@ -1,0 +1,27 @@
+"""New bodies on a mesh that holds their contact."""
+
+from tractive_sam.contact.equilibrium import equilibrium
+from tractive_sam.contact.mesh import grown
+from tractive_sam.contact.model import Model
+from tractive_sam.contact.result import Contact
+from tractive_sam.solvers.outcome import Status
+
+GROWTHS = 8
+"""Most enlargements of a mesh that the scene left to us."""
+
+
+def fitted(model: Model) -> tuple[Model, Contact]:
+    """Solve new bodies, enlarging a mesh that the scene left to us until it holds the contact.
+
+    Returns
+    -------
+    Model, Contact
+        The model on the mesh of the contact.
+    """
+    contact = equilibrium(model)
+    for _ in range(GROWTHS):
+        if contact.status is not Status.OFF_GRID or model.scene.grid is not None:
+            break
+        model = Model(model.scene, model.measured, grown(model.grid))
+        contact = equilibrium(model)
+    return model, contact
