@@ -33,6 +33,15 @@ ALTERNATIVES = [
 ]
 
 
+def test_a_grid_gives_way_to_an_accuracy_and_back(spheres):
+    there = spheres.with_set(["grid.half_length=[4, 4]", "grid.elements=[21, 21]"])
+    fine = there.with_set(["accuracy.tolerance=1e-3"])
+    assert fine.grid is None
+    back = fine.with_set(["grid.half_length=[4, 4]", "grid.elements=[21, 21]"])
+    assert back.accuracy is None
+    assert back == there
+
+
 @pytest.mark.parametrize(("key", "rival"), [*ALTERNATIVES, *(pair[::-1] for pair in ALTERNATIVES)])
 def test_alternative_is_removed(spheres, key, rival):
     def given(scene, name):

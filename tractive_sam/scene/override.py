@@ -53,7 +53,7 @@ def override(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str,
         raise SceneError(faults)
     for key, value in changes.items():
         for rival in RIVALS.get(key, ()) if value is not None else ():
-            if rival not in changes:
+            if not any(f"{change}.".startswith(f"{rival}.") for change in changes):
                 _remove(result, rival)
     if "wear.revolutions" in changes and "wear.save" not in changes:
         _shorten_save(result)

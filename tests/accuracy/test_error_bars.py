@@ -1,0 +1,114 @@
+"""Error bars: of known errors, of real contacts against much finer meshes, and where they fail."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import tractive_sam as ts
+from tractive_sam.accuracy import Levels
+from tractive_sam.accuracy.error_bars import Sample, relative_error_bars
+from tractive_sam.contact import Model, fitted
+from tractive_sam.subsurface import von_mises_maxima
+
+NAMES = ("P", "Qx", "Qy", "Mz", "xi_x", "xi_y", "approach", "p_max", "wear_max")
+
+
+@given(
+    limit=st.floats(0.1, 10.0),
+    constant=st.floats(-0.5, 0.5),
+    order=st.floats(1.0, 2.0),
+)
+def test_errors_of_first_to_second_order_are_within(limit, constant, order):
+    """SAFETY = 3 covers the factor 1/(2^(p/2) - 1) <= 2.42 that leads from difference to error."""
+    meshes = []
+    for h in (2.0, math.sqrt(2.0), 1.0):
+        value = limit + constant * h**order
+        meshes.append(
+            Sample(dict.fromkeys(NAMES, value), dict.fromkeys(NAMES, limit), residual=0.0)
+        )
+    bars = relative_error_bars(*meshes)
+    for name in NAMES:
+        assert abs(meshes[-1].values[name] - limit) <= bars[name] * limit * (1 + 1e-9)
+
+
+def test_a_chance_agreement_of_two_meshes_is_not_trusted():
+    scales = dict.fromkeys(NAMES, 1.0)
+    coarse, fine = (Sample(dict.fromkeys(NAMES, value), scales, 0.0) for value in (1.1, 1.0))
+    assert relative_error_bars(coarse, fine, fine)["Qx"] > 0.1
+
+
+def test_what_is_seen_of_one_force_is_expected_of_all():
+    scales = dict.fromkeys(NAMES, 1.0)
+    values = dict.fromkeys(NAMES, 1.0)
+    coarse, fine = Sample(values | {"Qx": 1.1}, scales, 0.0), Sample(values, scales, 0.0)
+    bars = relative_error_bars(coarse, coarse, fine)
+    assert 0.0 < bars["Qy"] < bars["Qx"]
+    assert bars["approach"] == 0.0
+
+
+SCENES = {
+    "spheres": {},
+    "spheres-orthotropic": {"creepage.spin": 0.003},
+    "twin-discs": {"body.B.young": 70e3, "body.B.poisson": 0.2, "wear": None},
+    "cylinders": {},
+}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_bars_hold_against_a_much_finer_mesh(name):
+    planes = {"subsurface": {"planes": ("y=0",)}}
+    scene = ts.Scene.builtin(name).replace(**{"accuracy.tolerance": 5e-3, **planes, **SCENES[name]})
+    contact = ts.solve(scene)
+    levels = Levels(scene, None)
+    finer = levels.grid(levels.of(contact.grid) + 3)  # 2.8 times finer in every direction
+    _, fine = fitted(Model(scene, None, finer))
+    for quantity in ("Qx", "Qy", "Mz", "approach", "p_max"):
+        error = abs(getattr(contact, quantity) - getattr(fine, quantity))
+        assert error <= contact.error_bars[quantity], quantity
+    here, there = von_mises_maxima(contact), von_mises_maxima(fine)
+    for body in "AB":
+        error = abs(here[body].value - there[body].value)
+        assert error <= contact.error_bars[f"von_mises_max {body}"]
+
+
+def test_forces_are_within_the_tolerance():
+    scene = ts.Scene.builtin("spheres").replace(**{"accuracy.tolerance": 1e-3})
+    contact = ts.solve(scene)
+    force = np.hypot(*contact.traction).sum() * contact.grid.element_area
+    assert contact.error_bars["Qx"] <= 1e-3 * force
+    assert contact.error_bars["p_max"] <= 1e-3 * contact.p_max
+    assert contact.error_bars["P"] == contact.error_bars["xi_x"] == 0.0  # they are given
+
+
+def test_a_creepage_that_is_found_has_a_bar():
+    scene = ts.Scene.builtin("spheres").replace(
+        **{"accuracy.tolerance": 1e-2, "load.traction_x": 0.1}
+    )
+    contact = ts.solve(scene)
+    assert 0.0 < contact.error_bars["xi_x"] <= 1e-2 * abs(contact.xi_x)
+    assert contact.error_bars["Qx"] == 0.0
+
+
+def test_a_tolerance_out_of_reach_is_told_with_the_cure():
+    scene = ts.Scene.builtin("spheres").replace(
+        **{"accuracy.tolerance": 1e-5, "accuracy.elements": 2000}
+    )
+    with pytest.raises(ts.NotConverged, match=r"accuracy\.elements") as caught:
+        ts.solve(scene)
+    assert math.prod(caught.value.contact.grid.elements) <= 2000
+    assert caught.value.contact.error_bars["Qx"] > 0.0
+    history = ts.roll(scene)
+    assert history.status == "inaccurate"
+    assert not history.finished
+    assert history["Qx_error"][0] == caught.value.contact.error_bars["Qx"]
+
+
+def test_every_level_is_recognised_by_its_mesh():
+    levels = Levels(ts.Scene.builtin("twin-discs").replace(**{"accuracy.tolerance": 0.01}), None)
+    for level in (-4, -1, 0, 3):
+        assert levels.of(levels.grid(level)) == level
+    with pytest.raises(LookupError):
+        levels.of(Levels(ts.Scene.builtin("spheres"), None).grid(0))
