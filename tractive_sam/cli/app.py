@@ -7,6 +7,7 @@ import typer
 from tractive_sam.cli.explain import explain
 from tractive_sam.cli.export import export
 from tractive_sam.cli.plot import plot
+from tractive_sam.cli.reproduce import reproduce
 from tractive_sam.cli.run import run
 from tractive_sam.cli.scenes import scenes
 from tractive_sam.cli.show import show
@@ -22,7 +23,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (run, show, plot, export, explain, scenes, study, study_show):
+for command in (run, show, plot, export, explain, scenes, reproduce, study, study_show):
     app.command()(command)
 
 

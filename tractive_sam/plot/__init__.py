@@ -3,6 +3,7 @@
 Every function returns a matplotlib `Figure` that belongs to no window and no global state.
 """
 
+from tractive_sam.plot.comparison import compared
 from tractive_sam.plot.courses import forces, von_mises_course, wear_depth, widths
 from tractive_sam.plot.creep_force import creep_force_curve
 from tractive_sam.plot.evolution import (
@@ -25,6 +26,7 @@ __all__ = [
     "Scale",
     "State",
     "Variable",
+    "compared",
     "creep_force_curve",
     "forces",
     "line_pressure",

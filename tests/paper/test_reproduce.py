@@ -1,0 +1,134 @@
+import json
+import re
+from base64 import b64decode
+from html.parser import HTMLParser
+
+import pytest
+from typer.testing import CliRunner
+
+from tractive_sam.cli import app
+from tractive_sam.cli.plot import Format
+from tractive_sam.paper import CHAPTERS, FULL, Statement, Verdict, reproduce
+from tractive_sam.paper.page import text
+from tractive_sam.store import open_history
+
+FIGURES = ("5", "6", "7", "8", "15", "16", "17", "18")
+"""Those that the text at hand describes."""
+
+# Does not depend on the mesh: theory, symmetry, or the very law that is solved.
+SURE = (
+    "P = 0.4705 N",
+    "sliding zone is at the back",
+    "more than Kalker",
+    "Q_x(β = 0°)/2",
+    "Q_y is zero for β = 0° and 90°",
+    "not symmetric",
+    "higher for β = 0°",
+    "eq. (19)",
+)
+
+
+class Page(HTMLParser):
+    """Opened elements, and the images."""
+
+    EMPTY = frozenset({"meta", "img", "br"})
+
+    def __init__(self, html):
+        super().__init__()
+        self.open, self.images, self.addresses = [], [], []
+        self.feed(html)
+
+    def handle_starttag(self, tag, attrs):
+        attributes = dict(attrs)
+        if tag not in self.EMPTY:
+            self.open.append(tag)
+        if tag == "img":
+            self.images.append(attributes)
+        self.addresses += [attributes[key] for key in ("src", "href") if key in attributes]
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+
+def statements(reproduced):
+    return json.loads((reproduced.folder / "statements.json").read_text("utf-8"))
+
+
+def test_command_prints_the_page(reproduced):
+    assert reproduced.printed.strip() == str(reproduced.folder / "index.html")
+
+
+def test_page_is_well_formed_and_needs_nothing_else(reproduced):
+    page = Page(reproduced.html)
+    assert not page.open
+    foreign = [at for at in page.addresses if not at.startswith(("data:image/svg", "#chapter-"))]
+    assert foreign == ["https://doi.org/10.1016/j.ijmecsci.2025.110195"]
+    assert not re.search(r"@import|url\(|<script|<link", reproduced.html)
+
+
+def test_every_figure_is_there_and_is_a_file(reproduced):
+    images = Page(reproduced.html).images
+    files = sorted((reproduced.folder / "figures").iterdir())
+    assert len(images) == len(files)
+    embedded = {b64decode(image["src"].partition(",")[2]) for image in images}
+    assert embedded == {file.read_bytes() for file in files}
+    captions = " ".join(image["alt"] for image in images)
+    for number in FIGURES:
+        assert re.search(rf"Fig\. {number}\b", captions), number
+
+
+def test_statements_are_on_the_page(reproduced):
+    told = statements(reproduced)
+    assert {one["verdict"] for one in told} <= set(Verdict)
+    for one in told:
+        assert text(one["paper"]) in reproduced.html
+        assert text(one["ours"]) in reproduced.html
+    assert "nan" not in json.dumps(told)
+    assert "inf " not in json.dumps(told)
+
+
+@pytest.mark.parametrize("part", SURE)
+def test_what_no_mesh_changes_agrees(reproduced, part):
+    (found,) = (one for one in statements(reproduced) if part in one["paper"])
+    assert found["verdict"] == Verdict.AGREES, found["ours"]
+
+
+def test_reduced_size_is_told(reproduced):
+    assert "A reduced size" in reproduced.html
+    assert FULL.name not in reproduced.html
+
+
+def test_results_are_kept(reproduced):
+    names = sorted(path.name for path in (reproduced.folder / "results").iterdir())
+    turned = [f"twin-discs-{angle}.h5" for angle in (0, 45, 90)]
+    assert names == sorted([*turned, "twin-discs-isotropic.h5"])
+    for name in names:
+        assert open_history(reproduced.folder / "results" / name).finished
+
+
+def test_verdicts():
+    assert Verdict.of(True, True) is Verdict.AGREES
+    assert Verdict.of(True, False) is Verdict.PARTLY
+    assert Verdict.of(False) is Verdict.DIFFERS
+
+
+def test_plain_text_is_escaped_and_indices_lowered():
+    assert text("Q_x < -0.5 µP, Figs. 9-14") == "Q<sub>x</sub> &lt; −0.5 µP, Figs. 9-14"
+
+
+def test_unknown_format(tmp_path):
+    with pytest.raises(ValueError, match="format: one of png, pdf, svg"):
+        reproduce(tmp_path, format="gif")
+
+
+def test_a_folder_that_cannot_be_made(tmp_path):
+    (tmp_path / "taken").write_text("")
+    result = CliRunner().invoke(app, ["reproduce", "-o", str(tmp_path / "taken")])
+    assert result.exit_code == 2
+    assert "cannot be written" in result.stderr
+
+
+def test_chapters_and_formats():
+    assert len(CHAPTERS) == 5
+    assert [*Format] == ["png", "pdf", "svg"]
+    assert Statement("Fig. 1", "a", "b", Verdict.OPEN).verdict == "cannot be told"

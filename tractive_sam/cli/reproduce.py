@@ -1,0 +1,74 @@
+"""``tractive-sam reproduce``: the paper's figures and tables, and a page about them."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from tractive_sam.cli.output import Status, bad_input_told, console, say, stop, warnings_told
+from tractive_sam.cli.plot import Format
+
+
+def reproduce(
+    output: Annotated[
+        Path,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="DIR",
+            help="Folder of the page, the figures and the results files; those of an earlier run "
+            "are replaced.",
+        ),
+    ] = Path("paper"),
+    reduced: Annotated[
+        bool,
+        typer.Option(
+            "--reduced",
+            help="Coarse meshes and few revolutions, to see that it works; the page says so.",
+        ),
+    ] = False,
+    format: Annotated[Format, typer.Option(help="Format of the figures.")] = Format.PNG,
+) -> None:
+    """Reproduce every figure and table of the paper, with its statements beside our numbers."""
+    from tractive_sam import paper
+    from tractive_sam.contact import NotConverged
+
+    size = paper.REDUCED if reduced else paper.FULL
+    with bad_input_told():
+        try:
+            with _progress(len(paper.CHAPTERS)) as tell, warnings_told():
+                page = paper.reproduce(output, size=size, format=format, tell=tell)
+        except KeyboardInterrupt:
+            told = "interrupted; the page was not written"
+            raise stop(Status.INCOMPLETE, told) from None
+        except NotConverged as error:
+            raise stop(Status.INCOMPLETE, f"not a solution: {error}") from None
+        except RuntimeError as error:
+            raise stop(Status.INCOMPLETE, str(error)) from None
+        except OSError as error:
+            raise stop(Status.INVALID, f"{output} cannot be written: {error}") from None
+    say(f"{page} needs no network and no other file: open it in any browser, or print it")
+    typer.echo(page)
+
+
+@contextmanager
+def _progress(chapters: int) -> Iterator[Callable[[int, str], None]]:
+    """Show what is being done, on a terminal."""
+    terminal = console(stderr=True)
+    if not terminal.is_terminal:
+        yield lambda done, line: None
+        return
+    from rich import progress as bars
+
+    columns = (
+        bars.SpinnerColumn(),
+        bars.BarColumn(),
+        bars.MofNCompleteColumn(),
+        bars.TimeElapsedColumn(),
+        bars.TextColumn("{task.description}"),
+    )
+    with bars.Progress(*columns, console=terminal, transient=True) as bar:
+        task = bar.add_task("", total=chapters)
+        yield lambda done, line: bar.update(task, completed=done, description=line)

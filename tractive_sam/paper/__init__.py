@@ -1,0 +1,24 @@
+"""The paper, reproduced: every figure and table, and what it states beside what we find.
+
+After Juliá & Rodríguez-Tembleque, Int. J. Mech. Sci. 294 (2025) 110195. Every chapter computes a
+group of the paper's figures and yields its findings one by one: statements, figures, tables. No
+number of ours is written down anywhere: each is computed in the run that tells it.
+"""
+
+from tractive_sam.paper.finding import Chapter, Finding, Picture, Statement, Table, Verdict
+from tractive_sam.paper.reproduce import CHAPTERS, reproduce
+from tractive_sam.paper.size import FULL, REDUCED, Size
+
+__all__ = [
+    "CHAPTERS",
+    "FULL",
+    "REDUCED",
+    "Chapter",
+    "Finding",
+    "Picture",
+    "Size",
+    "Statement",
+    "Table",
+    "Verdict",
+    "reproduce",
+]

@@ -1,0 +1,42 @@
+"""The paper's scenes, on meshes of the size asked for."""
+
+from tractive_sam.paper.size import Size
+from tractive_sam.scene import Scene
+
+ANGLES = (0.0, 45.0, 90.0)
+"""Of the tribological axis e1 from the rolling direction, degrees."""
+
+ANGLES_TOLD = "0°, 45° and 90°"
+"""The same, in words."""
+
+
+def spheres(size: Size, elements: int | None = None) -> Scene:
+    """Two equal spheres, isotropic friction (Sec. 8.1.1)."""
+    n = elements or size.spheres
+    return Scene.builtin("spheres").with_set([f"grid.elements=[{n}, {n}]"])
+
+
+def orthotropic_spheres(size: Size, angle: float) -> Scene:
+    """Two equal spheres, orthotropic friction (Sec. 8.1.2); angle in degrees."""
+    n = size.spheres
+    settings = [f"grid.elements=[{n}, {n}]", f"friction.angle={angle}"]
+    return Scene.builtin("spheres-orthotropic").with_set(settings)
+
+
+def discs(size: Size, angle: float) -> Scene:
+    """Twin discs, orthotropic friction and wear (Sec. 8.2); angle in degrees."""
+    settings = [*_rolled(size, size.discs), f"friction.angle={angle}"]
+    return Scene.builtin("twin-discs").with_set(settings)
+
+
+def flat_discs(size: Size) -> Scene:
+    """Twin discs with a flatter crown, isotropic friction and wear (Appendix B)."""
+    return Scene.builtin("twin-discs-isotropic").with_set(_rolled(size, size.flat_discs))
+
+
+def _rolled(size: Size, elements: tuple[int, int]) -> list[str]:
+    return [
+        f"grid.elements={list(elements)}",
+        f"wear.revolutions={size.revolutions}",
+        f"wear.save={list(size.saved)}",
+    ]

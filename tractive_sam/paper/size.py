@@ -1,0 +1,58 @@
+"""How finely and how long the paper's problems are computed."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Size:
+    """Meshes, creepages and revolutions.
+
+    Attributes
+    ----------
+    name : str
+        What is said of it on the page.
+    spheres : int
+        Elements on a side, of the spheres.
+    meshes : tuple of int
+        The same, of the meshes on which the creep-force curve is held against itself.
+    creepages : int
+        Points of a creep-force curve.
+    discs, flat_discs : tuple of int
+        Elements in x and y of the twin discs, and of those with the flatter crown.
+    saved : tuple of int
+        Revolutions whose fields are kept; the last is the last rolled.
+    """
+
+    name: str
+    spheres: int
+    meshes: tuple[int, ...]
+    creepages: int
+    discs: tuple[int, int]
+    flat_discs: tuple[int, int]
+    saved: tuple[int, ...]
+
+    @property
+    def revolutions(self) -> int:
+        """Revolutions rolled."""
+        return self.saved[-1]
+
+
+FULL = Size(
+    "the paper's meshes and revolutions",
+    spheres=91,
+    meshes=(45, 91, 181),
+    creepages=14,
+    discs=(41, 121),
+    flat_discs=(41, 241),
+    saved=(0, 50, 250, 1000, 4000, 15000),
+)
+
+REDUCED = Size(
+    "a reduced size: coarse meshes and few revolutions, to see that it works",
+    spheres=31,
+    meshes=(15, 31),
+    creepages=6,
+    discs=(21, 41),
+    flat_discs=(21, 81),
+    saved=(0, 50, 250),
+)

@@ -1,0 +1,84 @@
+"""Wear of twin discs against the global incremental wear model (Fig. 15, Table 1)."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from tractive_sam import plot
+from tractive_sam.paper.finding import Finding, Picture, Statement, Table, Verdict, Work, percent
+from tractive_sam.paper.rolled import at_saved, rolled
+from tractive_sam.paper.scenes import flat_discs
+from tractive_sam.record import History
+from tractive_sam.reference import GlobalWear, giwm
+from tractive_sam.scene import Scene
+
+GOOD = 0.1
+"""Relative distance of depths that agree well."""
+
+
+def find(work: Work) -> Iterator[Finding]:
+    """Yield what the paper says of Fig. 15, and what we find."""
+    scene = flat_discs(work.size)
+    history = rolled(work, scene, "twin-discs-isotropic")
+    course = _giwm(scene, work.size.revolutions)
+    saved = [N for N in history.field_revolutions.tolist() if N]
+    depth = at_saved(history, "wear_max")[1:]
+    both = depth / course.depth[saved] - 1
+    one = 0.5 * depth / course.depth[saved] - 1
+    first, last = saved[0], saved[-1]
+    yield Statement(
+        "Fig. 15",
+        "The depth worn agrees well with the global incremental wear model (GIWM).",
+        f"Of both discs together {1e3 * depth[-1]:.2f} µm at N = {last}, GIWM "
+        f"{1e3 * course.depth[last]:.2f} µm ({both[-1]:+.0%}; {both[0]:+.0%} at N = {first}). "
+        f"Of one disc alone, half of it: {one[0]:+.0%} at N = {first}, {one[-1]:+.0%} at N = "
+        f"{last}. GIWM has a mean pressure, full slip, and a contact whose half width in x falls "
+        f"to {course.a[1] / course.a[0]:.0%} in the first revolution.",
+        Verdict.of(bool(np.all(abs(both) < GOOD)), bool(np.all(abs(one) < GOOD))),
+    )
+    yield _table(history, course, saved)
+    N = np.arange(course.depth.size)
+    yield Picture(
+        "fig-15",
+        plot.compared({"computed": history}, "wear_max", {"GIWM": (N, course.depth)}),
+        "Fig. 15. Largest depth worn off both discs together.",
+    )
+    yield Picture(
+        "fig-15-half-width",
+        plot.compared({"computed": history}, "half_width_y", {"GIWM": (N, course.b)}),
+        "Table 1. Half width across the rolling direction, as both have it.",
+    )
+
+
+def _giwm(scene: Scene, revolutions: int) -> GlobalWear:
+    A, B = scene.body.A, scene.body.B
+    return giwm(
+        load=scene.load.normal,
+        e_star=scene.material.E_star,
+        radii_x=(A.radius_x, B.radius_x),
+        radius_y=A.radius_y,  # B is a cylinder
+        semi_axes=(scene.hertz.a, scene.hertz.b),
+        creepage=scene.creepage.longitudinal,
+        intensity=scene.wear.intensity[0],
+        revolutions=revolutions,
+    )
+
+
+def _table(history: History, course: GlobalWear, saved: list[int]) -> Table:
+    depth, b = (at_saved(history, name)[1:] for name in ("wear_max", "half_width_y"))
+    rows = [
+        (
+            f"{N:,}",
+            f"{1e3 * depth[k]:.4g}",
+            f"{1e3 * course.depth[N]:.4g}",
+            percent(depth[k], course.depth[N]),
+            f"{b[k]:.3f}",
+            f"{course.b[N]:.3f}",
+        )
+        for k, N in enumerate(saved)
+    ]
+    return Table(
+        "Depth worn off both discs, and half width b of the contact, beside GIWM (Table 1).",
+        ("N", "depth, µm", "GIWM, µm", "difference", "b, mm", "GIWM, mm"),
+        rows,
+    )

@@ -1,0 +1,57 @@
+"""One number of several computations over the revolutions, in the same axes."""
+
+from collections.abc import Mapping
+
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import ArrayLike
+
+from tractive_sam.plot.style import GREY, MICRON, WIDTH, styled
+from tractive_sam.record import SCALARS, History
+
+Points = tuple[ArrayLike, ArrayLike]
+
+
+@styled
+def compared(
+    histories: Mapping[str, History], name: str, reference: Mapping[str, Points] | None = None
+) -> Figure:
+    """One recorded number of several histories over the revolutions.
+
+    Parameters
+    ----------
+    histories : mapping of str to History
+        What the legend says of each.
+    name : str
+        A name of `record.SCALARS`: "Qx_over_P", "p_max".
+    reference : mapping of str to pair of array_like, optional
+        Revolutions and values of other models or of measurements, in the unit of the record.
+
+    Raises
+    ------
+    ValueError
+        If there is no such number, or no history.
+    """
+    if name not in SCALARS:
+        raise ValueError(f"name: one of {', '.join(SCALARS)} is needed, not {name!r}")
+    if not histories:
+        raise ValueError("nothing to draw: at least one history is needed")
+    quantity, factor = SCALARS[name], 1.0
+    unit = "" if quantity.unit == "1" else f" ({quantity.unit})"
+    if name == "wear_max":
+        factor, unit = MICRON, r" ($\mathrm{\mu m}$)"
+    figure = Figure(figsize=(WIDTH, 0.66 * WIDTH))
+    axes = figure.add_subplot()
+    for label, history in histories.items():
+        (line,) = axes.plot(history["revolution"], factor * history[name], label=label)
+        line.set_clip_on(False)
+    for label, (revolution, value) in (reference or {}).items():
+        values = [factor * one for one in value]
+        axes.plot(revolution, values, "--", color=GREY, label=label)
+    last = max(int(history["revolution"][-1]) for history in histories.values())
+    axes.set(xlabel="revolutions $N$", xlim=(0, max(1, last)))
+    axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
+    axes.xaxis.set_major_formatter("{x:,.0f}")
+    axes.set_ylabel(f"{quantity.long_name}{unit}", wrap=True)
+    axes.legend(loc="best")
+    return figure
