@@ -97,6 +97,7 @@ def _against_kalker(scene: Scene, xi: np.ndarray, Q_x: np.ndarray) -> Statement:
         f"slope at the origin is {slope:.3f} of that of Kalker's own exact linear theory (his "
         f"coefficient C_11), to which the solution on the half-space tends.",
         Verdict.of(abs(deviation[worst]) < VERY_HIGH),
+        f"if within {VERY_HIGH:.0%}",
     )
 
 
@@ -149,6 +150,7 @@ def _orthotropic(work: Work) -> Iterator[Finding]:
         "still turns the direction of sliding from place to place: over the last step, Q_x changes "
         f"by {last[0, 1] / last[0, 0] - 1:+.2%} and Q_y by {last[1, 1] / last[1, 0] - 1:+.2%}.",
         Verdict.of(*(ends[one][0] / share[one][0] > 1 - VERY_HIGH for one in ANGLES)),
+        f"if within {VERY_HIGH:.0%} of it",
     )
     values = [ends[angle][0] for angle in ANGLES]
     yield Statement(
@@ -164,6 +166,7 @@ def _orthotropic(work: Work) -> Iterator[Finding]:
         "At full slip, Q_x(β = 90°) = Q_x(β = 0°)/2.",
         f"The ratio is {ratio:.5f}.",
         Verdict.of(abs(ratio / 0.5 - 1) < VERY_HIGH),
+        f"if within {VERY_HIGH:.0%}",
     )
     lateral = {angle: float(abs(curves[angle][1]).max()) for angle in ANGLES}
     yield Statement(

@@ -16,6 +16,9 @@ SIMILAR = 0.2
 AT_EDGE = 0.9
 """Share of the half width b beyond which a place is at the edge."""
 
+CLOSED = 5e-3
+"""Part of the work that may be missed."""
+
 CHANGED = 0.02
 """Relative change that is one."""
 
@@ -53,7 +56,8 @@ def _wear(histories: Histories) -> Iterator[Finding]:
         "The depth worn follows from the pressure and the slip, eq. (19).",
         "Friction must dissipate the work that drives the discs. It misses at most "
         f"{max(missed):.0e} of it in any revolution computed; the worn section is as good.",
-        Verdict.of(max(missed) < 5e-3),
+        Verdict.of(max(missed) < CLOSED),
+        f"if within {CLOSED:.1%}",
     )
 
 
@@ -85,6 +89,7 @@ def _contact(histories: Histories) -> Iterator[Finding]:
         f"The largest pressure falls to {listed(p_max[:, -1], '.3f')} p_0 for β = {ANGLES_TOLD}. "
         f"The three differ by at most {spread[worst]:.0%}, at N = {_saved(histories)[worst]}.",
         Verdict.of(bool(spread.max() < SIMILAR)),
+        f"if within {SIMILAR:.0%}",
     )
     places = np.abs(_of_all(histories, "p_max_at")[..., 1]) / b
     yield Statement(
@@ -96,6 +101,7 @@ def _contact(histories: Histories) -> Iterator[Finding]:
         Verdict.of(
             *(bool(at[0] < 1 - AT_EDGE and at[-1] > AT_EDGE) for at in places),
         ),
+        f"if |y|/b is above {AT_EDGE}",
     )
 
 
@@ -163,7 +169,7 @@ def _table(angle: float, history: History) -> Table:
             f"{p[k] / history.p0:.3f}",
             f"{abs(p_at[k, 1]) / b[k]:.2f}",
             f"{Q_x[k]:.4f}",
-            f"{Q_y[k] + 0.0:.4f}".replace("-0.0000", "0.0000"),
+            f"{Q_y[k]:z.4f}",
             *(
                 _stressed(history, value, at)
                 for value, at in zip(stress[k], places[k], strict=True)
@@ -192,7 +198,7 @@ def _table(angle: float, history: History) -> Table:
 
 def _stressed(history: History, value: float, at: np.ndarray) -> str:
     x, y, depth = at / (history.a0, history.b0, history.a0)
-    return f"{value / history.p0:.3f} at {x:.2f}, {y:.2f}, {depth:.2f}"
+    return f"{value / history.p0:.3f} at {x:z.2f}, {y:z.2f}, {depth:.2f}"
 
 
 def _compared(histories: Histories) -> Iterator[Picture]:

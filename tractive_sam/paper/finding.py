@@ -56,12 +56,15 @@ class Statement:
         What we find, in numbers.
     verdict : Verdict
         Whether the two agree.
+    rule : str
+        When they do, where that is not plain: "within 1%".
     """
 
     place: str
     paper: str
     ours: str
     verdict: Verdict
+    rule: str = ""
 
 
 @dataclass(frozen=True)
@@ -151,8 +154,8 @@ class Chapter:
 
 
 def percent(value: float, reference: float) -> str:
-    """Deviation of a value from a reference, "+1.2 %"."""
-    return f"{100 * (value / reference - 1):+.1f} %"
+    """Deviation of a value from a reference, "+1.2%"."""
+    return f"{value / reference - 1:+.1%}"
 
 
 def listed(values: Sequence[float], form: str) -> str:

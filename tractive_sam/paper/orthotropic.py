@@ -74,8 +74,9 @@ def _inside_and_surface(maxima: dict[float, VonMisesMaximum], p0: float) -> Iter
         f"nearer to {inside.mean():.2f} p_0.",
         Verdict.of(
             bool(np.ptp(inside) / inside.mean() < SAME),
-            bool(np.all(np.abs(inside - PAPER_INTERIOR) < 0.05)),
+            bool(np.all(np.round(inside, 1) == PAPER_INTERIOR)),
         ),
+        f"if the same within {SAME:.0%}, and {PAPER_INTERIOR} p_0 when rounded",
     )
     yield Statement(
         "Fig. 8",
@@ -112,12 +113,12 @@ def _table(contacts: dict[float, Contact], maxima: dict[float, VonMisesMaximum])
             (
                 f"{angle:g}°",
                 f"{contact.Qx / contact.P:.4f}",
-                f"{contact.Qy / contact.P:.4f}",
+                f"{contact.Qy / contact.P:z.4f}",
                 f"{contact.stick_fraction:.0%}",
                 f"{top.interior / hertz.p0:.3f}",
                 f"{x:+.2f}, {depth:.2f}",
                 f"{top.surface / hertz.p0:.3f}",
-                f"{x_surface:+.2f}, {y_surface:+.2f}",
+                f"{x_surface:+.2f}, {y_surface:z.2f}",
             )
         )
     return Table(

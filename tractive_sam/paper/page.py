@@ -99,7 +99,7 @@ def _statement(one: Statement) -> str:
         f'<tr><td class="place">{text(one.place)}</td>'
         f'<td data-head="The paper says">{text(one.paper)}</td>'
         f'<td data-head="We find">{text(one.ours)}</td>'
-        f'<td class="told">{_badge(one.verdict)}</td></tr>'
+        f'<td class="told">{_badge(one.verdict)} <small>{text(one.rule)}</small></td></tr>'
     )
 
 

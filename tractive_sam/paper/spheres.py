@@ -18,6 +18,8 @@ PAPER_FORCE = 0.657
 NUMBER = 0.01
 """Relative distance within which a number agrees."""
 
+RULE = f"if within {NUMBER:.0%}"
+
 NEARBY = 0.1
 """Distance, in half widths a, within which two places are the same."""
 
@@ -46,6 +48,7 @@ def find(work: Work) -> Iterator[Finding]:
             abs(contact.p_max / 0.01834 - 1) < NUMBER,
             abs(radius / 3.5 - 1) < NUMBER,
         ),
+        RULE,
     )
     yield Statement(
         "Sec. 8.1.1",
@@ -54,6 +57,7 @@ def find(work: Work) -> Iterator[Finding]:
         f"the same mesh {force_upwind:.4f} µP "
         f"({percent(force_upwind, PAPER_FORCE)}).",
         Verdict.of(abs(force / PAPER_FORCE - 1) < NUMBER),
+        RULE,
     )
     p_x = contact.traction[0].max() / (mu * hertz.p0)
     yield Statement(
@@ -124,10 +128,11 @@ def _maxima(contact: Contact) -> Iterator[Finding]:
     yield Statement(
         "Fig. 5(e-f)",
         "The one at the surface is at the boundary between adhesion and sliding.",
-        f"It is within {NEARBY} a_0 of that boundary on {'; '.join(there) or 'neither plane'}. On "
+        f"It is there on {'; '.join(there) or 'neither plane'}. On "
         f"y = 0 it is at x = {rows[0][5]} a_0 in body A, which friction drives, and at "
         f"{rows[1][5]} a_0 in body B, which it brakes; stick ends at {rows[0][6]} a_0.",
         Verdict.of(*at_border.values()),
+        f"if within {NEARBY} a_0",
     )
     yield Table(
         "Maxima of the equivalent stress over p_0, and where they are, in a_0. Values at the "

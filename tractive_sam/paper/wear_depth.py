@@ -35,6 +35,7 @@ def find(work: Work) -> Iterator[Finding]:
         f"{last}. GIWM has a mean pressure, full slip, and a contact whose half width in x falls "
         f"to {course.a[1] / course.a[0]:.0%} in the first revolution.",
         Verdict.of(bool(np.all(abs(both) < GOOD)), bool(np.all(abs(one) < GOOD))),
+        f"if within {GOOD:.0%} at every stored N",
     )
     yield _table(history, course, saved)
     N = np.arange(course.depth.size)
