@@ -20,7 +20,7 @@ def test_histories_and_a_reference_in_the_same_axes():
 
 
 def test_numbers_without_a_unit_have_none():
-    (axes,) = plot.compared({"": strips.history()}, "Qx_over_P").axes
+    (axes,) = plot.compared({"one": strips.history()}, "Qx_over_P").axes
     assert "(" not in axes.get_ylabel()
 
 
