@@ -1,4 +1,7 @@
-"""Examples in docstrings run."""
+"""Examples in docstrings run, and every public name has one.
+
+They go on from the example of the package's docstring.
+"""
 
 import doctest
 from importlib import import_module
@@ -11,11 +14,43 @@ import tractive_sam.studies
 
 STUDIES = sorted(one.name for one in iter_modules(tractive_sam.studies.__path__))
 
+ROOMS = ("tractive_sam", "tractive_sam.plot", "tractive_sam.subsurface", "tractive_sam.reference")
 
-def test_package_docstring():
-    result = doctest.testmod(tractive_sam)
+NAMES = [
+    (room, name)
+    for room in ROOMS
+    for name in import_module(room).__all__
+    if callable(getattr(import_module(room), name)) and name not in tractive_sam.studies.__all__
+]
+
+
+@pytest.fixture(scope="module")
+def package():
+    """What the package's docstring leaves behind, and numpy."""
+    (test,) = (
+        found
+        for found in doctest.DocTestFinder(recurse=False).find(tractive_sam)
+        if found.name == "tractive_sam"
+    )
+    test.globs |= {"np": import_module("numpy"), "plot": import_module("tractive_sam.plot")}
+    runner = doctest.DocTestRunner()
+    result = runner.run(test, clear_globs=False)
     assert result.attempted > 0
     assert result.failed == 0
+    return test.globs
+
+
+@pytest.mark.parametrize(("room", "name"), NAMES, ids=[".".join(pair) for pair in NAMES])
+def test_example(room, name, package, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    module = import_module(room)
+    known = package | {public: getattr(module, public) for public in module.__all__}
+    finder = doctest.DocTestFinder(recurse=False)
+    tests = finder.find(getattr(module, name), name, globs=known)
+    runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS)
+    attempted = sum(runner.run(test).attempted for test in tests)
+    assert attempted > 0, "a public name needs an example"
+    assert runner.summarize(verbose=False).failed == 0
 
 
 @pytest.mark.parametrize("module", ["", *STUDIES])

@@ -9,6 +9,13 @@ Mech. Sci. 294 (2025) 110195.
     >>> contact = ts.solve(scene)
     >>> round(contact.Qx / contact.P, 3)
     0.259
+    >>> discs = ts.Scene.builtin("twin-discs").with_set(["wear.revolutions=2", "wear.save=[0, 2]"])
+    >>> history = ts.roll(discs)
+    >>> history.status
+    'done'
+
+Every public name has an example, which goes on from here; those of `plot`, `subsurface` and
+`reference` also know the names of their package.
 
 Conventions, stated here once
 -----------------------------

@@ -98,6 +98,11 @@ def export_volume(
         If the history stored no fields of the revolution; the message lists what it stored.
     ResultsError
         If the file cannot be written.
+
+    Examples
+    --------
+    >>> ts.export_volume(contact, "spheres.vtkhdf", elements=4).name
+    'spheres.vtkhdf'
     """
     path = Path(path)
     check_volume(path, overwrite)

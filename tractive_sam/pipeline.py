@@ -64,6 +64,14 @@ def solve(
     NotConverged
         If `throw` and the contact conditions do not hold to the scene's tolerance, or its
         [accuracy] was not reached.
+
+    Examples
+    --------
+    >>> ts.solve(scene).message
+    'contact conditions hold to ...'
+    >>> faster = ts.solve(scene.replace(**{"creepage.longitudinal": -0.002}), start=contact)
+    >>> faster.Qx < contact.Qx
+    True
     """
     measured = measured_gap(scene)
     if scene.accuracy is not None and wear is None and start is None:
@@ -138,6 +146,14 @@ def roll(
         If the results file cannot be written, or holds another scene than the one to resume.
     GapError
         If the measured gap cannot be read.
+
+    Examples
+    --------
+    >>> len(ts.roll(discs, progress=lambda record: print(record.revolution)))
+    0
+    1
+    2
+    3
     """
     last = None
     if resume and path is not None and Path(path).exists():

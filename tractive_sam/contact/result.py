@@ -13,7 +13,17 @@ from tractive_sam.solvers import Cost, Status
 
 
 class NotConverged(RuntimeError):  # noqa: N818 - the name says what happened
-    """A contact was not solved; `contact` holds what was reached."""
+    """A contact was not solved; `contact` holds what was reached.
+
+    Examples
+    --------
+    >>> settings = ["load.approach=0.036", "load.traction_x=0.4", "grid.elements=[15, 15]"]
+    >>> try:
+    ...     ts.solve(scene.with_set(settings))  # more than friction carries
+    ... except ts.NotConverged as error:
+    ...     print(error.contact.converged)
+    False
+    """
 
     def __init__(self, contact: "Contact"):
         super().__init__(contact.message)
@@ -78,6 +88,13 @@ class Contact:
     error_bars : mapping of str to float
         Of scenes with [accuracy]: how far numbers may be from those on an infinitely fine mesh, by
         their recorded names and in their units; "von_mises_max A" of the stress in body A.
+
+    Examples
+    --------
+    >>> contact.converged, contact.pressure.shape
+    (True, (91, 91))
+    >>> round(contact.p_max / scene.hertz.p0, 3)
+    1.0
     """
 
     scene: Scene

@@ -31,6 +31,11 @@ def compared(
     ------
     ValueError
         If there is no such number, or no history.
+
+    Examples
+    --------
+    >>> plot.compared({"twin discs": history}, "Qx_over_P")
+    <Figure size ...>
     """
     if name not in SCALARS:
         raise ValueError(f"name: one of {', '.join(SCALARS)} is needed, not {name!r}")

@@ -11,7 +11,13 @@ from tractive_sam.record import History
 
 @styled
 def forces(history: History) -> Figure:
-    """Forces on body A over the normal load, over the revolutions."""
+    """Forces on body A over the normal load, over the revolutions.
+
+    Examples
+    --------
+    >>> plot.forces(history)
+    <Figure size ...>
+    """
     figure, axes = _over_revolutions(history)
     for name, label in (("Qx_over_P", "$Q_x/P$"), ("Qy_over_P", "$Q_y/P$")):
         _course(axes, history, history[name], label)
@@ -22,7 +28,13 @@ def forces(history: History) -> Figure:
 
 @styled
 def widths(history: History) -> Figure:
-    """Half widths of the contact and its largest pressure, over the revolutions."""
+    """Half widths of the contact and its largest pressure, over the revolutions.
+
+    Examples
+    --------
+    >>> plot.widths(history)
+    <Figure size ...>
+    """
     figure, axes = _over_revolutions(history)
     scale = Scale.of_history(history)
     a, b, p = scale.a_symbol, scale.b_symbol, scale.p_symbol
@@ -38,7 +50,13 @@ def widths(history: History) -> Figure:
 
 @styled
 def wear_depth(history: History) -> Figure:
-    """Largest wear depth of both bodies together, over the revolutions."""
+    """Largest wear depth of both bodies together, over the revolutions.
+
+    Examples
+    --------
+    >>> plot.wear_depth(history)
+    <Figure size ...>
+    """
     figure, axes = _over_revolutions(history)
     _course(axes, history, 1e3 * history["wear_max"], "")
     axes.set_ylim(bottom=0.0)
@@ -48,7 +66,13 @@ def wear_depth(history: History) -> Figure:
 
 @styled
 def von_mises_course(history: History) -> Figure:
-    """Largest equivalent stress of each body, inside and at the surface, over the revolutions."""
+    """Largest equivalent stress of each body, inside and at the surface, over the revolutions.
+
+    Examples
+    --------
+    >>> plot.von_mises_course(history)
+    <Figure size ...>
+    """
     figure, axes = _over_revolutions(history)
     scale = Scale.of_history(history)
     colours = {"A": BLUE, "B": VERMILLION}

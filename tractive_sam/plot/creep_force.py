@@ -32,6 +32,11 @@ def creep_force_curve(
         Points of other programs or of measurements, alike.
     theory : bool
         Whether to draw Vermeulen & Johnson's and Kalker's simplified curve.
+
+    Examples
+    --------
+    >>> plot.creep_force_curve({"computed": ([0.2, 0.5], [0.43, 0.82])})
+    <Figure size ...>
     """
     figure = Figure(figsize=(WIDTH, 0.72 * WIDTH))
     axes = figure.add_subplot()

@@ -17,19 +17,37 @@ MOST = 6
 
 @styled
 def pressure_over_revolutions(history: History) -> Figure:
-    """Pressure p_n/p_0 at the stored revolutions."""
+    """Pressure p_n/p_0 at the stored revolutions.
+
+    Examples
+    --------
+    >>> plot.pressure_over_revolutions(history)
+    <Figure size ...>
+    """
     return _maps(history, _pressure, "$p_n/{p}$", PRESSURE, Map.fill)
 
 
 @styled
 def slip_over_revolutions(history: History) -> Figure:
-    """Slip |s|/V at the stored revolutions."""
+    """Slip |s|/V at the stored revolutions.
+
+    Examples
+    --------
+    >>> plot.slip_over_revolutions(history)
+    <Figure size ...>
+    """
     return _maps(history, _slip, "$|s|/V$", SLIP, Map.fill_up_to_edge)
 
 
 @styled
 def wear_over_revolutions(history: History) -> Figure:
-    """Wear depth of both bodies together, in the contact, at the stored revolutions."""
+    """Wear depth of both bodies together, in the contact, at the stored revolutions.
+
+    Examples
+    --------
+    >>> plot.wear_over_revolutions(history)
+    <Figure size ...>
+    """
     return _maps(history, _wear, r"$w$ ($\mathrm{{\mu m}}$)", WEAR, Map.fill_up_to_edge)
 
 

@@ -16,7 +16,13 @@ from tractive_sam.plot.style import MICRON, ORANGE, PRESSURE, SKY, TRACTION, WEA
 
 @styled
 def pressure(source: Source, revolution: int | None = None) -> Figure:
-    """Map of the pressure p_n/p_0."""
+    """Map of the pressure p_n/p_0.
+
+    Examples
+    --------
+    >>> plot.pressure(contact)
+    <Figure size ...>
+    """
     state = State.of(source, revolution)
     figure, chart = Map.single(state)
     mesh = chart.fill(state.pressure / state.scale.p, cmap=PRESSURE, vmin=0.0)
@@ -29,6 +35,11 @@ def traction(source: Source, revolution: int | None = None) -> Figure:
     """Map of the traction ||p_t||_mu/p_0 on body A, its directions, and the edge of stick.
 
     Where friction is isotropic that is |p_t|/(mu p_0).
+
+    Examples
+    --------
+    >>> plot.traction(contact)
+    <Figure size ...>
     """
     state = State.of(source, revolution)
     figure, chart = Map.single(state)
@@ -43,7 +54,13 @@ def traction(source: Source, revolution: int | None = None) -> Figure:
 
 @styled
 def stick_slip_map(source: Source, revolution: int | None = None) -> Figure:
-    """Map of the elements that stick and that slip, and the directions of the slip of A over B."""
+    """Map of the elements that stick and that slip, and the directions of the slip of A over B.
+
+    Examples
+    --------
+    >>> plot.stick_slip_map(history, revolution=0)
+    <Figure size ...>
+    """
     state = State.of(source, revolution)
     figure, chart = Map.single(state)
     chart.fill_elements(state.sliding, cmap=ListedColormap([SKY, ORANGE]), vmin=0, vmax=1)
@@ -63,7 +80,13 @@ def stick_slip_map(source: Source, revolution: int | None = None) -> Figure:
 
 @styled
 def wear_map(source: Source, revolution: int | None = None) -> Figure:
-    """Map of the wear depth of both bodies together, in the contact."""
+    """Map of the wear depth of both bodies together, in the contact.
+
+    Examples
+    --------
+    >>> plot.wear_map(history)
+    <Figure size ...>
+    """
     state = State.of(source, revolution)
     figure, chart = Map.single(state)
     mesh = chart.fill_up_to_edge(MICRON * state.wear, cmap=WEAR)

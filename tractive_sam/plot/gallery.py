@@ -42,6 +42,12 @@ def save_all(history: History, directory: str | Path, format: str = "png") -> li
     -------
     list of Path
         The files.
+
+    Examples
+    --------
+    >>> flat = ts.roll(ts.Scene.builtin("cylinders"))
+    >>> plot.save_all(flat, "figures", "svg")[0].name
+    'pressure.svg'
     """
     directory = Path(directory)
     directory.mkdir(parents=True, exist_ok=True)

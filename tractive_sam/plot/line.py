@@ -15,7 +15,14 @@ from tractive_sam.record import History
 
 @styled
 def line_pressure(source: Source, revolution: int | None = None) -> Figure:
-    """Pressure of a line contact over x, beside that of Hertz."""
+    """Pressure of a line contact over x, beside that of Hertz.
+
+    Examples
+    --------
+    >>> cylinders = ts.solve(ts.Scene.builtin("cylinders"))
+    >>> plot.line_pressure(cylinders)
+    <Figure size ...>
+    """
     state = State.of(source, revolution)
     figure, axes = _over_x(state)
     x, scale = state.x_over_a, state.scale
@@ -31,7 +38,13 @@ def line_pressure(source: Source, revolution: int | None = None) -> Figure:
 
 @styled
 def line_traction(source: Source, revolution: int | None = None) -> Figure:
-    """Tractions on body A in a line contact over x, between what friction allows."""
+    """Tractions on body A in a line contact over x, between what friction allows.
+
+    Examples
+    --------
+    >>> plot.line_traction(ts.solve(ts.Scene.builtin("cylinders")))
+    <Figure size ...>
+    """
     state = State.of(source, revolution)
     figure, axes = _over_x(state)
     section(axes, state, 0.0)
@@ -42,7 +55,13 @@ def line_traction(source: Source, revolution: int | None = None) -> Figure:
 
 @styled
 def line_slip(source: Source, revolution: int | None = None) -> Figure:
-    """Slip of A over B in a line contact over x, per unit rolling speed."""
+    """Slip of A over B in a line contact over x, per unit rolling speed.
+
+    Examples
+    --------
+    >>> plot.line_slip(ts.solve(ts.Scene.builtin("cylinders")))
+    <Figure size ...>
+    """
     state = State.of(source, revolution)
     figure, axes = _over_x(state)
     axes.axhline(0.0, color=GREY, linewidth=0.6)
@@ -57,7 +76,13 @@ def line_slip(source: Source, revolution: int | None = None) -> Figure:
 
 @styled
 def line_pressures(history: History) -> Figure:
-    """Pressure of a line contact over x, at the stored revolutions."""
+    """Pressure of a line contact over x, at the stored revolutions.
+
+    Examples
+    --------
+    >>> plot.line_pressures(ts.roll(ts.Scene.builtin("cylinders")))
+    <Figure size ...>
+    """
     scale = Scale.of_history(history)
     figure, axes = _over_x(*(State.of_history(history, N) for N in history.field_revolutions))
     revolutions = chosen(history.field_revolutions)

@@ -22,7 +22,13 @@ def chosen(revolutions: np.ndarray, most: int = MOST) -> np.ndarray:
 
 @styled
 def wear_profiles(history: History) -> Figure:
-    """Wear depth of both bodies together across the track, at the stored revolutions."""
+    """Wear depth of both bodies together across the track, at the stored revolutions.
+
+    Examples
+    --------
+    >>> plot.wear_profiles(history)
+    <Figure size ...>
+    """
     figure, axes = _across(history)
     depth = dict(zip(history["revolution"], history["wear_profile"], strict=True))
     _lines(axes, history, lambda revolution: MICRON * depth[revolution])
@@ -36,6 +42,11 @@ def worn_profiles(history: History) -> Figure:
     """Cross-sections of both bodies at x = 0, A above B, at the stored revolutions.
 
     Each body by its own radius, less the depth worn off it; as if they touched at one point.
+
+    Examples
+    --------
+    >>> plot.worn_profiles(history)
+    <Figure size ...>
     """
     figure, axes = _across(history)
     row = {revolution: k for k, revolution in enumerate(history["revolution"])}
@@ -55,7 +66,13 @@ def worn_profiles(history: History) -> Figure:
 
 @styled
 def pressure_profiles(history: History) -> Figure:
-    """Largest pressure in every row along the rolling direction, at the stored revolutions."""
+    """Largest pressure in every row along the rolling direction, at the stored revolutions.
+
+    Examples
+    --------
+    >>> plot.pressure_profiles(history)
+    <Figure size ...>
+    """
     figure, axes = _across(history)
     scale = Scale.of_history(history)
     _lines(axes, history, lambda N: history.field("pressure", N).max(axis=0) / scale.p)

@@ -23,6 +23,11 @@ class Scale:
     hertz : bool
         Whether they are those of the unworn contact by Hertz; else they were read off the first
         contact computed.
+
+    Examples
+    --------
+    >>> plot.Scale.of_contact(contact).p_symbol
+    'p_0'
     """
 
     a: float

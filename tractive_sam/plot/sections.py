@@ -24,6 +24,11 @@ def traction_sections(source: Source, revolution: int | None = None) -> Figure:
 
     The bounds are the largest values of either component, the extent of the friction ellipse in x
     and in y; both components together reach less.
+
+    Examples
+    --------
+    >>> plot.traction_sections(contact)
+    <Figure size ...>
     """
     state = State.of(source, revolution)
     scale = state.scale

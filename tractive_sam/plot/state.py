@@ -41,6 +41,12 @@ class State:
         Of the scene.
     revolution : int
         Revolutions rolled.
+
+    Examples
+    --------
+    >>> state = plot.State.of(history, revolution=2)
+    >>> state.caption, state.isotropic
+    ('Twin discs, orthotropic friction and wear, N\xa0=\xa02', False)
     """
 
     x: np.ndarray

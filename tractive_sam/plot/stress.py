@@ -73,6 +73,11 @@ def von_mises(
     ------
     ValueError
         If there is no such body, plane or quantity, or no stress.
+
+    Examples
+    --------
+    >>> plot.von_mises(contact, "B", "y=0.5a")
+    <Figure size ...>
     """
     stresses, state = _resolved(source, (body,), plane, revolution)
     return _drawn(stresses, state, quantity, scale)
@@ -105,6 +110,11 @@ def von_mises_sections(
     ------
     ValueError
         As by `von_mises`.
+
+    Examples
+    --------
+    >>> plot.von_mises_sections(history, "x=0", revolution=0)
+    <Figure size ...>
     """
     stresses, state = _resolved(source, bodies, plane, revolution)
     return _drawn(stresses, state, quantity, scale)

@@ -82,6 +82,15 @@ class History:
         Stress on planes for each record that kept its fields; see `stress`.
     versions : mapping of str to str
         Programs that computed it.
+
+    Examples
+    --------
+    >>> history["revolution"].tolist()
+    [0, 1, 2]
+    >>> history.field("pressure", revolution=2).shape
+    (41, 121)
+    >>> bool(history["wear_max"][-1] > history["wear_max"][0])
+    True
     """
 
     scene_toml: str

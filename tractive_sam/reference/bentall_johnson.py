@@ -25,6 +25,12 @@ def bentall_johnson_creepage(material: CombinedMaterial, a: float, radius: float
         Half-width of the contact, mm.
     radius : float
         Combined radius R, 1/R = 1/R_A + 1/R_B, mm.
+
+    Examples
+    --------
+    >>> steel, aluminium = Material(82e3, 0.28), Material(23e3, 0.31)
+    >>> round(bentall_johnson_creepage(combine(aluminium, steel), a=0.1, radius=25.0), 7)
+    -0.0005263
     """
     kappa = 2 * material.coupling / (1 - material.poisson)
     return -_SHARE * kappa * a / radius

@@ -29,6 +29,13 @@ class Carter:
         Friction coefficient.
     creepage : float
         xi_x; negative drives body A, Q > 0.
+
+    Examples
+    --------
+    >>> line = hertz_line(e_star=114e3, radius=25.0, load_per_length=500.0)
+    >>> carter = Carter.from_force_ratio(line, mu=0.3, ratio=0.64)
+    >>> round(carter.stick_half_width / line.a, 3)
+    0.6
     """
 
     line: HertzLine

@@ -28,12 +28,24 @@ def creep_parameter(
         Friction coefficient.
     load : float
         Normal load P, N.
+
+    Examples
+    --------
+    >>> parameter = creep_parameter(-0.0031, shear=1.0, a=3.5, mu=0.4013, load=0.4705, poisson=0.28)
+    >>> round(float(parameter), 3)
+    0.339
     """
     return -np.multiply(xi_x, 16 * shear * a**2 / (3 * mu * load * (4 - 3 * poisson)))
 
 
 def vermeulen_johnson(xi: ArrayLike) -> NDArray[np.float64]:
-    """Q/(mu P) = 1 - (1 - xi)³ up to full slip at xi = 1; Vermeulen & Johnson (1964), eq. (41)."""
+    """Q/(mu P) = 1 - (1 - xi)³ up to full slip at xi = 1; Vermeulen & Johnson (1964), eq. (41).
+
+    Examples
+    --------
+    >>> vermeulen_johnson([0.0, 0.5, 1.0])
+    array([0.   , 0.875, 1.   ])
+    """
     size = np.minimum(np.abs(xi), 1.0)
     return np.copysign(size * (3.0 - size * (3.0 - size)), xi)
 
@@ -45,6 +57,11 @@ def vermeulen_johnson_inverse(ratio: ArrayLike) -> NDArray[np.float64]:
     ------
     ValueError
         If a ratio lies outside [-1, 1]: friction cannot carry it.
+
+    Examples
+    --------
+    >>> float(vermeulen_johnson_inverse(0.875))
+    0.5
     """
     size = np.abs(ratio)
     if not np.all(size <= 1):
@@ -59,6 +76,11 @@ def kalker_simplified(xi: ArrayLike) -> NDArray[np.float64]:
 
     A simplified theory, 5-6 % below the half-space solution at small creepage; the two meet at
     full slip, xi = 1.
+
+    Examples
+    --------
+    >>> kalker_simplified([0.0, 0.5, 1.0]).round(4)
+    array([0.    , 0.8111, 1.    ])
     """
     size = np.minimum(np.abs(xi), 1.0)
     root = (1.0 + size**2 / 2) * np.sqrt(1.0 - size**2)

@@ -39,6 +39,12 @@ def full_slip_force(load: float, mu: Pair, angle: float, slip: Pair) -> Pair:
     ------
     ValueError
         If the slip is zero: its direction is unknown.
+
+    Examples
+    --------
+    >>> Q_x, Q_y = full_slip_force(300.0, (0.6, 0.3), np.pi / 4, slip=(-0.005, 0.0))
+    >>> round(Q_x, 2), round(Q_y, 2)
+    (142.3, 85.38)
     """
     along = _turn(slip, angle)
     norm = math.hypot(mu[0] * along[0], mu[1] * along[1])
@@ -52,6 +58,11 @@ def load_to_carry(force: Pair, mu: Pair, angle: float) -> float:
     """Least normal load under which friction can carry the force (Q_x, Q_y), N.
 
     The elliptic norm sqrt((Q_e1/mu1)² + (Q_e2/mu2)²) of eq. (10), inverse to `full_slip_force`.
+
+    Examples
+    --------
+    >>> round(load_to_carry((90.0, 0.0), (0.6, 0.3), angle=0.0), 9)
+    150.0
     """
     along = _turn(force, angle)
     return math.hypot(along[0] / mu[0], along[1] / mu[1])

@@ -17,6 +17,12 @@ class GlobalWear:
         Half widths of the contact in x and y, mm.
     pressure : ndarray, shape (n + 1,)
         Mean pressure, MPa.
+
+    Examples
+    --------
+    >>> course = giwm(300.0, 114e3, (32.5, 32.3), 125.0, (0.217, 0.827), -0.005, 2e-6, 100)
+    >>> course.depth.shape, bool(course.b[-1] > course.b[0])
+    ((101,), True)
     """
 
     depth: np.ndarray
@@ -63,6 +69,12 @@ def giwm(
     ------
     ValueError
         If a size is not above zero, or the number of revolutions below zero.
+
+    Examples
+    --------
+    >>> course = giwm(300.0, 114e3, (32.5, 32.3), 125.0, (0.217, 0.827), -0.005, 2e-6, 100)
+    >>> float(course.depth[100].round(6))
+    0.000123
     """
     sizes = (load, e_star, *radii_x, radius_y, *semi_axes, intensity)
     if not all(size > 0.0 for size in sizes) or revolutions < 0:

@@ -27,6 +27,12 @@ class HertzContact:
         Approach of distant points of the two bodies, mm.
     load : float
         Normal load P, N.
+
+    Examples
+    --------
+    >>> ball = hertz(e_star=114e3, radius_x=10.0, radius_y=10.0, load=50.0)
+    >>> round(ball.mean_pressure / ball.p0, 4)
+    0.6667
     """
 
     a: float
@@ -55,6 +61,11 @@ def combined_radius(radius_A: float, radius_B: float) -> float:
     """Radius R of 1/R = 1/R_A + 1/R_B, mm: negative for a body that is hollow, inf for flat.
 
     The separation of the bodies is then x²/(2 R_x) + y²/(2 R_y).
+
+    Examples
+    --------
+    >>> combined_radius(32.5, float("inf"))
+    32.5
     """
     curvature = 1 / radius_A + 1 / radius_B
     return 1 / curvature if curvature else math.inf
@@ -97,6 +108,12 @@ def hertz(
     ValueError
         If an argument is not positive and finite, or unless exactly one of `load` and `approach`
         is given.
+
+    Examples
+    --------
+    >>> contact = hertz(e_star=114285.7, radius_x=16.2, radius_y=32.5, load=300.0)
+    >>> round(contact.a, 4), round(contact.b, 4), round(contact.p0, 1)
+    (0.2807, 0.446, 1144.4)
     """
     if (load is None) == (approach is None):
         raise ValueError("give exactly one of load and approach")

@@ -23,6 +23,12 @@ class HertzLine:
         Combined radius R, 1/R = 1/R_A + 1/R_B, mm.
     load_per_length : float
         Normal load per unit length, N/mm.
+
+    Examples
+    --------
+    >>> line = hertz_line(e_star=114e3, radius=25.0, load_per_length=500.0)
+    >>> line.pressure([0.0, line.a]) / line.p0
+    array([1., 0.])
     """
 
     a: float
@@ -67,6 +73,11 @@ def hertz_line(e_star: float, radius: float, load_per_length: float) -> HertzLin
     ------
     ValueError
         If an argument is not positive and finite.
+
+    Examples
+    --------
+    >>> round(hertz_line(e_star=114e3, radius=25.0, load_per_length=500.0).p0)
+    852
     """
     for value in (e_star, radius, load_per_length):
         if not 0 < value < math.inf:

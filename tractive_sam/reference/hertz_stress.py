@@ -23,6 +23,12 @@ def hertz_axis_stress(z: ArrayLike, a: float, p0: float, nu: float) -> Stress:
     With s = z/a: sigma_zz = -p0 / (1 + s²) and
     sigma_xx = sigma_yy = -p0 ((1 + nu) (1 - s atan(1/s)) - 1 / (2 (1 + s²))).
     Source: Johnson, Contact Mechanics (1985), (3.45).
+
+    Examples
+    --------
+    >>> sigma = hertz_axis_stress(0.4809, a=1.0, p0=1.0, nu=0.3)
+    >>> round(float(von_mises(sigma)), 2)
+    0.62
     """
     s = np.asarray(z, float) / a
     zz = -p0 / (1.0 + s * s)
@@ -38,6 +44,12 @@ def circle_pressure_stress(
 
     Boussinesq, Love: 2 pi sigma_ij = -S_ijz + (1 - 2 nu) (A - psi_xx, psi_xx, 0, -psi_xy, 0, 0)
     with the moments of the load and A = (S_xxz + S_yyz + S_zzz) / 3.
+
+    Examples
+    --------
+    >>> sigma = circle_pressure_stress(0.0, 0.0, 0.48, a=1.0, p0=1.0, nu=0.3)
+    >>> round(float(von_mises(sigma)), 3)
+    0.62
     """
     S = _moments(x, y, z, a)
     k = 1.0 - 2.0 * nu
@@ -62,6 +74,12 @@ def circle_shear_stress(
     moments of the load and P = (S_xxx + S_xyy + S_xzz) / 3. In full sliding under the pressure p0,
     q0 = mu p0, the largest tension at the surface is p0 ((1 - 2 nu) / 3 + (4 + nu) pi mu / 8), at
     x = -a (Hamilton & Goodman 1966).
+
+    Examples
+    --------
+    >>> sigma = circle_shear_stress(0.0, 0.0, 0.5, a=1.0, q0=1.0, nu=0.3)
+    >>> sigma.shape
+    (6,)
     """
     S = _moments(x, y, z, a)
     k = 1.0 - 2.0 * nu

@@ -13,6 +13,11 @@ def von_mises(stress: ArrayLike) -> NDArray[np.float64]:
     ----------
     stress : array_like, shape (6, ...)
         Components xx, yy, zz, xy, xz, yz.
+
+    Examples
+    --------
+    >>> float(von_mises([100.0, 0.0, 0.0, 0.0, 0.0, 0.0]))
+    100.0
     """
     xx, yy, zz, xy, xz, yz = stress
     normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
@@ -26,6 +31,11 @@ def principal_stresses(stress: ArrayLike) -> NDArray[np.float64]:
     ----------
     stress : array_like, shape (6, ...)
         Components xx, yy, zz, xy, xz, yz.
+
+    Examples
+    --------
+    >>> principal_stresses([100.0, 0.0, -50.0, 0.0, 0.0, 0.0])
+    array([100.,   0., -50.])
     """
     tensor = np.moveaxis(
         np.asarray(stress, float)[[[0, 3, 4], [3, 1, 5], [4, 5, 2]]], (0, 1), (-2, -1)
@@ -40,6 +50,11 @@ def max_shear(stress: ArrayLike) -> NDArray[np.float64]:
     ----------
     stress : array_like, shape (6, ...)
         Components xx, yy, zz, xy, xz, yz.
+
+    Examples
+    --------
+    >>> float(max_shear([100.0, 0.0, -50.0, 0.0, 0.0, 0.0]))
+    75.0
     """
     largest, _, smallest = principal_stresses(stress)
     return 0.5 * (largest - smallest)

@@ -22,7 +22,13 @@ from .kalker_table import CREEP_COEFFICIENTS, POISSON_RATIOS
 
 
 class CreepCoefficients(NamedTuple):
-    """Kalker's coefficients of longitudinal, lateral, coupled and pure spin creepage."""
+    """Kalker's coefficients of longitudinal, lateral, coupled and pure spin creepage.
+
+    Examples
+    --------
+    >>> creep_coefficients(1.0, 0.25).C11
+    4.12
+    """
 
     C11: float
     C22: float
@@ -31,7 +37,13 @@ class CreepCoefficients(NamedTuple):
 
 
 class CreepForces(NamedTuple):
-    """Resultant tractions on body A: F_x, F_y in N and the moment M_z in N mm."""
+    """Resultant tractions on body A: F_x, F_y in N and the moment M_z in N mm.
+
+    Examples
+    --------
+    >>> linear_creep_forces(1.0, 1.0, 80e3, 0.25, xi_x=-1e-4).Fx
+    32.96
+    """
 
     Fx: float
     Fy: float
@@ -55,6 +67,11 @@ def creep_coefficients(a_over_b: float, poisson: float) -> CreepCoefficients:
     ------
     ValueError
         If an argument lies outside the table.
+
+    Examples
+    --------
+    >>> round(creep_coefficients(a_over_b=1.0, poisson=0.28).C11, 2)
+    4.23
     """
     if not 0.1 <= a_over_b <= 10:
         raise ValueError(f"Kalker's table covers a/b from 0.1 to 10, not {a_over_b}")
@@ -91,6 +108,12 @@ def linear_creep_forces(
     ------
     ValueError
         If a/b or the Poisson's ratio lies outside Kalker's table.
+
+    Examples
+    --------
+    >>> forces = linear_creep_forces(1.0, 1.0, 80e3, 0.25, spin=1e-5)
+    >>> round(forces.Fy, 3), round(forces.Mz, 3)
+    (-1.176, -0.952)
     """
     C11, C22, C23, C33 = creep_coefficients(a / b, poisson)
     c = math.sqrt(a * b)

@@ -24,6 +24,12 @@ def line_pressure_stress(x: ArrayLike, z: ArrayLike, a: float, p0: float, nu: fl
 
         sigma_xx = -(p0/a) (m (1 + f) - 2 z),    sigma_zz = -(p0/a) m (1 - f)
         sigma_xz = -(p0/a) n (m² - z²) / (m² + n²)
+
+    Examples
+    --------
+    >>> sigma = line_pressure_stress(0.0, 0.704, a=1.0, p0=1.0, nu=0.3)
+    >>> round(float(von_mises(sigma)), 4)
+    0.5575
     """
     x, z = np.asarray(x, float), np.asarray(z, float)
     m, n, sum2 = _coordinates(x, z, a)
@@ -39,6 +45,11 @@ def line_shear_stress(x: ArrayLike, z: ArrayLike, a: float, q0: float, nu: float
 
     With m, n of `line_pressure_stress`: sigma_zz and sigma_xz are the sigma_xz and sigma_xx of the
     pressure q0, and sigma_xx = (q0/a) (n (2 - (z² - m²) / (m² + n²)) - 2 x).
+
+    Examples
+    --------
+    >>> line_shear_stress(0.0, 0.5, a=1.0, q0=1.0, nu=0.3).shape
+    (6,)
     """
     x, z = np.asarray(x, float), np.asarray(z, float)
     m, n, sum2 = _coordinates(x, z, a)

@@ -20,6 +20,11 @@ class Material:
     ------
     ValueError
         If a constant lies outside its range.
+
+    Examples
+    --------
+    >>> Material.from_young(208e3, 0.3).shear
+    80000.0
     """
 
     shear: float
@@ -55,6 +60,12 @@ class CombinedMaterial:
     coupling : float
         K, what ties the normal problem to the tangential one; 0 for equal materials, positive
         where the upper body A is the more compliant one.
+
+    Examples
+    --------
+    >>> steel, aluminium = Material.from_young(208e3, 0.3), Material.from_young(70e3, 0.33)
+    >>> combine(aluminium, steel).coupling > 0.0
+    True
     """
 
     shear: float
@@ -82,6 +93,12 @@ def combine(A: Material, B: Material) -> CombinedMaterial:
     ------
     ValueError
         If both bodies are rigid.
+
+    Examples
+    --------
+    >>> steel = Material.from_young(208e3, 0.3)
+    >>> round(combine(steel, steel).E_star)
+    114286
     """
     compliance = (1 / A.shear + 1 / B.shear) / 2
     if compliance == 0:

@@ -22,7 +22,14 @@ from .tables import Load
 
 
 class Body(Table):
-    """One of the two bodies: elastic constants, radii of curvature and hardness."""
+    """One of the two bodies: elastic constants, radii of curvature and hardness.
+
+    Examples
+    --------
+    >>> steel = ts.Body(young=208e3, poisson=0.3, radius_x=32.5, radius_y=32.5)
+    >>> steel.radius_x
+    32.5
+    """
 
     young: Positive | None = positive("Young's modulus, MPa", None)
     shear: Positive | None = positive("shear modulus, MPa", None)
@@ -41,7 +48,16 @@ class Body(Table):
 
 
 class Bodies(Table):
-    """The upper body A and the lower body B."""
+    """The upper body A and the lower body B.
+
+    Examples
+    --------
+    >>> ball = ts.Body(young=208e3, poisson=0.3, radius_x=10.0, radius_y=10.0)
+    >>> plate = ts.Body(young=70e3, poisson=0.33, radius_x=float("inf"), radius_y=float("inf"))
+    >>> pair = ts.Bodies(A=ball, B=plate)
+    >>> round(pair.material.E_star)
+    58462
+    """
 
     A: Body = entry("the upper body", "")
     B: Body = entry("the lower body", "")

@@ -8,7 +8,13 @@ from .faults import Fault, SceneError, shown, suggestion
 
 
 def builtin_names() -> tuple[str, ...]:
-    """Names of the built-in scenes, in alphabetical order."""
+    """Names of the built-in scenes, in alphabetical order.
+
+    Examples
+    --------
+    >>> "twin-discs" in ts.builtin_names()
+    True
+    """
     files = (resources.files(__package__) / "builtin").iterdir()
     return tuple(sorted(f.name.removesuffix(".toml") for f in files if f.name.endswith(".toml")))
 

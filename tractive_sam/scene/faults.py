@@ -49,6 +49,14 @@ class SceneError(Exception):
     ----------
     faults : iterable of Fault
         At least one; kept as the tuple `faults`.
+
+    Examples
+    --------
+    >>> try:
+    ...     scene.with_set(["load.normal=-1"])
+    ... except ts.SceneError as error:
+    ...     print(error.faults[0].key, error.faults[0].allowed)
+    load.normal a number above 0 (normal load P, N; of a line contact N/mm)
     """
 
     subject: ClassVar[str] = "scene"
@@ -66,7 +74,15 @@ class SceneError(Exception):
 
 
 class SceneWarning(UserWarning):
-    """A scene that can be modelled, but hardly as it was meant."""
+    """A scene that can be modelled, but hardly as it was meant.
+
+    Examples
+    --------
+    >>> import warnings
+    >>> with warnings.catch_warnings():
+    ...     warnings.simplefilter("error", ts.SceneWarning)  # to stop at doubtful scenes
+    ...     scene = ts.Scene.builtin("spheres")
+    """
 
 
 def shown(value: object) -> str:

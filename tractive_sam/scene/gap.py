@@ -80,6 +80,13 @@ class Gap(Table):
 
     `separation` has the shape (len(x), len(y)). The arrays are read-only. Only the existence of
     a file is checked here; a relative one is sought from the folder of the TOML file.
+
+    Examples
+    --------
+    >>> groove = ts.Gap(x=[-5, 5], y=[-5, 0, 5], separation=[[0, 1e-3, 0], [0, 1e-3, 0]])
+    >>> grooved = ts.solve(scene.replace(gap=groove))
+    >>> grooved.converged
+    True
     """
 
     file: _File | None = entry("measured separation", "the path of a file", None)

@@ -34,6 +34,12 @@ class Scene(Table):
     -----
     SceneWarning
         If the grid is too coarse for the contact.
+
+    Examples
+    --------
+    >>> lighter = scene.replace(**{"load.normal": 0.2, "friction.mu": 0.3})
+    >>> round(lighter.hertz.a / scene.hertz.a, 3)
+    0.752
     """
 
     title: str = entry("title", "a text", "")

@@ -41,6 +41,11 @@ class Load(Table):
     """What presses the bodies together, and the forces to transmit if not the creepages.
 
     All forces of a line contact (both bodies with ``radius_y = inf``) are per length, N/mm.
+
+    Examples
+    --------
+    >>> ts.Load(normal=300.0, traction_x=120.0).traction_x
+    120.0
     """
 
     normal: Positive | None = positive("normal load P, N; of a line contact N/mm", None)
@@ -53,7 +58,13 @@ class Load(Table):
 
 
 class Creepage(Table):
-    """The rigid creepages; a negative longitudinal one drives body A."""
+    """The rigid creepages; a negative longitudinal one drives body A.
+
+    Examples
+    --------
+    >>> ts.Creepage(longitudinal=-0.005, spin=0.01)
+    Creepage(longitudinal=-0.005, lateral=0.0, spin=0.01)
+    """
 
     longitudinal: Real = number("longitudinal creepage xi_x", 0.0)
     lateral: Real = number("lateral creepage xi_y", 0.0)
@@ -61,7 +72,13 @@ class Creepage(Table):
 
 
 class Friction(Table):
-    """Orthotropic Coulomb friction; `angle` also turns the axes of the wear law."""
+    """Orthotropic Coulomb friction; `angle` also turns the axes of the wear law.
+
+    Examples
+    --------
+    >>> ts.Friction(mu=(0.6, 0.3), angle=45.0)
+    Friction(mu=(0.6, 0.3), angle=45.0)
+    """
 
     mu: OrthotropicPositive = entry(
         "friction coefficients along the axes e1, e2", "a number above 0, or a pair of them"
@@ -84,7 +101,13 @@ def _ascending(save: tuple[int, ...]) -> tuple[int, ...]:
 
 
 class Wear(Table):
-    """Archard wear over many revolutions."""
+    """Archard wear over many revolutions.
+
+    Examples
+    --------
+    >>> ts.Wear(intensity=2e-6, revolutions=15000).stepping
+    'adaptive'
+    """
 
     intensity: OrthotropicNotNegative = entry(
         "wear intensities along the axes e1, e2, 1/MPa", "a number of at least 0, or a pair of them"
@@ -131,6 +154,11 @@ class Mesh(Table):
     """The [grid] table: a rectangle of equal elements around the origin.
 
     A line contact has one number in place of each pair, that in x.
+
+    Examples
+    --------
+    >>> ts.Mesh(half_length=(0.35, 1.4), elements=(41, 121)).elements
+    (41, 121)
     """
 
     half_length: PositiveOneOrTwo = entry(
@@ -157,7 +185,13 @@ class Accuracy(Table):
 
 
 class Subsurface(Table):
-    """Where the stress below the surface is computed."""
+    """Where the stress below the surface is computed.
+
+    Examples
+    --------
+    >>> ts.Subsurface(planes=("y=0", "x=0.5a"), depth=2.0).bodies
+    ('A', 'B')
+    """
 
     planes: Annotated[
         tuple[Annotated[Plane, PlainValidator(Plane.parse)], ...], AfterValidator(_distinct)
@@ -172,7 +206,13 @@ class Subsurface(Table):
 
 
 class Solver(Table):
-    """How the contact problem is solved."""
+    """How the contact problem is solved.
+
+    Examples
+    --------
+    >>> ts.Solver(method="newton", tolerance=1e-6).method
+    'newton'
+    """
 
     method: Literal["auto", "uzawa", "anderson", "newton"] = entry(
         "iteration of the tangential problem", '"auto", "uzawa", "anderson" or "newton"', "auto"

@@ -4,7 +4,16 @@ from pathlib import Path
 
 
 class ResultsError(Exception):
-    """A results file that cannot be read or written."""
+    """A results file that cannot be read or written.
+
+    Examples
+    --------
+    >>> try:
+    ...     ts.open_history("missing.h5")
+    ... except ts.ResultsError as error:
+    ...     print(error)
+    missing.h5 does not exist; write it by tractive-sam run SCENE -o missing.h5
+    """
 
 
 class GapError(ValueError):
@@ -18,6 +27,15 @@ class GapError(ValueError):
         What was found.
     allowed : str
         What is wanted.
+
+    Examples
+    --------
+    >>> try:
+    ...     ts.solve(scene.replace(gap=ts.Gap(file="missing.csv")))
+    ... except (ts.GapError, ts.SceneError) as error:
+    ...     print(error)
+    1 fault in the scene:
+      file: given 'missing.csv'; allowed: an existing file
     """
 
     def __init__(self, path: Path, given: str, allowed: str) -> None:

@@ -36,6 +36,12 @@ def open_history(path: str | Path) -> History:
     ------
     ResultsError
         If there is no such file, or it cannot be read; the message names the cure.
+
+    Examples
+    --------
+    >>> _ = ts.roll(scene, "spheres.h5")
+    >>> round(float(ts.open_history("spheres.h5")["Qx_over_P"][-1]), 3)
+    0.259
     """
     path = Path(path)
     with results_file(path) as file:

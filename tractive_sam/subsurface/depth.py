@@ -25,6 +25,11 @@ def depths(subsurface: Subsurface, a: float) -> np.ndarray:
     -------
     ndarray, shape (subsurface.elements,)
         Ascending, from exactly 0, mm.
+
+    Examples
+    --------
+    >>> depths(ts.Subsurface(planes=("y=0",), depth=1.0, elements=3), a=2.0)
+    array([0.        , 0.70710678, 2.        ])
     """
     return subsurface.depth * a * np.linspace(0.0, 1.0, subsurface.elements) ** 1.5
 

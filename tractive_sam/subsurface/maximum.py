@@ -39,6 +39,12 @@ class VonMisesMaximum:
         surface than that.
     surface, surface_at : float, tuple of float
         The largest value at the centres of elements at the surface.
+
+    Examples
+    --------
+    >>> top = ts.von_mises_maximum(contact)
+    >>> top.value == max(top.interior, top.surface)
+    True
     """
 
     value: float
@@ -77,6 +83,12 @@ def von_mises_maximum(contact: Contact, body: str = "A") -> VonMisesMaximum:
     ------
     ValueError
         If there is no such body.
+
+    Examples
+    --------
+    >>> top = ts.von_mises_maximum(contact, "A")
+    >>> round(top.interior / scene.hertz.p0, 2), round(top.interior_at[2] / scene.hertz.a, 2)
+    (0.67, 0.47)
     """
     load = LoadedBodies.of(contact, (body,))
     if not load.tractions.any():

@@ -34,6 +34,14 @@ class PlaneStress:
         where x is constant, "x" and "depth" where y is, "x" and "y" at constant depth.
     components : dict of str to ndarray
         xx, yy, zz, xy, xz, yz in the axes of the contact, MPa.
+
+    Examples
+    --------
+    >>> stress = ts.stress_on_plane(contact, "x=0")
+    >>> list(stress.axes), list(stress.components)
+    (['y', 'depth'], ['xx', 'yy', 'zz', 'xy', 'xz', 'yz'])
+    >>> bool(stress.von_mises.max() < scene.hertz.p0)
+    True
     """
 
     body: str
@@ -94,6 +102,12 @@ def stress_on_plane(
     ValueError
         If the plane cannot be read or has no position, there is no such body, or depths are
         negative or not finite.
+
+    Examples
+    --------
+    >>> stress = ts.stress_on_plane(contact, "y=0.5a", "B")
+    >>> stress.von_mises.shape
+    (91, 64)
     """
     return next(stress_on_planes(contact, (plane,), (body,), depths))
 
@@ -123,6 +137,11 @@ def stress_on_planes(
     ------
     ValueError
         As for `stress_on_plane`, or if planes or bodies are left to a scene without [subsurface].
+
+    Examples
+    --------
+    >>> [f"{one.body}, {one.plane}" for one in ts.stress_on_planes(contact, ("y=0",), ("A", "B"))]
+    ['A, y=0', 'B, y=0']
     """
     asked = contact.scene.subsurface
     if asked is None and (planes is None or bodies is None):

@@ -73,6 +73,12 @@ def stress_at(contact: Contact, points: ArrayLike, body: str = "A") -> np.ndarra
     ------
     ValueError
         If there is no such body, or points are not of that shape, finite and below the surface.
+
+    Examples
+    --------
+    >>> sigma = ts.stress_at(contact, [(0.0, 0.0, 0.5 * scene.hertz.a)])
+    >>> sigma.shape
+    (1, 6)
     """
     points = np.ascontiguousarray(points, dtype=float)
     if points.ndim != 2 or points.shape[1] != 3:

@@ -36,6 +36,13 @@ def stress_volume(
     ------
     ValueError
         If there is no such body, or depths are negative or not finite.
+
+    Examples
+    --------
+    >>> for depth, stress in ts.stress_volume(contact, [0.5, 1.0]):
+    ...     print(depth, stress.shape)
+    0.5 (6, 91, 91)
+    1.0 (6, 91, 91)
     """
     # Checked at the call, not at the first layer.
     return _layers(LoadedBodies.of(contact, (body,)), contact, checked(depths), threads)
