@@ -2,13 +2,15 @@ import json
 import re
 from base64 import b64decode
 from html.parser import HTMLParser
+from importlib import import_module
 
 import pytest
 from typer.testing import CliRunner
 
+from tractive_sam import plot
 from tractive_sam.cli import app
 from tractive_sam.cli.plot import Format
-from tractive_sam.paper import CHAPTERS, FULL, Statement, Verdict, reproduce
+from tractive_sam.paper import CHAPTERS, FULL, Chapter, Picture, Statement, Verdict, reproduce
 from tractive_sam.paper.page import text
 from tractive_sam.store import open_history
 
@@ -126,6 +128,31 @@ def test_a_folder_that_cannot_be_made(tmp_path):
     result = CliRunner().invoke(app, ["reproduce", "-o", str(tmp_path / "taken")])
     assert result.exit_code == 2
     assert "cannot be written" in result.stderr
+
+
+def one_figure(work):
+    yield Statement("Fig. 0", "a", "b", Verdict.OPEN)
+    yield Picture("fig-00", plot.creep_force_curve({"one": ([0.5], [0.8])}), "Fig. 0. A curve.")
+
+
+def interrupted(work):
+    yield from one_figure(work)
+    raise KeyboardInterrupt
+
+
+def test_an_earlier_run_is_replaced(tmp_path, monkeypatch):
+    module = import_module("tractive_sam.paper.reproduce")
+    monkeypatch.setattr(module, "CHAPTERS", (Chapter("One", "Fig. 0", one_figure),))
+    told = []
+    for format in ("png", "pdf"):
+        page = reproduce(tmp_path, format=format, tell=lambda *line: told.append(line))
+        assert [file.name for file in (tmp_path / "figures").iterdir()] == [f"fig-00.{format}"]
+    assert told == [(0, "figure fig-00")] * 2
+    assert FULL.name in page.read_text("utf-8")
+    monkeypatch.setattr(module, "CHAPTERS", (Chapter("One", "Fig. 0", interrupted),))
+    with pytest.raises(KeyboardInterrupt):
+        reproduce(tmp_path)
+    assert not page.exists()
 
 
 def test_chapters_and_formats():

@@ -73,7 +73,7 @@ def page(
 def text(plain: str) -> str:
     """Escape plain text, with the indices of its symbols lowered and its minus signs drawn."""
     lowered = re.sub(
-        r"(?<![A-Za-z])([A-Za-zξσµ])_([A-Za-z0-9]+)", r"\1<sub>\2</sub>", escape(plain)
+        r"(?<![A-Za-z])([A-Za-zξσµ])_([A-Za-z0-9]+)", r"\1<sub>\2</sub>", escape(plain, quote=False)
     )
     return re.sub(r"(?<![\w.)])-(?=\d)", "−", lowered)
 

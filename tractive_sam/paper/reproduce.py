@@ -64,6 +64,9 @@ def reproduce(
     figures, results = directory / "figures", directory / "results"
     for folder in (figures, results):
         folder.mkdir(parents=True, exist_ok=True)
+    target, list_of_statements = directory / "index.html", directory / "statements.json"
+    for old in (target, list_of_statements):
+        old.unlink(missing_ok=True)  # a run that is interrupted must not leave the page of another
     began, chapters, statements = perf_counter(), [], []
     for number, about in enumerate(CHAPTERS):
         told = partial(tell, number)
@@ -71,10 +74,7 @@ def reproduce(
         chapters.append((about, chapter(number, about, findings)))
     seconds = perf_counter() - began
     listed = [asdict(statement) for statement in statements]
-    (directory / "statements.json").write_text(
-        json.dumps(listed, indent=1, ensure_ascii=False), "utf-8"
-    )
-    target = directory / "index.html"
+    list_of_statements.write_text(json.dumps(listed, indent=1, ensure_ascii=False), "utf-8")
     target.write_text(page(chapters, statements, size, seconds), "utf-8")
     return target
 
@@ -90,11 +90,18 @@ def _kept(
     for finding in findings:
         if isinstance(finding, Picture):
             tell(f"figure {finding.name}")
-            path = figures / f"{finding.name}.{format}"
-            if format == "svg":
-                path.write_bytes(finding.svg)
-            else:
-                finding.figure.savefig(path)
+            _save(finding, figures, format)
         elif isinstance(finding, Statement):
             statements.append(finding)
         yield finding
+
+
+def _save(picture: Picture, figures: Path, format: str) -> None:
+    """Write a figure in place of its file of an earlier run, in whatever format that was."""
+    for old in FORMATS:
+        (figures / f"{picture.name}.{old}").unlink(missing_ok=True)
+    path = figures / f"{picture.name}.{format}"
+    if format == "svg":
+        path.write_bytes(picture.svg)
+    else:
+        picture.figure.savefig(path)

@@ -29,14 +29,14 @@ def pressure_over_revolutions(history: History) -> Figure:
 
 @styled
 def slip_over_revolutions(history: History) -> Figure:
-    """Slip |s|/V at the stored revolutions.
+    """Slip |s|/V at the stored revolutions, with the edge of stick.
 
     Examples
     --------
     >>> plot.slip_over_revolutions(history)
     <Figure size ...>
     """
-    return _maps(history, _slip, "$|s|/V$", SLIP, Map.fill_up_to_edge)
+    return _maps(history, _slip, "$|s|/V$", SLIP, Map.fill_up_to_edge, stick=True)
 
 
 @styled
@@ -57,12 +57,15 @@ def _maps(
     label: str,
     colours: str,
     fill: Callable,
+    stick: bool = False,
 ) -> Figure:
     states = [State.of_history(history, N) for N in chosen(history.field_revolutions, MOST)]
     figure, charts = Map.row(states)
     highest = max(values(state)[state.touching].max() for state in states)
     for chart in charts:
         mesh = fill(chart, values(chart.state), cmap=colours, vmin=0.0, vmax=highest)
+        if stick:
+            chart.stick_edge(colors="white", linewidths=1.2, linestyles="--")
     charts[-1].colour_bar(mesh, label.format(p=states[0].scale.p_symbol))
     return figure
 
