@@ -50,6 +50,12 @@ class Variable:
         Numbers, or texts, which are drawn at equal distances.
     meaning : str
         What to call it where the field has no symbol, with its unit.
+
+    Examples
+    --------
+    >>> mu = plot.Variable("friction.mu", np.array([0.1, 0.3, 0.9]))
+    >>> mu.numeric, mu.logarithmic
+    (True, False)
     """
 
     name: str
@@ -97,6 +103,13 @@ def study_curves(
         The other entry, m values; at most `MOST_CURVES` of them are drawn.
     title : str
         Title of the figure.
+
+    Examples
+    --------
+    >>> mu = plot.Variable("friction.mu", np.array([0.1, 0.2, 0.4]))
+    >>> force = plot.Variable("Qx_over_P", np.array([0.1, 0.19, 0.31]))
+    >>> plot.study_curves(mu, force)
+    <Figure size ...>
     """
     figure = Figure(figsize=(WIDTH, 0.72 * WIDTH))
     axes = figure.add_subplot()
@@ -128,6 +141,14 @@ def study_map(x: Variable, y: Variable, quantity: Variable, *, title: str = "") 
         The quantity, shape (n, m).
     title : str
         Title of the figure.
+
+    Examples
+    --------
+    >>> mu = plot.Variable("friction.mu", np.array([0.2, 0.4]))
+    >>> beta = plot.Variable("friction.angle", np.array([0, 45, 90]))
+    >>> force = plot.Variable("Qx_over_P", np.array([[0.19, 0.18, 0.17], [0.31, 0.29, 0.27]]))
+    >>> plot.study_map(mu, beta, force)
+    <Figure size ...>
     """
     figure = Figure(figsize=(WIDTH, 0.8 * WIDTH))
     axes = figure.add_subplot(facecolor="#DDDDDD")
@@ -144,7 +165,15 @@ def study_map(x: Variable, y: Variable, quantity: Variable, *, title: str = "") 
 
 @styled
 def study_samples(variables: Mapping[str, Variable], y: Variable, *, title: str = "") -> Figure:
-    """A quantity over each entry of a Latin hypercube, one point a sample."""
+    """A quantity over each entry of a Latin hypercube, one point a sample.
+
+    Examples
+    --------
+    >>> mu = plot.Variable("friction.mu", np.array([0.13, 0.2, 0.38]))
+    >>> force = plot.Variable("Qx_over_P", np.array([0.13, 0.18, 0.3]))
+    >>> plot.study_samples({"friction.mu": mu}, force)
+    <Figure size ...>
+    """
     count = len(variables)
     figure = Figure(figsize=(WIDTH * min(count, 3) * 0.7, 0.6 * WIDTH * -(-count // 3)))
     panels = figure.subplots(-(-count // 3), min(count, 3), sharey=True, squeeze=False)
