@@ -174,6 +174,11 @@ class Accuracy(Table):
     The mesh is refined until the error bars of the forces and of the moment, of the largest
     pressure of the new bodies and of the depth of wear are within the tolerance. The largest
     stress has a bar of its own, which may be wider.
+
+    Examples
+    --------
+    >>> ts.Accuracy(tolerance=1e-2).elements
+    300000
     """
 
     tolerance: Real = entry(

@@ -104,7 +104,13 @@ def von_mises_maximum(contact: Contact, body: str = "A") -> VonMisesMaximum:
 
 
 def von_mises_maxima(contact: Contact) -> dict[str, VonMisesMaximum]:
-    """The largest equivalent stress in each body that the scene's [subsurface] names."""
+    """The largest equivalent stress in each body that the scene's [subsurface] names.
+
+    Examples
+    --------
+    >>> list(von_mises_maxima(contact))
+    ['A', 'B']
+    """
     subsurface = contact.scene.subsurface
     bodies = () if subsurface is None else subsurface.bodies
     return {body: von_mises_maximum(contact, body) for body in bodies}
