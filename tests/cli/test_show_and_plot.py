@@ -64,6 +64,11 @@ def test_plot_elsewhere_in_another_format(call, stored, monkeypatch):
     assert asked == [(Path("here"), "svg")]
 
 
+def test_plot_with_an_animation(call, stored, folder):
+    assert call("plot", stored, "--animate").exit_code == 0
+    assert (folder / "stored-figures" / "evolution.gif").stat().st_size
+
+
 def test_plot_that_cannot_be_written(call, stored):
     result = call("plot", stored, "-o", stored)
     assert result.exit_code == 2

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
+from PIL import Image
 
 from tests.plot import strip_theory as strips
 from tractive_sam import plot
@@ -21,6 +22,7 @@ OF_A_HISTORY = (
     plot.widths,
     plot.wear_depth,
     plot.wear_profiles,
+    plot.worn_profiles,
     plot.pressure_profiles,
     plot.pressure_over_revolutions,
     plot.slip_over_revolutions,
@@ -74,10 +76,24 @@ def test_maps_side_by_side_share_their_colours():
 
 def test_worn_bodies_part_by_what_was_worn_off_them():
     axes = drawn(plot.worn_profiles(strips.history())).axes[0]
-    upper, lower = axes.lines[2].get_ydata(), axes.lines[5].get_ydata()
+    upper, lower = (line.get_ydata() for line in axes.lines[-2:])
     history = strips.history()
     worn = history["wear_profile_A"][-1] + history["wear_profile_B"][-1]
     np.testing.assert_allclose(upper - lower, 1e3 * (worn + history.y**2 / 100.0), rtol=1e-12)
+
+
+def test_animation_has_a_picture_for_every_stored_revolution(tmp_path):
+    path = plot.animate(strips.history(), tmp_path / "a.gif")
+    with Image.open(path) as pictures:
+        assert pictures.n_frames == 3
+        assert pictures.info["duration"] == 500  # ms, of two a second
+
+
+def test_animation_of_what_does_not_move(tmp_path):
+    with pytest.raises(ValueError, match=r'ends in "\.gif"'):
+        plot.animate(strips.history(), tmp_path / "a.mp4")
+    with pytest.raises(ValueError, match=r"list more in wear\.save"):
+        plot.animate(strips.history((0,)), tmp_path / "a.gif")
 
 
 def test_nothing_overlaps_the_edge_of_the_paper():

@@ -30,15 +30,24 @@ def plot(
         ),
     ] = None,
     format: Annotated[Format, typer.Option(help="Format of the figures.")] = Format.PNG,
+    animated: Annotated[
+        bool,
+        typer.Option("--animate", help="Write evolution.gif as well, over the stored revolutions."),
+    ] = False,
 ) -> None:
     """Draw every figure that a results file has something to show in."""
     with bad_input_told():
-        from tractive_sam.plot import save_all
+        from tractive_sam.plot import animate, save_all
         from tractive_sam.store import open_history
 
         history = open_history(file)
         try:
-            paths = save_all(history, output or Path(f"{file.stem}-figures"), format)
+            folder = output or Path(f"{file.stem}-figures")
+            paths = save_all(history, folder, format)
+            if animated:
+                paths.append(animate(history, folder / "evolution.gif"))
+        except ValueError as error:
+            raise stop(Status.INVALID, str(error)) from None
         except OSError as error:
             raise stop(Status.INVALID, f"the figures cannot be written: {error}") from None
     if not paths:

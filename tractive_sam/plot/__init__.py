@@ -1,8 +1,10 @@
 """Figures as the field draws them; the only room that draws.
 
-Every function returns a matplotlib `Figure` that belongs to no window and no global state.
+Every function returns a matplotlib `Figure` that belongs to no window and no global state, but for
+`save_all` and `animate`, which write files.
 """
 
+from tractive_sam.plot.animation import animate
 from tractive_sam.plot.comparison import compared
 from tractive_sam.plot.courses import forces, von_mises_course, wear_depth, widths
 from tractive_sam.plot.creep_force import creep_force_curve
@@ -26,6 +28,7 @@ __all__ = [
     "Scale",
     "State",
     "Variable",
+    "animate",
     "compared",
     "creep_force_curve",
     "forces",

@@ -1,10 +1,12 @@
-"""Numbers over the revolutions: forces, and the size and pressure of the contact."""
+"""Numbers over the revolutions: forces, the size and pressure of the contact, wear, stress."""
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 
 from tractive_sam.plot.scale import Scale
+from tractive_sam.plot.stress import NOTE
 from tractive_sam.plot.style import BLUE, VERMILLION, WIDTH, set_title, styled
 from tractive_sam.record import History
 
@@ -66,24 +68,33 @@ def wear_depth(history: History) -> Figure:
 
 @styled
 def von_mises_course(history: History) -> Figure:
-    """Largest equivalent stress of each body, inside and at the surface, over the revolutions.
+    """Largest equivalent stress of each body, inside and at its surface, over the revolutions.
+
+    A body that wears may have no maximum inside any more: its line then ends, or is interrupted.
+
+    Raises
+    ------
+    ValueError
+        If no stress was computed.
 
     Examples
     --------
     >>> plot.von_mises_course(history)
     <Figure size ...>
     """
+    if not history.bodies:
+        raise ValueError("no stress was computed: add [subsurface] to the scene")
     figure, axes = _over_revolutions(history)
     scale = Scale.of_history(history)
     colours = {"A": BLUE, "B": VERMILLION}
-    for column, body in enumerate(history.bodies):
-        for place, style in (("interior", "-"), ("surface", "--")):
-            values = history[f"von_mises_{place}"][:, column] / scale.p
-            line = _course(axes, history, values, f"{body}, {place}")
-            line.set(linestyle=style, color=colours[body])
+    for kind, style in (("interior", "-"), ("surface", "--")):
+        for body, values in zip(history.bodies, history[f"von_mises_{kind}"].T, strict=True):
+            look = {"color": colours[body], "linestyle": style}
+            _course(axes, history, values / scale.p, f"{body}, {kind}", **look)
     axes.set_ylim(bottom=0.0)
-    axes.set_ylabel(rf"largest $\sigma_\mathrm{{vM}}/{scale.p_symbol}$")
-    axes.legend(loc="best", title="surface values depend on the mesh")
+    axes.set_ylabel(rf"$\sigma_\mathrm{{vM}}/{scale.p_symbol}$")
+    axes.legend(loc="lower right", ncols=2)
+    figure.supxlabel(NOTE, fontsize=9)
     return figure
 
 
@@ -91,11 +102,12 @@ def _over_revolutions(history: History) -> tuple[Figure, Axes]:
     figure = Figure(figsize=(WIDTH, 0.66 * WIDTH))
     axes = figure.add_subplot()
     axes.set(xlabel="revolutions $N$", xlim=(0, max(1, history["revolution"][-1])))
+    axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
+    axes.xaxis.set_major_formatter("{x:,.0f}")
     set_title(figure, history.title)
     return figure, axes
 
 
-def _course(axes: Axes, history: History, values, label: str) -> Line2D:
-    (line,) = axes.plot(history["revolution"], values, label=label)
+def _course(axes: Axes, history: History, values: np.ndarray, label: str, **style) -> None:
+    (line,) = axes.plot(history["revolution"], values, label=label, **style)
     line.set_clip_on(False)
-    return line

@@ -54,7 +54,10 @@ def traction(source: Source, revolution: int | None = None) -> Figure:
 
 @styled
 def stick_slip_map(source: Source, revolution: int | None = None) -> Figure:
-    """Map of the elements that stick and that slip, and the directions of the slip of A over B.
+    """Map of the zones of stick and slip, and the directions of the slip of A over B.
+
+    The shares are those of all elements; the steps of the leading edge, which slip where friction
+    can carry next to nothing, are coloured as the zone behind them.
 
     Examples
     --------
@@ -63,8 +66,8 @@ def stick_slip_map(source: Source, revolution: int | None = None) -> Figure:
     """
     state = State.of(source, revolution)
     figure, chart = Map.single(state)
-    chart.fill_elements(state.sliding, cmap=ListedColormap([SKY, ORANGE]), vmin=0, vmax=1)
-    chart.arrows(state.slip, state.sliding, color="black")
+    chart.fill_elements(state.slip_zone, cmap=ListedColormap([SKY, ORANGE]), vmin=0, vmax=1)
+    chart.arrows(state.slip, state.slip_zone, color="black")
     sliding = np.count_nonzero(state.sliding) / np.count_nonzero(state.touching)
     chart.axes.legend(
         handles=[

@@ -77,6 +77,8 @@ def _figures(history: History) -> Iterator[tuple[str, Figure]]:
     if len(stored) > 1:
         for name, draw in (_LINE_EVOLUTIONS if history.line else _EVOLUTIONS).items():
             yield name, draw(history)
+        if not history.line and np.any(history["wear_profile"]):
+            yield "worn-profiles", worn_profiles(history)
 
 
 def _planes(history: History) -> dict[str, tuple[str, ...]]:
@@ -93,7 +95,6 @@ _COURSES = {"forces": forces, "widths": widths, "wear-depth": wear_depth}
 
 _EVOLUTIONS = {
     "wear-profiles": wear_profiles,
-    "worn-profiles": worn_profiles,
     "pressure-profiles": pressure_profiles,
     "pressure-over-revolutions": pressure_over_revolutions,
     "slip-over-revolutions": slip_over_revolutions,

@@ -32,7 +32,7 @@ def line_pressure(source: Source, revolution: int | None = None) -> Figure:
     axes.plot(x, state.pressure[:, 0] / scale.p, color=BLUE, label="$p_n$")
     axes.set_ylim(bottom=0.0)
     axes.set_ylabel(f"$p_n/{scale.p_symbol}$")
-    figure.legend(loc="outside right upper")
+    figure.legend(loc="outside right center")
     return figure
 
 
@@ -49,7 +49,7 @@ def line_traction(source: Source, revolution: int | None = None) -> Figure:
     figure, axes = _over_x(state)
     section(axes, state, 0.0)
     axes.set_ylabel(f"$p/{state.scale.p_symbol}$")
-    figure.legend(loc="outside right upper")
+    figure.legend(loc="outside right center")
     return figure
 
 
@@ -70,7 +70,7 @@ def line_slip(source: Source, revolution: int | None = None) -> Figure:
         if np.any(slip):
             axes.plot(state.x_over_a[inside], slip[inside], color=color, label=f"$s_{name}/V$")
     axes.set_ylabel("slip / rolling speed")
-    figure.legend(loc="outside right upper")
+    figure.legend(loc="outside right center")
     return figure
 
 
@@ -93,7 +93,7 @@ def line_pressures(history: History) -> Figure:
     axes.set_ylim(bottom=0.0)
     axes.set_ylabel(f"$p_n/{scale.p_symbol}$")
     set_title(figure, history.title)
-    figure.legend(title="$N$", loc="outside right upper")
+    figure.legend(title="$N$", loc="outside right center")
     return figure
 
 

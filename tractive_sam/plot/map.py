@@ -1,7 +1,6 @@
 """A map of the contact, true to scale."""
 
 from collections.abc import Sequence
-from textwrap import wrap
 from typing import Self
 
 import numpy as np
@@ -11,7 +10,7 @@ from matplotlib.figure import Figure
 
 from tractive_sam.plot.frame import Frame
 from tractive_sam.plot.state import State
-from tractive_sam.plot.style import WIDTH, set_title
+from tractive_sam.plot.style import WIDTH, set_title, wrapped
 from tractive_sam.plot.zones import contact_edge, continued, stick_edge
 
 ARROWS = 14
@@ -26,8 +25,8 @@ LEFT, RIGHT, BOTTOM, TOP = 0.65, 1.15, 0.55, 0.35
 LINE, APART = 0.22, 0.12
 """Height of a line of the title, and distance of maps side by side, inches."""
 
-BAR, BAR_GAP = 0.13, 0.08
-"""Width of a colour bar and its distance from the map, inches."""
+BAR, BAR_GAP, SHORTEST_BAR = 0.13, 0.08, 0.7
+"""Width of a colour bar, its distance from the map, and its least height, inches."""
 
 
 class Map:
@@ -107,7 +106,7 @@ class Map:
 
     def colour_bar(self, mesh: QuadMesh, label: str) -> None:
         """Put a colour bar beside the map."""
-        beside = self._axes(self.left + self.frame.width + BAR_GAP, BAR)
+        beside = bar(self.figure, self.left + self.frame.width, BOTTOM, self.frame.height)
         self.figure.colorbar(mesh, cax=beside, label=label)
 
     def arrows(self, vectors: np.ndarray, where: np.ndarray, color: str) -> None:
@@ -142,6 +141,12 @@ def placed(figure: Figure, left: float, bottom: float, width: float, height: flo
     return figure.add_axes(box)
 
 
+def bar(figure: Figure, right: float, bottom: float, height: float) -> Axes:
+    """Axes for a colour bar beside a map that ends there, inches; beside a flat map they hang."""
+    longer = max(height, SHORTEST_BAR)
+    return placed(figure, right + BAR_GAP, bottom + height - longer, BAR, longer)
+
+
 def paper(width: float, frame: Frame, title: str, below: float = 0.0) -> Figure:
     """Make a figure for maps of that frame under a title, of as many lines as it needs.
 
@@ -156,10 +161,9 @@ def paper(width: float, frame: Frame, title: str, below: float = 0.0) -> Figure:
     below : float
         Room below the labels of the maps, inches.
     """
-    lines = [part for line in title.split("\n") for part in wrap(line, int(11 * width)) or [""]]
-    height = below + BOTTOM + frame.height + TOP + LINE * (len(lines) - 1)
+    height = below + BOTTOM + frame.height + TOP + LINE * (len(wrapped(title, width)) - 1)
     figure = Figure(figsize=(width, height), layout="none")
-    set_title(figure, "\n".join(lines), y=1 - 0.08 / height, linespacing=1.15)
+    set_title(figure, title, y=1 - 0.08 / height)
     return figure
 
 

@@ -1,16 +1,21 @@
 """Functions of y, one line for each stored revolution."""
 
+from collections.abc import Callable
+
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from tractive_sam.plot.scale import Scale
-from tractive_sam.plot.style import MICRON, WIDTH, set_title, styled
+from tractive_sam.plot.style import GREY, MICRON, WIDTH, set_title, styled
 from tractive_sam.record import History
 
 MOST = 8
 """Lines of a figure; of more revolutions some are left out."""
+
+BESIDE = 0.15
+"""Shown on either side of the worn track, over its half width."""
 
 
 def chosen(revolutions: np.ndarray, most: int = MOST) -> np.ndarray:
@@ -30,8 +35,8 @@ def wear_profiles(history: History) -> Figure:
     <Figure size ...>
     """
     figure, axes = _across(history)
-    depth = dict(zip(history["revolution"], history["wear_profile"], strict=True))
-    _lines(axes, history, lambda revolution: MICRON * depth[revolution])
+    depth = _stored(history, "wear_profile")
+    _lines(axes, history, lambda N: MICRON * depth[N])
     axes.invert_yaxis()
     axes.set_ylabel(r"wear depth $w$ ($\mathrm{\mu m}$)")
     return figure
@@ -39,29 +44,48 @@ def wear_profiles(history: History) -> Figure:
 
 @styled
 def worn_profiles(history: History) -> Figure:
-    """Cross-sections of both bodies at x = 0, A above B, at the stored revolutions.
+    """Cross sections of both bodies across the track, undeformed, at the stored revolutions.
 
-    Each body by its own radius, less the depth worn off it; as if they touched at one point.
+    A above B, as they touch before they wear: the radii R_y and the depth worn off each. Heights
+    are exaggerated; a measured [gap] belongs to neither body and is not drawn.
+
+    Raises
+    ------
+    ValueError
+        If nothing is worn.
 
     Examples
     --------
     >>> plot.worn_profiles(history)
     <Figure size ...>
     """
+    worn = history.y[(history["wear_profile"] > 0.0).any(axis=0)]
+    if not worn.size:
+        raise ValueError("nothing to draw: the bodies are not worn")
     figure, axes = _across(history)
-    row = {revolution: k for k, revolution in enumerate(history["revolution"])}
-    for body, sign in (("A", 1.0), ("B", -1.0)):
-        radius = history.settings["body"][body]["radius_y"]
-        shape = 0.5 * history.y**2 / radius
-        worn = history[f"wear_profile_{body}"]
-        _lines(axes, history, lambda N, s=sign, h=shape, w=worn: MICRON * s * (h + w[row[N]]))
-        axes.text(0.02, 0.5 + 0.44 * sign, body, transform=axes.transAxes, va="center")
-    axes.set_ylabel(r"surface $z$ ($\mathrm{\mu m}$)")
-    handles, labels = axes.get_legend_handles_labels()
-    once = dict(zip(labels, handles, strict=True))
-    figure.legends.clear()
-    figure.legend(once.values(), once.keys(), title="$N$", loc="outside right upper")
+    y = history.y / Scale.of_history(history).b
+    shown = np.abs(history.y) <= (1.0 + BESIDE) * np.abs(worn).max()
+    surfaces = {body: _surfaces(history, body) for body in "AB"}
+    _lines(axes, history, *(lambda N, one=one: one[N] for one in surfaces.values()))
+    last = int(history.field_revolutions[-1])
+    heights = np.array([one[N][shown] for one in surfaces.values() for N in (0, last) if N in one])
+    margin = 0.12 * np.ptp(heights)
+    ends = {"A": heights.max() + margin, "B": heights.min() - margin}
+    for body, end in ends.items():
+        axes.fill_between(y, surfaces[body][last], end, color=GREY, alpha=0.12, linewidth=0.0)
+        place = {"va": "top", "y": 0.96} if body == "A" else {"va": "bottom", "y": 0.04}
+        axes.text(x=0.02, s=body, transform=axes.transAxes, fontsize=13, **place)
+    axes.set(xlim=(y[shown].min(), y[shown].max()), ylim=(ends["B"], ends["A"]))
+    axes.set_ylabel(r"height $z$ ($\mathrm{\mu m}$)")
     return figure
+
+
+def _surfaces(history: History, body: str) -> dict[int, np.ndarray]:
+    """Height of the surface of a body at every record, micrometres, shape (n_y,)."""
+    upwards = 1.0 if body == "A" else -1.0
+    crown = history.y**2 / (2.0 * history.settings["body"][body]["radius_y"])
+    depth = _stored(history, f"wear_profile_{body}")
+    return {N: upwards * MICRON * (crown + worn) for N, worn in depth.items()}
 
 
 @styled
@@ -89,12 +113,18 @@ def _across(history: History) -> tuple[Figure, Axes]:
     return figure, axes
 
 
-def _lines(axes: Axes, history: History, values) -> None:
+def _stored(history: History, name: str) -> dict[int, np.ndarray]:
+    """A function of y of every record, by revolutions."""
+    return dict(zip(history["revolution"].tolist(), history[name], strict=True))
+
+
+def _lines(axes: Axes, history: History, *values: Callable[[int], np.ndarray]) -> None:
     """Draw values(revolution), from light to dark in the order of the revolutions."""
     y = history.y / Scale.of_history(history).b
-    revolutions = chosen(history.field_revolutions)
+    revolutions = chosen(history.field_revolutions).tolist()
     shades = colormaps["viridis_r"](np.linspace(0.08, 1.0, len(revolutions)))
     for revolution, shade in zip(revolutions, shades, strict=True):
-        axes.plot(y, values(revolution), color=shade, label=f"{revolution}")
+        lines = axes.plot(y, np.transpose([of(revolution) for of in values]), color=shade)
+        lines[0].set_label(f"{revolution}")
     axes.set_xlim(y.min(), y.max())
-    axes.figure.legend(title="$N$", loc="outside right upper")
+    axes.figure.legend(title="$N$", loc="outside right center")

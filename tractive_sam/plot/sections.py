@@ -13,7 +13,6 @@ OFF_CENTRE = 0.75
 NEGLIGIBLE = 1e-3
 """Component of the traction, relative to the largest traction, that is not drawn."""
 
-
 MARGIN = 0.08
 """Before and behind the contact, in half widths a."""
 
@@ -41,7 +40,7 @@ def traction_sections(source: Source, revolution: int | None = None) -> Figure:
         ax.set_title(name, loc="center")
         ax.set_xlabel(f"$x/{scale.a_symbol}$")
     axes[0].set_ylabel(f"$p/{scale.p_symbol}$")
-    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside right upper")
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside right center")
     set_title(figure, state.caption)
     return figure
 

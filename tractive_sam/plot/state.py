@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
 import numpy as np
+from scipy.ndimage import binary_opening
 
 from tractive_sam.plot.scale import Scale
 from tractive_sam.record import History
@@ -162,6 +163,15 @@ class State:
         """Elements in contact that have reached the friction bound, bool."""
         margin = ON_THE_BOUND * self.pressure.max()
         return self.touching & (self.utilisation >= self.pressure - margin)
+
+    @cached_property
+    def slip_zone(self) -> np.ndarray:
+        """Elements that slip together with the next one in x, bool.
+
+        On a mesh the steps of the leading edge slip, where the bound nearly vanishes; a layer of
+        one element is no zone.
+        """
+        return binary_opening(self.sliding, [[True], [True]])
 
     @property
     def bounds(self) -> tuple[float, float]:

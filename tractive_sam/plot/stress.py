@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from tractive_sam.plot.frame import TICK_ROOM, Frame
-from tractive_sam.plot.map import APART, BAR, BAR_GAP, BOTTOM, LEFT, LINE, RIGHT, paper, placed
+from tractive_sam.plot.map import APART, BOTTOM, LEFT, LINE, RIGHT, bar, paper, placed
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.section import Section, common_levels, known_part
 from tractive_sam.plot.state import State
@@ -34,6 +34,9 @@ AROUND = 0.5
 
 PLACE = 0.22
 """Room for the name of the plane above it, inches."""
+
+NARROWEST = 3.6
+"""Width of a figure that has room for its legend, inches."""
 
 NOTE = "At the surface, values depend on the mesh."
 
@@ -225,7 +228,7 @@ def _panels(
     if any(section.mesh_dependent for section in sections):
         handles.append(Line2D([], [], linestyle="none", label=NOTE))
     below, step = LINE * len(handles), frame.width + APART
-    width = LEFT + count * step - APART + RIGHT
+    width = max(LEFT + count * step - APART + RIGHT, NARROWEST)
     figure = paper(width, frame, state.caption if state else "", below + PLACE)
     style = {"loc": "lower left", "borderaxespad": 0.2, "fontsize": 9, "handlelength": 1.0}
     figure.legend(handles=handles, bbox_to_anchor=((LEFT - 0.2) / width, 0.0), **style)
@@ -276,7 +279,6 @@ def _colour_bar(figure: Figure, axes: Axes, filled: ContourSet, section: Section
     """Put a colour bar beside the axes, as high as they are, with as many ticks as it has room."""
     width, height = figure.get_size_inches()
     box = axes.get_position(original=True)
-    left = box.x1 * width + BAR_GAP
-    beside = placed(figure, left, box.y0 * height, BAR, box.height * height)
-    ticks = MaxNLocator(max(2, int(box.height * height / TICK_ROOM)))
+    beside = bar(figure, box.x1 * width, box.y0 * height, box.height * height)
+    ticks = MaxNLocator(int(beside.get_position().height * height / TICK_ROOM))
     figure.colorbar(filled, cax=beside, label=section.symbol, ticks=ticks)

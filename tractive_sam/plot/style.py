@@ -2,12 +2,14 @@
 
 from collections.abc import Callable
 from functools import wraps
-from typing import ParamSpec
+from textwrap import wrap
+from typing import ParamSpec, TypeVar
 
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
 P = ParamSpec("P")
+Drawn = TypeVar("Drawn")
 
 WIDTH = 4.8
 """Of a figure with one panel, inches."""
@@ -59,16 +61,22 @@ _RC = {
 }
 
 
+def wrapped(text: str, width: float) -> list[str]:
+    """Lines of a title that is to be no wider, inches."""
+    return [part for line in text.split("\n") for part in wrap(line, int(11 * width)) or [""]]
+
+
 def set_title(figure: Figure, text: str, **style) -> None:
-    """Put a title over a figure; it is text as given, no math."""
-    figure.suptitle(text, parse_math=False, **style)
+    """Put a title over a figure, as many lines as it needs; it is text as given, no math."""
+    lines = wrapped(text, figure.get_figwidth())
+    figure.suptitle("\n".join(lines), parse_math=False, linespacing=1.15, **style)
 
 
-def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
+def styled(draw: Callable[P, Drawn]) -> Callable[P, Drawn]:
     """Draw a figure in this look, whatever the settings outside."""
 
     @wraps(draw)
-    def wrapper(*args: P.args, **kwargs: P.kwargs) -> Figure:
+    def wrapper(*args: P.args, **kwargs: P.kwargs) -> Drawn:
         with mpl.rc_context(_RC):
             return draw(*args, **kwargs)
 

@@ -6,7 +6,7 @@ Both are zero lines of a function that runs about linearly through the boundary.
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.path import Path
-from scipy.ndimage import binary_opening, distance_transform_edt
+from scipy.ndimage import distance_transform_edt
 
 from tractive_sam.plot.state import State
 
@@ -20,10 +20,8 @@ def contact_edge(ax: Axes, state: State, **style) -> Path:
 
 def stick_edge(ax: Axes, state: State, contact: Path, **style) -> None:
     """Draw the boundary between stick and slip, within the contact."""
-    # On a mesh the steps of the leading edge slip; a layer of one element is no zone.
-    sliding = binary_opening(state.sliding, [[True], [True]])
-    stick = state.touching & ~sliding
-    if not stick.any() or not sliding.any():
+    stick = state.touching & ~state.slip_zone
+    if not stick.any() or not state.slip_zone.any():
         return
     level = continued(_stick_level(state, stick), state.touching)
     lines = ax.contour(state.x_over_a, state.y_over_a, level.T, levels=[0.0], **style)

@@ -1,0 +1,114 @@
+"""The contact and the track it wears, moving over the stored revolutions."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.animation import PillowWriter
+from matplotlib.figure import Figure
+
+from tractive_sam.plot.frame import Frame
+from tractive_sam.plot.map import BOTTOM, LEFT, RIGHT, Map, paper, placed
+from tractive_sam.plot.profiles import chosen
+from tractive_sam.plot.state import State
+from tractive_sam.plot.style import BLUE, MICRON, PRESSURE, WIDTH, styled
+from tractive_sam.record import History
+
+MOST = 100
+"""Pictures of an animation, which are in memory together; of more revolutions some are left out."""
+
+TRACK = 1.6
+"""Width of the axes of the profile, inches."""
+
+RESOLUTION = 110
+"""Dots per inch."""
+
+
+@styled
+def animate(history: History, path: str | Path, rate: float = 2.0) -> Path:
+    """Draw the pressure and the profile worn so far at the stored revolutions, as a moving GIF.
+
+    Parameters
+    ----------
+    history : History
+        What to draw; its fields are read one revolution after another.
+    path : path-like
+        Where to; a name that ends in ".gif".
+    rate : float
+        Revolutions shown in a second.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    ValueError
+        If the name has another ending, fewer than two revolutions were stored, or it is a line
+        contact, of which there is no map.
+
+    Examples
+    --------
+    >>> plot.animate(history, "discs.gif").name
+    'discs.gif'
+    """
+    path = Path(path)
+    if path.suffix.lower() != ".gif":
+        raise ValueError(f'path: a name that ends in ".gif"; not {path.name!r}')
+    if history.line:
+        raise ValueError("an animation shows a map, and a line contact has none")
+    if len(history.field_revolutions) < 2:
+        raise ValueError(
+            "an animation needs at least two stored revolutions, there is "
+            f"{len(history.field_revolutions)}: list more in wear.save"
+        )
+    envelope = _envelope(history)
+    frame = Frame.around(envelope, width=0.6 * WIDTH)
+    figure = paper(LEFT + frame.width + RIGHT + TRACK + 0.2, frame, f"{history.title}\n")
+    writer = PillowWriter(fps=rate)
+    # Once saved, a figure without a layout takes that of the settings.
+    unplaced = mpl.rc_context({"figure.constrained_layout.use": False})
+    with unplaced, writer.saving(figure, str(path), RESOLUTION):
+        for state in _states(history):
+            _picture(figure, frame, state, envelope)
+            writer.grab_frame()
+    return path
+
+
+def _states(history: History) -> Iterator[State]:
+    for revolution in chosen(history.field_revolutions, MOST):
+        yield State.of_history(history, int(revolution))
+
+
+def _envelope(history: History) -> State:
+    """The largest pressure and depth that each element sees at any of the revolutions."""
+    states = _states(history)
+    envelope = next(states)
+    for state in states:
+        pressure = np.maximum(envelope.pressure, state.pressure)
+        wear = np.maximum(envelope.wear, state.wear)
+        envelope = replace(envelope, pressure=pressure, wear=wear)
+    return envelope
+
+
+def _picture(figure: Figure, frame: Frame, state: State, envelope: State) -> None:
+    """One picture in place of what was drawn before."""
+    for axes in list(figure.axes):
+        axes.remove()
+    chart = Map(figure, LEFT, state, frame)
+    chart.axes.set_title(f"$N = {state.revolution}$", loc="center")
+    p, p_symbol = state.scale.p, state.scale.p_symbol
+    highest = envelope.pressure.max() / p
+    mesh = chart.fill(state.pressure / p, cmap=PRESSURE, vmin=0.0, vmax=highest)
+    chart.colour_bar(mesh, f"$p_n/{p_symbol}$")
+    track = placed(figure, LEFT + frame.width + RIGHT, BOTTOM, TRACK, frame.height)
+    track.plot(MICRON * state.wear[0], state.y_over_a, color=BLUE)
+    track.set(
+        xlim=(0.0, 1.05 * MICRON * envelope.wear.max() or 1.0), ylim=(frame.bottom, frame.top)
+    )
+    track.set_xlabel(r"$w$ ($\mathrm{\mu m}$)")
+    track.yaxis.set_major_locator(chart.axes.yaxis.get_major_locator())
+    track.tick_params(labelleft=False)
