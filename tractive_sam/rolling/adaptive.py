@@ -37,6 +37,10 @@ PESSIMISM = 15.0
 With it, the profile of the scene `twin-discs` after 15,000 revolutions is within a fifth of the
 tolerance (benchmarks/wear.py)."""
 
+LARGEST = 0.02
+"""Correction of the profile, over its depth, that no tolerance allows: from further away one Newton
+step does not lead to the profile, and longer jumps cost more contacts than they spare."""
+
 REPEATS, ROUGHNESS = 2, 0.1
 """A jump is solved again at the corrected profile, at most so often, while the correction changes
 the wear rate of a row, and with it its pressure, by more than a share of the largest: a row that
@@ -147,7 +151,8 @@ def _jump(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple
         corrected = np.maximum(profile + correction, entering)
         change = response @ correction
         if repeats == 0:
-            error = np.abs(correction).max() / profile.max() / (PESSIMISM * tolerance)
+            allowed = min(PESSIMISM * tolerance, LARGEST)
+            error = np.abs(correction).max() / profile.max() / allowed
         smooth = np.abs(change).max() <= ROUGHNESS * now.worn.max()
         if error > 1.0 or smooth or repeats == REPEATS:
             break

@@ -1,0 +1,79 @@
+"""The twin discs, and their every-revolution run, which the benchmarks of wear share."""
+
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+import timing  # noqa: F401 - one thread, before anything is loaded
+
+import tractive_sam as ts
+
+SAVED = (0, 50, 250, 1000, 4000, 15000)
+"""Revolutions that the paper shows."""
+
+REFERENCES = Path(__file__).parent / "references"
+"""Every-revolution runs: minutes to hours, so they are kept, and rolled further where asked.
+
+Delete them when the contact or the slip come to be computed otherwise."""
+
+EVERY = 'wear.stepping="every-revolution"'
+PAPER = (EVERY, 'solver.method="uzawa"', 'solver.slip="upwind"')
+"""The paper's scheme to the letter."""
+
+
+def discs(revolutions: int, *settings: str, angle: float = 0.0) -> ts.Scene:
+    """The scene `twin-discs` without its stresses."""
+    saved = sorted({*(n for n in SAVED if n <= revolutions), revolutions})
+    rolled = [f"wear.revolutions={revolutions}", f"wear.save={saved}"]
+    scene = ts.Scene.builtin("twin-discs").replace(subsurface=None)
+    return scene.with_set([f"friction.angle={angle}", *rolled, *settings])
+
+
+def timed(scene: ts.Scene) -> tuple[ts.History, float]:
+    """A history and the seconds it took."""
+    began = perf_counter()
+    history = ts.roll(scene)
+    assert history.finished, history.message
+    return history, perf_counter() - began
+
+
+def every_revolution(revolutions: int, angle: float = 0.0) -> ts.History:
+    """The run in which every revolution is rolled; it may go on beyond the revolutions asked."""
+    kept = kept_reference(angle)
+    if kept is not None and kept["revolution"][-1] >= revolutions:
+        return kept
+    REFERENCES.mkdir(exist_ok=True)
+    return ts.roll(discs(revolutions, EVERY, angle=angle), _path(angle), resume=True)
+
+
+def kept_reference(angle: float) -> ts.History | None:
+    """The run of every revolution, where it was rolled before."""
+    if not _path(angle).exists():
+        return None
+    kept = ts.open_history(_path(angle))
+    return kept if kept.finished else None
+
+
+def _path(angle: float) -> Path:
+    return REFERENCES / f"twin-discs-{angle:g}.h5"
+
+
+def errors(history: ts.History, reference: ts.History, revolution: int) -> dict[str, float]:
+    """Relative errors against a run of every revolution, at one that both recorded."""
+    i, k = (int(np.flatnonzero(h["revolution"] == revolution)[0]) for h in (history, reference))
+    found = {
+        name: float(history[name][i] / reference[name][k] - 1)
+        for name in ("wear_max", "Qx_over_P", "p_max")
+    }
+    missed = history["wear_profile"][i] - reference["wear_profile"][k]
+    return found | {"profile": float(np.abs(missed).max() / reference["wear_max"][k])}
+
+
+def roughness(pressure: np.ndarray) -> float:
+    """Ripple of the load of the rows, relative, away from the rim: its largest third difference.
+
+    A rippled pressure changes from row to row; a smooth one is a parabola over four rows.
+    """
+    carried = pressure.sum(axis=0)
+    inside = np.flatnonzero(carried)[6:-6]
+    return float(np.abs(np.diff(carried[inside], 3)).max() / carried[inside].mean())

@@ -1,0 +1,217 @@
+"""Contact solves and time of the twin discs' wear over the tolerance, for each way of stepping.
+
+The profile E with which material enters obeys E(n + 1) = E(n) + R(E(n)). Every stepping here
+integrates dE/dn = R - J R / 2, as the package's does (`tractive_sam.rolling.adaptive`), under the
+same step control, to 15,000 revolutions of `twin-discs` at beta = 0 on the paper's mesh:
+
+- Heun: explicit, second order, error by Euler;
+- RKC: Runge-Kutta-Chebyshev, stabilised explicit of second order with as many stages as the jump
+  needs (Sommeijer, Shampine & Verwer 1998, J. Comput. Appl. Math. 88, 315-326);
+- ROS2: linearly implicit of second order for any approximation of the Jacobian, a W-method (Verwer,
+  Spee, Blom & Hundsdorfer 1999, SIAM J. Sci. Comput. 20, 1456-1480), with the package's response;
+- adaptive: the package's, two-step backward differentiation with that response.
+
+They are measured against the run in which every revolution is rolled (`benchmarks/references`; the
+first time some ten minutes).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+from discs import SAVED, discs, errors, every_revolution, roughness, timed
+from matplotlib.figure import Figure
+from timing import RESULTS, show, write
+
+from tractive_sam.contact import Model
+from tractive_sam.record import History, record
+from tractive_sam.rolling.passage import Passage, next_passage, passage_at, unworn
+from tractive_sam.rolling.response import wear_response
+
+TOLERANCES = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4)
+SAFETY, SHORTEST_CUT, LONGEST_GROWTH = 0.8, 0.2, 2.0
+LAG = 0.3
+MOST_SOLVES = 2500
+
+
+class RefusedError(Exception):
+    """A contact of a jump was not solved, or does not fit the mesh."""
+
+
+@dataclass
+class Course:
+    """Where a stepping is, what it costs, and the rate dE/dn of any profile."""
+
+    model: Model
+    passage: Passage
+    solves: int
+
+    @property
+    def lag(self) -> float:
+        scene = self.model.scene
+        return max(LAG * scene.wear.tolerance, scene.solver.tolerance)
+
+    def visit(self, profile: np.ndarray, revolution: int) -> tuple[np.ndarray, Passage]:
+        """The rate at a profile, and the passage it was found in."""
+        now = passage_at(self.model, revolution, profile, self.passage.contact, self.lag)
+        self.solves += now.solves
+        if not now.contact.converged:
+            raise RefusedError(now.contact.message)
+        return self._rate(now), now
+
+    def _rate(self, passage: Passage) -> np.ndarray:
+        return passage.worn - 0.5 * wear_response(self.model, passage.contact) @ passage.worn
+
+    def here(self) -> tuple[np.ndarray, np.ndarray]:
+        """The profile and its rate."""
+        return self.passage.entering, self._rate(self.passage)
+
+
+Step = Callable[[Course, int], tuple[np.ndarray, np.ndarray]]
+"""From a course and a jump to the profile there and an estimate of its error."""
+
+
+def heun(course: Course, jump: int) -> tuple[np.ndarray, np.ndarray]:
+    profile, rate = course.here()
+    euler = profile + jump * rate
+    there, _ = course.visit(euler, course.passage.revolution + jump)
+    return profile + 0.5 * jump * (rate + there), 0.5 * jump * (there - rate)
+
+
+def chebyshev(course: Course, jump: int) -> tuple[np.ndarray, np.ndarray]:
+    """Sommeijer, Shampine & Verwer, eqs. (2.2)-(2.6), damped by 2/13; error by their eq. (2.8)."""
+    profile, rate = course.here()
+    radius = np.abs(np.linalg.eigvals(wear_response(course.model, course.passage.contact))).max()
+    stages = max(2, 1 + int(np.sqrt(1.0 + 1.54 * jump * radius)))
+    w0 = 1.0 + 2.0 / 13.0 / stages**2
+    T = np.polynomial.Chebyshev.basis
+    value = np.array([T(j)(w0) for j in range(stages + 1)])
+    slope = np.array([T(j).deriv()(w0) for j in range(stages + 1)])
+    curve = np.array([T(j).deriv(2)(w0) for j in range(stages + 1)])
+    b = np.empty(stages + 1)
+    b[2:] = curve[2:] / slope[2:] ** 2
+    b[:2] = b[2]
+    a = 1.0 - b * value
+    w1 = slope[-1] / curve[-1]
+    before, now = profile, profile + b[1] * w1 * jump * rate
+    for j in range(2, stages + 1):
+        mu, nu = 2.0 * b[j] * w0 / b[j - 1], -b[j] / b[j - 2]
+        step = 2.0 * b[j] * w1 / b[j - 1] * jump
+        there, _ = course.visit(now, course.passage.revolution + jump)
+        following = (1.0 - mu - nu) * profile + mu * now + nu * before
+        following += step * (there - a[j - 1] * rate)
+        before, now = now, following
+    there, _ = course.visit(now, course.passage.revolution + jump)
+    return now, 0.8 * (profile - now) + 0.4 * jump * (rate + there)
+
+
+def rosenbrock(course: Course, jump: int) -> tuple[np.ndarray, np.ndarray]:
+    """Verwer et al., eq. (1.4), gamma = 1 + 1/sqrt(2); error by its first stage, of order one."""
+    profile, rate = course.here()
+    gamma = 1.0 + np.sqrt(0.5)
+    response = wear_response(course.model, course.passage.contact)
+    system = np.eye(profile.size) - gamma * jump * response
+    first = np.linalg.solve(system, rate)
+    there, _ = course.visit(
+        np.maximum(profile + jump * first, profile), course.passage.revolution + jump
+    )
+    second = np.linalg.solve(system, there - 2.0 * first)
+    return profile + jump * (1.5 * first + 0.5 * second), 0.5 * jump * (first + second)
+
+
+STEPPINGS: dict[str, Step] = {"Heun": heun, "RKC": chebyshev, "ROS2": rosenbrock}
+
+
+def rolled(step: Step, tolerance: float) -> tuple[History, Course, float]:
+    """Roll the discs in jumps; the records are those of the saved revolutions."""
+    began = perf_counter()
+    model = Model(discs(SAVED[-1], f"wear.tolerance={tolerance}"))
+    first = next_passage(model, unworn(model))
+    course = Course(model, first, 1 + first.solves)
+    records, jump = [], 1
+    while course.passage.revolution < SAVED[-1] and course.solves < MOST_SOLVES:
+        revolution = course.passage.revolution
+        distance = next(n for n in SAVED if n > revolution) - revolution
+        taken = min(jump, distance)
+        change = _advance(course, step, taken, tolerance)
+        jump = max(1, int(max(taken * change, jump if change > 1.0 and taken < jump else 0)))
+        if course.passage.revolution in SAVED and course.passage.revolution > revolution:
+            records.append(record(course.passage.contact, course.passage.revolution))
+    seconds = perf_counter() - began
+    return History.of_records(records, model.scene.to_toml(), model.grid), course, seconds
+
+
+def _advance(course: Course, step: Step, jump: int, tolerance: float) -> float:
+    """Try a jump; the factor by which the next one should differ."""
+    entering = course.passage.entering
+    try:
+        profile, missed = step(course, jump)
+        profile = np.maximum(profile, entering)
+        error = np.abs(missed).max() / max(profile.max(), 1e-9) / tolerance
+        if error <= 1.0 or jump == 1:
+            _, course.passage = course.visit(profile, course.passage.revolution + jump)
+    except RefusedError:
+        return SHORTEST_CUT
+    return float(np.clip(SAFETY / np.sqrt(max(error, 1e-6)), SHORTEST_CUT, LONGEST_GROWTH))
+
+
+def row(name: str, tolerance: float, solves: int, seconds: float, history, reference) -> dict:
+    """A line of the table; of a stepping that was stopped, the last revolution it saved."""
+    last = int(history["revolution"][-1])
+    found = errors(history, reference, last)
+    return {
+        "stepping": name,
+        "tolerance": tolerance,
+        "to revolution": last,
+        "solves": solves,
+        "seconds": round(seconds, 2),
+        **{f"{name} error": error for name, error in found.items()},
+        "ripple": roughness(np.asarray(history.field("pressure", last))),
+    }
+
+
+def main():
+    timed(discs(5))  # compiles and plans
+    reference = every_revolution(SAVED[-1])
+    totals = reference.totals
+    rows = [
+        row(
+            "every revolution",
+            0.0,
+            int(totals["contact_solves"]),
+            totals["wall_seconds"],
+            reference,
+            reference,
+        )
+    ]
+    for tolerance in TOLERANCES:
+        history, seconds = timed(discs(SAVED[-1], f"wear.tolerance={tolerance}"))
+        solves = int(history.totals["contact_solves"])
+        rows.append(row("adaptive", tolerance, solves, seconds, history, reference))
+        for name, step in STEPPINGS.items():
+            history, course, seconds = rolled(step, tolerance)
+            rows.append(row(name, tolerance, course.solves, seconds, history, reference))
+        show(f"Twin discs to 15,000 revolutions, tolerance {tolerance:g}", rows[-4:])
+    print(f"written: {write('stepping', rows)}, {draw(rows)}")
+
+
+def draw(rows):
+    figure = Figure(figsize=(6.4, 3.8), layout="constrained")
+    axes = figure.subplots()
+    for name, style in {"adaptive": "o-", "ROS2": "s-", "RKC": "^-", "Heun": "v-"}.items():
+        mine = [r for r in rows if r["stepping"] == name and r["to revolution"] == SAVED[-1]]
+        solves, missed = [r["solves"] for r in mine], [r["profile error"] for r in mine]
+        axes.loglog(solves, missed, style, label=name)
+    axes.set(
+        xlabel="contact solves to 15,000 revolutions", ylabel="error of the profile, over its depth"
+    )
+    axes.grid(alpha=0.3)
+    axes.legend()
+    path = RESULTS / "stepping.png"
+    figure.savefig(path, dpi=150)
+    return path
+
+
+if __name__ == "__main__":
+    main()
