@@ -12,12 +12,12 @@ same step control, to 15,000 revolutions of `twin-discs` at beta = 0 on the pape
 - adaptive: the package's, two-step backward differentiation with that response.
 
 They are measured against the run in which every revolution is rolled (`benchmarks/references`; the
-first time some ten minutes).
+first time some ten minutes). Seconds are those of the process, on its one thread.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from time import perf_counter
+from time import process_time
 
 import numpy as np
 from discs import SAVED, discs, errors, every_revolution, roughness, timed
@@ -80,7 +80,7 @@ def heun(course: Course, jump: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def chebyshev(course: Course, jump: int) -> tuple[np.ndarray, np.ndarray]:
-    """Sommeijer, Shampine & Verwer, eqs. (2.2)-(2.6), damped by 2/13; error by their eq. (2.8)."""
+    """As many stages as the jump needs, damped by 2/13, and the error by its two ends."""
     profile, rate = course.here()
     radius = np.abs(np.linalg.eigvals(wear_response(course.model, course.passage.contact))).max()
     stages = max(2, 1 + int(np.sqrt(1.0 + 1.54 * jump * radius)))
@@ -107,7 +107,7 @@ def chebyshev(course: Course, jump: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def rosenbrock(course: Course, jump: int) -> tuple[np.ndarray, np.ndarray]:
-    """Verwer et al., eq. (1.4), gamma = 1 + 1/sqrt(2); error by its first stage, of order one."""
+    """Two stages, gamma = 1 + 1/sqrt(2); the error by the first of them, of order one."""
     profile, rate = course.here()
     gamma = 1.0 + np.sqrt(0.5)
     response = wear_response(course.model, course.passage.contact)
@@ -125,7 +125,7 @@ STEPPINGS: dict[str, Step] = {"Heun": heun, "RKC": chebyshev, "ROS2": rosenbrock
 
 def rolled(step: Step, tolerance: float) -> tuple[History, Course, float]:
     """Roll the discs in jumps; the records are those of the saved revolutions."""
-    began = perf_counter()
+    began = process_time()
     model = Model(discs(SAVED[-1], f"wear.tolerance={tolerance}"))
     first = next_passage(model, unworn(model))
     course = Course(model, first, 1 + first.solves)
@@ -138,7 +138,7 @@ def rolled(step: Step, tolerance: float) -> tuple[History, Course, float]:
         jump = max(1, int(max(taken * change, jump if change > 1.0 and taken < jump else 0)))
         if course.passage.revolution in SAVED and course.passage.revolution > revolution:
             records.append(record(course.passage.contact, course.passage.revolution))
-    seconds = perf_counter() - began
+    seconds = process_time() - began
     return History.of_records(records, model.scene.to_toml(), model.grid), course, seconds
 
 

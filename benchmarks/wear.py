@@ -3,7 +3,7 @@
 `twin-discs` at beta = 0, the paper's mesh. The reference rolls every revolution, 1,000 of them or,
 with `--full`, all 15,000 (some ten minutes; kept in `benchmarks/references`). The paper's own
 scheme, Uzawa's iteration with wear in its loop and the upwind slip, is timed over a few revolutions
-in the same run.
+in the same run. Seconds are those of the process, on its one thread.
 """
 
 import sys
@@ -17,8 +17,9 @@ PAPER_REVOLUTIONS = 3
 
 def paper_seconds() -> float:
     """Seconds of one revolution by the paper's scheme, without the unworn state and the first."""
-    history, _ = timed(discs(1 + PAPER_REVOLUTIONS, *PAPER))
-    return float(history["seconds"][2:].mean())
+    _, first = timed(discs(1, *PAPER))
+    _, more = timed(discs(1 + PAPER_REVOLUTIONS, *PAPER))
+    return (more - first) / PAPER_REVOLUTIONS
 
 
 def main():
