@@ -5,7 +5,7 @@ import os
 import statistics
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from time import perf_counter
+from time import process_time
 
 # One thread everywhere: the cores of the machine are shared, and ratios must compare like to like.
 for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
@@ -16,9 +16,10 @@ RESULTS = Path(__file__).parent / "results"
 
 
 def seconds(run: Callable[[], object], budget: float = 2.0, most: int = 15) -> float:
-    """Median time of a call, after one that is not counted.
+    """Median time of a call on one core, after one that is not counted.
 
-    As many calls as fit the budget but at least three; one where a call is longer than the budget.
+    The time of the process: what else the machine does does not count. As many calls as fit the
+    budget but at least three; one where a call is longer than the budget.
     """
     times = []
     while not times or (sum(times) < budget and len(times) < most):
@@ -29,9 +30,9 @@ def seconds(run: Callable[[], object], budget: float = 2.0, most: int = 15) -> f
 
 
 def _once(run: Callable[[], object]) -> float:
-    began = perf_counter()
+    began = process_time()
     run()
-    return perf_counter() - began
+    return process_time() - began
 
 
 def write(name: str, rows: Iterable[dict]) -> Path:

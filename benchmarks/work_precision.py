@@ -1,0 +1,230 @@
+"""Error against work: for every method, slip scheme and mesh, on four scenes.
+
+Error of Q_x, of the largest traction, of the largest von Mises stress in body A and of the wear
+depth after 1,000 revolutions, against applications of the elastic operators and against time. Each
+reference is that of the second-order slip on the finest mesh; its uncertainty, shaded, is the
+distance to what the upwind slip extrapolates to from its finest meshes (linearly in the element).
+
+    python benchmarks/work_precision.py [--scenes spheres twin-discs]
+"""
+
+import argparse
+import math
+import warnings
+from functools import cache
+
+import numpy as np
+from matplotlib.figure import Figure
+from timing import RESULTS, process_time, seconds, show, write
+
+import tractive_sam as ts
+from tractive_sam.contact import Model, choose_grid, equilibrium
+from tractive_sam.rolling import passages
+from tractive_sam.subsurface import von_mises_maximum
+
+REVOLUTIONS = 1000
+RESIDUAL, FINE_RESIDUAL = 1e-5, 1e-7
+"""Residual to which contacts are solved, far below the error of any mesh here; of references."""
+
+LIMIT_MESHES = (128, 160, 192, 256, 320)
+"""Elements across the contact for the reference and its uncertainty; rolled, half as many."""
+
+METHODS = {
+    # name: solver settings, elements across the contact, and when rolled, and line
+    "newton": ({"method": "newton"}, (16, 32, 64, 128, 256), (16, 32, 64), "C0o-"),
+    "newton, upwind": (
+        {"method": "newton", "slip": "upwind"},
+        (16, 32, 64, 128, 256),
+        (16, 32, 64),
+        "C2s-",
+    ),
+    "anderson": ({"method": "anderson"}, (16, 32, 64, 128), (16, 32), "C1v--"),
+    "anderson, upwind": (
+        {"method": "anderson", "slip": "upwind"},
+        (16, 32, 64, 128),
+        (16, 32),
+        "C4^--",
+    ),
+    "uzawa": ({"method": "uzawa"}, (16, 32, 64), (), "C5<:"),
+    "uzawa, upwind (the paper)": (
+        {"method": "uzawa", "slip": "upwind"},
+        (16, 32, 64),
+        (16,),
+        "C3>:",
+    ),
+}
+
+CONTACT = {91: (0.6, 0.6505), 181: (5.4, 0.6479), 361: (48.0, 0.6469)}
+"""Seconds and Qx/muP of the Fortran program CONTACT on `spheres` (tests/data/reference.json)."""
+
+QUANTITIES = {
+    "Qx": r"$Q_x$",
+    "peak traction": "largest traction",
+    "von Mises": "largest von Mises stress, A",
+    "depth": f"wear depth, N = {REVOLUTIONS}",
+}
+
+STEEL = {"young": 208e3, "poisson": 0.3}
+WEAR = {"intensity": 2e-6, "revolutions": REVOLUTIONS, "save": (0, REVOLUTIONS)}
+
+
+def _ellipse() -> ts.Scene:
+    """a/b = 0.5, spinning and creeping."""
+    return ts.Scene(
+        title="Spinning ellipse",
+        body={
+            "A": STEEL | {"radius_x": 30.0, "radius_y": 86.0},
+            "B": STEEL | {"radius_x": math.inf, "radius_y": math.inf},
+        },
+        load={"normal": 300.0},
+        creepage={"longitudinal": -0.002, "spin": 0.006},
+        friction={"mu": 0.4},
+        wear=WEAR,
+    )
+
+
+@cache
+def scenes() -> dict[str, ts.Scene]:
+    unmeshed = {"grid": None, "subsurface": None}
+    discs = ts.Scene.builtin("twin-discs").replace(
+        **unmeshed, **{"wear.revolutions": REVOLUTIONS, "wear.save": (0, REVOLUTIONS)}
+    )
+    spheres = ts.Scene.builtin("spheres").replace(**unmeshed, wear=WEAR | {"intensity": 1e-2})
+    dissimilar = _ellipse().replace(
+        title="Steel on glass", **{"body.B.young": 70e3, "body.B.poisson": 0.22}
+    )
+    return {
+        "spheres": spheres,
+        "spinning-ellipse": _ellipse(),
+        "dissimilar": dissimilar,
+        "twin-discs": discs,
+    }
+
+
+def solved(scene: ts.Scene, across: int):
+    """The new bodies, with so many elements across the shorter axis of the contact."""
+    steady = scene.replace(wear=None)  # the mesh of a scene without wear is smaller
+    return equilibrium(Model(scene, None, choose_grid(steady, finer=across / 64)))
+
+
+def measured(contact) -> dict[str, float]:
+    return {
+        "Qx": contact.Qx,
+        "peak traction": float(np.hypot(*contact.traction).max()),
+        "von Mises": von_mises_maximum(contact, "A").value,
+    }
+
+
+def rolled(scene: ts.Scene, across: int) -> tuple[float, float, float]:
+    """Depth after all revolutions, applications and seconds."""
+    model = Model(scene, None, choose_grid(scene, finer=across / 64))
+    began, applications = process_time(), 0.0
+    for passage in passages(model):
+        applications += passage.contact.cost.applications
+    assert passage.revolution == REVOLUTIONS, passage.contact.message
+    return float(passage.contact.wear.max()), applications, process_time() - began
+
+
+def limits(scene: ts.Scene) -> dict[str, tuple[float, float]]:
+    """Value and uncertainty of every quantity, from two slip schemes."""
+    fine = {"solver.tolerance": FINE_RESIDUAL, "wear.tolerance": 1e-4}
+    best, other = scene.replace(**fine), scene.replace(**fine, **{"solver.slip": "upwind"})
+    here = measured(solved(best, LIMIT_MESHES[-1]))
+    ladder = [measured(solved(other, across)) for across in LIMIT_MESHES]
+    here["depth"] = rolled(best, LIMIT_MESHES[-1] // 2)[0]
+    for across, values in zip(LIMIT_MESHES, ladder, strict=True):
+        values["depth"] = rolled(other, across // 2)[0]
+    size = 1.0 / np.array(LIMIT_MESHES)
+    found = {}
+    for name, value in here.items():
+        straight = np.polyfit(size, [values[name] for values in ladder], 1)[1]
+        found[name] = value, abs(straight - value)
+    return found
+
+
+def rows_of(name: str, scene: ts.Scene) -> list[dict]:
+    known = limits(scene)
+    rows = []
+
+    def add(method, across, quantity, value, applications, took):
+        limit, uncertain = known[quantity]
+        rows.append(
+            {
+                "scene": name,
+                "method": method,
+                "elements across": across,
+                "quantity": quantity,
+                "value": value,
+                "error": abs(value / limit - 1.0),
+                "uncertainty": uncertain / abs(limit),
+                "applications": round(applications, 1),
+                "seconds": took,
+            }
+        )
+
+    for method, (solver, meshes, worn_meshes, _) in METHODS.items():
+        settings = {f"solver.{key}": value for key, value in solver.items()}
+        one = scene.replace(**settings, **{"solver.tolerance": RESIDUAL})
+        for across in meshes:
+            contact = solved(one, across)
+            if not contact.converged:
+                print(f"{name}, {method}, {across}: {contact.message}")
+                continue
+            took = seconds(lambda s=one, a=across: solved(s, a), budget=1.0)
+            for quantity, value in measured(contact).items():
+                add(method, across, quantity, value, contact.cost.applications, took)
+        for across in worn_meshes:
+            add(method, across, "depth", *rolled(one, across))
+        print(f"{name}: {method} done", flush=True)
+    return rows
+
+
+def draw(name: str, rows: list[dict]):
+    figure = Figure(figsize=(13.0, 6.2), layout="constrained")
+    axes = figure.subplots(2, len(QUANTITIES), sharey="col")
+    for column, (quantity, label) in enumerate(QUANTITIES.items()):
+        of = [r for r in rows if r["quantity"] == quantity]
+        for row, work in enumerate(("applications", "seconds")):
+            panel = axes[row][column]
+            for method, (*_, line) in METHODS.items():
+                mine = [r for r in of if r["method"] == method]
+                work_done = [r[work] for r in mine]
+                panel.loglog(work_done, [r["error"] for r in mine], line, label=method, ms=4)
+            if quantity == "Qx" and name == "spheres" and work == "seconds":
+                limit = next(r["value"] / (1 + r["error"]) for r in of)
+                load = scenes()[name].load.normal * scenes()[name].friction.mu[0]
+                errors = [abs(q * load / limit - 1) for _, q in CONTACT.values()]
+                times = [t for t, _ in CONTACT.values()]
+                panel.loglog(times, errors, "k*-", label="CONTACT, 91², 181², 361²")
+            panel.axhspan(1e-9, of[0]["uncertainty"], color="0.9", zorder=0)
+            low = min([r["error"] for r in of] + [of[0]["uncertainty"]])
+            panel.set_ylim(bottom=max(0.5 * low, 1e-7))
+            panel.grid(alpha=0.3)
+            panel.set_xlabel("seconds, one core" if work == "seconds" else "operator applications")
+        axes[0][column].set_title(label, fontsize=10)
+        axes[0][column].tick_params(labelleft=True)
+    for row in axes:
+        row[0].set_ylabel("relative error")
+    handles, labels = axes[1][0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=9)
+    figure.suptitle(scenes()[name].title or name)
+    path = RESULTS / f"work_precision_{name}.png"
+    figure.savefig(path, dpi=110)
+    return path
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--scenes", nargs="+", default=list(scenes()), choices=list(scenes()))
+    warnings.simplefilter("ignore", ts.SceneWarning)
+    rows = []
+    for name in parser.parse_args().scenes:
+        found = rows_of(name, scenes()[name])
+        rows += found
+        steady = [r for r in found if r["quantity"] == "Qx"]
+        show(f"Error of Q_x, {name}", steady)
+        print(f"written: {write('work_precision', rows)}, {draw(name, found)}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
