@@ -1,5 +1,4 @@
 import io
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -131,25 +130,6 @@ def test_depths_may_come_in_any_order(contact):
     downwards = stress_on_plane(contact, "y=0", depths=np.linspace(0.0, 4.0, 21))
     upwards = stress_on_plane(contact, "y=0", depths=np.linspace(4.0, 0.0, 21))
     assert told(plot.von_mises(downwards)) == told(plot.von_mises(upwards))
-
-
-@pytest.mark.parametrize("plane", ["x=0", "z=0.3a"])
-def test_what_a_mesh_has_grown_by_is_left_out(contact, plane):
-    """A results file has nan there."""
-    stress = stress_on_plane(contact, plane)
-    grown = [(2, 2), (2, 2) if plane == "z=0.3a" else (0, 0)]
-    axes = {
-        name: np.pad(axis, pads, mode="linear_ramp", end_values=(-9.0, 9.0)) if pads[0] else axis
-        for (name, axis), pads in zip(stress.axes.items(), grown, strict=True)
-    }
-    components = {
-        name: np.pad(values, grown, constant_values=np.nan)
-        for name, values in stress.components.items()
-    }
-    padded = replace(stress, axes=axes, components=components)
-    assert told(drawn(plot.von_mises(padded, quantity="max_shear"))) == told(
-        plot.von_mises(stress, quantity="max_shear")
-    )
 
 
 def test_nothing_overlaps_the_edge_of_the_paper(turned):

@@ -12,6 +12,9 @@ FIRST = -4
 NEEDED = 3
 """Meshes that an error bar takes."""
 
+WEAR_TOLERANCE = 2e-4
+"""Loosest tolerance of the adaptive stepping: with it meshes differ by what they resolve only."""
+
 SOLVER_SHARE = 0.01
 """Residual of the contact conditions over the accuracy."""
 
@@ -64,5 +67,5 @@ def with_tolerances(scene: Scene) -> Scene:
     if "tolerance" not in given.get("solver", {}):
         changes["solver.tolerance"] = max(SOLVER_SHARE * tolerance, 1e-8)
     if scene.wear is not None and "tolerance" not in given["wear"]:
-        changes["wear.tolerance"] = min(tolerance, 1e-3)
+        changes["wear.tolerance"] = min(tolerance, WEAR_TOLERANCE)
     return scene.replace(**changes)

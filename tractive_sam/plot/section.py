@@ -1,7 +1,7 @@
 """One plane through a body, filled with contours of its stress, true to scale."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -28,15 +28,6 @@ BANDS = 14
 
 ROUNDING = 1e-9
 """Stress at the surface, over the largest on the plane, that is none."""
-
-
-def known_part(stress: "PlaneStress") -> "PlaneStress":
-    """The part of a plane that was computed; what a mesh has grown by since is nan."""
-    there = np.isfinite(stress.components["zz"])
-    inside = there.any(axis=1), there.any(axis=0)
-    axes = {name: axis[on] for (name, axis), on in zip(stress.axes.items(), inside, strict=True)}
-    components = {name: values[np.ix_(*inside)] for name, values in stress.components.items()}
-    return replace(stress, axes=axes, components=components)
 
 
 @dataclass(frozen=True)

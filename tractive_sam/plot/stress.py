@@ -14,7 +14,7 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 from tractive_sam.plot.frame import TICK_ROOM, Frame
 from tractive_sam.plot.map import APART, BOTTOM, LEFT, LINE, RIGHT, bar, paper, placed
 from tractive_sam.plot.scale import Scale
-from tractive_sam.plot.section import Section, common_levels, known_part
+from tractive_sam.plot.section import Section, common_levels
 from tractive_sam.plot.state import State
 from tractive_sam.plot.style import WIDTH, styled
 from tractive_sam.plot.summits import Summit
@@ -151,7 +151,7 @@ def _drawn(
         scale = state.scale
     elif state is not None:
         state = replace(state, scale=scale)
-    sections = [Section(known_part(stress), quantity, scale) for stress in stresses]
+    sections = [Section(stress, quantity, scale) for stress in stresses]
     levels = common_levels(sections)
     if sections[0].parallel:
         return _side_by_side(sections, state, levels)

@@ -63,7 +63,7 @@ class StoredStress:
         return self.length
 
     def __getitem__(self, row: int) -> "PlaneStress":
-        """The stress of one record."""
+        """The stress of one record, on the mesh that it was computed on."""
         from tractive_sam.scene import Plane
         from tractive_sam.subsurface import PlaneStress
 
@@ -74,4 +74,9 @@ class StoredStress:
             row = range(self.length)[row]
             components = {name: group[name][row] for name in names}
             position = float(group.attrs["position"])
+        # Beside a mesh that has grown since there is none.
+        known = np.isfinite(components[names[0]])
+        inside = [np.flatnonzero(known.any(axis=other)) for other in (1, 0)]
+        axes = {name: axes[name][at] for name, at in zip(axes, inside, strict=True)}
+        components = {name: values[np.ix_(*inside)] for name, values in components.items()}
         return PlaneStress(self.body, Plane.parse(self.plane), position, axes, components)
