@@ -1,11 +1,13 @@
 """The program `tractive-sam` and its commands."""
 
+import sys
 from typing import Annotated
 
 import typer
 
 from tractive_sam.cli.explain import explain
 from tractive_sam.cli.export import export
+from tractive_sam.cli.output import Status, silence, stop, tell
 from tractive_sam.cli.plot import plot
 from tractive_sam.cli.reproduce import reproduce
 from tractive_sam.cli.run import run
@@ -29,14 +31,18 @@ for command in (run, show, plot, export, explain, scenes, reproduce, study, stud
 
 def main() -> None:
     """Run the program."""
-    app()
+    try:
+        app()
+    except OSError as error:  # of the output itself: commands tell of all others
+        silence(sys.stdout)
+        raise SystemExit(stop(Status.INCOMPLETE, f"the output is lost: {error}").exit_code) from None
 
 
 def _print_version(wanted: bool) -> None:
     if wanted:
         from importlib.metadata import version
 
-        typer.echo(f"tractive-sam {version('tractive-sam')}")
+        tell(f"tractive-sam {version('tractive-sam')}")
         raise typer.Exit
 
 

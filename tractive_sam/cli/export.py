@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tractive_sam.cli.output import Status, bad_input_told, say, stop, warnings_told
+from tractive_sam.cli.output import Status, bad_input_told, say, stop, tell, warnings_told
 from tractive_sam.cli.scene_input import Settings, read_scene
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ def export(
                     raise stop(Status.INVALID, f"{source}: {error}") from None
         except KeyboardInterrupt:
             raise stop(Status.INCOMPLETE, f"interrupted; {output} was not written") from None
-    typer.echo(output)
+    tell(output)
 
 
 def _opened(source: str, settings: list[str] | None, revolution: int | None) -> "Contact | History":

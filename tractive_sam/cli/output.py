@@ -1,9 +1,12 @@
 """What the program says: tables on the standard output, notes and errors beside it."""
 
+import os
+import sys
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from enum import IntEnum
+from typing import TextIO
 
 import typer
 from rich.console import Console
@@ -21,9 +24,24 @@ class Status(IntEnum):
     INCOMPLETE = 3
 
 
+class _Console(Console):
+    """A console that falls silent when its reader leaves, like `head` after the first lines."""
+
+    def on_broken_pipe(self) -> None:
+        """Write what is left to nowhere; the exit status is that of the command."""
+        silence(sys.stderr if self.stderr else sys.stdout)
+
+
+def silence(stream: TextIO) -> None:
+    """Have a stream lead nowhere from here on."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, stream.fileno())
+    os.close(nowhere)
+
+
 def console(stderr: bool = False) -> Console:
     """Console of this moment's standard output, or of the standard error."""
-    found = Console(stderr=stderr, highlight=False, markup=False)
+    found = _Console(stderr=stderr, highlight=False, markup=False)
     if not found.is_terminal:
         found.width = PIPE_WIDTH
     return found
@@ -32,6 +50,11 @@ def console(stderr: bool = False) -> Console:
 def say(*parts: str | tuple[str, str]) -> None:
     """Print a line on the standard error; parts are text, or pairs of text and style."""
     console(stderr=True).print(Text.assemble(*parts), soft_wrap=True)
+
+
+def tell(text: object) -> None:
+    """Print a line on the standard output, as it is."""
+    console().out(str(text), highlight=False)
 
 
 def stop(status: Status, *parts: str | tuple[str, str]) -> typer.Exit:

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from tractive_sam.cli.output import Status, bad_input_told, say, stop
+from tractive_sam.cli.output import Status, bad_input_told, say, stop, tell
 from tractive_sam.cli.show import Results
 
 
@@ -55,4 +55,4 @@ def plot(
     if not history.finished:
         say(("note: ", "bold yellow"), f"{file} is {history.status}: {history.message}")
     for path in paths:
-        typer.echo(path)
+        tell(path)

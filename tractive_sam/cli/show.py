@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from tractive_sam.cli.output import bad_input_told, console
+from tractive_sam.cli.output import bad_input_told, console, tell
 
 Results = Annotated[Path, typer.Argument(metavar="FILE.h5", help="A results file.")]
 
@@ -23,7 +23,7 @@ def show(
 
         history = open_history(file)
     if as_json:
-        typer.echo(json.dumps(history.to_dict(), allow_nan=False))
+        tell(json.dumps(history.to_dict(), allow_nan=False))
         return
     from tractive_sam.cli import tables
 

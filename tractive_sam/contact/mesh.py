@@ -1,9 +1,12 @@
 """The mesh of a scene that does not give one."""
 
+import math
+
 import numpy as np
 
 from tractive_sam.operators import Grid
-from tractive_sam.scene import Scene
+from tractive_sam.scene import Fault, Scene, SceneError
+from tractive_sam.scene.tables import MOST_ELEMENTS
 
 MARGIN = 1.15
 """Half length of the domain over the semi-axis of the Hertzian contact."""
@@ -45,6 +48,11 @@ def choose_grid(scene: Scene, measured=None, finer: float = 1.0) -> Grid:
         The measured separation of a scene with [gap].
     finer : float
         Elements of a chosen mesh along each axis over the usual.
+
+    Raises
+    ------
+    SceneError
+        If a measured gap is so much longer than wide that they would be too many.
     """
     if scene.grid is not None:
         return Grid.of(scene.grid.half_length, scene.grid.elements)
@@ -65,4 +73,7 @@ def choose_grid(scene: Scene, measured=None, finer: float = 1.0) -> Grid:
     elements = tuple(
         int(2 * np.ceil(length / s - 0.5) + 1) for length, s in zip(half_length, side, strict=True)
     )
+    if math.prod(elements) > MOST_ELEMENTS:
+        given = f"nothing, and a measured gap of {2 * half_length[0]:g} x {2 * half_length[1]:g} mm"
+        raise SceneError([Fault("grid", given, "a [grid] where the gap is so long or so wide")])
     return Grid(half_length, elements)

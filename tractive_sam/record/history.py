@@ -185,11 +185,11 @@ class History:
     def energy_balance(self) -> np.ndarray:
         """Work that friction dissipates over the work supplied, one number a record.
 
-        Unity, whatever the friction law and the profile; nan where nothing is driven. What it
-        misses, the wear misses as well.
+        Unity, whatever the friction law and the profile; nan where nothing is driven, and without
+        friction. What it misses, the wear misses as well.
         """
         supplied = self["work_supplied"]
-        driven = np.abs(supplied) > 0.0
+        driven = (np.abs(supplied) > 0.0) & ("friction" in self.settings)
         return np.divide(
             self["dissipation"], supplied, out=np.full(len(supplied), np.nan), where=driven
         )

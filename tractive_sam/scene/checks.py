@@ -8,6 +8,7 @@ from collections.abc import Iterator
 
 from ..reference import HertzContact, HertzLine, full_slip_force, load_to_carry
 from .alternatives import not_both
+from .bodies import Bodies
 from .faults import Fault, SceneWarning, shown
 from .line import LINE_CHECKS, is_line
 from .table import Check, Known
@@ -15,6 +16,12 @@ from .tables import Mesh
 
 FEWEST_ELEMENTS = 8
 """Elements across the Hertz ellipse below which a grid resolves no slip zone."""
+
+MOST_SLENDER = 1000.0
+"""Ratio of the semi-axes up to which a grid is chosen: beyond it takes millions of elements."""
+
+LARGEST_CONTACT = 0.3
+"""Semi-axis over radius up to which the bodies are taken for half-spaces without a word."""
 
 
 def _wear_needs_friction(known: Known) -> Iterator[Fault]:
@@ -101,6 +108,20 @@ def _grid_holds_the_contact(known: Known) -> Iterator[Fault]:
             yield Fault("grid.half_length", shown(half_length), cure)
 
 
+def _grid_is_given_to_slender_contacts(known: Known) -> Iterator[Fault]:
+    if known["gap"] is not None or known["grid"] is not None or is_line(known):
+        return
+    contact = known["body"].hertz(known["load"])
+    if contact is not None and not 1.0 / MOST_SLENDER <= contact.a / contact.b <= MOST_SLENDER:
+        radii = ", ".join(f"body.{b}.radius_{axis}" for axis in "xy" for b in "AB")
+        given = f"a contact of semi-axes {contact.a:.3g} and {contact.b:.3g} mm and no grid"
+        cure = (
+            f"semi-axes up to {MOST_SLENDER:g} times as long as each other; for others a [grid], "
+            "or a line contact: radius_y = inf of both bodies"
+        )
+        yield Fault(radii, given, cure)
+
+
 SCENE_CHECKS: tuple[Check, ...] = (
     not_both("load.traction_x", "creepage.longitudinal"),
     not_both("load.traction_y", "creepage.lateral"),
@@ -111,6 +132,7 @@ SCENE_CHECKS: tuple[Check, ...] = (
     _forces_are_for_newton,
     _bodies_can_touch,
     _grid_holds_the_contact,
+    _grid_is_given_to_slender_contacts,
     *LINE_CHECKS,
 )
 """All checks of a valid scene."""
@@ -138,6 +160,34 @@ def warn_if_coarse(grid: Mesh, contact: HertzContact | HertzLine, stacklevel: in
     if needs:
         given = grid.elements if len(grid.elements) > 1 else grid.elements[0]
         text = f"grid.elements: {given} resolves the contact poorly; use {', '.join(needs)}"
+        warnings.warn(text, SceneWarning, stacklevel=stacklevel + 1)
+
+
+def warn_if_large(bodies: Bodies, contact: HertzContact | HertzLine, stacklevel: int) -> None:
+    """Warn, once for all directions, of a contact that is not small against the radii.
+
+    Parameters
+    ----------
+    bodies : Bodies
+        The bodies; their own radii count as well as the combined ones, which alone say nothing of
+        conforming bodies.
+    contact : HertzContact or HertzLine
+        Their unworn contact.
+    stacklevel : int
+        Of the caller's caller, as in `warnings.warn`.
+    """
+    ratios = []
+    for axis, name, combined in zip("xy", "ab", bodies.radii, strict=True):
+        key = f"radius_{axis}"
+        smallest = min(abs(getattr(bodies.A, key)), abs(getattr(bodies.B, key)), combined)
+        ratio = getattr(contact, name) / smallest if smallest < math.inf else 0.0
+        if ratio > LARGEST_CONTACT:
+            ratios.append(f"{name}/R_{axis} = {ratio:.2g}")
+    if ratios:
+        text = (
+            f"body: the contact is large against the radii, {' and '.join(ratios)}; half-spaces "
+            f"stand for bodies up to about {LARGEST_CONTACT:g}. Lower load.normal or load.approach"
+        )
         warnings.warn(text, SceneWarning, stacklevel=stacklevel + 1)
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pydantic import AfterValidator, BeforeValidator, PlainValidator
 
 from .faults import Fault
-from .quantities import entry
+from .quantities import LARGEST, SMALLEST, entry
 from .table import Check, Known, Table
 
 SUFFIXES = (".h5", ".npy", ".csv")
@@ -37,12 +37,14 @@ def _array(value: Any) -> NDArray[np.float64]:
     if array.dtype.kind not in "iuf" or not np.all(np.isfinite(array)):
         raise ValueError("an array of finite numbers")
     array = array.astype(float) + 0.0  # no negative zeros: equal arrays have equal bytes
+    if array.size and np.abs(array).max() > LARGEST:
+        raise ValueError(f"numbers of at most {LARGEST:g} in magnitude")
     array.flags.writeable = False
     return array
 
 
 def _axis(array: NDArray[np.float64]) -> NDArray[np.float64]:
-    if array.ndim != 1 or array.size < 2 or not np.all(np.diff(array) > 0):
+    if array.ndim != 1 or array.size < 2 or not np.all(np.diff(array) >= SMALLEST):
         raise ValueError("at least 2 increasing numbers")
     return array
 

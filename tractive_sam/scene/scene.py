@@ -11,7 +11,7 @@ from ..reference import CombinedMaterial, HertzContact, HertzLine, Material
 from . import toml
 from .bodies import Bodies
 from .catalogue import builtin_text
-from .checks import SCENE_CHECKS, warn_if_coarse
+from .checks import SCENE_CHECKS, warn_if_coarse, warn_if_large
 from .gap import Gap
 from .override import override, parse_settings
 from .quantities import entry
@@ -33,7 +33,7 @@ class Scene(Table):
     Warns
     -----
     SceneWarning
-        If the grid is too coarse for the contact.
+        If the grid is too coarse for the contact, or the contact large against the radii.
 
     Examples
     --------
@@ -57,7 +57,10 @@ class Scene(Table):
 
     def __init__(self, /, **tables: Any) -> None:
         super().__init__(**tables)
-        if self.grid and not self.gap:
+        if self.gap:  # the Hertz ellipse is not the contact
+            return
+        warn_if_large(self.body, self.hertz, stacklevel=2)
+        if self.grid:
             warn_if_coarse(self.grid, self.hertz, stacklevel=2)
 
     @classmethod

@@ -150,6 +150,19 @@ def _fits_a_machine(known: Known) -> Iterator[Fault]:
         yield Fault("elements", str(elements), f"at most {MOST_ELEMENTS:.0e} elements in all")
 
 
+LONGEST = 1e6
+"""Side of an element over the other: in a longer one the influence coefficients lose all digits."""
+
+
+def _no_needles(known: Known) -> Iterator[Fault]:
+    half_length, elements = known["half_length"], known["elements"]
+    if len(half_length) == len(elements) == 2:
+        dx, dy = (length / n for length, n in zip(half_length, elements, strict=True))
+        if not 1.0 / LONGEST <= dx / dy <= LONGEST:
+            given = f"elements of {2 * dx:.3g} x {2 * dy:.3g} mm"
+            yield Fault("half_length", given, f"elements at most {LONGEST:g} times as long as wide")
+
+
 class Mesh(Table):
     """The [grid] table: a rectangle of equal elements around the origin.
 
@@ -165,7 +178,7 @@ class Mesh(Table):
         "half lengths of the domain in x and y, mm", "a pair of numbers above 0"
     )
     elements: _OneOrTwo = entry("elements in x and y", "a pair of whole numbers from 3 to 1e6")
-    checks: ClassVar[tuple[Check, ...]] = (_fits_a_machine,)
+    checks: ClassVar[tuple[Check, ...]] = (_fits_a_machine, _no_needles)
 
 
 class Accuracy(Table):

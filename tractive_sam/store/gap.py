@@ -10,6 +10,9 @@ from tractive_sam.store.errors import GapError
 
 NAMES = ("x", "y", "separation")
 
+LARGEST = 1e30
+"""Magnitude of coordinates and separations, mm, within which nothing can overflow."""
+
 Gap = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
@@ -124,4 +127,7 @@ def _checked(path: Path, x: np.ndarray, y: np.ndarray, separation: np.ndarray) -
     if not np.isfinite(separation).all():
         bad = np.count_nonzero(~np.isfinite(separation))
         raise GapError(path, f"{bad} separations that are not finite", "finite numbers, mm")
+    largest = max(float(np.abs(array).max()) for array in (x, y, separation))
+    if largest > LARGEST:
+        raise GapError(path, f"numbers up to {largest:g}", f"lengths up to {LARGEST:g} mm")
     return x, y, separation

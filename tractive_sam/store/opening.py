@@ -8,6 +8,7 @@ import h5py
 
 from tractive_sam.store import layout
 from tractive_sam.store.errors import ResultsError
+from tractive_sam.store.form import GROUPS
 
 
 @contextmanager
@@ -27,7 +28,8 @@ def results_file(path: Path) -> Iterator[h5py.File]:
         with h5py.File(path, "r") as file:
             _check(path, file)
             yield file
-    except (OSError, KeyError, RuntimeError) as error:
+    # What h5py raises of a damaged file, and what it makes of one of another form.
+    except (OSError, KeyError, RuntimeError, ValueError, TypeError, AttributeError) as error:
         raise ResultsError(f"{path} {_diagnosis(path, error)}") from error
 
 
@@ -37,7 +39,8 @@ def _check(path: Path, file: h5py.File) -> None:
     version = file.attrs["format_version"]
     if version > layout.FORMAT_VERSION:
         raise ResultsError(f"{path} has format {version}; a newer tractive-sam can read it")
-    missing = {"scene", "grid", "history", "fields", "stress", "state"} - set(file)
+    kinds = {"scene": h5py.Dataset} | dict.fromkeys(GROUPS, h5py.Group)
+    missing = [name for name, kind in kinds.items() if not isinstance(file.get(name), kind)]
     if missing:
         lost = ", ".join(f"/{name}" for name in sorted(missing))
         raise ResultsError(f"{path} lacks {lost}: it is damaged; run its scene again")

@@ -19,6 +19,7 @@ from tractive_sam.record import (
     History,
 )
 from tractive_sam.store import layout
+from tractive_sam.store.form import check_form
 from tractive_sam.store.opening import results_file
 from tractive_sam.store.rows import SLOTS, committed
 from tractive_sam.store.stored import StoredField, StoredStress
@@ -45,6 +46,7 @@ def open_history(path: str | Path) -> History:
     """
     path = Path(path)
     with results_file(path) as file:
+        check_form(file)
         scene, grid, history, fields = (file[k] for k in ("scene", "grid", "history", "fields"))
         n, m, about = committed(file), len(fields["record"]), dict(scene.attrs)
         bodies = tuple(history["body"].asstr()) if "body" in history else ()
@@ -84,7 +86,12 @@ def last_state(path: str | Path) -> dict[str, np.ndarray]:
     """
     with results_file(Path(path)) as file:
         slot = (committed(file) - 1) % SLOTS
-        return {name: file["state"][name][slot] for name in STATE}
+        fields = {name: file["state"][name][slot] for name in STATE}
+        # The gap is infinite where a mesh has grown.
+        lost = [name for name in STATE if name != "gap" and not np.isfinite(fields[name]).all()]
+        if lost:
+            raise ValueError(f"/state: {', '.join(lost)} of the last record are not finite")
+        return fields
 
 
 def _rows(
