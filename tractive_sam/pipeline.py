@@ -9,6 +9,7 @@ from pathlib import Path
 from time import perf_counter
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from tractive_sam.accuracy import Judge, Levels, judge_of, refined, with_tolerances
 from tractive_sam.contact import Contact, Gap, Model, NotConverged, equilibrium, fitted
@@ -17,6 +18,7 @@ from tractive_sam.record import History, Record, state
 from tractive_sam.restart import last_passage
 from tractive_sam.rolling import Passage, passages, recorded
 from tractive_sam.scene import Scene
+from tractive_sam.scene.quantities import LARGEST
 from tractive_sam.solvers import Status
 from tractive_sam.store import HistoryWriter, open_history, read_gap
 
@@ -34,7 +36,7 @@ def measured_gap(scene: Scene) -> Gap | None:
 def solve(
     scene: Scene,
     *,
-    wear: np.ndarray | None = None,
+    wear: ArrayLike | None = None,
     start: Contact | None = None,
     throw: bool = True,
 ) -> Contact:
@@ -44,7 +46,7 @@ def solve(
     ----------
     scene : Scene
         What is asked; its [wear] is not rolled, see `roll`.
-    wear : ndarray, shape (n_x, n_y), optional
+    wear : array_like, shape (n_x, n_y), optional
         Depth worn off both bodies together, mm.
     start : Contact, optional
         Contact of a similar scene on the same mesh, as first guess.
@@ -59,8 +61,10 @@ def solve(
 
     Raises
     ------
+    TypeError
+        If `scene` is no Scene, or `start` no Contact.
     ValueError
-        If `wear` or `start` do not fit the mesh.
+        If `wear` or `start` do not fit the mesh, or are not finite.
     NotConverged
         If `throw` and the contact conditions do not hold to the scene's tolerance, or its
         [accuracy] was not reached.
@@ -73,20 +77,15 @@ def solve(
     >>> faster.Qx < contact.Qx
     True
     """
+    _check_scene(scene)
     measured = measured_gap(scene)
     if scene.accuracy is not None and wear is None and start is None:
         return _checked(_accurate(scene, measured), throw)
     model = Model(scene, measured)
     if wear is not None:
-        wear = np.asarray(wear, float)
-        if wear.shape != model.grid.elements or not np.isfinite(wear).all():
-            raise ValueError(f"wear: finite numbers of the shape {model.grid.elements} are needed")
-    if start is not None and start.grid != model.grid:
-        raise ValueError(
-            f"start: a contact on the mesh of the scene is needed, {model.grid.elements} elements "
-            f"over {model.grid.half_length} mm; not {start.grid.elements} over "
-            f"{start.grid.half_length}"
-        )
+        wear = _depths(wear, model.grid)
+    if start is not None:
+        _check_start(start, model.grid)
     if start is None and wear is None:
         _, contact = fitted(model)
     else:
@@ -98,6 +97,49 @@ def _checked(contact: Contact, throw: bool) -> Contact:
     if throw and not contact.converged:
         raise NotConverged(contact)
     return contact
+
+
+def _check_scene(scene: Scene) -> None:
+    if not isinstance(scene, Scene):
+        cure = "Scene.builtin(name), Scene.from_toml(path) or Scene(...) makes one"
+        raise TypeError(f"scene: a Scene is needed, not {type(scene).__name__}; {cure}")
+
+
+def _depths(wear: ArrayLike, grid: Grid) -> np.ndarray:
+    """Depths of wear given from outside, mm."""
+    needed = f"wear: finite numbers of the shape {grid.elements} are needed, mm"
+    try:
+        depths = np.asarray(wear)
+    except ValueError:  # rows of different lengths
+        raise ValueError(needed) from None
+    # "not all" rather than "any": nan must fail, too
+    if (
+        depths.dtype.kind not in "fiu"
+        or depths.shape != grid.elements
+        or np.ma.is_masked(wear)
+        or not (np.abs(depths) <= LARGEST).all()
+    ):
+        raise ValueError(needed)
+    return depths.astype(float)
+
+
+def _check_start(start: Contact, grid: Grid) -> None:
+    if not isinstance(start, Contact):
+        raise TypeError(f"start: a Contact is needed, as of solve, not {type(start).__name__}")
+    if start.grid != grid:
+        raise ValueError(
+            f"start: a contact on the mesh of the scene is needed, {grid.elements} elements "
+            f"over {grid.half_length} mm; not {start.grid.elements} over {start.grid.half_length}"
+        )
+    shape = grid.elements
+    for name, field, wanted in (
+        ("pressure", start.pressure, shape),
+        ("traction", start.traction, (2, *shape)),
+        ("approach", start.approach, ()),
+        ("creepages", (start.xi_x, start.xi_y), (2,)),
+    ):
+        if np.shape(field) != wanted or not (np.abs(field) <= LARGEST).all():
+            raise ValueError(f"start: its {name} are to be finite numbers of the shape {wanted}")
 
 
 def _accurate(scene: Scene, measured: Gap | None) -> Contact:
@@ -155,6 +197,7 @@ def roll(
     2
     3
     """
+    _check_scene(scene)
     last = None
     if resume and path is not None and Path(path).exists():
         last = last_passage(open_history(path), path, scene)

@@ -1,4 +1,6 @@
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -73,6 +75,25 @@ def test_plot_that_cannot_be_written(call, stored):
     result = call("plot", stored, "-o", stored)
     assert result.exit_code == 2
     assert "cannot be written" in result.stderr
+
+
+@pytest.mark.parametrize("arguments", [("show", "stored.h5"), ("show", "stored.h5", "--json")])
+def test_a_reader_that_leaves_is_no_fault(stored, arguments):
+    """As `head` does: no traceback, no word, and the status of the command."""
+    program = [sys.executable, "-m", "tractive_sam", *arguments]
+    with subprocess.Popen(program, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        process.stdout.close()
+        assert process.stderr.read() == b""
+    assert process.returncode == 0
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+def test_an_output_that_is_lost_is_told(stored):
+    with open("/dev/full", "w") as full:
+        program = [sys.executable, "-m", "tractive_sam", "show", "stored.h5"]
+        result = subprocess.run(program, stdout=full, stderr=subprocess.PIPE, check=False)
+    assert result.returncode == 3
+    assert result.stderr.startswith(b"error: the output is lost")
 
 
 def test_formats_are_those_of_the_figures():

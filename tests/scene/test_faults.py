@@ -256,6 +256,21 @@ def test_faulty_entry_does_not_stop_the_checks_of_others(tables):
     ]
 
 
+def test_needles(tables):
+    """The influence coefficients of longer elements lose their digits."""
+    tables["grid"] = {"half_length": [5.0, 1e8], "elements": [11, 11]}
+    (fault,) = faults_of(tables)
+    assert fault.key == "grid.half_length"
+    assert "times as long as wide" in fault.allowed
+
+
+def test_a_contact_too_slender_for_a_chosen_grid(tables):
+    tables["body"]["A"]["radius_y"] = tables["body"]["B"]["radius_y"] = 1e9
+    (fault,) = faults_of(tables)
+    assert "a [grid], or a line contact" in fault.allowed
+    Scene(**tables, grid={"half_length": [1.0, 1e5], "elements": [40, 40]})
+
+
 def test_error_reads_as_a_list():
     error = SceneError([Fault("a.b", "1", "2"), Fault("c", "3", "4")])
     assert str(error).splitlines() == [

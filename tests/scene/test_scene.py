@@ -124,6 +124,15 @@ def test_advised_grid_is_fine_enough(tables):
     Scene(**tables, grid={"half_length": [4.2, 4.2], "elements": [10, 10]})
 
 
+def test_large_contact_warns_with_its_ratios(tables):
+    """By each body's own radius, too: a ball in its socket has a large combined one."""
+    with pytest.warns(SceneWarning, match=r"a/R_x = 0\.\d+ and b/R_y = 0\.\d+; half-spaces"):
+        Scene(**tables | {"load": {"normal": 4e4}})
+    tables["body"]["B"] |= {"radius_x": -340.0, "radius_y": -340.0}
+    with pytest.warns(SceneWarning, match=r"a/R_x"):
+        Scene(**tables | {"load": {"normal": 500.0}})
+
+
 def test_error_survives_another_process():
     with pytest.raises(SceneError) as caught:
         Body(young=-1)

@@ -35,7 +35,9 @@ def main() -> None:
         app()
     except OSError as error:  # of the output itself: commands tell of all others
         silence(sys.stdout)
-        raise SystemExit(stop(Status.INCOMPLETE, f"the output is lost: {error}").exit_code) from None
+        raise SystemExit(
+            stop(Status.INCOMPLETE, f"the output is lost: {error}").exit_code
+        ) from None
 
 
 def _print_version(wanted: bool) -> None:

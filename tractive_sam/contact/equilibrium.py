@@ -46,7 +46,9 @@ def equilibrium(
     elif depth is not None:
         gap = gap + depth
     gap = gap / model.units.gap
-    if model.scene.solver.method == "uzawa":
+    if model.load is None and gap.min() >= model.given_approach:
+        outcome = in_sequence(model, gap, None)  # worn until they do not touch: nothing to solve
+    elif model.scene.solver.method == "uzawa":
         outcome = projected(model, gap, first, in_pass)
     elif model.dissimilar and model.transmits:
         outcome = together(model, gap, first)

@@ -20,7 +20,9 @@ def fitted(model: Model) -> tuple[Model, Contact]:
     """
     contact = equilibrium(model)
     for _ in range(GROWTHS):
-        if contact.status is not Status.OFF_GRID or model.scene.grid is not None:
+        # Beyond a measured gap from which the mesh was chosen there is nothing to grow into.
+        chosen = model.scene.grid is None and model.scene.hertz is not None
+        if contact.status is not Status.OFF_GRID or not chosen:
             break
         model = Model(model.scene, model.measured, grown(model.grid))
         contact = equilibrium(model)

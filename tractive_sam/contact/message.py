@@ -14,6 +14,8 @@ def message(status: Status, outcome: Outcome, model: Model) -> str:
     if status is Status.CONVERGED:
         text = f"contact conditions hold to {outcome.residual:.1e}"
         touching = outcome.pressure > 0.0
+        if not touching.any():
+            text += "; the bodies do not touch: load.approach is less than the depth worn off"
         across = [int(touching.any(axis=1).sum()), int(touching.any(axis=0).sum())]
         if model.grid.line:
             del across[1]

@@ -30,6 +30,8 @@ def _existing(path: Path) -> Path:
 
 
 def _array(value: Any) -> NDArray[np.float64]:
+    if np.ma.is_masked(value):
+        raise ValueError("an array without masked points")
     try:
         array = np.array(value)
     except ValueError:
