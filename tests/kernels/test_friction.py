@@ -14,9 +14,9 @@ fields = arrays(float, (2, 3, 2), elements=sizes | sizes.map(lambda x: -x))
 bounds = arrays(float, (3, 2), elements=sizes)
 
 
-def projected(traction, bound):
+def projected(traction, bound, weights=(1.0, 1.0)):
     out = np.empty_like(traction)
-    friction.project(traction, bound, out)
+    friction.project(traction, bound, out, *weights)
     return out
 
 
@@ -37,13 +37,29 @@ def test_projection_shortens_distances(a, b, bound):
     assert (np.hypot(*(projected(a, bound) - projected(b, bound))) <= apart + 1e-12).all()
 
 
-def linearised(traction, slip, bound, staggered=False):
+@settings(max_examples=50, deadline=None)
+@given(fields, bounds, st.floats(1.0, 1e4))
+def test_nearest_in_a_weighted_norm(traction, bound, weight):
+    """On the disc, and apart from it along the normal in that norm: (1 + l w) z = p, l >= 0."""
+    out = projected(traction, bound, (1.0, weight))
+    assert (np.hypot(*out) <= bound * (1 + 1e-15)).all()
+    outside = (np.hypot(*traction) > bound) & (bound > 0)
+    (p0, p1), (z0, z1) = traction[:, outside], out[:, outside]
+    # Root and quotient are good to rounding, of sizes up to the weight.
+    np.testing.assert_allclose((p0 - z0) * weight * z1, (p1 - z1) * z0, rtol=1e-6, atol=1e-11)
+    assert (np.abs(z0) <= np.abs(p0) * (1 + 1e-12)).all()
+    assert (z0 * p0 >= 0).all()
+    assert (z1 * p1 >= 0).all()
+
+
+def linearised(traction, slip, bound, staggered=False, weights=(1.0, 1.0)):
     shape = bound.shape
     state, direction = np.empty(shape, np.int8), np.empty((2, *shape))
     kappa, across, defect = np.empty(shape), np.empty((2, 2, *shape)), np.empty((2, *shape))
-    squares = friction.linearise(
-        traction, slip, bound, staggered, state, direction, kappa, across, defect
+    squares, merit = friction.linearise(
+        traction, slip, bound, staggered, *weights, state, direction, kappa, across, defect
     )
+    assert weights != (1.0, 1.0) or merit == pytest.approx(squares)
     return state, direction, kappa, across, defect, squares
 
 
@@ -118,6 +134,44 @@ def test_rows_are_the_derivative_of_the_law_at_its_solution():
     undone = (t * row).sum(axis=0) / kappa * size / (gamma * bound)
     undone *= bound / (bound + size)
     np.testing.assert_allclose(derivative, undone, rtol=1e-6, atol=1e-8)
+
+
+@pytest.mark.parametrize("weights", [(1.0, 1.0), (1.0, 30.0), (400.0, 1.0)])
+def test_rows_are_the_derivative_of_the_law_anywhere(weights):
+    """Also far from its solution, where tractions do not oppose the slip.
+
+    With (1 + l w) z = p - w s, tangent t of the disc at z and a change of s alone,
+    (t.t/w + l) t.dz = -t.ds.
+    """
+    rng = np.random.default_rng(5)
+    shape = (60, 3)
+    bound = rng.uniform(0.5, 1.5, shape)
+    slip = rng.normal(size=(2, *shape)) * np.exp(rng.normal(size=shape))
+    traction = projected(rng.normal(size=(2, *shape)), bound)
+    state, direction, kappa, across, *_ = linearised(traction, slip, bound, True, weights)
+    w = np.array(weights)[:, None, None]
+    change, h = rng.normal(size=(2, *shape)), 1e-7
+    low, high = (turned(slip + sign * h * change, bound) for sign in (-1, 1))
+    row = np.empty((2, *shape))
+    friction.tangent_row(state, direction, kappa, across, bound, 0 * change, change, row)
+    q, z = (
+        traction - w * turned(slip, bound),
+        projected(traction - w * turned(slip, bound), bound, weights),
+    )
+    root = ((q - z) * z).sum(axis=0) / (w * z * z).sum(axis=0)
+    t = np.stack((-direction[1], direction[0]))
+    dz = projected(traction - w * high, bound, weights) - projected(
+        traction - w * low, bound, weights
+    )
+    slipping = state == friction.SLIP
+    # 1/kappa - 1 is l over the ratio by which the row is scaled.
+    along = (t * row).sum(axis=0)[slipping] / (1.0 - kappa[slipping]) * root[slipping]
+    truth = (t * dz).sum(axis=0)[slipping] / (2 * h)
+    answer = -along / ((t * t / w).sum(axis=0) + root)[slipping]
+    # A few elements are within h of a kink of the share.
+    wrong = np.abs(answer - truth) > 1e-4 * (1.0 + np.abs(truth))
+    assert np.count_nonzero(slipping) > 100
+    assert np.count_nonzero(wrong) <= 1
 
 
 def test_open_elements_carry_nothing():

@@ -264,6 +264,7 @@ def test_needles(tables):
     assert "times as long as wide" in fault.allowed
 
 
+@pytest.mark.filterwarnings("ignore::tractive_sam.scene.SceneWarning")  # few elements
 def test_a_contact_too_slender_for_a_chosen_grid(tables):
     tables["body"]["A"]["radius_y"] = tables["body"]["B"]["radius_y"] = 1e9
     (fault,) = faults_of(tables)

@@ -67,6 +67,7 @@ SCENES = st.fixed_dictionaries(
 )
 
 
+@pytest.mark.filterwarnings("ignore::tractive_sam.scene.SceneWarning")  # large contacts
 @settings(max_examples=60, deadline=None)
 @given(SCENES)
 def test_round_trip(tables):

@@ -13,21 +13,47 @@ OPEN, STICK, SLIP = 0, 1, 2
 
 
 @njit(cache=True)
-def project(traction, bound, out):
-    """Nearest point of the disc of radius ``bound``, element by element; zero where bound <= 0."""
+def _nearest(a, b, g, w0, w1):
+    """Point z of the disc of radius g > 0 nearest to (a, b), and l >= 0 with (1 + l w) z = (a, b).
+
+    Nearest where squares of distances count by 1/w: that of the ellipse which the disc is in
+    unscaled tractions (`Frame`), if w are the squares of the factors. The root l of |z| = g is
+    found by Newton's method on 1/|z|, which is almost linear in l (Reinsch 1971), from above l = 0.
+    """
+    if a * a + b * b <= g * g:
+        return a, b, 0.0
+    if w0 == w1:
+        size = sqrt(a * a + b * b)
+        return g * a / size, g * b / size, (size / g - 1.0) / w0
+    root = 0.0
+    for _ in range(50):
+        u, v = 1.0 + root * w0, 1.0 + root * w1
+        z0, z1 = a / u, b / v
+        size = sqrt(z0 * z0 + z1 * z1)
+        slope = z0 * z0 * w0 / u + z1 * z1 * w1 / v
+        step = (size / g - 1.0) * size * size / slope
+        root += step
+        if step <= 1e-15 * root:
+            break
+    z0, z1 = a / (1.0 + root * w0), b / (1.0 + root * w1)
+    factor = g / sqrt(z0 * z0 + z1 * z1)
+    return factor * z0, factor * z1, root
+
+
+@njit(cache=True)
+def project(traction, bound, out, w0=1.0, w1=1.0):
+    """Nearest point of the disc of radius ``bound``, element by element; zero where bound <= 0.
+
+    Squares of distances along the axes count by 1/w0 and 1/w1 (`_nearest`).
+    """
     _, nx, ny = traction.shape
     for i in range(nx):
         for j in range(ny):
             a, b, g = traction[0, i, j], traction[1, i, j], bound[i, j]
-            size = sqrt(a * a + b * b)
             if g <= 0.0:
-                factor = 0.0
-            elif size > g:
-                factor = g / size
+                out[0, i, j] = out[1, i, j] = 0.0
             else:
-                factor = 1.0
-            out[0, i, j] = factor * a
-            out[1, i, j] = factor * b
+                out[0, i, j], out[1, i, j], _ = _nearest(a, b, g, w0, w1)
 
 
 @njit(cache=True)
@@ -93,13 +119,23 @@ def turn(slip, bound, out):
 
 
 @njit(cache=True)
-def _respond(slip, m0, m1, staggered, t0, t1, i, j, across):
-    """Derivative, along t, of the vector that the slip opposed is turned to (`linearise`)."""
+def _respond(slip, m0, m1, staggered, s0, s1, ratio, t0, t1, i, j, across):
+    """Derivative, along t, of the slip opposed s over the ratio of sizes (`_turned`).
+
+    s turns with the vector d that it is turned to, s/|s| = d/|d|, but keeps the size of a.
+    """
     a0, a1 = slip[0, i, j], slip[1, i, j]
-    share, agreement, square = 0.0, 0.0, 1.0
+    share, agreement, square, grown = 0.0, 0.0, 1.0, 0.0
     if staggered:
         share, agreement, square = _share(a0, a1, m0, m1)
-    across[0, 0, i, j], across[0, 1, i, j] = (1.0 - share) * t0, (1.0 - share) * t1
+        size = sqrt(a0 * a0 + a1 * a1)
+        if share > 0.0 and size > 1e-100:
+            u0, u1 = s0 / size, s1 / size
+            onto = t0 * u0 + t1 * u1
+            t0, t1 = t0 - onto * u0, t1 - onto * u1
+            grown = onto / (ratio * size)
+    across[0, 0, i, j] = (1.0 - share) * t0 + grown * a0
+    across[0, 1, i, j] = (1.0 - share) * t1 + grown * a1
     across[1, 0, i, j], across[1, 1, i, j] = share * t0, share * t1
     if 0.0 < share < 1.0:
         # The share changes as well.
@@ -111,8 +147,8 @@ def _respond(slip, m0, m1, staggered, t0, t1, i, j, across):
 
 
 @njit(cache=True)
-def linearise(traction, slip, bound, staggered, state, direction, kappa, across, defect):
-    """State of every element and the defect of the friction law, disc(p - s) - p.
+def linearise(traction, slip, bound, staggered, w0, w1, state, direction, kappa, across, defect):
+    """State of every element and the defect of the friction law, disc(p - w s) - p.
 
     Parameters
     ----------
@@ -122,27 +158,33 @@ def linearise(traction, slip, bound, staggered, state, direction, kappa, across,
         Radius of the disc.
     staggered : bool
         Whether the slip opposed is turned to that at the centre (`turn`).
+    w0, w1 : float
+        Weights of the slip along the axes; the projection is the nearest point in the norm that
+        belongs to them (`_nearest`), and the solution the same for any.
     state : ndarray of int8, shape (nx, ny)
         Set to OPEN, STICK or SLIP.
     direction : ndarray, shape (2, nx, ny)
-        Set to the unit vector of p - s where the element slips.
+        Set to the unit vector of disc(p - w s) where the element slips.
     kappa : ndarray, shape (nx, ny)
-        Set to k, the derivative of the projection across the direction of slip: bound/|p - s| where
-        it slips, 1 where it sticks. Where slip was turned from a vector of another size, k is set,
-        and the defect scaled, so that the row is one in that vector.
+        Set to k = 1/(1 + l), where it slips (`_nearest`), and 1 where it sticks: with equal weights
+        the derivative of the projection across the direction of slip, bound/|p - s|. Where slip was
+        turned from a vector of another size, k is set, and the defect scaled, so that the row is
+        one in that vector.
     across : ndarray, shape (2, 2, nx, ny)
         Set to what the slip opposed answers to the slip at the leading face (first index 0) and
         at the centre (1), across the direction of slip, where it slips.
     defect : ndarray, shape (2, nx, ny)
-        Set to disc(p - s) - p, the part across the direction of slip scaled like its row.
+        Set to disc(p - w s) - p, the part across the direction of slip scaled like its row.
 
     Returns
     -------
-    float
-        Sum of squares of disc(p - s) - p.
+    total : float
+        Sum of squares of disc(p - s) - p, with unit weights.
+    merit : float
+        Sum of squares of disc(p - w s) - p, in the norm of the weights.
     """
     nx, ny = bound.shape
-    total = 0.0
+    total = merit = 0.0
     for i in range(nx):
         for j in range(ny):
             g = bound[i, j]
@@ -152,36 +194,46 @@ def linearise(traction, slip, bound, staggered, state, direction, kappa, across,
             if staggered and g > 0.0:
                 m0, m1 = _centred(slip, bound, i, j)
                 s0, s1, ratio = _turned(s0, s1, m0, m1)
-            q0, q1 = p0 - s0, p1 - s1
             direction[0, i, j] = direction[1, i, j] = 0.0
             kappa[i, j] = 1.0
             if g <= 0.0:
                 state[i, j] = OPEN
                 d0, d1 = -p0, -p1
                 total += d0 * d0 + d1 * d1
+                merit += d0 * d0 / w0 + d1 * d1 / w1
+                defect[0, i, j], defect[1, i, j] = d0, d1
+                continue
+            z0, z1, root = _nearest(p0 - s0, p1 - s1, g, 1.0, 1.0)
+            total += (z0 - p0) ** 2 + (z1 - p1) ** 2
+            if w0 != 1.0 or w1 != 1.0:
+                z0, z1, root = _nearest(p0 - w0 * s0, p1 - w1 * s1, g, w0, w1)
+            d0, d1 = z0 - p0, z1 - p1
+            merit += d0 * d0 / w0 + d1 * d1 / w1
+            if root == 0.0:
+                state[i, j] = STICK
+                d0, d1 = -slip[0, i, j], -slip[1, i, j]
             else:
-                size = sqrt(q0 * q0 + q1 * q1)
-                if size <= g:
-                    state[i, j] = STICK
-                    d0, d1 = -slip[0, i, j], -slip[1, i, j]
-                    total += d0 * d0 + d1 * d1
-                else:
-                    state[i, j] = SLIP
-                    n0, n1 = q0 / size, q1 / size
-                    # A hundredth of an ulp of pressure must not make 1/kappa infinite.
-                    k = max(g / size, 1e-100)
-                    d0, d1 = g * n0 - p0, g * n1 - p1
-                    total += d0 * d0 + d1 * d1
-                    if ratio != 1.0:
-                        scale = 1.0 / (k * ratio + 1.0 - k)
-                        k = max(scale * k * ratio, 1e-100)
-                        more = (scale - 1.0) * (n0 * d1 - n1 * d0)
-                        d0, d1 = d0 - more * n1, d1 + more * n0
-                    direction[0, i, j], direction[1, i, j] = n0, n1
-                    kappa[i, j] = k
-                    _respond(slip, m0, m1, staggered, -n1, n0, i, j, across)
+                state[i, j] = SLIP
+                n0, n1 = z0 / g, z1 / g
+                # A hundredth of an ulp of pressure must not make 1/kappa infinite.
+                k = max(1.0 / (1.0 + root), 1e-100)
+                along, out = n0 * d1 - n1 * d0, n0 * d0 + n1 * d1
+                if w0 != 1.0 or w1 != 1.0:
+                    # From (1 + l w) z = p - w s, differentiated and multiplied by t/w.
+                    scaled = (n1 * n1 / w0 + n0 * n0 / w1) * along + n0 * n1 * (
+                        1 / w1 - 1 / w0
+                    ) * out
+                    along = k * scaled + (1.0 - k) * along
+                if ratio != 1.0:
+                    scale = 1.0 / (k * ratio + 1.0 - k)
+                    k = max(scale * k * ratio, 1e-100)
+                    along *= scale
+                d0, d1 = out * n0 - along * n1, out * n1 + along * n0
+                direction[0, i, j], direction[1, i, j] = n0, n1
+                kappa[i, j] = k
+                _respond(slip, m0, m1, staggered, s0, s1, ratio, -n1, n0, i, j, across)
             defect[0, i, j], defect[1, i, j] = d0, d1
-    return total
+    return total, merit
 
 
 @njit(cache=True)

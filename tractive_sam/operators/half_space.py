@@ -58,6 +58,11 @@ class Frame:
         """s~ = F s for a field of shape (2, ...)."""
         return np.tensordot(self.matrix, slip, axes=1)
 
+    @property
+    def weights(self) -> tuple[float, float]:
+        """(max mu / mu)² of both axes: what squares of unscaled tractions have less of."""
+        return tuple((max(self.mu) / mu) ** 2 for mu in self.mu)
+
     def slip_to_physical(self, scaled: np.ndarray) -> np.ndarray:
         """s = F^-1 s~ for a field of shape (2, ...)."""
         return np.tensordot(np.linalg.inv(self.matrix), scaled, axes=1)

@@ -90,8 +90,8 @@ class Stencil:
 def edge_normals(bound: np.ndarray, i: np.ndarray, j: np.ndarray, aspect: float) -> np.ndarray:
     """Unit vectors out of the contact at leading elements (i, j), shape (2, m).
 
-    Down the gradient of the squared pressure, which falls linearly to a smooth edge; along x where
-    the pressure does not fall towards the edge.
+    Down the gradient of the squared pressure, which falls linearly to a smooth edge. Where the
+    pressure does not fall towards the edge, as if it fell a little: so it stays continuous.
 
     Parameters
     ----------
@@ -104,9 +104,9 @@ def edge_normals(bound: np.ndarray, i: np.ndarray, j: np.ndarray, aspect: float)
     """
     square = np.pad(bound**2, 1)
     i, j = i + 1, j + 1
-    fall = square[i - 1, j] - square[i, j]
+    fall = np.maximum(square[i - 1, j] - square[i, j], 0.1 * square[i, j])
     aside = 0.5 * aspect * (square[i - 1, j - 1] - square[i - 1, j + 1])
-    angle = np.where(fall > 0.0, np.arctan2(aside, fall), 0.0)
+    angle = np.arctan2(aside, fall)
     return np.stack((np.cos(angle), np.sin(angle)))
 
 

@@ -25,35 +25,40 @@ class _Iterate:
         shape = pressure.shape
         self.pressure = np.maximum(pressure, 0.0)
         self.traction = np.empty_like(traction)
-        friction.project(traction, self.pressure, self.traction)
+        weights = problem.half_space.frame.weights
+        friction.project(traction, self.pressure, self.traction, *weights)
         self.approach, self.creepage = approach, creepage
         response = problem.half_space.coupled(np.concatenate((self.pressure[None], self.traction)))
         self.gap = problem.gap + response[0] - approach
         self.slip = problem.rigid + problem.transmission.slip(creepage) + response[1:]
         self.friction_slip = problem.half_space.friction_slip(self.pressure, self.gap)
         self.active = self.pressure > self.gap
+        self.others = problem.transmission.others(self.slip, creepage)
         self.state = np.empty(shape, np.int8)
         self.direction = np.empty((2, *shape))
         self.kappa = np.empty(shape)
         self.across = np.empty((2, 2, *shape))
         self.defect = np.empty((2, *shape))
-        squares = friction.linearise(
+        squares, merit = friction.linearise(
             self.traction,
             self.friction_slip.sticking(self.slip, self.traction),
             self.pressure,
             problem.half_space.stencil.staggered,
+            *weights,
             self.state,
             self.direction,
             self.kappa,
             self.across,
             self.defect,
         )
-        squares += np.sum(np.minimum(self.pressure, self.gap) ** 2)
+        normal = np.sum(np.minimum(self.pressure, self.gap) ** 2)
         # Resultants missed count as if spread evenly over the contact.
         self.load_missed = 0.0 if problem.load is None else problem.load - self.pressure.sum()
         self.force_missed = problem.transmission.target - problem.transmission.force(self.traction)
         elements = max(np.count_nonzero(self.active), 1)
-        squares += (self.load_missed**2 + np.sum(self.force_missed**2)) / elements
+        normal += (self.load_missed**2 + np.sum(self.force_missed**2)) / elements
+        squares += normal
+        self.merit = np.sqrt(merit + normal)
         size = np.hypot(np.linalg.norm(self.pressure), np.linalg.norm(self.traction))
         self.residual = np.sqrt(squares) / size if size > 0.0 else np.sqrt(squares)
         # An element about to leave takes its traction along.
@@ -245,8 +250,8 @@ def coupled_newton(
                 at.creepage + length * faster,
             )
 
-        reach = problem.transmission.reach(at.creepage, faster)
-        return damped(trial, at.residual, reach, stalled)
+        reach = problem.transmission.reach(at.creepage, faster, at.others)
+        return damped(trial, at.merit, reach, stalled)
 
     at, taken, status = newton_steps(
         _Iterate(problem, pressure, traction, approach, creepage),

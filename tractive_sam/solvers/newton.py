@@ -29,16 +29,19 @@ class _Iterate:
         self.slip = (
             problem.rigid + problem.transmission.slip(creepage) + problem.half_space.slip(traction)
         )
+        self.others = problem.transmission.others(self.slip, creepage)
         self.state = np.empty(shape, np.int8)
         self.direction = np.empty((2, *shape))
         self.kappa = np.empty(shape)
         self.across = np.empty((2, 2, *shape))
         self.defect = np.empty((2, *shape))
-        squares = friction.linearise(
+        weights = problem.half_space.frame.weights
+        squares, merit = friction.linearise(
             traction,
             problem.friction_slip.sticking(self.slip, traction),
             problem.bound,
             problem.half_space.stencil.staggered,
+            *weights,
             self.state,
             self.direction,
             self.kappa,
@@ -48,10 +51,12 @@ class _Iterate:
         self.shortfall = problem.transmission.target - problem.transmission.force(traction)
         # Forces, given and missed, count as if spread evenly over the contact.
         elements = max(np.count_nonzero(problem.bound > 0.0), 1)
-        squares += np.sum(self.shortfall**2) / elements
+        missed = np.sum(self.shortfall**2) / elements
+        squares += missed
         size = np.linalg.norm(traction + self.defect)
         size = max(size, np.linalg.norm(problem.transmission.target) / np.sqrt(elements))
         self.residual = np.sqrt(squares) / size if size > 0.0 else 0.0
+        self.merit = np.sqrt(merit + missed)
 
 
 class _Linearised:
@@ -178,6 +183,7 @@ def newton(
     before = problem.half_space.slip.applications
     preconditionings = 0
     projected = np.empty_like(first)
+    weights = problem.half_space.frame.weights
     friction.project(first, problem.bound, projected)
 
     def advance(at: _Iterate, stalled: bool) -> _Iterate:
@@ -192,11 +198,11 @@ def newton(
 
         def trial(length: float) -> _Iterate:
             projected = np.empty_like(step)
-            friction.project(at.traction + length * step, problem.bound, projected)
+            friction.project(at.traction + length * step, problem.bound, projected, *weights)
             return _Iterate(problem, projected, at.creepage + length * creepage)
 
-        length = problem.transmission.reach(at.creepage, creepage)
-        return damped(trial, at.residual, length, stalled)
+        length = problem.transmission.reach(at.creepage, creepage, at.others)
+        return damped(trial, at.merit, length, stalled)
 
     at, taken, status = newton_steps(
         _Iterate(problem, projected, first_creepage),

@@ -15,10 +15,15 @@ PATIENCE = 3
 
 
 class Iterate(Protocol):
-    """A state with its natural residual and the creepages found so far."""
+    """A state with its natural residual, its merit and the creepages found so far.
+
+    `others` is the slip beside that of the creepages (`Transmission.others`).
+    """
 
     residual: float
+    merit: float
     creepage: np.ndarray
+    others: float
 
 
 State = TypeVar("State", bound=Iterate)
@@ -48,7 +53,7 @@ def newton_steps(
     for taken in range(steps + 1):
         if at.residual <= tolerance:
             return at, taken, Status.CONVERGED
-        if not np.isfinite(at.residual) or transmission.lost(at.creepage):
+        if not np.isfinite(at.residual) or transmission.lost(at.creepage, at.others):
             return at, taken, Status.DIVERGED
         if at.residual < 0.9 * least:
             least, since = at.residual, taken
@@ -67,8 +72,8 @@ def forcing(residual: float, tolerance: float) -> float:
     return float(min(wanted, 0.5))
 
 
-def damped(trial: Callable[[float], State], residual: float, length: float, stalled: bool) -> State:
-    """The trial of the length given, or of the longest halving that does not raise the residual.
+def damped(trial: Callable[[float], State], merit: float, length: float, stalled: bool) -> State:
+    """The trial of the length given, or of the longest halving that does not raise the merit.
 
     The active sets of a step may be worse for a while on the way to a better solution, so a rise
     by half is allowed; where none is that good, the best one is taken. Where the residual has
@@ -77,7 +82,7 @@ def damped(trial: Callable[[float], State], residual: float, length: float, stal
     trials = []
     for _ in range(HALVINGS):
         trials.append(trial(length))
-        if not stalled and trials[-1].residual <= 1.5 * residual:
+        if not stalled and trials[-1].merit <= 1.5 * merit:
             return trials[-1]
         length *= 0.5
-    return min(trials, key=lambda one: one.residual)
+    return min(trials, key=lambda one: one.merit)

@@ -72,19 +72,25 @@ class Transmission:
     def __len__(self) -> int:
         return len(self.target)
 
-    def reach(self, creepage: np.ndarray, change: np.ndarray) -> float:
+    def others(self, slip: np.ndarray, creepage: np.ndarray) -> float:
+        """Largest slip but for the creepages sought; the size of those that matter beside it."""
+        if not len(self):
+            return 0.0
+        return float(np.abs(slip - self.slip(creepage)).max())
+
+    def reach(self, creepage: np.ndarray, change: np.ndarray, others: float) -> float:
         """Longest part of a change that trusts its linearisation, at most 1.
 
         Where nearly everything slips the forces hardly answer the creepages, and a Newton step
-        would run away. Full slip begins at a slip of order one.
+        would run away. Full slip begins at a slip of order one, or of that of `others`.
         """
         size = np.abs(change).max(initial=0.0)
-        trusted = 3.0 + np.abs(creepage).max(initial=0.0)
+        trusted = 3.0 + np.abs(creepage).max(initial=0.0) + others
         return float(min(1.0, trusted / size)) if size > 0.0 else 1.0
 
-    def lost(self, creepage: np.ndarray) -> bool:
+    def lost(self, creepage: np.ndarray, others: float) -> bool:
         """Whether the creepages have run away: the forces are beyond what friction can carry."""
-        return bool(np.abs(creepage).max(initial=0.0) > 1e4)
+        return bool(np.abs(creepage).max(initial=0.0) > 1e4 * (1.0 + others))
 
     def slip(self, creepage: np.ndarray) -> np.ndarray:
         """Constant slip of the unknown creepages, shape (2, 1, 1)."""
