@@ -122,7 +122,7 @@ def _contact(model: Model) -> Section:
         if mu1 != mu2:
             law = f"orthotropic, mu = ({mu1:g}, {mu2:g}) at {scene.friction.angle:g} degrees"
         rows.append(("friction", law))
-    rows.append(("method", f"{scene.solver.method}, to {scene.solver.tolerance:g}"))
+    rows.append(("method", f"{_method(model)}, to a residual of {scene.solver.tolerance:g}"))
     if model.transmits:
         staggered = model.stencil.staggered
         scheme = "staggered, second order" if staggered else "upwind, first order (the paper's)"
@@ -131,6 +131,14 @@ def _contact(model: Model) -> Section:
         ("left out", "inertia, speed, lubricant, heat, plasticity; thin or conforming bodies")
     )
     return Section("Contact", rows)
+
+
+def _method(model: Model) -> str:
+    if model.scene.solver.method != "auto" or not model.transmits:
+        return model.scene.solver.method
+    if any(model.free):
+        return "auto: newton; where that fails, continued in the forces, from no creepage"
+    return "auto: newton; where that fails, continued in the creepage from full slip; then anderson"
 
 
 def _drive(model: Model) -> str:

@@ -8,6 +8,7 @@ from tractive_sam.contact.guess import Guess
 from tractive_sam.contact.model import Model
 from tractive_sam.solvers.anderson import anderson
 from tractive_sam.solvers.conjugate_gradients import conjugate_gradients
+from tractive_sam.solvers.continuation import continued
 from tractive_sam.solvers.fixed_point import ANDERSON_STEP, TangentialMap
 from tractive_sam.solvers.nested import nested_normal, nested_tangential
 from tractive_sam.solvers.newton import newton
@@ -54,6 +55,7 @@ def solve_tangential(
 
 
 def _by_method(model, problem, begin, first, tolerance) -> Outcome:
+    """The method of the scene; "auto" is Newton's, then continued, then Anderson's."""
     method = model.scene.solver.method
     if method == "anderson":
         return _anderson(problem, tolerance, begin)
@@ -62,9 +64,18 @@ def _by_method(model, problem, begin, first, tolerance) -> Outcome:
     else:
         outcome = newton(problem, tolerance, begin, first.creepage)
     outcome = replace(outcome, trace=(*outcome.trace, f"newton: {outcome.status}"))
-    if outcome.converged or method == "newton" or len(problem.transmission):
+    if outcome.converged or method == "newton":
+        return outcome
+    outcome = continued(problem, tolerance, _newton_from, None).after(outcome)
+    if outcome.converged or len(problem.transmission):
         return outcome
     return _anderson(problem, tolerance, outcome.traction).after(outcome)
+
+
+def _newton_from(problem: TangentialProblem, tolerance: float, first: Outcome | None) -> Outcome:
+    if first is None:
+        return newton(problem, tolerance)
+    return newton(problem, tolerance, first.traction, first.creepage)
 
 
 def _anderson(problem: TangentialProblem, tolerance: float, begin: np.ndarray | None) -> Outcome:

@@ -13,6 +13,8 @@ def message(status: Status, outcome: Outcome, model: Model) -> str:
     solver = model.scene.solver
     if status is Status.CONVERGED:
         text = f"contact conditions hold to {outcome.residual:.1e}"
+        if any(str(Status.CONVERGED) not in step for step in outcome.trace):
+            text += f", by way of {', '.join(outcome.trace)}"
         touching = outcome.pressure > 0.0
         if not touching.any():
             text += "; the bodies do not touch: load.approach is less than the depth worn off"

@@ -9,6 +9,7 @@ from tractive_sam.contact.guess import Guess
 from tractive_sam.contact.in_sequence import slip_by_pressure, solve_normal, solve_tangential
 from tractive_sam.contact.model import Model
 from tractive_sam.solvers.anderson import anderson
+from tractive_sam.solvers.continuation import continued
 from tractive_sam.solvers.coupled_newton import coupled_newton
 from tractive_sam.solvers.fixed_point import ANDERSON_STEP, UZAWA_STEP, CoupledMap
 from tractive_sam.solvers.load_control import under_load
@@ -32,7 +33,10 @@ def _problem(model: Model, gap: np.ndarray) -> CoupledProblem:
 
 
 def together(model: Model, gap: np.ndarray, first: Guess | None) -> Outcome:
-    """The coupled problem of dissimilar bodies, by Newton's or Anderson's method."""
+    """The coupled problem of dissimilar bodies.
+
+    By the method of the scene; "auto" is Newton's, then continued, then Anderson's.
+    """
     solver = model.scene.solver
     earlier = None
     if first is None:
@@ -40,18 +44,21 @@ def together(model: Model, gap: np.ndarray, first: Guess | None) -> Outcome:
     if solver.method == "anderson":
         outcome = projected(model, gap, first)
     else:
-        outcome = coupled_newton(
-            _problem(model, gap),
-            solver.tolerance,
-            first.pressure,
-            first.traction,
-            first.approach,
-            first.creepage,
-        )
+        problem = _problem(model, gap)
+        outcome = _newton_from(problem, solver.tolerance, first)
         outcome = replace(outcome, trace=(f"coupled newton: {outcome.status}",))
-        if not outcome.converged and solver.method == "auto" and not len(model.transmission):
-            outcome = projected(model, gap, first).after(outcome)
+        if not outcome.converged and solver.method == "auto":
+            outcome = continued(problem, solver.tolerance, _newton_from, first).after(outcome)
+            if not (outcome.converged or len(model.transmission)):
+                outcome = projected(model, gap, first).after(outcome)
     return outcome if earlier is None else outcome.after(earlier)
+
+
+def _newton_from(problem: CoupledProblem, tolerance: float, first: Guess | Outcome) -> Outcome:
+    creepage = first.creepage if len(problem.transmission) else None
+    return coupled_newton(
+        problem, tolerance, first.pressure, first.traction, first.approach, creepage
+    )
 
 
 def _one_after_the_other(model: Model, gap: np.ndarray) -> tuple[Guess, Outcome]:

@@ -82,7 +82,7 @@ def adaptive_passages(model: Model, start: Passage) -> Iterator[Passage]:
 def _next_jump(model: Model, last: Passage, stop: int) -> Passage:
     """The longest jump towards the stop that keeps the error within the tolerance."""
     # While the rows in contact wear down, the bodies close in on the rows beside them.
-    closing = last.jump * float(last.worn[last.worn > 0.0].mean())
+    closing = last.jump * last.worn.sum() / max(np.count_nonzero(last.worn), 1)
     response = wear_response(model, last.contact, closing)
     jump = _towards(stop - last.revolution, last.jump, response)
     solves = 0

@@ -234,7 +234,7 @@ def coupled_newton(
         nonlocal preconditionings
         system = _Linearised(problem, at)
         rhs, known = system.right_hand_side()
-        goal = forcing(at.residual, tolerance)
+        goal = forcing(at.residual, tolerance, stalled)
         vector, _ = gmres(system.operator, system.preconditioner, rhs, goal, KRYLOV)
         preconditionings += system.preconditionings
         step = known + system.complete(vector[: system.size].reshape(system.shape))

@@ -190,7 +190,7 @@ def newton(
         nonlocal preconditionings
         system = _Linearised(problem, at)
         rhs, known = system.right_hand_side()
-        goal = forcing(at.residual, tolerance)
+        goal = forcing(at.residual, tolerance, stalled)
         vector, _ = gmres(system.operator, system.preconditioner, rhs, goal, KRYLOV)
         preconditionings += system.preconditionings
         step = known + vector[: system.size].reshape(system.shape)

@@ -13,6 +13,9 @@ HALVINGS = 6
 PATIENCE = 3
 """Steps without a smaller residual after which a step is taken as far only as it helps."""
 
+SHARP = 1e-5
+"""Relative residual of the linear system of a step that is taken only as far as it helps."""
+
 
 class Iterate(Protocol):
     """A state with its natural residual, its merit and the creepages found so far.
@@ -62,12 +65,14 @@ def newton_steps(
     return at, steps, Status.OUT_OF_ITERATIONS
 
 
-def forcing(residual: float, tolerance: float) -> float:
+def forcing(residual: float, tolerance: float, stalled: bool = False) -> float:
     """Relative residual to which a linear system is worth solving (inexact Newton).
 
     Loose while the stick and slip zones still move, sharper towards the end, and never beyond
-    what the tolerance needs.
+    what the tolerance needs. Where the residual has stalled only a sharp step is sure to lead down.
     """
+    if stalled:
+        return SHARP
     wanted = max(min(0.1, 0.3 * np.sqrt(residual)), 1e-3, 0.3 * tolerance / residual)
     return float(min(wanted, 0.5))
 

@@ -1,0 +1,308 @@
+"""Random hard scenes, to find where each method fails: which converge, at what cost.
+
+Half of the scenes have bodies of equal material, in which the pressure stands alone; the others
+have any. Each method is asked for a residual of 1e-8 from nothing and given as many applications of
+the operator as `BUDGET`; ``auto`` takes what it needs. ``alternating`` is what coupled methods are
+to replace: the normal problem under the lift of the last tractions, then the tangential one under
+the pressure found.
+
+    python benchmarks/hard_scenes.py [--scenes 600] [--first 0] [--methods auto,newton]
+"""
+
+import argparse
+import warnings
+from collections import Counter
+from collections.abc import Callable, Iterator
+from functools import partial
+from time import perf_counter
+
+import numpy as np
+from timing import show, write
+
+from tractive_sam.contact import Model, equilibrium
+from tractive_sam.contact.guess import Guess
+from tractive_sam.contact.in_sequence import solve_normal, solve_tangential
+from tractive_sam.pipeline import measured_gap
+from tractive_sam.scene import Scene
+from tractive_sam.solvers import Status
+from tractive_sam.solvers.anderson import anderson
+from tractive_sam.solvers.fixed_point import ANDERSON_STEP, UZAWA_STEP, CoupledMap
+from tractive_sam.solvers.load_control import under_load
+from tractive_sam.solvers.problem import CoupledProblem
+from tractive_sam.solvers.uzawa import uzawa
+
+BUDGET = 3_000
+GAPS = ("smooth", "smooth", "rough", "worn", "steps")
+DRIVES = ("creepage", "creepage", "spin", "both", "force")
+
+
+def hard_scene(seed: int) -> tuple[Scene, dict]:
+    """A hard scene and its parameters, the same for the same seed.
+
+    Aspect ratios a/b 0.05-20, mu 0.001-2, mu1/mu2 up to 10 (every tenth one up to 100), creepage
+    and spin from 1e-8 to 100 times full slip, Poisson's ratios 0-0.4999, E_A/E_B 1e-3-1e3, gaps
+    smooth, rough, worn and with steps, contacts from a few elements on, forces to transmit.
+    """
+    rng = np.random.default_rng(seed)
+
+    def log_uniform(low: float, high: float) -> float:
+        return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+    aspect = log_uniform(0.05, 20.0)
+    young, poisson = 2e5, rng.uniform(0.0, 0.4999, 2)
+    ratio = log_uniform(1e-3, 1e3)
+    if seed % 2 == 0:
+        ratio, poisson[1] = 1.0, poisson[0]
+    mu = log_uniform(1e-3, 2.0)
+    orthotropy = 1.0
+    if seed % 3:
+        orthotropy = log_uniform(1.0, 100.0 if seed % 10 == 0 else 10.0)
+    angle = rng.uniform(-180.0, 180.0)
+    # b/a = (R_y/R_x)^(2/3), nearly.
+    radii = {"radius_x": 10.0, "radius_y": 10.0 * aspect**-1.5}
+    flat = {"radius_x": np.inf, "radius_y": np.inf}
+    tables = {
+        "title": f"hard scene {seed}",
+        "body": {
+            "A": {"young": young, "poisson": poisson[0]} | radii,
+            "B": {"young": young * ratio, "poisson": poisson[1]} | flat,
+        },
+        # Of the order of 1e-4 to 1e-2 of the radius.
+        "load": {"normal": 1.0},
+        "friction": {"mu": (mu, mu / orthotropy), "angle": angle},
+        "solver": {"tolerance": 1e-8},
+    }
+    unit_load = Scene(**tables).hertz
+    smaller = min(unit_load.a, unit_load.b) / min(radii.values())
+    tables["load"]["normal"] = (log_uniform(1e-4, 0.05) / smaller) ** 3
+    hertz = Scene(**tables).hertz
+
+    elements = rng.choice((25, 31, 35, 41), 2)
+    few = rng.random() < 0.15
+    margin = rng.uniform(4.0, 10.0) if few else rng.uniform(1.2, 1.6)
+    gap = str(rng.choice(GAPS))
+    if gap != "smooth":
+        margin *= 1.5
+    half_length = (margin * hertz.a, margin * hertz.b)
+    tables["grid"] = {"half_length": half_length, "elements": tuple(int(n) for n in elements)}
+    if gap != "smooth":
+        tables["gap"] = _gap(rng, gap, half_length, hertz)
+
+    # Full slip begins at about mu p0/G, and at as much spin times the semi-axis.
+    full = mu * hertz.p0 / Scene(**tables).material.shear
+    drive = str(rng.choice(DRIVES))
+    amount = log_uniform(1e-8, 100.0 * max(full, 1e-8))
+    turned = rng.uniform(0.0, 2.0 * np.pi)
+    creepage = {"longitudinal": amount * np.cos(turned), "lateral": amount * np.sin(turned)}
+    spin = log_uniform(1e-8, 100.0 * max(full, 1e-8)) / np.sqrt(hertz.a * hertz.b)
+    if drive == "spin":
+        creepage = {"spin": spin}
+    elif drive == "both":
+        creepage["spin"] = spin
+    elif drive == "force":
+        creepage = {}
+        share = rng.uniform(0.01, 0.97)
+        carried = share * tables["load"]["normal"] * mu / orthotropy
+        tables["load"] |= {
+            "traction_x": carried * np.cos(turned),
+            "traction_y": carried * np.sin(turned),
+        }
+    tables["creepage"] = creepage
+    scene = Scene(**tables)
+    parameters = {
+        "seed": seed,
+        "gap": gap,
+        "drive": drive,
+        "a/b": aspect,
+        "mu1": mu,
+        "mu1/mu2": orthotropy,
+        "angle": angle,
+        "K/G*": Model(scene).material.coupling / (1.0 - Model(scene).material.poisson),
+        "nu_A": poisson[0],
+        "nu_B": poisson[1],
+        "E_B/E_A": ratio,
+        "slip/full": 0.0 if drive == "force" else _rigid(scene) / full,
+        "few elements": few,
+    }
+    return scene, parameters
+
+
+def _rigid(scene: Scene) -> float:
+    creepage, hertz = scene.creepage, scene.hertz
+    spin = creepage.spin * np.sqrt(hertz.a * hertz.b)
+    return float(np.linalg.norm([creepage.longitudinal, creepage.lateral, spin]))
+
+
+def _gap(rng, kind: str, half_length, hertz) -> dict:
+    """A separation whose features are of the size of the approach."""
+    x, y = (np.linspace(-1.05 * length, 1.05 * length, 64) for length in half_length)
+    X, Y = np.meshgrid(x / half_length[0], y / half_length[1], indexing="ij")
+    height = hertz.approach * rng.uniform(0.1, 1.0)
+    if kind == "rough":
+        waves = rng.normal(0.0, 4.0, (40, 2)), rng.uniform(0.0, 2.0 * np.pi, 40)
+        shape = sum(
+            np.cos(np.pi * (k * X + m * Y) + phase) / np.sqrt(1.0 + k * k + m * m)
+            for (k, m), phase in zip(*waves, strict=True)
+        )
+        shape = shape / np.abs(shape).max()
+    elif kind == "worn":
+        # A groove as a wheel wears it, with a ripple on its floor.
+        width = rng.uniform(0.2, 0.6)
+        floor = 1.0 + 0.2 * np.cos(2.0 * np.pi * rng.uniform(1.0, 8.0) * Y)
+        shape = floor * np.maximum(1.0 - (Y / width) ** 2, 0.0)
+    else:
+        # Terraces, higher and lower, along a line at any angle.
+        turned = rng.uniform(0.0, np.pi)
+        along = X * np.cos(turned) + Y * np.sin(turned)
+        edges = np.sort(rng.uniform(-0.8, 0.8, 4))
+        shape = rng.uniform(-1.0, 1.0, 5)[np.searchsorted(edges, along)]
+    return {"x": x, "y": y, "separation": height * shape}
+
+
+def by_library(method: str, scene: Scene, model: Model):
+    """What a user of `solver.method` gets."""
+    model.scene = scene.replace(**{"solver.method": method})
+    contact = equilibrium(model)
+    cost = contact.cost.applications + contact.cost.preconditioner
+    # A contact that reaches the edge of the mesh is solved, for a body that ends there.
+    solved = contact.status in (Status.CONVERGED, Status.OFF_GRID)
+    reason = "" if solved else contact.message
+    return solved, contact.residual, cost, " > ".join(contact.trace), reason
+
+
+def _first(model: Model, gap: np.ndarray) -> Guess:
+    normal = solve_normal(model, gap, None, 1e-3)
+    return Guess(normal.pressure, np.zeros((2, *gap.shape)), normal.approach, np.zeros(0))
+
+
+def by_projection(method: Callable, step: float, scene: Scene, model: Model):
+    """Uzawa's or Anderson's method on pressure and tractions at once."""
+    if len(model.transmission):
+        return None  # solves for given creepages only
+    gap = model.undeformed_gap / model.units.gap
+    first = _first(model, gap)
+    problem = CoupledProblem(model.half_space, gap, model.scaled_rigid_slip, model.load)
+    mapping = CoupledMap(problem, first.pressure > 0.0, boldness=step)
+    solve = partial(method, iterations=BUDGET)
+    try:
+        outcome = under_load(solve, mapping, 1e-8, first.state, first.approach)
+    except FloatingPointError:
+        return False, np.nan, mapping.applications, "", "not finite"
+    reason = "" if outcome.converged else str(outcome.status)
+    return outcome.converged, outcome.residual, outcome.cost.applications, "", reason
+
+
+def alternating(scene: Scene, model: Model):
+    """Normal and tangential problem by turns, each under what the other one gave last."""
+    gap = model.undeformed_gap / model.units.gap
+    first, cost, error = None, 0.0, np.inf
+    for _ in range(100):
+        lift = 0.0
+        if first is not None:
+            state = first.state.copy()
+            state[0] = 0.0
+            lift = model.half_space.coupled(state)[0]
+        normal = solve_normal(model, gap + lift, first, 1e-9)
+        if not (normal.converged and normal.pressure.any()):
+            return False, error, cost, "", "normal problem not solved"
+        none = np.zeros((2, *gap.shape))
+        drag = model.half_space.coupled(np.concatenate((normal.pressure[None], none)))[1:]
+        tangential = solve_tangential(
+            model, normal.pressure, normal.gap, model.scaled_rigid_slip + drag, first, 1e-9
+        )
+        cost += normal.cost.applications + normal.cost.preconditioner
+        cost += tangential.cost.applications + tangential.cost.preconditioner
+        if not tangential.converged:
+            return False, error, cost, "", "tangential problem not solved"
+        now = Guess(normal.pressure, tangential.traction, normal.approach, tangential.creepage)
+        if not model.dissimilar:
+            return True, max(normal.residual, tangential.residual), cost, "", ""
+        if first is not None:
+            error = np.linalg.norm(now.state - first.state) / np.linalg.norm(now.state)
+        first = now
+        if error <= 1e-8:
+            return True, error, cost, "", ""
+        if cost > 3 * BUDGET:
+            break
+    return False, error, cost, "", "does not settle"
+
+
+METHODS: dict[str, Callable] = {
+    "uzawa": partial(by_projection, uzawa, UZAWA_STEP),
+    "anderson": partial(by_projection, anderson, ANDERSON_STEP),
+    "alternating": alternating,
+    "newton": partial(by_library, "newton"),
+    "auto": partial(by_library, "auto"),
+}
+
+
+def campaign(seeds: range, methods: list[str]) -> Iterator[dict]:
+    """Every method on every scene, a row each."""
+    for seed in seeds:
+        scene, parameters = hard_scene(seed)
+        for name in methods:
+            model = Model(scene, measured_gap(scene))
+            began = perf_counter()
+            solved = METHODS[name](scene, model)
+            if solved is None:
+                continue
+            converged, residual, cost, trace, reason = solved
+            yield parameters | {
+                "method": name,
+                "converged": converged,
+                "residual": float(residual),
+                "applications": float(cost),
+                "seconds": round(perf_counter() - began, 3),
+                "trace": trace,
+                "reason": reason,
+            }
+
+
+def summary(rows: list[dict], of: Callable[[dict], bool]) -> list[dict]:
+    """Success and cost of each method on some of the scenes."""
+    table = []
+    for name in METHODS:
+        mine = [row for row in rows if row["method"] == name and of(row)]
+        if not mine:
+            continue
+        cost = [row["applications"] for row in mine if row["converged"]] or [np.nan]
+        table.append(
+            {
+                "method": name,
+                "scenes": len(mine),
+                "converged": sum(row["converged"] for row in mine),
+                "rate": f"{np.mean([row['converged'] for row in mine]):.1%}",
+                "median cost": float(np.median(cost)),
+                "90 %": float(np.quantile(cost, 0.9)),
+                "largest": float(np.max(cost)),
+                "seconds": float(np.median([row["seconds"] for row in mine])),
+            }
+        )
+    return table
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--scenes", type=int, default=600)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--methods", default=",".join(METHODS))
+    parser.add_argument("--name", default="hard_scenes")
+    asked = parser.parse_args()
+    warnings.simplefilter("ignore")  # of coarse meshes
+    seeds = range(asked.first, asked.first + asked.scenes)
+    rows = []
+    for row in campaign(seeds, asked.methods.split(",")):
+        rows.append(row)
+        if row["method"] == "auto" and not row["converged"]:
+            told = {k: v if isinstance(v, str | int) else f"{v:.3g}" for k, v in row.items()}
+            print("auto failed:", told, flush=True)
+    print(f"written: {write(asked.name, rows)}")
+    show("All scenes", summary(rows, lambda row: True))
+    show("Bodies of equal material", summary(rows, lambda row: row["seed"] % 2 == 0))
+    show("Dissimilar bodies", summary(rows, lambda row: row["seed"] % 2 == 1))
+    ways = Counter(row["trace"] for row in rows if row["method"] == "auto")
+    show("Ways of auto", [{"scenes": n, "way": way} for way, n in ways.most_common()])
+
+
+if __name__ == "__main__":
+    main()
