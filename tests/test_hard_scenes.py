@@ -79,7 +79,7 @@ def _turned(amount, angle):
     return amount * math.cos(angle), amount * math.sin(angle)
 
 
-few = settings(max_examples=25, deadline=20_000)
+few = settings(max_examples=25, deadline=None)  # the first ones compile
 
 
 def residual(contact):

@@ -152,7 +152,7 @@ def _jump(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple
         change = response @ correction
         if repeats == 0:
             allowed = min(PESSIMISM * tolerance, LARGEST)
-            error = np.abs(correction).max() / profile.max() / allowed
+            error = np.abs(correction).max() / max(profile.max(), 1e-300) / allowed
         smooth = np.abs(change).max() <= ROUGHNESS * now.worn.max()
         if error > 1.0 or smooth or repeats == REPEATS:
             break
