@@ -218,10 +218,20 @@ def _mesh(model: Model) -> Section:
         ("domain", f"+-{grid.half_length[0]:.4g} x +-{grid.half_length[1]:.4g} mm"),
         ("element", f"{grid.dx:.4g} x {grid.dy:.4g} mm"),
     ]
+    if _symmetric(model.scene):
+        rows.append(("symmetry in y", "solved whole: a half would gain a quarter at best"))
     if hertz is not None:
         across = (2 * hertz.a / grid.dx, 2 * hertz.b / grid.dy)
         rows.append(("across the unworn contact", f"{across[0]:.0f} x {across[1]:.0f} elements"))
     return Section("Mesh", rows)
+
+
+def _symmetric(scene: Scene) -> bool:
+    """Whether fields are even or odd in y (benchmarks/symmetry.py says what that is worth)."""
+    creepage, friction, load = scene.creepage, scene.friction, scene.load
+    if scene.gap is not None or creepage.spin or creepage.lateral or load.traction_y:
+        return False
+    return friction is None or len(set(friction.mu)) == 1 or friction.angle % 90.0 == 0.0
 
 
 def _work(model: Model) -> Section:
