@@ -82,7 +82,7 @@ def raw_applications(problem) -> int:
 
 def transform_pair(problem) -> float:
     """Seconds of the bare forward and backward FFT of one application."""
-    plan = transform(2, problem.bound.shape)
+    plan = transform(2, problem.bound.shape, problem.half_space.mesh.padded)
     fields = np.ones(problem.rigid.shape)
 
     def pair():

@@ -207,8 +207,9 @@ def test_units_do_not_matter():
         *(f"body.{b}.young=208e9" for b in "AB"),
         "load.normal=5e5",
     )
-    # One application more where rounding decides whether a tolerance is just met.
-    assert metre.cost.applications == pytest.approx(mm.cost.applications, abs=1.0)
+    # On each of two meshes, one application more where rounding decides whether a tolerance is
+    # just met.
+    assert metre.cost.applications == pytest.approx(mm.cost.applications, abs=1.5)
     np.testing.assert_allclose(metre.traction, 1e6 * mm.traction, rtol=1e-7, atol=1e-3)
 
 

@@ -1,6 +1,7 @@
 """A discrete convolution of several fields with a matrix of kernels."""
 
 from collections.abc import Callable
+from functools import cached_property
 
 import numpy as np
 
@@ -22,6 +23,8 @@ class Convolution:
         Number of fields.
     shape : tuple of int
         Mesh (n_x, n_y).
+    padded : tuple of int
+        Periods (p_x, p_y); where they are shorter than 2 n - 1 the convolution is cyclic.
     threads : int
         Threads of the transforms.
 
@@ -37,21 +40,33 @@ class Convolution:
         product: Callable[[np.ndarray, np.ndarray], None],
         fields: int,
         shape: tuple[int, int],
+        padded: tuple[int, int],
         threads: int = 1,
     ):
         self.shape = (fields, *shape)
         self.applications = 0
+        self._padded = padded
         self._spectra = spectra.reshape(len(spectra), -1)
         self._product = product
         self._threads = threads
 
     def __call__(self, fields: np.ndarray) -> np.ndarray:
-        """Apply to fields of shape (fields, n_x, n_y); the result is a new array."""
+        """Apply to fields of shape (fields, n_x, n_y); the result is a new array.
+
+        Fields in single precision are transformed in it, and so is the result.
+        """
         self.applications += 1
-        plan = transform(self.shape[0], self.shape[1:], self._threads)
+        single = fields.dtype == np.float32
+        plan = transform(self.shape[0], self.shape[1:], self._padded, self._threads, single)
         spectrum = plan.forward(fields)
-        self._product(self._spectra, spectrum.reshape(len(spectrum), -1))
+        spectra = self._single if single else self._spectra
+        self._product(spectra, spectrum.reshape(len(spectrum), -1))
         return plan.backward().copy()
+
+    @cached_property
+    def _single(self) -> np.ndarray:
+        """The spectra in single precision."""
+        return self._spectra.astype(np.complex64 if np.iscomplexobj(self._spectra) else np.float32)
 
     def as_matrix(self) -> np.ndarray:
         """The dense matrix, column by column; for small meshes and tests."""

@@ -122,15 +122,14 @@ class HalfSpace:
         """p*/s*, MPa."""
         return self.material.shear / max(self.frame.mu) ** 2
 
-    def _displacement(self, component: str) -> np.ndarray:
-        return spectrum(influence.displacement(self.mesh, self.material, component))
+    def _displacement(self, component: str, period: tuple[int, int] | None = None) -> np.ndarray:
+        return spectrum(influence.displacement(self.mesh, self.material, component, period))
 
     def _slip(self, component: str) -> np.ndarray:
         return spectrum(influence.slip(self.mesh, self.material, component))
 
-    @cached_property
-    def _normal_spectrum(self) -> np.ndarray:
-        return self._per_gap * self._displacement("zz").real
+    def _normal_spectrum(self, period: tuple[int, int] | None = None) -> np.ndarray:
+        return self._per_gap * self._displacement("zz", period).real
 
     @cached_property
     def _slip_spectra(self) -> np.ndarray:
@@ -140,8 +139,19 @@ class HalfSpace:
 
     def _convolution(self, spectra, product, fields: int) -> Convolution:
         return Convolution(
-            np.ascontiguousarray(spectra), product, fields, self.mesh.shape, self.threads
+            np.ascontiguousarray(spectra),
+            product,
+            fields,
+            self.mesh.shape,
+            self.mesh.padded,
+            self.threads,
         )
+
+    def _inverse(self, spectra, product, fields: int) -> Convolution:
+        """Of inverted spectra, which still carry the size of their table twice."""
+        period = self.mesh.cyclic
+        spectra = np.stack(spectra) / np.prod(period) ** 2
+        return Convolution(spectra, product, fields, self.mesh.shape, period, self.threads)
 
     def _tangential(self, xx, xy, yy):
         """Entries (11, 12, 22) of F [[xx, xy], [xy, yy]] F^T, any kind of array."""
@@ -155,13 +165,12 @@ class HalfSpace:
     @cached_property
     def normal(self) -> Convolution:
         """pi_n -> A_nn pi_n."""
-        return self._convolution([self._normal_spectrum], spectral.scale, 1)
+        return self._convolution([self._normal_spectrum()], spectral.scale, 1)
 
     @cached_property
     def normal_inverse(self) -> Convolution:
         """Circulant inverse of `normal`, its preconditioner."""
-        size = np.prod(self.mesh.padded) ** 2
-        return self._convolution([1.0 / (self._normal_spectrum * size)], spectral.scale, 1)
+        return self._inverse([1.0 / self._normal_spectrum(self.mesh.cyclic)], spectral.scale, 1)
 
     @cached_property
     def slip(self) -> Convolution:
@@ -193,20 +202,20 @@ class HalfSpace:
     @cached_property
     def tangential(self) -> Convolution:
         """pi_t -> A_tt pi_t / dx in units of slip, the displacement whose difference is slip."""
-        return self._convolution(self._displacement_per_dx, spectral.symmetric_2x2, 2)
+        return self._convolution(self._displacement_per_dx(), spectral.symmetric_2x2, 2)
 
     @cached_property
     def tangential_inverse(self) -> Convolution:
         """Circulant inverse of `tangential`."""
-        a11, a12, a22 = self._displacement_per_dx
-        size = np.prod(self.mesh.padded) ** 2
-        determinant = (a11 * a22 - a12 * a12) * size
-        inverse = np.stack((a22, -a12, a11)) / determinant
-        return self._convolution(inverse, spectral.symmetric_2x2, 2)
+        a11, a12, a22 = self._displacement_per_dx(self.mesh.cyclic)
+        determinant = a11 * a22 - a12 * a12
+        inverse = (a22 / determinant, -a12 / determinant, a11 / determinant)
+        return self._inverse(inverse, spectral.symmetric_2x2, 2)
 
-    @cached_property
-    def _displacement_per_dx(self) -> np.ndarray:
-        entries = self._tangential(*(self._displacement(k).real for k in ("xx", "xy", "yy")))
+    def _displacement_per_dx(self, period: tuple[int, int] | None = None) -> np.ndarray:
+        entries = self._tangential(
+            *(self._displacement(k, period).real for k in ("xx", "xy", "yy"))
+        )
         return self._per_slip / self.mesh.dx * np.stack(entries)
 
     @cached_property
@@ -219,7 +228,7 @@ class HalfSpace:
         drag = [self._slip(k) for k in ("xz", "yz")]
         entries = np.stack(
             (
-                self._normal_spectrum + 0j,
+                self._normal_spectrum() + 0j,
                 per_gap * (F[0, 0] * gap[0] + F[0, 1] * gap[1]),
                 per_gap * (F[1, 0] * gap[0] + F[1, 1] * gap[1]),
                 per_slip * (F[0, 0] * drag[0] + F[0, 1] * drag[1]),

@@ -7,27 +7,31 @@ from pathlib import Path
 import platformdirs
 import pyfftw
 
+PRECISIONS = ("double", "single")
+"""Those in use, in FFTW's order."""
 
-def _file() -> Path:
+
+def _file(precision: str) -> Path:
     cache = os.environ.get("TRACTIVE_SAM_CACHE") or platformdirs.user_cache_dir("tractive_sam")
-    return Path(cache) / f"fftw-{pyfftw.__version__}.wisdom"
+    return Path(cache) / f"fftw-{pyfftw.__version__}-{precision}.wisdom"
 
 
 def load() -> None:
-    """Add the stored wisdom to FFTW's own; nothing happens where none can be read."""
-    try:
-        stored = _file().read_bytes()
-    except OSError:
-        return
-    pyfftw.import_wisdom((stored, b"", b""))
+    """Add the stored wisdom to FFTW's own; what cannot be read is left out."""
+    stored = [b"", b"", b""]
+    for i, precision in enumerate(PRECISIONS):
+        with suppress(OSError):
+            stored[i] = _file(precision).read_bytes()
+    pyfftw.import_wisdom(stored)
 
 
 def save() -> None:
-    """Store FFTW's wisdom (double precision); a cache that cannot be written is done without."""
-    file = _file()
-    scratch = file.with_suffix(f".{os.getpid()}")
-    with suppress(OSError):
-        file.parent.mkdir(parents=True, exist_ok=True)
-        scratch.write_bytes(pyfftw.export_wisdom()[0])
-        # Renaming is atomic: processes that plan at the same time never see half a file.
-        scratch.replace(file)
+    """Store FFTW's wisdom; a cache that cannot be written is done without."""
+    for precision, wisdom in zip(PRECISIONS, pyfftw.export_wisdom(), strict=False):
+        file = _file(precision)
+        scratch = file.with_suffix(f".{os.getpid()}")
+        with suppress(OSError):
+            file.parent.mkdir(parents=True, exist_ok=True)
+            scratch.write_bytes(wisdom)
+            # Renaming is atomic: processes that plan at the same time never see half a file.
+            scratch.replace(file)

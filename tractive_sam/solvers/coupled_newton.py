@@ -10,7 +10,7 @@ import numpy as np
 
 from tractive_sam.kernels import friction
 from tractive_sam.solvers.gmres import gmres
-from tractive_sam.solvers.newton_steps import damped, forcing, newton_steps
+from tractive_sam.solvers.newton_steps import damped, forcing, newton_steps, precision
 from tractive_sam.solvers.outcome import Cost, Outcome
 from tractive_sam.solvers.problem import CoupledProblem
 
@@ -67,10 +67,14 @@ class _Iterate:
 
 
 class _Linearised:
-    """The Newton system; vectors are [pressure, traction, approach (under load), creepages]."""
+    """The Newton system; vectors are [pressure, traction, approach (under load), creepages].
 
-    def __init__(self, problem: CoupledProblem, at: _Iterate):
+    `kind` is the type of their numbers.
+    """
+
+    def __init__(self, problem: CoupledProblem, at: _Iterate, kind: type):
         self.at = at
+        self.kind = kind
         self.half_space = problem.half_space
         self.stiffness = at.friction_slip.stiffness
         self.vectors = problem.transmission.vectors
@@ -80,7 +84,7 @@ class _Linearised:
         self.length = self.size + self.under_load + len(self.vectors)
         self.weight = 1.0 / np.sqrt(max(np.count_nonzero(at.active), 1))
         self.normal = np.where(at.state == friction.SLIP, at.direction, 0.0)
-        self._row = np.empty((2, *at.pressure.shape))
+        self._row = np.empty((2, *at.pressure.shape), kind)
         self._smooth = np.empty_like(self._row)
         self._rough = np.empty_like(at.pressure)
         self.preconditionings = 0
@@ -125,10 +129,11 @@ class _Linearised:
         known[0] = np.where(at.leaving, -at.pressure, 0.0)
         known[1:] = (at.defect * self.normal).sum(axis=0) * self.normal
         known[1:] -= np.where(at.active, 0.0, at.traction)
-        rhs = np.zeros(self.length)
+        rhs = np.zeros(self.length, self.kind)
         field = self._fields(rhs)
         if known.any():
-            field -= self._rows(np.zeros(self.shape), known, self.half_space.coupled(known))
+            response = self.half_space.coupled(known.astype(self.kind))
+            field -= self._rows(np.zeros(self.shape, self.kind), known, response)
         field[0] -= np.where(at.active, at.gap, 0.0)
         field[1:] += np.where(at.state == friction.OPEN, 0.0, at.defect - known[1:])
         missed = np.array(
@@ -142,14 +147,14 @@ class _Linearised:
         free = self._fields(vector)
         step = self.complete(free)
         response = self._extend(self.half_space.coupled(step), vector[self.size :])
-        out = np.empty(self.length)
+        out = np.empty(self.length, self.kind)
         self._fields(out)[:] = self._rows(free, step, response)
         out[self.size :] = self.weight * self._resultants(step)
         return out
 
     def _approximate_inverse(self, rows: np.ndarray) -> np.ndarray:
         at, own = self.at, self.half_space.slip_of_itself
-        out = np.empty(self.shape)
+        out = np.empty(self.shape, self.kind)
         out[0] = np.where(at.active, self.half_space.normal_inverse(rows[:1])[0], 0.0)
         friction.split(
             at.state,
@@ -178,7 +183,7 @@ class _Linearised:
     def _border(self):
         """Responses to the unknown approach and creepages, and of the resultants to them."""
         count = self.length - self.size
-        zero = np.zeros(self.shape)
+        zero = np.zeros(self.shape, self.kind)
         self._responses = [
             self._approximate_inverse(self._rows(zero, zero, self._extend(zero.copy(), unit)))
             for unit in np.eye(count)
@@ -190,7 +195,7 @@ class _Linearised:
     def preconditioner(self, vector: np.ndarray) -> np.ndarray:
         """Apply the approximate inverse, bordered by the resultants."""
         step = self._approximate_inverse(self._fields(vector))
-        out = np.empty(self.length)
+        out = np.empty(self.length, self.kind)
         if self._responses:
             missed = self._resultants(self.complete(step)) - vector[self.size :] / self.weight
             # Least squares: in full slip the forces do not answer the creepages.
@@ -232,10 +237,11 @@ def coupled_newton(
 
     def advance(at: _Iterate, stalled: bool) -> _Iterate:
         nonlocal preconditionings
-        system = _Linearised(problem, at)
-        rhs, known = system.right_hand_side()
         goal = forcing(at.residual, tolerance, stalled)
+        system = _Linearised(problem, at, precision(goal, at.pressure.size))
+        rhs, known = system.right_hand_side()
         vector, _ = gmres(system.operator, system.preconditioner, rhs, goal, KRYLOV)
+        vector = vector.astype(float)
         preconditionings += system.preconditionings
         step = known + system.complete(vector[: system.size].reshape(system.shape))
         closer = vector[system.size] if under_load else 0.0

@@ -30,38 +30,53 @@ def gmres(
     iterations : int
         Applications of the operator; the preconditioner was applied once more.
     """
-    norm = np.linalg.norm(rhs)
+    norm = float(np.linalg.norm(rhs))
     if norm == 0.0:
         return np.zeros_like(rhs), 0
-    basis = [rhs / norm]
+    basis = np.empty((min(most, 15) + 1, rhs.size), rhs.dtype)
+    basis[0] = rhs / norm
     triangle = np.zeros((most, most))
-    rotations = np.zeros((most, 2))
+    rotation = np.eye(most + 1)
     residual = np.zeros(most + 1)
     residual[0] = norm
     k = 0
     while k < most and abs(residual[k]) > tolerance * norm:
-        w = np.array(operator(preconditioner(basis[k])))
-        h = np.zeros(k + 2)
-        # Modified Gram-Schmidt; at the few dozen vectors met here it stays orthogonal enough.
-        for i, v in enumerate(basis):
-            h[i] = np.dot(v, w)
-            w -= h[i] * v
-        h[k + 1] = np.linalg.norm(w)
-        for i, (c, s) in enumerate(rotations[:k]):
-            h[i], h[i + 1] = c * h[i] + s * h[i + 1], c * h[i + 1] - s * h[i]
-        size = np.hypot(h[k], h[k + 1])
+        w, h, beyond = _orthogonalised(operator(preconditioner(basis[k])), basis[: k + 1])
+        column = rotation[: k + 1, : k + 1] @ h
+        size = np.hypot(column[k], beyond)
         if size == 0.0:
             break
-        c, s = rotations[k] = h[k] / size, h[k + 1] / size
-        triangle[:k, k], triangle[k, k] = h[:k], size
+        c, s = column[k] / size, beyond / size
+        rotation[[k, k + 1]] = np.array([[c, s], [-s, c]]) @ rotation[[k, k + 1]]
+        triangle[:k, k], triangle[k, k] = column[:k], size
         residual[k + 1] = -s * residual[k]
         residual[k] *= c
         k += 1
         if s == 0.0:  # the Krylov space holds the solution
             break
-        basis.append(w / h[k])
+        if k == len(basis):
+            basis = np.concatenate((basis, np.empty_like(basis)))
+        np.divide(w, rhs.dtype.type(beyond), out=basis[k])
     if k == 0:
         return np.zeros_like(rhs), 0
-    weights = np.linalg.solve(triangle[:k, :k], residual[:k])
-    combined = sum(y * v for y, v in zip(weights, basis, strict=False))
-    return np.array(preconditioner(combined)), k
+    weights = np.linalg.solve(triangle[:k, :k], residual[:k]).astype(rhs.dtype)
+    return np.array(preconditioner(weights @ basis[:k])), k
+
+
+def _orthogonalised(w: np.ndarray, basis: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+    """The part of w that is orthogonal to the basis, its components along it, and its norm.
+
+    Classical Gram-Schmidt: products with the whole basis at once. It is done again where little is
+    left, of which rounding has spoilt a part ("twice is enough").
+    """
+    before = float(np.linalg.norm(w))
+    h = basis @ w
+    w = w - h @ basis
+    beyond = float(np.linalg.norm(w))
+    components = h.astype(float)
+    if beyond < 0.5 * before:
+        h = basis @ w
+        w -= h @ basis
+        beyond = float(np.linalg.norm(w))
+        components += h
+    return w, components, beyond

@@ -11,7 +11,7 @@ import numpy as np
 
 from tractive_sam.kernels import friction
 from tractive_sam.solvers.gmres import gmres
-from tractive_sam.solvers.newton_steps import damped, forcing, newton_steps
+from tractive_sam.solvers.newton_steps import damped, forcing, newton_steps, precision
 from tractive_sam.solvers.outcome import Cost, Outcome
 from tractive_sam.solvers.problem import TangentialProblem
 
@@ -60,9 +60,12 @@ class _Iterate:
 
 
 class _Linearised:
-    """The Newton system at an iterate; vectors are [traction change, creepage change]."""
+    """The Newton system at an iterate; vectors are [traction change, creepage change].
 
-    def __init__(self, problem: TangentialProblem, at: _Iterate):
+    `kind` is the type of their numbers.
+    """
+
+    def __init__(self, problem: TangentialProblem, at: _Iterate, kind: type):
         self.at = at
         self.half_space = problem.half_space
         self.bound = problem.bound
@@ -72,10 +75,10 @@ class _Linearised:
         self.shape = problem.rigid.shape
         self.size = problem.rigid.size
         self.weight = 1.0 / np.sqrt(max(np.count_nonzero(problem.bound > 0.0), 1))
-        self._row = np.empty(self.shape)
+        self._row = np.empty(self.shape, kind)
         self._rough = np.empty(problem.bound.shape)
-        self._smooth = np.empty(self.shape)
-        self._out = np.empty(self.size + len(self.vectors))
+        self._smooth = np.empty(self.shape, kind)
+        self._out = np.empty(self.size + len(self.vectors), kind)
         self.preconditionings = 0
         if len(self.vectors):
             self._border()
@@ -97,10 +100,10 @@ class _Linearised:
         at = self.at
         n = np.where(at.state == friction.SLIP, at.direction, 0.0)
         known = (at.defect * n).sum(axis=0) * n
-        rhs = np.zeros(self._out.size)
+        rhs = np.zeros_like(self._out)
         field = rhs[: self.size].reshape(self.shape)
         if known.any():
-            field -= self._rows(known, self.half_space.slip(known))
+            field -= self._rows(known, self.half_space.slip(known.astype(field.dtype)))
         # disc(p - s) - p is already scaled like the rows: -s in stick, kappa-weighted in slip.
         field += np.where(at.state == friction.OPEN, 0.0, at.defect - known)
         rhs[self.size :] = self.weight * (at.shortfall - self.vectors @ known.sum(axis=(1, 2)))
@@ -124,7 +127,7 @@ class _Linearised:
         )
         increments = self.half_space.tangential_inverse(self._smooth)
         self.preconditionings += 1
-        out = np.empty(self.shape)
+        out = np.empty_like(self._smooth)
         friction.sweep(
             at.state, at.direction, at.kappa, self.stiffness, own, increments, self._rough, out
         )
@@ -132,7 +135,7 @@ class _Linearised:
 
     def _border(self):
         """Response of the traction to each creepage, and of the forces to it (bordering)."""
-        zero = np.zeros(self.shape)
+        zero = np.zeros_like(self._row)
         self._response = [
             self._sweep(self._rows(zero, np.broadcast_to(v[:, None, None], self.shape)).copy())
             for v in self.vectors
@@ -188,10 +191,11 @@ def newton(
 
     def advance(at: _Iterate, stalled: bool) -> _Iterate:
         nonlocal preconditionings
-        system = _Linearised(problem, at)
-        rhs, known = system.right_hand_side()
         goal = forcing(at.residual, tolerance, stalled)
+        system = _Linearised(problem, at, precision(goal, problem.bound.size))
+        rhs, known = system.right_hand_side()
         vector, _ = gmres(system.operator, system.preconditioner, rhs, goal, KRYLOV)
+        vector = vector.astype(float)
         preconditionings += system.preconditionings
         step = known + vector[: system.size].reshape(system.shape)
         creepage = vector[system.size :]

@@ -16,6 +16,12 @@ PATIENCE = 3
 SHARP = 1e-5
 """Relative residual of the linear system of a step that is taken only as far as it helps."""
 
+ROUGH = 1e-4
+"""Relative residual down to which a linear system may be solved in single precision."""
+
+LARGE = 10_000
+"""Elements from which single precision pays: below, memory does not bound the time."""
+
 
 class Iterate(Protocol):
     """A state with its natural residual, its merit and the creepages found so far.
@@ -73,8 +79,16 @@ def forcing(residual: float, tolerance: float, stalled: bool = False) -> float:
     """
     if stalled:
         return SHARP
-    wanted = max(min(0.1, 0.3 * np.sqrt(residual)), 1e-3, 0.3 * tolerance / residual)
+    wanted = max(min(0.1, np.sqrt(residual)), 1e-3, 0.3 * tolerance / residual)
     return float(min(wanted, 0.5))
+
+
+def precision(goal: float, elements: int) -> type:
+    """Type of numbers in which to solve a linear system to a relative residual.
+
+    A step need not be exact; what it leads to is evaluated in double precision.
+    """
+    return np.float32 if goal >= ROUGH and elements >= LARGE else np.float64
 
 
 def damped(trial: Callable[[float], State], merit: float, length: float, stalled: bool) -> State:
