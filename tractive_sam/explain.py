@@ -253,9 +253,10 @@ def memory(model: Model) -> float:
     """Memory that a scene takes, bytes."""
     fields, shape = fields_together(model), model.grid.elements
     padded = int(np.prod(model.half_space.mesh.padded))
-    # Spectra of operator and inverse, buffers of the transforms, and the Krylov space.
-    spectra = (9 if fields == 3 else 3 * fields) + 3 * fields
-    return 8.0 * (padded * (spectra + 2 * fields + 12) + 40 * fields * np.prod(shape))
+    # Of large meshes, in doubles: spectra and buffers of the transforms, both in double and single
+    # precision, tables on the way to them, and a Krylov space in single precision.
+    spectra = 1.5 * (9 if fields == 3 else 3)
+    return 8.0 * (padded * (spectra + 3.75 * fields + 7) + 25 * fields * np.prod(shape))
 
 
 def records(scene: Scene) -> int:

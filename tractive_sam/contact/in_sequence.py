@@ -13,7 +13,7 @@ from tractive_sam.solvers.fixed_point import ANDERSON_STEP, TangentialMap
 from tractive_sam.solvers.nested import nested_normal, nested_tangential
 from tractive_sam.solvers.newton import newton
 from tractive_sam.solvers.outcome import Outcome
-from tractive_sam.solvers.problem import NormalProblem, TangentialProblem, Transmission
+from tractive_sam.solvers.problem import NormalProblem, TangentialProblem
 
 
 def solve_normal(model: Model, gap: np.ndarray, first: Guess | None, tolerance: float) -> Outcome:
@@ -31,19 +31,15 @@ def solve_tangential(
     rigid: np.ndarray,
     first: Guess | None,
     tolerance: float,
-    transmission: Transmission | None = None,
 ) -> Outcome:
-    """The tangential problem under a given pressure, on the rectangle around the contact.
-
-    The forces to transmit are those of the model unless others are given.
-    """
+    """The tangential problem under a given pressure, on the rectangle around the contact."""
     box = _rectangle(pressure > 0.0)
     problem = TangentialProblem(
         model.half_space_of(pressure[box].shape),
         rigid[:, *box],
         pressure[box],
         gap[box],
-        model.transmission if transmission is None else transmission,
+        model.transmission,
     )
     begin = None if first is None else first.traction[:, *box]
     outcome = _by_method(model, problem, begin, first, tolerance)

@@ -6,13 +6,15 @@ from dataclasses import replace
 import numpy as np
 
 from tractive_sam.contact.guess import Guess
-from tractive_sam.contact.in_sequence import slip_by_pressure, solve_normal, solve_tangential
 from tractive_sam.contact.model import Model
 from tractive_sam.solvers.anderson import anderson
+from tractive_sam.solvers.conjugate_gradients import conjugate_gradients
 from tractive_sam.solvers.continuation import continued
 from tractive_sam.solvers.coupled_newton import coupled_newton
 from tractive_sam.solvers.fixed_point import ANDERSON_STEP, UZAWA_STEP, CoupledMap
 from tractive_sam.solvers.load_control import under_load
+from tractive_sam.solvers.nested import nested_coupled, nested_normal, nested_tangential
+from tractive_sam.solvers.newton import newton
 from tractive_sam.solvers.outcome import Outcome
 from tractive_sam.solvers.problem import CoupledProblem, Transmission
 from tractive_sam.solvers.uzawa import uzawa
@@ -37,21 +39,24 @@ def together(model: Model, gap: np.ndarray, first: Guess | None) -> Outcome:
 
     By the method of the scene; "auto" is Newton's, then continued, then Anderson's.
     """
-    solver = model.scene.solver
-    earlier = None
+    method, tolerance = model.scene.solver.method, model.scene.solver.tolerance
+    problem = _problem(model, gap)
+    if method == "anderson":
+        return projected(model, gap, first)
     if first is None:
-        first, earlier = _one_after_the_other(model, gap)
-    if solver.method == "anderson":
-        outcome = projected(model, gap, first)
+        outcome = nested_coupled(problem, tolerance, _newton_from, _one_after_the_other)
     else:
-        problem = _problem(model, gap)
-        outcome = _newton_from(problem, solver.tolerance, first)
-        outcome = replace(outcome, trace=(f"coupled newton: {outcome.status}",))
-        if not outcome.converged and solver.method == "auto":
-            outcome = continued(problem, solver.tolerance, _newton_from, first).after(outcome)
-            if not (outcome.converged or len(model.transmission)):
-                outcome = projected(model, gap, first).after(outcome)
-    return outcome if earlier is None else outcome.after(earlier)
+        outcome = _newton_from(problem, tolerance, first)
+    outcome = replace(outcome, trace=(f"coupled newton: {outcome.status}",))
+    if outcome.converged or method == "newton":
+        return outcome
+    if first is None:
+        first = _one_after_the_other(problem)
+        outcome = outcome.after(replace(first, trace=()))
+    outcome = continued(problem, tolerance, _newton_from, first).after(outcome)
+    if outcome.converged or len(problem.transmission):
+        return outcome
+    return projected(model, gap, first).after(outcome)
 
 
 def _newton_from(problem: CoupledProblem, tolerance: float, first: Guess | Outcome) -> Outcome:
@@ -61,31 +66,24 @@ def _newton_from(problem: CoupledProblem, tolerance: float, first: Guess | Outco
     )
 
 
-def _one_after_the_other(model: Model, gap: np.ndarray) -> tuple[Guess, Outcome]:
-    normal = solve_normal(model, gap, None, _ROUGHLY)
-    rigid = model.scaled_rigid_slip + slip_by_pressure(model, normal.pressure)
-    tangential = solve_tangential(model, normal.pressure, normal.gap, rigid, None, _ROUGHLY)
-    earlier, creepage = tangential.after(normal), tangential.creepage
-    if not tangential.converged and len(model.transmission):
+def _one_after_the_other(problem: CoupledProblem) -> Outcome:
+    """The normal problem, and the tangential one under its pressure, roughly."""
+    normal = nested_normal(problem.normal, _ROUGHLY, conjugate_gradients)
+    alone = problem.tangential(normal.pressure, normal.gap)
+    tangential = nested_tangential(alone, _ROUGHLY, newton)
+    outcome = tangential.after(normal)
+    if not tangential.converged and len(problem.transmission):
         # The slip by the uncoupled pressure can be more than the forces can be had with: then the
         # creepages are left to the coupled method.
-        tangential = solve_tangential(
-            model,
-            normal.pressure,
-            normal.gap,
-            rigid,
-            None,
-            _ROUGHLY,
-            transmission=Transmission(),
-        )
-        earlier, creepage = tangential.after(earlier), np.zeros(len(model.transmission))
-    return Guess(normal.pressure, tangential.traction, normal.approach, creepage), earlier
+        given = nested_tangential(replace(alone, transmission=Transmission()), _ROUGHLY, newton)
+        outcome = replace(given.after(outcome), creepage=np.zeros(len(problem.transmission)))
+    return replace(outcome, pressure=normal.pressure, gap=normal.gap, approach=normal.approach)
 
 
 def projected(
     model: Model,
     gap: np.ndarray,
-    first: Guess | None,
+    first: Guess | Outcome | None,
     wear: Callable[[np.ndarray, np.ndarray], np.ndarray] | None = None,
 ) -> Outcome:
     """Uzawa's or Anderson's method on pressure and tractions at once (paper, section 7.5).
@@ -96,22 +94,22 @@ def projected(
         The scene in numbers.
     gap : ndarray, shape (n_x, n_y)
         Undeformed separation, dimensionless.
-    first : Guess, optional
+    first : Guess or Outcome, optional
         Where to start; the normal problem solved roughly by default.
     wear : callable, optional
         Dimensionless wear of a pass, from dimensionless pressure and slip, added to the gap.
     """
-    solver = model.scene.solver
+    solver, problem = model.scene.solver, _problem(model, gap)
     if first is None:
-        normal = solve_normal(model, gap, None, _ROUGHLY)
-        none = np.zeros((2, *gap.shape))
-        first = Guess(normal.pressure, none, normal.approach, np.zeros(0))
+        normal = nested_normal(problem.normal, _ROUGHLY, conjugate_gradients)
+        first = replace(normal, traction=np.zeros_like(problem.rigid))
     by_uzawa = solver.method == "uzawa"
     method, step = (uzawa, UZAWA_STEP) if by_uzawa else (anderson, ANDERSON_STEP)
-    mapping = CoupledMap(_problem(model, gap), first.pressure > 0.0, wear, step)
+    mapping = CoupledMap(problem, first.pressure > 0.0, wear, step)
+    state = np.concatenate((first.pressure[None], first.traction))
     if model.load is None:
-        outcome = method(mapping, solver.tolerance, first.state)
+        outcome = method(mapping, solver.tolerance, state)
         outcome = replace(outcome, approach=model.given_approach)
     else:
-        outcome = under_load(method, mapping, solver.tolerance, first.state, first.approach)
+        outcome = under_load(method, mapping, solver.tolerance, state, first.approach)
     return replace(outcome, trace=(f"{method.__name__}: {outcome.status}",))

@@ -5,12 +5,13 @@ the cost; the finest mesh then needs a few steps only, however fine it is.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from scipy.ndimage import distance_transform_edt
 
 from tractive_sam.solvers.outcome import Outcome
-from tractive_sam.solvers.problem import NormalProblem, TangentialProblem
+from tractive_sam.solvers.problem import CoupledProblem, NormalProblem, TangentialProblem
 
 COARSEST = 24
 """A mesh is coarsened as long as its shorter side has more elements than this."""
@@ -52,7 +53,7 @@ def refine_pressure(pressure: np.ndarray, gap: np.ndarray, shape: tuple[int, int
     return peak * np.sqrt(np.maximum(refine(continued, shape), 0.0))
 
 
-def _shorter_side(problem: NormalProblem | TangentialProblem) -> int:
+def _shorter_side(problem: NormalProblem | TangentialProblem | CoupledProblem) -> int:
     """Elements of a mesh along its shorter side, of those along which it can be coarsened."""
     mesh = problem.half_space.mesh
     return min(n for n, block in zip(mesh.shape, mesh.block, strict=True) if block > 1)
@@ -84,3 +85,30 @@ def nested_normal(problem: NormalProblem, tolerance: float, solve: Solve) -> Out
     pressure = refine_pressure(coarse.pressure, coarse.gap, problem.gap.shape)
     fine = solve(problem, tolerance, pressure=pressure)
     return fine.after(coarse, coarse_problem.gap.size / problem.gap.size)
+
+
+def nested_coupled(
+    problem: CoupledProblem,
+    tolerance: float,
+    solve: Callable[[CoupledProblem, float, Outcome], Outcome],
+    begin: Callable[[CoupledProblem], Outcome],
+) -> Outcome:
+    """Solve on successively finer meshes, each started from the one before.
+
+    The coarsest one, or the one above a coarser one that was not solved, starts from what `begin`
+    finds.
+    """
+    coarse, share = None, 1.0
+    if _shorter_side(problem) > COARSEST:
+        coarse_problem = problem.coarsened()
+        coarse = nested_coupled(coarse_problem, max(tolerance, COARSE_TOLERANCE), solve, begin)
+        share = coarse_problem.gap.size / problem.gap.size
+    if coarse is not None and coarse.converged and coarse.pressure.any():
+        pressure = refine_pressure(coarse.pressure, coarse.gap, problem.gap.shape)
+        traction = refine_traction(coarse.traction, coarse.pressure, pressure)
+        return solve(
+            problem, tolerance, replace(coarse, pressure=pressure, traction=traction)
+        ).after(coarse, share)
+    first = begin(problem)
+    fine = solve(problem, tolerance, first).after(first)
+    return fine if coarse is None else fine.after(coarse, share)

@@ -158,3 +158,27 @@ class CoupledProblem:
     load: float | None
     approach: float = 0.0
     transmission: Transmission = field(default_factory=Transmission)
+
+    @property
+    def normal(self) -> NormalProblem:
+        """The normal problem without the lift by tractions."""
+        return NormalProblem(self.half_space, self.gap, self.load, self.approach)
+
+    def tangential(self, pressure: np.ndarray, gap: np.ndarray) -> TangentialProblem:
+        """The tangential problem under a pressure and the gap that goes with it."""
+        fields = np.concatenate((pressure[None], np.zeros_like(self.rigid)))
+        rigid = self.rigid + self.half_space.coupled(fields)[1:]
+        return TangentialProblem(self.half_space, rigid, pressure, gap, self.transmission)
+
+    def coarsened(self) -> "CoupledProblem":
+        """The same problem on elements of twice the size."""
+        normal = self.normal.coarsened()
+        block, target = self.half_space.mesh.block, self.transmission.target
+        return replace(
+            self,
+            half_space=normal.half_space,
+            gap=normal.gap,
+            rigid=block_mean(self.rigid, block, "edge"),
+            load=normal.load,
+            transmission=replace(self.transmission, target=target / math.prod(block)),
+        )
