@@ -11,11 +11,13 @@ from tractive_sam.pipeline import measured_gap
 from tractive_sam.record import scalars
 from tractive_sam.scene import Scene
 
-# Typical work of a solve at a tolerance of 1e-8, in applications of operator and preconditioner
-# together (benchmarks/solvers.py prints them); a revolution starts from the one before.
-COLD_APPLICATIONS = 110
-WARM_APPLICATIONS = 70
-ADAPTIVE_SOLVES = 12
+# Typical work at a tolerance of 1e-8, in applications with all that goes with them: of a new
+# contact on nested meshes, of a revolution, which starts from the one before, and of a jump, which
+# is solved more than once.
+COLD_APPLICATIONS = 50
+WARM_APPLICATIONS = 40
+JUMP_APPLICATIONS = 70
+JUMPS = 10  # while the revolutions rolled grow e-fold
 STRESS_APPLICATIONS = 75  # as long as the largest stress of one body takes
 
 
@@ -265,8 +267,10 @@ def records(scene: Scene) -> int:
     if wear is None:
         return 1
     if wear.stepping == "adaptive":
-        # Jumps grow in proportion to the revolutions rolled (benchmarks/wear.py).
-        return 1 + min(wear.revolutions, int(ADAPTIVE_SOLVES * np.log1p(wear.revolutions)))
+        # Jumps grow in proportion to the revolutions rolled, and little with a loose tolerance
+        # (benchmarks/wear.py).
+        jumps = JUMPS * max(1.0, (1e-3 / wear.tolerance) ** 0.3) * np.log1p(wear.revolutions)
+        return 1 + min(wear.revolutions, int(jumps))
     return 1 + wear.revolutions
 
 
@@ -274,7 +278,9 @@ def applications(model: Model) -> int:
     """Transform pairs that a scene is expected to take, or what takes as long."""
     count, stress = records(model.scene), model.scene.subsurface
     bodies = 0 if stress is None else len(stress.bodies)
-    contacts = COLD_APPLICATIONS + (count - 1) * WARM_APPLICATIONS
+    jumps = model.scene.wear is not None and model.scene.wear.stepping == "adaptive"
+    each = JUMP_APPLICATIONS if jumps else WARM_APPLICATIONS
+    contacts = COLD_APPLICATIONS + (count - 1) * each
     # Coarser meshes that give the error bars take together about as long as the finest.
     meshes = 1 if model.scene.accuracy is None else 2
     return meshes * (contacts + count * bodies * STRESS_APPLICATIONS)
