@@ -1,6 +1,7 @@
 """Transmitted force against creepage, as eq. (40) makes it dimensionless."""
 
 from collections.abc import Mapping
+from itertools import cycle
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -38,14 +39,15 @@ def creep_force_curve(
     >>> plot.creep_force_curve({"computed": ([0.2, 0.5], [0.43, 0.82])})
     <Figure size ...>
     """
+    reference = reference or {}
     figure = Figure(figsize=(WIDTH, 0.72 * WIDTH))
     axes = figure.add_subplot()
-    for marker, (name, (xi, force)) in zip(MARKERS, computed.items(), strict=False):
+    for marker, (name, (xi, force)) in zip(cycle(MARKERS), computed.items(), strict=False):
         axes.plot(xi, force, marker, label=name, markerfacecolor="none", markeredgewidth=1.2)
-    for marker, (name, (xi, force)) in zip("x+*", (reference or {}).items(), strict=False):
+    for marker, (name, (xi, force)) in zip(cycle("x+*"), reference.items(), strict=False):
         axes.plot(xi, force, marker, label=name, color=GREY)
     if theory:
-        ends = [np.max(xi) for xi, _ in (computed | (reference or {})).values()]
+        ends = [np.max(xi) for xi, _ in (*computed.values(), *reference.values())]
         xi = np.linspace(0.0, max(1.0, *ends), 201)
         axes.plot(xi, vermeulen_johnson(xi), "--", color=GREY, label="Vermeulen & Johnson (1964)")
         axes.plot(xi, kalker_simplified(xi), "-", color=GREY, label="Kalker (1967), simplified")
