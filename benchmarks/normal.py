@@ -74,7 +74,7 @@ def main():
         outcome = nested_normal(problem, TOLERANCE, conjugate_gradients)
         assert outcome.converged
         took = seconds(lambda p=problem: nested_normal(p, TOLERANCE, conjugate_gradients))
-        plan, fields = transform(1, (n, n)), np.ones((1, n, n))
+        plan, fields = transform(1, (n, n), problem.half_space.mesh.padded), np.ones((1, n, n))
 
         def pair(plan=plan, fields=fields):
             plan.forward(fields)

@@ -7,10 +7,11 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from time import process_time
 
+from threadpoolctl import threadpool_limits
+
 # One thread everywhere: the cores of the machine are shared, and ratios must compare like to like.
-for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
-    os.environ.setdefault(variable, "1")
-os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+threadpool_limits(1)  # of libraries that were loaded before
 
 RESULTS = Path(__file__).parent / "results"
 

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from tractive_sam.accuracy import Judge, Levels, judge_of, refined, with_tolerances
 from tractive_sam.contact import Contact, Gap, Model, NotConverged, equilibrium, fitted
 from tractive_sam.operators import Grid
+from tractive_sam.operators.threads import one_blas_thread
 from tractive_sam.record import History, Record, state
 from tractive_sam.restart import last_passage
 from tractive_sam.rolling import Passage, passages, recorded
@@ -33,6 +34,7 @@ def measured_gap(scene: Scene) -> Gap | None:
     return gap.x, gap.y, gap.separation
 
 
+@one_blas_thread()
 def solve(
     scene: Scene,
     *,
@@ -150,6 +152,7 @@ def _accurate(scene: Scene, measured: Gap | None) -> Contact:
     return replace(found.contact, status=Status.INACCURATE, message=found.missed)
 
 
+@one_blas_thread()
 def roll(
     scene: Scene,
     path: str | PathLike | None = None,

@@ -1,10 +1,12 @@
-"""Operators may be used by several threads at once."""
+"""Operators may be used by several threads at once; large ones use several themselves."""
 
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
+import pytest
+from threadpoolctl import threadpool_info
 
-from tractive_sam.operators import HalfSpace, Mesh, StressLayers
+from tractive_sam.operators import HalfSpace, Mesh, StressLayers, threads
 from tractive_sam.reference import Material, combine
 
 
@@ -27,3 +29,39 @@ def test_nor_below_the_surface():
         for _ in range(5):
             for a, b in zip(pool.map(lambda one: one.at(0.2), layers), alone, strict=True):
                 np.testing.assert_array_equal(a, b)
+
+
+def test_large_transforms_take_the_cores_there_are(monkeypatch):
+    monkeypatch.delenv("OMP_NUM_THREADS", raising=False)
+    monkeypatch.setattr(threads, "_cores", lambda: 16)
+    assert threads.of_transform((256, 256)) == 1
+    assert threads.of_transform((2048, 2048)) == threads.MOST
+
+
+@pytest.mark.parametrize(("bound", "taken"), [("1", 1), ("3", 3), ("2,1", 2), ("0", 1), ("x", 2)])
+def test_threads_are_bounded_as_those_of_other_libraries(bound, taken, monkeypatch):
+    monkeypatch.setenv("OMP_NUM_THREADS", bound)
+    monkeypatch.setattr(threads, "_cores", lambda: 2)
+    assert threads.of_transform((2048, 2048)) == taken
+
+
+def test_threads_of_a_transform_change_nothing_but_rounding(monkeypatch):
+    material = combine(Material(1.0, 0.3), Material(1.0, 0.3))
+    fields = np.random.default_rng(0).normal(size=(2, 90, 80))
+    one = HalfSpace(Mesh((90, 80), 0.1, 0.1), material, 1.0).slip(fields)
+    monkeypatch.setattr(threads, "LARGE", 1)
+    monkeypatch.setenv("OMP_NUM_THREADS", "2")
+    two = HalfSpace(Mesh((90, 81), 0.1, 0.1), material, 1.0).slip(
+        np.pad(fields, ((0, 0), (0, 0), (0, 1)))
+    )
+    np.testing.assert_allclose(two[..., :80], one, atol=1e-12 * np.abs(one).max())
+
+
+def test_blas_is_held_and_let_go():
+    def counts():
+        return [one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas"]
+
+    before = counts()
+    with threads.one_blas_thread():
+        assert set(counts()) <= {1}
+    assert counts() == before

@@ -25,8 +25,6 @@ class Convolution:
         Mesh (n_x, n_y).
     padded : tuple of int
         Periods (p_x, p_y); where they are shorter than 2 n - 1 the convolution is cyclic.
-    threads : int
-        Threads of the transforms.
 
     Attributes
     ----------
@@ -41,14 +39,12 @@ class Convolution:
         fields: int,
         shape: tuple[int, int],
         padded: tuple[int, int],
-        threads: int = 1,
     ):
         self.shape = (fields, *shape)
         self.applications = 0
         self._padded = padded
         self._spectra = spectra.reshape(len(spectra), -1)
         self._product = product
-        self._threads = threads
 
     def __call__(self, fields: np.ndarray) -> np.ndarray:
         """Apply to fields of shape (fields, n_x, n_y); the result is a new array.
@@ -57,7 +53,7 @@ class Convolution:
         """
         self.applications += 1
         single = fields.dtype == np.float32
-        plan = transform(self.shape[0], self.shape[1:], self._padded, self._threads, single)
+        plan = transform(self.shape[0], self.shape[1:], self._padded, single)
         spectrum = plan.forward(fields)
         spectra = self._single if single else self._spectra
         self._product(spectra, spectrum.reshape(len(spectrum), -1))

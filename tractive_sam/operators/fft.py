@@ -10,6 +10,7 @@ import numpy as np
 import pyfftw
 
 from tractive_sam.operators import wisdom
+from tractive_sam.operators.threads import of_transform
 
 Plan = TypeVar("Plan")
 
@@ -70,19 +71,12 @@ class PaddedTransform:
         Shape (n_x, n_y) of an array without its padding.
     padded : tuple of int
         Shape (p_x, p_y) with it.
-    threads : int
-        Threads that FFTW may use.
     single : bool
         Whether in single precision.
     """
 
     def __init__(
-        self,
-        fields: int,
-        shape: tuple[int, int],
-        padded: tuple[int, int],
-        threads: int = 1,
-        single: bool = False,
+        self, fields: int, shape: tuple[int, int], padded: tuple[int, int], single: bool = False
     ):
         self.shape = shape
         nx, (px, py) = shape[0], padded
@@ -92,6 +86,7 @@ class PaddedTransform:
         self._rows = pyfftw.zeros_aligned(half, dtype=spectral)
         self._spectrum = pyfftw.zeros_aligned(half, dtype=spectral)
 
+        threads = of_transform(padded)
         # Forward along x keeps its input, so that the padding of `_rows` stays zero for good.
         self._forward_y = plan(self._real, self._rows[:, :nx], 2, "FFTW_FORWARD", threads)
         self._forward_x = plan(self._rows, self._spectrum, 1, "FFTW_FORWARD", threads)

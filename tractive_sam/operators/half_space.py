@@ -81,8 +81,6 @@ class HalfSpace:
         The length l of the unit of gap, mm.
     frame : Frame
         Scaled tribological frame.
-    threads : int
-        Threads of the transforms.
     stencil : Stencil
         How the friction law takes the slip; the operators are those of the leading faces for any.
     """
@@ -93,19 +91,17 @@ class HalfSpace:
         material: CombinedMaterial,
         length: float,
         frame: Frame | None = None,
-        threads: int = 1,
         stencil: Stencil = UPWIND,
     ):
         self.mesh = mesh
         self.material = material
         self.length = length
         self.frame = frame or Frame()
-        self.threads = threads
         self.stencil = stencil
 
     def on(self, mesh: Mesh) -> "HalfSpace":
         """The same bodies and units on another mesh."""
-        return HalfSpace(mesh, self.material, self.length, self.frame, self.threads, self.stencil)
+        return HalfSpace(mesh, self.material, self.length, self.frame, self.stencil)
 
     @cached_property
     def coarsened(self) -> "HalfSpace":
@@ -138,20 +134,14 @@ class HalfSpace:
         return self._per_slip * np.stack(entries)
 
     def _convolution(self, spectra, product, fields: int) -> Convolution:
-        return Convolution(
-            np.ascontiguousarray(spectra),
-            product,
-            fields,
-            self.mesh.shape,
-            self.mesh.padded,
-            self.threads,
-        )
+        spectra = np.ascontiguousarray(spectra)
+        return Convolution(spectra, product, fields, self.mesh.shape, self.mesh.padded)
 
     def _inverse(self, spectra, product, fields: int) -> Convolution:
         """Of inverted spectra, which still carry the size of their table twice."""
         period = self.mesh.cyclic
         spectra = np.stack(spectra) / np.prod(period) ** 2
-        return Convolution(spectra, product, fields, self.mesh.shape, period, self.threads)
+        return Convolution(spectra, product, fields, self.mesh.shape, period)
 
     def _tangential(self, xx, xy, yy):
         """Entries (11, 12, 22) of F [[xx, xy], [xy, yy]] F^T, any kind of array."""

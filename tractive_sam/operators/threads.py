@@ -1,0 +1,48 @@
+"""How many threads work: one, but for transforms so large that more of them pay."""
+
+import math
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache
+
+from threadpoolctl import ThreadpoolController
+
+LARGE = 2**19
+"""Numbers of a padded array from which threads pay; below, they cost more than they bring."""
+
+MOST = 4
+"""Threads of a large transform; memory feeds no more of them."""
+
+
+def of_transform(padded: tuple[int, int]) -> int:
+    """Threads for a transform of a padded array: all cores that the process may use, up to `MOST`.
+
+    The environment variable OMP_NUM_THREADS bounds them, as it does those of most libraries.
+    """
+    if math.prod(padded) < LARGE:
+        return 1
+    bound = os.environ.get("OMP_NUM_THREADS", "").split(",")[0].strip()
+    allowed = int(bound) if bound.isdigit() else _cores()
+    return max(1, min(MOST, allowed))
+
+
+def _cores() -> int:
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+@contextmanager
+def one_blas_thread() -> Iterator[None]:
+    """Hold BLAS to one thread meanwhile.
+
+    Its vectors are too short here for more, and threads that wait for work take cores from others.
+    """
+    with _controller().limit(limits=1, user_api="blas"):
+        yield
+
+
+@cache
+def _controller() -> ThreadpoolController:
+    return ThreadpoolController()
