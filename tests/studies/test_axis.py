@@ -5,6 +5,7 @@ from tractive_sam.scene import SceneError
 from tractive_sam.studies import SAMPLE, Axis, Latin, Values
 
 MU = {"key": "friction.mu", "start": 0.1, "stop": 0.9}
+LOADS = {"key": "load.normal", "values": [1.0, 2.0]}
 
 
 def test_range_has_its_ends_and_equal_steps():
@@ -71,8 +72,23 @@ def test_samples_are_those_of_the_seed():
         ({**MU, "start": 0, "number": 2, "spacing": "logarithmic"}, "spacing: .*of one sign"),
         ({**MU, "number": 2, "spacing": "cubic"}, "spacing: given 'cubic'"),
         ({**MU, "number": 2, "zip": [{**MU, "number": 3}]}, r"zip\[0\].values: given 3 values"),
+        ({**MU, "number": 2, "zip": [{**MU, "number": 2}]}, r"zip\[0\].key: given friction.mu"),
+        ({**LOADS, "zip": [{**MU, "number": 2}] * 2}, r"zip\[1\].key: given friction.mu again"),
     ],
 )
 def test_bad_axes(given, told):
     with pytest.raises(SceneError, match=told):
         Axis(**given)
+
+
+@pytest.mark.parametrize(
+    ("variable", "told"),
+    [
+        ([], "variable: given .*; allowed: a list of at least one table"),
+        ([MU, MU], r"variable\[1\].key: given friction.mu again; allowed: each entry .* once"),
+        ([MU, {**MU, "key": "x"}], r"variable\[1\].key: given 'x'"),
+    ],
+)
+def test_bad_samples(variable, told):
+    with pytest.raises(SceneError, match=told):
+        Latin(number=2, variable=variable)

@@ -75,6 +75,18 @@ def test_csv_has_every_case_and_quantity(done, tmp_path):
     assert {row["status"] for row in rows} == {"complete"}
 
 
+def test_what_there_is_not_is_told_with_what_there_is(done):
+    with pytest.raises(KeyError, match="no quantity 'Qx_over_p'; there are .*Qx_over_P"):
+        done.column("Qx_over_p")
+    with pytest.raises(KeyError, match="no quantity 'pressure'"):
+        done.column("pressure", revolution=0)
+    with pytest.raises(KeyError, match="load.normal does not vary; there are creepage"):
+        done.values("load.normal")
+    with pytest.raises(IndexError, match="no case 6; they are numbered from 0 to 5"):
+        done.history(6)
+    assert np.isnan(done.column("von_mises_max A")).all()  # known nowhere, yet a quantity
+
+
 def test_every_status_is_told(tmp_path):
     asked = small()
     found = cases(asked)

@@ -124,9 +124,9 @@ def _read(table: type[Table], given: Mapping[Any, Any]) -> _Reading:
         elif inner := _table_of(info):
             _read_table(reading, key, inner)
         elif inner := _item_of(info):
-            _read_array(reading, key, inner)
+            _read_array(reading, key, inner, table)
         else:
-            _read_leaf(reading, key, table)
+            _read_leaf(reading, key, table, _plain(reading.given[key]))
     for check in table.checks:
         with suppress(UnknownEntryError):
             reading.faults.extend(check(reading.known))
@@ -160,8 +160,8 @@ def _read_table(reading: _Reading, key: str, table: type[Table]) -> None:
         reading.values[key] = reading.known[key] = value
 
 
-def _read_array(reading: _Reading, key: str, table: type[Table]) -> None:
-    """Read an array of tables, each as if it stood alone."""
+def _read_array(reading: _Reading, key: str, table: type[Table], within: type[Table]) -> None:
+    """Read an array of tables, each as if it stood alone, and then how many there are."""
     given = reading.given[key]
     if not isinstance(given, list | tuple):
         allowed = f"a list of tables with the keys {', '.join(table.model_fields)}"
@@ -174,19 +174,18 @@ def _read_array(reading: _Reading, key: str, table: type[Table]) -> None:
         reading.faults.extend(fault.at(key, k) for fault in item.faults)
         items.append(item.values.get(key))
     if len(reading.faults) == before:
-        reading.values[key] = reading.known[key] = tuple(items)
+        _read_leaf(reading, key, within, tuple(items))
 
 
-def _read_leaf(reading: _Reading, key: str, table: type[Table]) -> None:
-    given = reading.given[key]
+def _read_leaf(reading: _Reading, key: str, table: type[Table], plain: Any) -> None:
     try:
-        value = _adapter(table, key).validate_python(_plain(given))
+        value = _adapter(table, key).validate_python(plain)
     except ValidationError as error:
         reasons = {
             str(e["ctx"]["error"]): None for e in error.errors() if e["type"] == "value_error"
         }
         allowed = "; ".join(reasons) or _allowed(table.model_fields[key])
-        reading.faults.append(Fault(key, shown(given), allowed))
+        reading.faults.append(Fault(key, shown(reading.given[key]), allowed))
     else:
         reading.values[key] = reading.known[key] = value
 

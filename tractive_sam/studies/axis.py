@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal, get_args
 
@@ -111,6 +111,22 @@ def _length(values: tuple | None, number: int | None) -> int | None:
     return number if values is None else len(values)
 
 
+def _each_zipped_entry_once(known: Known) -> Iterator[Fault]:
+    yield from _repeated("zip", [known["key"]], known["zip"])
+
+
+def _each_variable_once(known: Known) -> Iterator[Fault]:
+    yield from _repeated("variable", [], known["variable"])
+
+
+def _repeated(name: str, before: list[str], tables: Iterable[Values | Bounds]) -> Iterator[Fault]:
+    """Faults of tables whose entry varies already."""
+    for k, one in enumerate(tables):
+        if one.key in before:
+            yield Fault(f"{name}[{k}].key", f"{one.key} again", "each entry of the scene once")
+        before = [*before, one.key]
+
+
 class Axis(Values):
     """An axis of a study; entries zipped with it take their values in step with it.
 
@@ -124,7 +140,12 @@ class Axis(Values):
     """
 
     zip: tuple[Values, ...] = entry("entries that vary together with this one", "", ())
-    checks: ClassVar[tuple[Check, ...]] = (*Values.checks, _distinct, _as_long_as_the_axis)
+    checks: ClassVar[tuple[Check, ...]] = (
+        *Values.checks,
+        _distinct,
+        _as_long_as_the_axis,
+        _each_zipped_entry_once,
+    )
 
     def dimension(self) -> Dimension:
         """The values by key."""
@@ -162,8 +183,11 @@ class Latin(Table):
     """
 
     number: int = entry("number of samples", "a whole number from 1 to 1e6", ge=1, le=MOST)
-    variable: tuple[Bounds, ...] = entry("entries and intervals", "a list of at least one table")
+    variable: tuple[Bounds, ...] = entry(
+        "entries and intervals", "a list of at least one table", min_length=1
+    )
     seed: int = entry("seed of the samples", "a whole number from 0", 0, ge=0)
+    checks: ClassVar[tuple[Check, ...]] = (_each_variable_once,)
 
     def dimension(self) -> Dimension:
         """The samples by key."""

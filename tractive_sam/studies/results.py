@@ -111,14 +111,18 @@ class StudyResults:
     def quantities(self) -> dict[str, Quantity]:
         """What is known of last records, with units."""
         names = {name: None for row in self.rows for name in row.last}
+        return {name: self._described[name] for name in names if name in self._described}
+
+    @cached_property
+    def _described(self) -> dict[str, Quantity]:
+        """All that last records may have, be it known already or not."""
         of_bodies = {
             f"{name} {body}": Quantity(quantity.unit, f"{quantity.long_name}, body {body}")
             for name, quantity in BODY_SCALARS.items()
             for body in "AB"
         }
         line = self.rows[0].case.scene.line if self.rows else False
-        known = scalars(line) | of_bodies
-        return {name: known[name] for name in names if name in known}
+        return scalars(line) | of_bodies
 
     def history(self, number: int) -> History:
         """The history of a case.
@@ -127,7 +131,11 @@ class StudyResults:
         ------
         ResultsError
             If it has no results file yet.
+        IndexError
+            If there is no such case.
         """
+        if not -len(self) <= number < len(self):
+            raise IndexError(f"no case {number}; they are numbered from 0 to {len(self) - 1}")
         row = self.rows[number]
         if row.file is None:
             raise ResultsError(f"{row.case} is {row.status}: it has no results yet")
@@ -142,13 +150,30 @@ class StudyResults:
             One of `quantities`.
         revolution : int, optional
             Of the record of this revolution, in place of the last one.
+
+        Raises
+        ------
+        KeyError
+            If there is no such quantity; the message lists those there are.
         """
+        known = {*self._described}.union(*(row.last for row in self.rows))
+        if name not in known:
+            raise KeyError(f"no quantity {name!r}; there are {', '.join(sorted(known))}")
         if revolution is None:
             return np.array([row.last.get(name, math.nan) for row in self.rows])
         return np.array([_at(row, name, revolution) for row in self.rows])
 
     def values(self, key: str) -> np.ndarray:
-        """What an entry of the scene is in each case: numbers, or else text."""
+        """What an entry of the scene is in each case: numbers, or else text.
+
+        Raises
+        ------
+        KeyError
+            If the entry does not vary; the message lists those that do.
+        """
+        vary = [key for one in self.study.dimensions for key in one.columns]
+        if key not in vary:
+            raise KeyError(f"{key} does not vary; there are {', '.join(vary)}")
         return _as_array([row.case.changes[key] for row in self.rows])
 
     def dataset(self, revolution: int | None = None) -> "xarray.Dataset":
