@@ -1,11 +1,16 @@
 """The public names are what they say, also after everything has been imported."""
 
 import pickle
+from importlib import import_module
+from pathlib import Path
+from pkgutil import walk_packages
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import tractive_sam as ts
+from tractive_sam.scene import Fault
 
 
 def test_names_outlive_the_import_of_their_rooms():
@@ -44,6 +49,33 @@ def test_not_converged_crosses_between_processes():
     again = pickle.loads(pickle.dumps(caught.value))
     assert str(again) == str(caught.value)
     assert not again.contact.converged
+
+
+def errors_of_the_package():
+    """Every class of exceptions that is defined in it."""
+    for module in walk_packages(ts.__path__, "tractive_sam."):
+        if module.name != "tractive_sam.__main__":
+            for found in vars(import_module(module.name)).values():
+                if isinstance(found, type) and issubclass(found, Exception):
+                    yield from [found] if found.__module__ == module.name else []
+
+
+GIVEN = {
+    "GapError": (Path("a.csv"), "no rows", "some rows"),
+    "NotConverged": (SimpleNamespace(message="not converged"),),
+    "SceneError": ((Fault("load.normal", "-1", "a number above 0"),),),
+    "StudyError": ((Fault("axis", "nothing", "at least one"),),),
+}
+
+
+def test_every_error_crosses_between_processes():
+    errors = [kind(*GIVEN.get(kind.__name__, ("a word",))) for kind in errors_of_the_package()]
+    assert {type(error).__name__ for error in errors} > {"ResultsError", *GIVEN}
+    for error in errors:
+        again = pickle.loads(pickle.dumps(error))
+        assert type(again) is type(error)
+        assert str(again) == str(error)
+        assert vars(again) == vars(error)
 
 
 def test_a_gap_measured_too_short_is_told():

@@ -54,6 +54,18 @@ def with_nan():
     return points
 
 
+def write_archive(path):
+    with path.open("wb") as file:
+        np.savez(file, x=X, y=Y, separation=SEPARATION)
+
+
+def write_damaged(path, what):
+    """A file whose first bytes `what` are turned over: it opens, but does not hold together."""
+    write_hdf5(path, x=X, y=Y, separation=SEPARATION)
+    whole = path.read_bytes()
+    path.write_bytes(whole.replace(what, bytes(255 - byte for byte in what), 1))
+
+
 FAULTS = {
     "missing.h5": (lambda path: None, "no such file"),
     "a.txt": (lambda path: path.write_text("1"), "suffix '.txt'"),
@@ -76,6 +88,14 @@ FAULTS = {
     "twice.npy": (lambda path: np.save(path, POINTS[[0, *range(11)]]), "11 distinct"),
     "nan.npy": (lambda path: np.save(path, with_nan()), "1 separations that are not finite"),
     "nan-x.npy": (lambda path: np.save(path, POINTS * [np.nan, 1, 1]), "gap.file"),
+    "empty.npy": (lambda path: path.write_bytes(b""), "unreadable"),
+    "archive.npy": (write_archive, "an archive of arrays"),
+    "zip.npy": (lambda path: path.write_bytes(b"PK\3\4 and no more"), "unreadable"),
+    "long.csv": (lambda path: path.write_text("1" * 200_000), "unreadable .*field larger"),
+    "tree.h5": (lambda path: write_damaged(path, b"TREE"), r"unreadable \(.*B-tree"),
+    "heap.h5": (lambda path: write_damaged(path, b"HEAP"), r"unreadable \(.*heap"),
+    "link.h5": (lambda path: write_damaged(path, b"SNOD"), "unreadable"),
+    "group.h5": (lambda path: write_hdf5(path, **{"x": X, "y": Y, "separation/a": X}), "unread"),
     "empty.csv": (lambda path: path.write_text(""), "no rows"),
     "ragged.csv": (lambda path: path.write_text("x,y,separation\n1,2\n"), "rows of"),
     "header.csv": (lambda path: path.write_text("x,y,separation\n"), "x of shape"),

@@ -76,11 +76,11 @@ def test_csv_has_every_case_and_quantity(done, tmp_path):
 
 
 def test_what_there_is_not_is_told_with_what_there_is(done):
-    with pytest.raises(KeyError, match="no quantity 'Qx_over_p'; there are .*Qx_over_P"):
+    with pytest.raises(KeyError, match=r"no quantity 'Qx_over_p'; there are .*Qx_over_P"):
         done.column("Qx_over_p")
     with pytest.raises(KeyError, match="no quantity 'pressure'"):
         done.column("pressure", revolution=0)
-    with pytest.raises(KeyError, match="load.normal does not vary; there are creepage"):
+    with pytest.raises(KeyError, match=r"load\.normal does not vary; there are creepage"):
         done.values("load.normal")
     with pytest.raises(IndexError, match="no case 6; they are numbered from 0 to 5"):
         done.history(6)

@@ -43,3 +43,8 @@ class GapError(ValueError):
         self.given = f"{path}: {given}"
         self.allowed = allowed
         super().__init__(f"{self.key}: {self.given}; wanted: {allowed}")
+        self._parts = path, given, allowed
+
+    def __reduce__(self):
+        """Pickle by its parts, so that it crosses between processes."""
+        return GapError, self._parts

@@ -53,7 +53,7 @@ def read_gap(path: str | Path) -> Gap:
         raise GapError(path, "no such file", "an existing file") from None
     except GapError:
         raise
-    except (OSError, ValueError, TypeError) as error:
+    except Exception as error:  # damaged files make the libraries raise whatever comes
         raise GapError(path, f"unreadable ({error})", "numbers for x, y and separation") from error
     return _checked(path, x, y, separation)
 
@@ -72,7 +72,10 @@ def _read_hdf5(path: Path) -> Gap:
 
 
 def _read_npy(path: Path) -> Gap:
-    array = np.load(path, allow_pickle=False)
+    with path.open("rb") as file:
+        array = np.load(file, allow_pickle=False)
+    if not isinstance(array, np.ndarray):
+        raise GapError(path, "an archive of arrays", "a single array, as numpy.save writes it")
     if array.dtype.names is not None:
         missing = [name for name in NAMES if name not in array.dtype.names]
         if missing:
