@@ -2,6 +2,8 @@ import csv
 
 import pytest
 
+from tractive_sam.operators import threads
+
 SMALL = """
 title = "Friction of small spheres"
 scene = "spheres"
@@ -64,11 +66,13 @@ def test_failed_case_is_told(call, folder):
     assert "1 complete, 1 failed" in shown.stderr
 
 
-def test_explain(call, file):
+def test_explain(call, file, monkeypatch):
     result = call("explain", file, "--workers", "3")
     assert result.exit_code == 0
     for text in ("Friction of small spheres", "2 values: 0.2, 0.4", "2 cases", "with 3 workers"):
         assert text in result.stdout
+    monkeypatch.setattr(threads, "cores", lambda: 7)
+    assert "with 7 workers" in call("explain", file).stdout
     refused = call("explain", file, "--set", "load.normal=1")
     assert refused.exit_code == 2
     assert "write the setting into the file" in refused.stderr

@@ -1,5 +1,6 @@
 """Operators may be used by several threads at once; large ones use several themselves."""
 
+import os
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -33,7 +34,7 @@ def test_nor_below_the_surface():
 
 def test_large_transforms_take_the_cores_there_are(monkeypatch):
     monkeypatch.delenv("OMP_NUM_THREADS", raising=False)
-    monkeypatch.setattr(threads, "_cores", lambda: 16)
+    monkeypatch.setattr(threads, "cores", lambda: 16)
     assert threads.of_transform((256, 256)) == 1
     assert threads.of_transform((2048, 2048)) == threads.MOST
 
@@ -41,8 +42,15 @@ def test_large_transforms_take_the_cores_there_are(monkeypatch):
 @pytest.mark.parametrize(("bound", "taken"), [("1", 1), ("3", 3), ("2,1", 2), ("0", 1), ("x", 2)])
 def test_threads_are_bounded_as_those_of_other_libraries(bound, taken, monkeypatch):
     monkeypatch.setenv("OMP_NUM_THREADS", bound)
-    monkeypatch.setattr(threads, "_cores", lambda: 2)
+    monkeypatch.setattr(threads, "cores", lambda: 2)
     assert threads.of_transform((2048, 2048)) == taken
+
+
+@pytest.mark.parametrize("known", [6, None])
+def test_cores_where_the_system_does_not_tell_those_of_a_process(known, monkeypatch):
+    monkeypatch.delattr(os, "sched_getaffinity", raising=False)
+    monkeypatch.setattr(os, "cpu_count", lambda: known)
+    assert threads.cores() == (known or 1)
 
 
 def test_threads_of_a_transform_change_nothing_but_rounding(monkeypatch):

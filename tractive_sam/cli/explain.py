@@ -1,6 +1,5 @@
 """``tractive-sam explain``: what will be modelled, before it is."""
 
-import os
 from pathlib import Path
 from typing import Annotated
 
@@ -47,6 +46,7 @@ def explain(
 
 def _study(file: Path, settings: list[str] | None, workers: int | None):
     """A study and what there is to say of it."""
+    from tractive_sam.operators.threads import cores
     from tractive_sam.studies import Study, explain_study
 
     if settings:
@@ -54,4 +54,4 @@ def _study(file: Path, settings: list[str] | None, workers: int | None):
         raise stop(Status.INVALID, f"--set changes a scene, {file} is a study; {cure}")
     with warnings_told():
         asked = Study.from_toml(file)
-        return asked, explain_study(asked, workers or os.cpu_count() or 1)
+        return asked, explain_study(asked, workers or cores())

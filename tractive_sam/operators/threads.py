@@ -23,11 +23,12 @@ def of_transform(padded: tuple[int, int]) -> int:
     if math.prod(padded) < LARGE:
         return 1
     bound = os.environ.get("OMP_NUM_THREADS", "").split(",")[0].strip()
-    allowed = int(bound) if bound.isdigit() else _cores()
+    allowed = int(bound) if bound.isdigit() else cores()
     return max(1, min(MOST, allowed))
 
 
-def _cores() -> int:
+def cores() -> int:
+    """Cores that the process may use; those of the machine where the system does not tell."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1

@@ -4,13 +4,13 @@ The scheduler is asked for nothing but to hand out cases, long ones first. Whate
 the files: a case that was cut off is handed out again and goes on from its last record.
 """
 
-import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from time import monotonic, sleep
 from typing import TYPE_CHECKING
 from uuid import uuid4
 
+from tractive_sam.operators.threads import cores
 from tractive_sam.store import ResultsError
 from tractive_sam.studies.task import Task
 from tractive_sam.studies.worker import FAILED, HELD, ONE_THREAD, Outcome, run_case
@@ -54,7 +54,7 @@ def local_cluster(workers: int | None) -> Iterator[str]:
     from distributed import LocalCluster
 
     with LocalCluster(
-        n_workers=workers or len(os.sched_getaffinity(0)),
+        n_workers=workers or cores(),
         threads_per_worker=1,
         processes=True,
         memory_limit=0,  # a scene takes what it takes; `explain` tells how much
