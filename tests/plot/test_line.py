@@ -2,6 +2,7 @@
 
 import pytest
 
+from tests.plot import strip_theory as strips
 from tests.plot.test_figures import drawn, labels
 from tractive_sam import plot
 from tractive_sam.pipeline import roll
@@ -38,6 +39,15 @@ def test_slip_is_drawn_in_both_directions(history):
 def test_pressures_of_the_stored_revolutions(history):
     figure = drawn(plot.line_pressures(history))
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["0", "10"]
+
+
+def test_numbers_are_labelled_per_length(history):
+    (axes,) = drawn(plot.compared({"one": history}, "Qx")).axes
+    assert axes.get_ylabel().endswith("per length (N/mm)")
+    both = {"line": history, "other": strips.history()}
+    assert plot.compared(both, "Qx_over_P").axes
+    with pytest.raises(ValueError, match="Qx of line contacts is another quantity"):
+        plot.compared(both, "Qx")
 
 
 def test_save_all_draws_no_maps(history, tmp_path):

@@ -1,6 +1,7 @@
 """The table of a study, its dataset, and its figures."""
 
 import csv
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ import pytest
 from tests.studies.conftest import CREEPAGE, MU, small
 from tractive_sam.pipeline import roll
 from tractive_sam.store import ResultsError
-from tractive_sam.studies import Study, cases, open_study, save_figures, study
+from tractive_sam.studies import Study, cases, figures, open_study, save_figures, study
 from tractive_sam.studies.folder import Folder
 from tractive_sam.studies.lock import locked
 from tractive_sam.studies.worker import lock_of
@@ -161,6 +162,25 @@ def test_figures_while_nothing_is_known(tmp_path):
         results = open_study(tmp_path)
     assert save_figures(results, tmp_path) == []
     assert results.quantities == {}
+
+
+@pytest.mark.parametrize(
+    ("scene", "mesh", "force"),
+    [("spheres", ["grid.elements=[21, 21]"], "N"), ("cylinders", [], "N/mm")],
+)
+def test_figures_have_the_units_of_the_contact(scene, mesh, force, tmp_path, monkeypatch):
+    drawn = []
+
+    def keep(x, y, **_):
+        drawn.extend((x, y))
+        return SimpleNamespace(savefig=lambda path: None)
+
+    monkeypatch.setattr(figures, "study_curves", keep)
+    loads = {"key": "load.normal", "values": [0.3, 0.4]}
+    asked = Study(scene=scene, without=["subsurface"], set=mesh, axis=[loads])
+    results = study(asked, tmp_path / "study", workers=0)
+    save_figures(results, tmp_path, quantities=("Qx",))
+    assert [variable.label for variable in drawn] == [f"$P$ ({force})", f"$Q_x$ ({force})"]
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike
 
 from tractive_sam.plot.style import GREY, MICRON, WIDTH, styled
-from tractive_sam.record import SCALARS, History
+from tractive_sam.record import SCALARS, History, Quantity, scalars
 
 Points = tuple[ArrayLike, ArrayLike]
 
@@ -30,7 +30,8 @@ def compared(
     Raises
     ------
     ValueError
-        If there is no such number, or no history.
+        If there is no such number, no history, or both line contacts and others and the number
+        is per length in line contacts.
 
     Examples
     --------
@@ -41,7 +42,7 @@ def compared(
         raise ValueError(f"name: one of {', '.join(SCALARS)} is needed, not {name!r}")
     if not histories:
         raise ValueError("nothing to draw: at least one history is needed")
-    quantity, factor = SCALARS[name], 1.0
+    quantity, factor = _common(name, histories), 1.0
     unit = "" if quantity.unit == "1" else f" ({quantity.unit})"
     if name == "wear_max":
         factor, unit = MICRON, r" ($\mathrm{\mu m}$)"
@@ -60,3 +61,12 @@ def compared(
     axes.set_ylabel(f"{quantity.long_name}{unit}", wrap=True)
     axes.legend(loc="best")
     return figure
+
+
+def _common(name: str, histories: Mapping[str, History]) -> Quantity:
+    """The number as all histories have it."""
+    first, *others = {scalars(history.line)[name] for history in histories.values()}
+    if others:
+        cure = "histories of one kind are needed"
+        raise ValueError(f"{name} of line contacts is another quantity than of others; {cure}")
+    return first

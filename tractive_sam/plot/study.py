@@ -21,21 +21,22 @@ LETTERS = 40
 """Of a label before it goes on in the next line."""
 
 LABELS = {
-    "Qx": "$Q_x$ (N)",
-    "Qy": "$Q_y$ (N)",
-    "Mz": "$M_z$ (N mm)",
+    "Qx": "$Q_x$",
+    "Qy": "$Q_y$",
+    "Mz": "$M_z$",
     "Qx_over_P": "$Q_x/P$",
     "Qy_over_P": "$Q_y/P$",
-    "p_max": "largest pressure (MPa)",
-    "wear_max": "largest wear depth (mm)",
+    "p_max": "largest pressure",
+    "wear_max": "largest wear depth",
     "creepage.longitudinal": r"$\xi_x$",
     "creepage.lateral": r"$\xi_y$",
-    "creepage.spin": r"$\phi$ (1/mm)",
+    "creepage.spin": r"$\phi$",
     "friction.mu": r"$\mu$",
-    "friction.angle": r"$\beta$ (degrees)",
-    "load.normal": "$P$ (N)",
+    "friction.angle": r"$\beta$",
+    "load.normal": "$P$",
 }
-"""Symbols that the field has for quantities and for entries of a scene."""
+"""What the field calls quantities and entries of a scene; units, which differ between line contacts
+and others, come with the variable."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,9 @@ class Variable:
     values : ndarray
         Numbers, or texts, which are drawn at equal distances.
     meaning : str
-        What to call it where the field has no symbol, with its unit.
+        What to call it where it is not among `LABELS`.
+    unit : str
+        Unit, unless the meaning tells it; "1" stands for none.
 
     Examples
     --------
@@ -61,11 +64,13 @@ class Variable:
     name: str
     values: np.ndarray
     meaning: str = ""
+    unit: str = ""
 
     @property
     def label(self) -> str:
         """What to write along the axis."""
-        return LABELS.get(self.name) or fill(self.meaning or self.name, LETTERS)
+        label = LABELS.get(self.name) or self.meaning or self.name
+        return fill(label if self.unit in ("", "1") else f"{label} ({self.unit})", LETTERS)
 
     @property
     def numeric(self) -> bool:

@@ -1,6 +1,7 @@
 """Figures of a study: each quantity over one or two of its axes."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -8,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from tractive_sam.plot import Variable, study_curves, study_map, study_samples
+from tractive_sam.record import scalars
 from tractive_sam.studies.axis import SAMPLE
 from tractive_sam.studies.results import StudyResults, title_of
 
@@ -129,27 +131,38 @@ def _figures(results: StudyResults, name: str, index: tuple) -> Iterator[tuple[s
         one for one, k in zip(results.study.dimensions, index, strict=True) if isinstance(k, slice)
     ]
     about = results.quantities[name]
-    unit = "" if about.unit == "1" else f" ({about.unit})"
     values = results.column(name).reshape(results.study.shape)[index]
-    quantity = Variable(name, values, about.long_name + unit)
+    quantity = Variable(name, values, about.long_name, about.unit)
+    line = results.rows[0].case.scene.line
     title = results.study.title or results.study.scene.title
     if free[0].name == SAMPLE:
-        variables = {key: _variable(free[0].columns, key) for key in free[0].columns}
+        variables = {key: _variable(free[0].columns, line, key) for key in free[0].columns}
         yield "samples", study_samples(variables, quantity, title=title)
         return
     if len(free) == 1:
-        yield "curve", study_curves(_variable(free[0].columns), quantity, title=title)
+        yield "curve", study_curves(_variable(free[0].columns, line), quantity, title=title)
         return
     if len(free[0]) < len(free[1]):
-        free, quantity = free[::-1], Variable(name, values.T, quantity.meaning)
-    x, over = (_variable(one.columns) for one in free)
+        free, quantity = free[::-1], replace(quantity, values=values.T)
+    x, over = (_variable(one.columns, line) for one in free)
     yield "curves", study_curves(x, quantity, over, title=title)
     yield "map", study_map(x, over, quantity, title=title)
 
 
-def _variable(columns: Mapping[str, tuple], key: str | None = None) -> Variable:
+def _variable(columns: Mapping[str, tuple], line: bool, key: str | None = None) -> Variable:
     """Values of an entry; of the first one, that of the axis, by default."""
     key = key or next(iter(columns))
     numbers = all(isinstance(one, int | float) for one in columns[key])
     values = np.array(columns[key] if numbers else [str(one) for one in columns[key]])
-    return Variable(key, values, title_of(key))
+    return Variable(key, values, title_of(key), _unit(key, line))
+
+
+def _unit(key: str, line: bool) -> str:
+    """Unit of an entry that is drawn under a symbol; the titles of others tell theirs."""
+    units = {name: quantity.unit for name, quantity in scalars(line).items()}
+    of_entries = {
+        "load.normal": units["P"],
+        "creepage.spin": units["spin"],
+        "friction.angle": "degrees",
+    }
+    return of_entries.get(key, "")
