@@ -15,6 +15,7 @@ import pytest
 
 from tests.store.sample_records import REFERENCE, SCENE, make_record, mesh
 from tractive_sam.store import HistoryWriter, open_history, writer
+from tractive_sam.store.replacement import ABANDONED, replacement
 
 KILLS = 10
 PAGE = 4096
@@ -103,10 +104,30 @@ def test_row_written_in_part_is_no_record(path, tmp_path):
                 assert_whole(torn, number)
 
 
-def test_copy_left_behind_does_no_harm(path, finished):
-    shutil.copyfile(finished, path.with_name(f".{path.name}.new"))
+def test_copies_left_behind_are_removed_and_those_at_work_are_not(path, finished):
+    left, at_work = (path.with_name(f".{path.name}.{run}.new") for run in ("left", "work"))
+    for copy in (left, at_work):
+        shutil.copyfile(finished, copy)
+    before = time.time() - 2.0 * ABANDONED
+    os.utime(left, (before, before))
     HistoryWriter.reopen(path).append(make_record(7))
     assert len(open_history(path)) == 8
+    assert not left.exists()
+    assert at_work.exists()
+
+
+def test_two_replacements_at_once_do_not_mix(path, finished):
+    """Each ends with a whole file, that of the one that ends last."""
+    with replacement(path) as one:
+        one.attrs["run"] = "one"
+        with replacement(path) as two:
+            two.attrs["run"] = "two"
+        with h5py.File(path) as file:
+            assert file.attrs["run"] == "two"
+    with h5py.File(path) as file:
+        assert file.attrs["run"] == "one"
+    assert len(open_history(path)) == len(open_history(finished))
+    assert not list(path.parent.glob(".*.new"))
 
 
 if __name__ == "__main__":
