@@ -2,7 +2,8 @@ import h5py
 import numpy as np
 import pytest
 
-from tractive_sam.store import GapError, read_gap
+from tractive_sam.scene import quantities
+from tractive_sam.store import GapError, gap, read_gap
 
 X, Y = np.array([-1.0, 0.0, 1.5]), np.array([-2.0, -1.0, 0.0, 2.0])
 SEPARATION = 1e-3 * X[:, None] ** 2 + 1e-4 * Y
@@ -112,6 +113,10 @@ def test_fault_is_told_with_the_file_and_the_cure(tmp_path, name):
     assert error.value.key == "gap.file"
     assert name in error.value.given
     assert error.value.allowed
+
+
+def test_lengths_are_bounded_as_those_of_a_scene():
+    assert gap.LARGEST == quantities.LARGEST
 
 
 def test_other_units_are_refused(tmp_path):

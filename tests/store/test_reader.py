@@ -23,6 +23,14 @@ def test_what_is_known_of_the_computation(finished):
     np.testing.assert_array_equal(history["p_max_at"][3], [0.1 * 3, -0.1 * 3])
 
 
+def test_what_was_not_recorded_is_told_with_what_was(finished):
+    history = open_history(finished)
+    with pytest.raises(KeyError, match=r"no quantity 'wear_maximum'; there are .*wear_max, "):
+        history["wear_maximum"]
+    with pytest.raises(KeyError, match=r"the field is history\.field\('pressure'\)"):
+        history["pressure"]
+
+
 def test_dictionary_is_json(finished):
     content = json.loads(json.dumps(open_history(finished).to_dict(), allow_nan=False))
     rows = {*SCALARS, *POINTS, *BODY_SCALARS, *BODY_POINTS}

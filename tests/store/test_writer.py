@@ -108,7 +108,7 @@ def test_wider_mesh(path):
 
 
 def test_only_results_are_overwritten_and_only_on_demand(finished, tmp_path):
-    with pytest.raises(ResultsError, match="exists already"):
+    with pytest.raises(ResultsError, match=r"exists already; .* overwrite=True"):
         HistoryWriter(finished, SCENE, mesh())
     HistoryWriter(finished, SCENE, mesh(), overwrite=True)
     assert len(open_history(finished)) == 0

@@ -2,10 +2,8 @@
 
 from tractive_sam.contact.model import Model
 from tractive_sam.operators import Grid
+from tractive_sam.scene.checks import FEWEST_ELEMENTS
 from tractive_sam.solvers.outcome import Outcome, Status
-
-FEWEST = 8
-"""Elements across a contact below which its results are coarse."""
 
 
 def message(status: Status, outcome: Outcome, model: Model) -> str:
@@ -21,7 +19,7 @@ def message(status: Status, outcome: Outcome, model: Model) -> str:
         across = [int(touching.any(axis=1).sum()), int(touching.any(axis=0).sum())]
         if model.grid.line:
             del across[1]
-        if 0 < min(across) < FEWEST:
+        if 0 < min(across) < FEWEST_ELEMENTS:
             text += (
                 f"; only {' x '.join(map(str, across))} elements are in contact: refine the mesh "
                 "with grid.elements or lessen grid.half_length"

@@ -25,9 +25,8 @@ if TYPE_CHECKING:  # results are to be read without loading what computes them
     from tractive_sam.operators import Grid
     from tractive_sam.subsurface import PlaneStress
 
-FINISHED = ("done", "converged")
-"""Values of `History.status` that mean that nothing is missing."""
-
+DONE = "done"
+"""The `History.status` that means that nothing is missing."""
 
 T_co = TypeVar("T_co", covariant=True)
 
@@ -51,7 +50,7 @@ class History:
     scene_toml : str
         The scene that was computed.
     status : str
-        "done" or "converged"; "running" of a computation that still runs or was killed; else why
+        "done"; "running" of a computation that still runs or was killed; else why
         it ended early.
     message : str
         What the status means and, where something is wrong, what to try.
@@ -123,7 +122,7 @@ class History:
         a0: float = math.nan,
         b0: float = math.nan,
         p0: float = math.nan,
-        status: str = "done",
+        status: str = DONE,
         message: str = "",
         versions: Mapping[str, str] | None = None,
     ) -> Self:
@@ -161,17 +160,25 @@ class History:
         return len(self.scalars["revolution"])
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """What was recorded under a name of `record.quantities`, one row a record."""
+        """What was recorded under a name of `record.quantities`, one row a record.
+
+        Raises
+        ------
+        KeyError
+            If there is no such quantity; the message lists those there are.
+        """
         kinds = (self.scalars, self.points, self.profiles, self.body_scalars, self.body_points)
         for kind in kinds:
             if name in kind:
                 return kind[name]
-        raise KeyError(name)
+        known = ", ".join(name for kind in kinds for name in kind)
+        cure = f"; the field is history.field({name!r})" if name in self.fields else ""
+        raise KeyError(f"no quantity {name!r}; there are {known}{cure}")
 
     @property
     def finished(self) -> bool:
         """Whether the computation came to its end."""
-        return self.status in FINISHED
+        return self.status == DONE
 
     @property
     def totals(self) -> dict[str, float]:

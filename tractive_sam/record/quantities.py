@@ -92,7 +92,9 @@ POINTS: dict[str, Quantity] = {
 PROFILES: dict[str, Quantity] = {
     "wear_profile": Quantity("mm", "wear depth behind the contact, both bodies together"),
     "entering_profile": Quantity("mm", "wear depth before the contact, both bodies together"),
-    "wear_per_revolution": Quantity("mm", "depth worn in a revolution, both bodies together"),
+    "wear_per_revolution": Quantity(
+        "mm", "depth worn in a revolution, or after a jump its rate per revolution, both bodies"
+    ),
     "wear_profile_A": Quantity("mm", "wear depth of body A"),
     "wear_profile_B": Quantity("mm", "wear depth of body B"),
 }
@@ -116,11 +118,6 @@ BODY_SCALARS: dict[str, Quantity] = {
     ),
 }
 """One number a body and record, of scenes with [subsurface]."""
-
-BODY_ERROR_BARS: dict[str, Quantity] = {
-    "von_mises_max_error": Quantity("MPa", "error bar of von_mises_max"),
-}
-"""One number a body and record, of scenes with [accuracy] and [subsurface]."""
 
 BODY_ERROR_BARS: dict[str, Quantity] = {
     "von_mises_max_error": Quantity("MPa", "error bar of von_mises_max"),

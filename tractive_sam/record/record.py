@@ -76,8 +76,9 @@ def record(
     stress : iterable of PlaneStress, optional
         Stress on planes.
     profile, rate : ndarray, shape (n_y,), optional
-        Depth with which material enters and depth worn in the revolution, mm, as the stepping
-        corrected them; by default those of the contact.
+        Depth with which material enters, mm, and its derivative, mm per revolution, as the
+        adaptive stepping has them; by default the depth that enters the contact and the one that
+        is worn in it.
     jump : int
         Revolutions that the next step is to take.
     solves : int

@@ -15,7 +15,7 @@ from .table import Check, Known
 from .tables import Mesh
 
 FEWEST_ELEMENTS = 8
-"""Elements across the Hertz ellipse below which a grid resolves no slip zone."""
+"""Elements across a contact, or its Hertz ellipse, below which a grid resolves no slip zone."""
 
 MOST_SLENDER = 1000.0
 """Ratio of the semi-axes up to which a grid is chosen: beyond it takes millions of elements."""

@@ -11,7 +11,8 @@ from tractive_sam.store.errors import GapError
 NAMES = ("x", "y", "separation")
 
 LARGEST = 1e30
-"""Magnitude of coordinates and separations, mm, within which nothing can overflow."""
+"""Magnitude of coordinates and separations, mm, within which nothing can overflow: that of
+`scene.quantities`, without loading what reads scenes."""
 
 Gap = tuple[np.ndarray, np.ndarray, np.ndarray]
 

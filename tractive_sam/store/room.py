@@ -28,7 +28,9 @@ def make_room(path: Path, overwrite: bool, check_kind: Callable[[Path], None]) -
     if not path.exists():
         return
     if not overwrite:
-        raise ResultsError(f"{path} exists already; choose another name, or overwrite it")
+        raise ResultsError(
+            f"{path} exists already; choose another name, or replace it with overwrite=True"
+        )
     try:
         check_kind(path)
     except ResultsError as error:

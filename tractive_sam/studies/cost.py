@@ -10,11 +10,9 @@ from tractive_sam.contact import Model
 from tractive_sam.pipeline import measured_gap
 from tractive_sam.record import FIELDS, PROFILES, SCALARS, STATE, STRESS
 from tractive_sam.store import read_gap
+from tractive_sam.store.rows import SLOTS
 from tractive_sam.studies.case import Case, cases
 from tractive_sam.studies.design import Study
-
-SLOTS = 2
-"""Records whose state a results file holds."""
 
 EMPTY_FILE = 2e5
 """Size of a results file without anything in it, bytes."""
