@@ -1,5 +1,8 @@
 """Studies in one process: what is kept, what is run again, and what is told of failures."""
 
+from contextlib import ExitStack
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -148,6 +151,17 @@ def test_a_case_has_one_writer(tmp_path):
     assert not file.exists()
 
 
+def test_what_another_process_computes_is_waited_for_and_told_once(tmp_path, monkeypatch):
+    (case, _) = cases(small(MU))
+    told, waits = [], iter(range(2))
+    with ExitStack() as held:
+        held.enter_context(locked(worker.lock_of(tmp_path / f"{case.name}.h5")))
+        monkeypatch.setattr(run, "sleep", lambda _: next(waits) == 1 and held.close())
+        assert study(small(MU), tmp_path, workers=0, say=told.append).complete
+    assert told == [f"waiting for {case}, which another process computes"]
+    assert next(waits, None) is None
+
+
 def test_worker_that_does_not_see_the_folder(tmp_path):
     (case, _) = cases(small(MU))
     outcome = worker.run_case(case.scene.to_toml(), str(tmp_path / "nowhere" / "a.h5"))
@@ -172,6 +186,31 @@ def test_folder_of_something_else(tmp_path):
     with pytest.raises(ResultsError, match=r"tractive-sam study STUDY.toml -o"):
         open_study(tmp_path)
     assert [one.name for one in tmp_path.iterdir()] == ["precious.txt"]
+
+
+def test_folder_that_cannot_be_made(tmp_path, monkeypatch):
+    (tmp_path / "file").touch()
+    with pytest.raises(ResultsError, match=r"cannot be written: .*; choose another folder"):
+        study(small(), tmp_path / "file" / "below", workers=0)
+
+    def refuse(path, **options):
+        raise PermissionError(13, "Permission denied", str(path))
+
+    monkeypatch.setattr(Path, "mkdir", refuse)
+    with pytest.raises(ResultsError, match=r"cannot be written: .*Permission denied"):
+        study(small(), tmp_path / "new", workers=0)
+
+
+def test_what_goes_wrong_in_a_run_is_not_laid_to_the_folder(tmp_path):
+    with pytest.raises(FileExistsError), Folder(tmp_path).taken(small()):
+        raise FileExistsError
+
+
+def test_study_whose_file_was_spoilt(tmp_path):
+    with Folder(tmp_path).taken(small()):
+        (tmp_path / "study.toml").write_text("scene = 3")
+    with pytest.raises(StudyError, match="scene: given 3"):
+        open_study(tmp_path)
 
 
 def test_nothing_is_run_where_a_scene_is_not_valid(tmp_path):

@@ -13,7 +13,7 @@ is no other state: what is complete is what these files say.
 import json
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -45,22 +45,27 @@ class Folder:
         ResultsError
             If it cannot be written, is used for something else, or another client runs it.
         """
-        try:
-            self.path.mkdir(parents=True, exist_ok=True)
-            if not self._study.exists() and any(self.path.glob("[!.]*")):
-                raise ResultsError(
-                    f"{self.path} holds other files; a study needs a folder of its own"
-                )
-            with locked(self.path / ".client.lock"):
+        with ExitStack() as held:
+            try:
+                self.path.mkdir(parents=True, exist_ok=True)
+                if not self._study.exists() and any(self.path.glob("[!.]*")):
+                    raise ResultsError(
+                        f"{self.path} holds other files; a study needs a folder of its own"
+                    )
+                held.enter_context(locked(self.path / ".client.lock"))
                 _replace(self._study, study.to_toml())
-                yield
-        except HeldError:
-            raise ResultsError(
-                f"{self.path} is being run by another client; wait for it, stop it, or choose "
-                "another folder"
-            ) from None
-        except FileExistsError:
-            raise ResultsError(f"{self.path} is not a folder; choose another") from None
+            except HeldError:
+                raise ResultsError(
+                    f"{self.path} is being run by another client; wait for it, stop it, or choose "
+                    "another folder"
+                ) from None
+            except FileExistsError:
+                raise ResultsError(f"{self.path} is not a folder; choose another") from None
+            except OSError as error:
+                raise ResultsError(
+                    f"{self.path} cannot be written: {error}; choose another folder"
+                ) from error
+            yield
 
     def study(self) -> Study:
         """The study that is run here.
@@ -69,6 +74,8 @@ class Folder:
         ------
         ResultsError
             If there is none.
+        StudyError
+            If its file is not valid any more.
         """
         if not self._study.is_file():
             raise ResultsError(

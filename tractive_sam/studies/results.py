@@ -235,6 +235,8 @@ def open_study(directory: str | PathLike[str]) -> StudyResults:
     ------
     ResultsError
         If it is not one.
+    StudyError
+        If its study, or a scene of it, is not valid any more: a file of a measured gap is gone.
 
     Examples
     --------

@@ -97,9 +97,11 @@ def study(
     StudyError
         With the faults of the study and of all its scenes; nothing has been run then.
     ResultsError
-        If the folder cannot be used, or dask is not installed or cannot read the address.
+        If the folder cannot be used or made, or dask is not installed or cannot read the address.
     SchedulerLostError
         If there is no scheduler, or none any more; what is complete remains so.
+    OSError
+        If the folder cannot be written any more; what is complete remains so.
 
     Examples
     --------
@@ -151,7 +153,7 @@ def _ended(
     if not tasks:
         return
     if workers == 0 and scheduler is None:
-        yield from _one_after_another(tasks)
+        yield from _one_after_another(tasks, say)
         return
     if find_spec("distributed") is None:
         raise ResultsError(cluster.MISSING)
@@ -160,10 +162,16 @@ def _ended(
         yield from cluster.on_cluster(tasks, address, _reached, say)
 
 
-def _one_after_another(tasks: list[Task]) -> Iterator[tuple[Task, Outcome]]:
+def _one_after_another(
+    tasks: list[Task], say: Callable[[str], None]
+) -> Iterator[tuple[Task, Outcome]]:
     for task in tasks:
+        told = False
         while (outcome := run_case(task.case.scene.to_toml(), str(task.file))).status == HELD:
-            sleep(1.0)
+            if not told:
+                say(f"waiting for {task.case}, which another process computes")
+            told = True
+            sleep(cluster.PAUSE)
         yield task, outcome
 
 
