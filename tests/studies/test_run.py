@@ -206,6 +206,14 @@ def test_what_goes_wrong_in_a_run_is_not_laid_to_the_folder(tmp_path):
         raise FileExistsError
 
 
+def test_without_dask_the_cure_is_told(tmp_path, monkeypatch):
+    monkeypatch.setattr(run, "find_spec", lambda name: None)
+    with pytest.raises(
+        ResultsError, match=r"pip install '\.\[study\]' in .*; or ask for 0 workers"
+    ):
+        study(small(), tmp_path)
+
+
 def test_study_whose_file_was_spoilt(tmp_path):
     with Folder(tmp_path).taken(small()):
         (tmp_path / "study.toml").write_text("scene = 3")

@@ -62,8 +62,9 @@ def study_show(
                     results, figures, quantities=tuple(quantity or ()), at=held, format=format
                 )
         except ImportError as error:
-            cure = "pip install 'tractive-sam[study]'"
-            raise stop(Status.INVALID, f"{error.name} is not installed: {cure}") from None
+            cure = "pip install '.[study]' in the source folder of tractive_sam"
+            told = f"{error.name} is not installed: it comes with the extra study, {cure}"
+            raise stop(Status.INVALID, told) from None
         except OSError as error:
             raise stop(Status.INVALID, f"the output cannot be written: {error}") from None
         except ValueError as error:

@@ -18,7 +18,10 @@ from tractive_sam.studies.worker import FAILED, HELD, ONE_THREAD, Outcome, run_c
 if TYPE_CHECKING:
     from distributed import Client, Future
 
-MISSING = "dask is not installed: pip install 'tractive-sam[study]', or ask for 0 workers"
+MISSING = (
+    "dask is not installed: it comes with the extra study, pip install '.[study]' in the source "
+    "folder of tractive_sam; or ask for 0 workers"
+)
 
 FIRST_CONTACT = 30.0
 """Longest wait for a scheduler that was never there, s."""
