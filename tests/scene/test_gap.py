@@ -1,3 +1,5 @@
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -72,6 +74,21 @@ def test_file_is_sought_beside_the_scene(tmp_path, spheres):
     scene = Scene.from_toml(path)
     assert scene.gap.file == tmp_path / "profile.csv"
     assert Scene.from_toml_text(scene.to_toml()) == scene
+
+
+def test_file_is_the_same_seen_from_another_folder(tmp_path, spheres, monkeypatch):
+    (tmp_path / "profile.csv").touch()
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path)
+    given = [
+        spheres.replace(gap=Gap(file="profile.csv")),
+        spheres.replace(gap={"file": Path("profile.csv")}),
+        spheres.with_set(["gap.file=profile.csv"]),
+    ]
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    for scene in given:
+        assert scene.gap.file == tmp_path / "profile.csv"
+        assert Scene.from_toml_text(scene.to_toml()) == scene
 
 
 def test_setting_a_file_removes_the_arrays(tmp_path, spheres):

@@ -36,6 +36,9 @@ stop = -0.005
 """
 
 
+ONE_AXIS = '[[axis]]\nkey = "friction.mu"\nvalues = [0.2, 0.4]\n'
+
+
 def test_file_of_a_study(written):
     study = Study.from_toml(written(WHOLE))
     assert is_study(written(WHOLE))
@@ -70,8 +73,7 @@ def test_digest_is_that_of_the_scene_alone():
 
 def test_scene_file_beside_the_study(written):
     written(Scene.builtin("spheres").to_toml(), "mine.toml")
-    study = 'scene = "mine.toml"\n[[axis]]\nkey = "friction.mu"\nvalues = [0.2, 0.4]\n'
-    assert len(Study.from_toml(written(study))) == 2
+    assert len(Study.from_toml(written(f'scene = "mine.toml"\n{ONE_AXIS}'))) == 2
 
 
 def test_gap_files_beside_the_study(written, tmp_path):
@@ -94,6 +96,13 @@ def test_gap_files_beside_the_study(written, tmp_path):
         tmp_path / "one.csv",
         tmp_path / "two.csv",
     ]
+
+
+@pytest.mark.parametrize("setting", ["gap.file=one.csv", "gap.file = 'one.csv'"])
+def test_gap_file_that_is_set_is_beside_the_study(written, tmp_path, setting):
+    written("x,y,separation\n", "one.csv")
+    study = Study.from_toml(written(toml.emit({"scene": "spheres", "set": [setting]}) + ONE_AXIS))
+    assert study.scene.gap.file == tmp_path / "one.csv"
 
 
 def test_fault_of_many_scenes_is_told_once():

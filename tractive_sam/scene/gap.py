@@ -26,7 +26,7 @@ def _existing(path: Path) -> Path:
         raise ValueError(f"a file ending in {', '.join(SUFFIXES)}")
     if not os.path.isfile(path):  # unlike Path.is_file, puts up with any text
         raise ValueError("an existing file")
-    return path
+    return path.absolute()  # scenes are written down and read again, in other folders as well
 
 
 def _array(value: Any) -> NDArray[np.float64]:
@@ -83,7 +83,8 @@ class Gap(Table):
     """A separation on a rectangular grid, from a file or as arrays; mm.
 
     `separation` has the shape (len(x), len(y)). The arrays are read-only. Only the existence of
-    a file is checked here; a relative one is sought from the folder of the TOML file.
+    a file is checked here; a relative one is sought from the folder of the TOML file, or else from
+    the working folder, and absolute from then on.
 
     Examples
     --------

@@ -177,11 +177,22 @@ def _files_from(folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
             tables["scene"] = str(folder / name)
         case {"scene": {"gap": {"file": str(file)}}}:
             tables["scene"]["gap"]["file"] = str(folder / file)
+    match tables:
+        case {"set": list(settings)}:
+            tables["set"] = [_setting_from(folder, one) for one in settings]
     for one in _tables_with_values(tables.get("axis")):
         match one:
             case {"key": "gap.file", "values": list(files)}:
                 one["values"] = [str(folder / str(file)) for file in files]
     return tables
+
+
+def _setting_from(folder: Path, setting: Any) -> Any:
+    """A setting like ``gap.file=profile.csv`` with its file sought from a folder."""
+    key, _, value = setting.partition("=") if isinstance(setting, str) else ("", "", "")
+    if key.strip() != "gap.file":
+        return setting
+    return f"gap.file={folder / str(toml.parse_value(value.strip()))}"
 
 
 def _tables_with_values(axes: Any) -> Iterator[Any]:
