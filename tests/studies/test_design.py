@@ -105,6 +105,18 @@ def test_gap_file_that_is_set_is_beside_the_study(written, tmp_path, setting):
     assert study.scene.gap.file == tmp_path / "one.csv"
 
 
+def test_gap_files_of_an_axis_are_the_same_from_another_folder(written, tmp_path, monkeypatch):
+    for name, depth in (("one.csv", 0.001), ("two.csv", 0.002)):
+        written(f"y/x,-9.0,9.0\n-9.0,{depth},{depth}\n9.0,{depth},{depth}\n", name)
+    monkeypatch.chdir(tmp_path)
+    files = {"key": "gap.file", "values": ["one.csv", "two.csv"]}
+    for axis in (files, {**MU, "zip": [files]}):
+        study = small(axis)
+        (tmp_path / "other").mkdir(exist_ok=True)
+        again = Study.from_toml(written(study.to_toml(), "other/study.toml"))
+        assert [one.digest for one in cases(again)] == [one.digest for one in cases(study)]
+
+
 def test_fault_of_many_scenes_is_told_once():
     with pytest.raises(StudyError) as caught:
         cases(small(CREEPAGE, {"key": "load.normal", "values": [0.4, -1]}))

@@ -138,8 +138,11 @@ class Study(Table):
         return cls(**_files_from(path.parent, tables))
 
     def to_toml(self) -> str:
-        """Write it as TOML, with its scene in it and settings made; `from_toml` gives it back."""
-        return toml.emit(self.entries())
+        """Write it as TOML, with its scene in it and settings made; `from_toml` gives it back.
+
+        Relative files in it, which are sought from the working folder, become absolute.
+        """
+        return toml.emit(_files_from(Path.cwd(), self.entries()))
 
     @property
     def dimensions(self) -> tuple[Dimension, ...]:
@@ -182,7 +185,7 @@ def _files_from(folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
             tables["set"] = [_setting_from(folder, one) for one in settings]
     for one in _tables_with_values(tables.get("axis")):
         match one:
-            case {"key": "gap.file", "values": list(files)}:
+            case {"key": "gap.file", "values": list() | tuple() as files}:
                 one["values"] = [str(folder / str(file)) for file in files]
     return tables
 
@@ -197,10 +200,10 @@ def _setting_from(folder: Path, setting: Any) -> Any:
 
 def _tables_with_values(axes: Any) -> Iterator[Any]:
     """The axes and what is zipped with them, as far as they are tables."""
-    for axis in axes if isinstance(axes, list) else ():
+    for axis in axes if isinstance(axes, list | tuple) else ():
         yield axis
         match axis:
-            case {"zip": list(zipped)}:
+            case {"zip": list() | tuple() as zipped}:
                 yield from zipped
 
 
