@@ -124,6 +124,11 @@ class StudyResults:
         line = self.rows[0].case.scene.line if self.rows else False
         return scalars(line) | of_bodies
 
+    @cached_property
+    def _names(self) -> set[str]:
+        """Names of all that a column may be asked for, totals and error bars too."""
+        return {*self._described}.union(*(row.last for row in self.rows))
+
     def history(self, number: int) -> History:
         """The history of a case.
 
@@ -156,9 +161,8 @@ class StudyResults:
         KeyError
             If there is no such quantity; the message lists those there are.
         """
-        known = {*self._described}.union(*(row.last for row in self.rows))
-        if name not in known:
-            raise KeyError(f"no quantity {name!r}; there are {', '.join(sorted(known))}")
+        if name not in self._names:
+            raise KeyError(f"no quantity {name!r}; there are {', '.join(sorted(self._names))}")
         if revolution is None:
             return np.array([row.last.get(name, math.nan) for row in self.rows])
         return np.array([_at(row, name, revolution) for row in self.rows])
