@@ -130,6 +130,39 @@ def test_mesh_that_became_too_small_is_widened(tmp_path):
     np.testing.assert_allclose(history["wear_max"][-1], roll(coarse())["wear_max"][-1], rtol=5e-3)
 
 
+def test_nothing_of_the_revolution_that_failed_is_kept(tmp_path):
+    """Widened and gone on, a roll is that of the wide mesh from the beginning."""
+    path, settings = tmp_path / "a.h5", ("wear.revolutions=40", 'wear.stepping="every-revolution"')
+    fast = ("wear.intensity=2e-5", "wear.save=[40]", *settings)
+    narrow = coarse("grid.half_length=[0.35, 0.54]", "grid.elements=[15, 15]", *fast)
+    assert roll(narrow, path).status == "off grid"
+    history, wanted = roll(coarse(*fast), path, resume=True), roll(coarse(*fast))
+    assert history["revolution"].tolist() == wanted["revolution"].tolist()
+    # The wear of a revolution counted twice would be some percent.
+    np.testing.assert_allclose(history["wear_max"], wanted["wear_max"], rtol=1e-6)
+
+
+def test_a_gap_given_as_arrays_is_resumed(tmp_path):
+    x = np.linspace(-2.0, 2.0, 5)
+    scene = coarse("wear.revolutions=60", "wear.save=[60]").replace(
+        gap={"x": x, "y": x, "separation": 1e-6 * (x[:, None] + x) ** 2}
+    )
+    interrupted(scene, tmp_path / "a.h5", 3)
+    assert_same(roll(scene, tmp_path / "a.h5", resume=True), roll(scene))
+    other = scene.replace(gap={"x": x, "y": x, "separation": np.zeros((5, 5))})
+    with pytest.raises(ResultsError, match=r"gap\.separation"):
+        roll(other, tmp_path / "a.h5", resume=True)
+
+
+def test_what_cannot_be_written_is_told_before_anything_is_solved(tmp_path, monkeypatch):
+    monkeypatch.setattr("tractive_sam.pipeline.fitted", None)
+    with pytest.raises(ResultsError, match="is not a folder"):
+        roll(coarse(), tmp_path / "none" / "a.h5")
+    (tmp_path / "a.h5").write_text("something else")
+    with pytest.raises(ResultsError, match="would be overwritten"):
+        roll(coarse(), tmp_path / "a.h5", overwrite=True)
+
+
 def test_killed_runs_go_on(tmp_path, whole):
     """Real runs, killed at random moments: each file opens, holds its records, and goes on."""
     (tmp_path / "scene.toml").write_text(coarse().to_toml())

@@ -54,7 +54,7 @@ def explain(scene: Scene) -> list[Section]:
 
 def _accuracy(found: Refined) -> Section:
     scene, contact = found.contact.scene, found.contact
-    meshes = "refined by halves until the error bars are within it"
+    meshes = "refined until the error bars are within it"
     if scene.wear is not None:
         meshes += "; further, where two coarser meshes rolled before show that wear asks for it"
     rows = [("asked for", f"{scene.accuracy.tolerance:g}, relative: the mesh is {meshes}")]

@@ -11,7 +11,15 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tractive_sam.accuracy import Judge, Levels, judge_of, refined, with_tolerances
+from tractive_sam.accuracy import (
+    Judge,
+    Levels,
+    judge_of,
+    judge_on,
+    missed_before,
+    refined,
+    with_tolerances,
+)
 from tractive_sam.contact import Contact, Gap, Model, NotConverged, equilibrium, fitted
 from tractive_sam.operators import Grid
 from tractive_sam.operators.threads import one_blas_thread
@@ -21,7 +29,7 @@ from tractive_sam.rolling import Passage, passages, recorded
 from tractive_sam.scene import Scene
 from tractive_sam.scene.quantities import LARGEST
 from tractive_sam.solvers import Status
-from tractive_sam.store import HistoryWriter, open_history, read_gap
+from tractive_sam.store import HistoryWriter, check_results, open_history, read_gap
 
 
 def measured_gap(scene: Scene) -> Gap | None:
@@ -201,12 +209,15 @@ def roll(
     3
     """
     _check_scene(scene)
-    last = None
-    if resume and path is not None and Path(path).exists():
-        last = last_passage(open_history(path), path, scene)
+    before = last = None
+    if path is not None:
+        check_results(Path(path), overwrite or resume)  # before, not after, what may take long
+        if resume and Path(path).exists():
+            before = open_history(path)
+            last = last_passage(before, path, scene)
     run = _Run(scene, path, overwrite or resume, progress)
     if scene.accuracy is not None:
-        return _rolled_accurately(run, last)
+        return _rolled_accurately(run) if last is None else _resumed_accurately(run, last, before)
     model = Model(scene, measured_gap(scene), None if last is None else last.contact.grid)
     if last is not None:
         return run.resumed(model, last)
@@ -214,26 +225,39 @@ def roll(
     return run.begun(model, Passage(0, contact, 1))
 
 
-def _rolled_accurately(run: "_Run", last: Passage | None) -> History:
+def _rolled_accurately(run: "_Run") -> History:
     """Roll on finer and finer meshes, until the error bars are within the tolerance."""
     scene, measured = with_tolerances(run.scene), measured_gap(run.scene)
+    new = refined(scene, measured)
+    if scene.wear is None or not new.contact.converged:
+        return run.begun(new.model, Passage(0, new.contact, 1), missed=new.missed)
+    return _rolled_from(run, scene, measured, *judge_of(scene, measured, new.level))
+
+
+def _rolled_from(
+    run: "_Run", scene: Scene, measured: Gap | None, judge: Judge, level: int
+) -> History:
+    """Roll on the mesh of a level, and on finer ones while its error bars are too wide."""
     levels = Levels(scene, measured)
-    if last is not None:
-        level = levels.of(last.contact.grid)
-        judge, _ = judge_of(scene, measured, level, settled=True)
-        history = run.resumed(Model(scene, measured, last.contact.grid), last, judge)
-    else:
-        new = refined(scene, measured)
-        if scene.wear is None or not new.contact.converged:
-            return run.begun(new.model, Passage(0, new.contact, 1), missed=new.missed)
-        judge, level = judge_of(scene, measured, new.level)
+    while True:
         history = run.begun(*_new(scene, measured, levels.grid(level)), judge)
-    while history.status == Status.INACCURATE and levels.allowed(level + 1):
-        judge, level = judge.followed(), level + 1
-        history = replace(run, overwrite=True).begun(
-            *_new(scene, measured, levels.grid(level)), judge
-        )
-    return history
+        if history.status != Status.INACCURATE or not levels.allowed(level + 1):
+            return history
+        run, judge, level = replace(run, overwrite=True), judge.followed(), level + 1
+
+
+def _resumed_accurately(run: "_Run", last: Passage, before: History) -> History:
+    """Roll on on the mesh of a file, and from new bodies on finer ones where that takes it."""
+    scene, measured = with_tolerances(run.scene), measured_gap(run.scene)
+    levels, missed = Levels(scene, measured), missed_before(before, scene)
+    model, level = Model(scene, measured, last.contact.grid), levels.of(last.contact.grid)
+    complete = scene.wear is None or last.revolution == scene.wear.revolutions
+    judge = None if complete else judge_on(scene, measured, level, missed)
+    history = run.resumed(model, last, judge, missed)
+    finer = scene.wear is not None and levels.allowed(level + 1)
+    if history.status != Status.INACCURATE or not finer:
+        return history
+    return _rolled_from(run, scene, measured, judge_on(scene, measured, level + 1), level + 1)
 
 
 def _new(scene: Scene, measured: Gap | None, grid: Grid) -> tuple[Model, Passage]:
@@ -260,10 +284,12 @@ class _Run:
             writer = HistoryWriter(self.path, text, model.grid, self._reference, self.overwrite)
         return self._kept(model, start, (start,), writer, judge, missed)
 
-    def resumed(self, model: Model, last: Passage, judge: Judge | None = None) -> History:
-        """Roll on from the last record of the file."""
+    def resumed(
+        self, model: Model, last: Passage, judge: Judge | None = None, missed: str = ""
+    ) -> History:
+        """Roll on from the last record of the file; arguments as of `begun`."""
         writer = HistoryWriter.reopen(self.path, self.scene.to_toml())
-        return self._kept(model, last, (), writer, judge)
+        return self._kept(model, last, (), writer, judge, missed)
 
     def _kept(
         self,

@@ -11,7 +11,7 @@ from tractive_sam.record import History
 from tractive_sam.rolling import Milestone, Passage
 from tractive_sam.scene import Scene
 from tractive_sam.solvers import Cost, Status
-from tractive_sam.store import ResultsError, last_state
+from tractive_sam.store import ResultsError, state_of
 
 FREE = (
     "title",
@@ -85,7 +85,7 @@ def _check_same(history: History, path: str | PathLike, scene: Scene) -> None:
 
 def _differing(before: Any, now: Any, key: str = "") -> list[str]:
     """Dotted keys of the entries that differ and may not."""
-    if key in FREE or before == now:
+    if key in FREE or _same(before, now):
         return []
     if isinstance(before, dict) and isinstance(now, dict):
         return [
@@ -96,6 +96,14 @@ def _differing(before: Any, now: Any, key: str = "") -> list[str]:
     return [key]
 
 
+def _same(before: Any, now: Any) -> bool:
+    if isinstance(before, np.ndarray) or isinstance(now, np.ndarray):
+        return np.array_equal(before, now)
+    if isinstance(before, dict) and isinstance(now, dict):
+        return before.keys() == now.keys() and all(_same(before[k], now[k]) for k in before)
+    return before == now
+
+
 def _shown(entries: dict[str, Any], key: str) -> str:
     value: Any = entries
     for name in key.split("."):
@@ -104,7 +112,7 @@ def _shown(entries: dict[str, Any], key: str) -> str:
 
 
 def _contact(history: History, path: str | PathLike, row: int, scene: Scene) -> Contact:
-    fields = last_state(path)
+    fields = state_of(path, row)
     elements = (len(history.x), len(history.y))
     number = {name: float(values[row]) for name, values in history.scalars.items()}
     creeping = sum(

@@ -54,8 +54,43 @@ def test_a_file_that_ended_early_is_rolled_on_with_its_bars(scene, history, tmp_
     )
 
 
-def test_a_mesh_too_coarse_for_the_wear_is_told(scene):
-    history = ts.roll(scene.replace(**{"accuracy.tolerance": 1e-4, "accuracy.elements": 1000}))
+def test_a_mesh_too_coarse_for_the_wear_is_told(scene, tmp_path):
+    path = tmp_path / "discs.h5"
+    coarse = scene.replace(**{"accuracy.tolerance": 1e-4, "accuracy.elements": 1000})
+    history = ts.roll(coarse, path)
     assert history.status == "inaccurate"
     assert history["revolution"][-1] == 400
     assert "accuracy.elements" in history.message
+    assert history["relative_error"][-1] > 1e-4
+    again = ts.roll(coarse, path, resume=True)
+    assert again.status == "inaccurate"
+    assert "accuracy.elements" in again.message
+    assert len(again) == len(history)
+
+
+def test_what_was_missed_before_an_interruption_is_not_forgotten(scene, tmp_path):
+    path = tmp_path / "discs.h5"
+    coarse = scene.replace(**{"accuracy.tolerance": 1e-4, "accuracy.elements": 1000})
+
+    def stop(record):
+        if record.revolution >= 100:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        ts.roll(coarse, path, progress=stop)
+    history = ts.roll(coarse.replace(**{"wear.save": (100,)}), path, resume=True)
+    assert history.status == "inaccurate"
+    assert history["revolution"][-1] == 400
+    assert "revolution 100" in history.message
+
+
+def test_new_bodies_are_not_solved_again(tmp_path, monkeypatch):
+    path = tmp_path / "spheres.h5"
+    scene = ts.Scene.builtin("spheres").replace(
+        **{"accuracy.tolerance": 1e-5, "accuracy.elements": 1000, "subsurface": None}
+    )
+    before = ts.roll(scene, path)
+    monkeypatch.setattr("tractive_sam.pipeline.refined", None)
+    after = ts.roll(scene, path, resume=True)
+    assert before.status == after.status == "inaccurate"
+    assert after.to_dict() | {"message": ""} == before.to_dict() | {"message": ""}

@@ -4,8 +4,18 @@ Every mesh has half the elements of the next. The differences between the last t
 the finest may be from the limit (`error_bars`); it is refined until that is within the tolerance.
 """
 
-from tractive_sam.accuracy.course import Judge, judge_of
+from tractive_sam.accuracy.course import Judge, judge_of, judge_on
+from tractive_sam.accuracy.judgement import missed_before
 from tractive_sam.accuracy.levels import Levels, with_tolerances
 from tractive_sam.accuracy.steady import Refined, refined
 
-__all__ = ["Judge", "Levels", "Refined", "judge_of", "refined", "with_tolerances"]
+__all__ = [
+    "Judge",
+    "Levels",
+    "Refined",
+    "judge_of",
+    "judge_on",
+    "missed_before",
+    "refined",
+    "with_tolerances",
+]

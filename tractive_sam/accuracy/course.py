@@ -55,6 +55,8 @@ class Judge:
     ----------
     coarse, middle : Course
         On meshes of a quarter and of half the elements, complete.
+    missed : str
+        What was missed of revolutions rolled earlier; or empty.
 
     Attributes
     ----------
@@ -66,9 +68,9 @@ class Judge:
         Which error bar was last too wide at a saved revolution, and what to do; or empty.
     """
 
-    def __init__(self, coarse: Course, middle: Course) -> None:
+    def __init__(self, coarse: Course, middle: Course, missed: str = "") -> None:
         self._coarse, self.middle, self.course = coarse, middle, Course()
-        self.missed = ""
+        self.missed = missed
 
     def __call__(
         self, passage: Passage, maxima: Mapping[str, VonMisesMaximum]
@@ -90,9 +92,25 @@ class Judge:
         return Judge(self.middle, self.course)
 
 
-def judge_of(
-    scene: Scene, measured: Gap | None, level: int, settled: bool = False
-) -> tuple[Judge, int]:
+def judge_on(scene: Scene, measured: Gap | None, level: int, missed: str = "") -> Judge:
+    """Roll a scene on the two meshes that are coarser than that of a level.
+
+    Parameters
+    ----------
+    scene : Scene
+        With [accuracy], [wear] and the tolerances of `with_tolerances`.
+    measured : Gap, optional
+        Its measured separation.
+    level : int
+        The level to judge.
+    missed : str
+        As of `Judge`.
+    """
+    levels = Levels(scene, measured)
+    return Judge(*(_rolled(Model(scene, measured, levels.grid(level - k))) for k in (2, 1)), missed)
+
+
+def judge_of(scene: Scene, measured: Gap | None, level: int) -> tuple[Judge, int]:
     """Roll a scene on coarser meshes than the one that its accuracy takes.
 
     Parameters
@@ -103,8 +121,6 @@ def judge_of(
         Its measured separation.
     level : int
         Level of the mesh on which the new bodies are accurate enough.
-    settled : bool
-        Whether it is to be that one.
 
     Returns
     -------
@@ -114,7 +130,7 @@ def judge_of(
     """
     levels, last = Levels(scene, measured), scene.wear.revolutions
     coarse, middle = (_rolled(Model(scene, measured, levels.grid(level - k))) for k in (2, 1))
-    while not settled and levels.allowed(level + 1):
+    while levels.allowed(level + 1):
         before, now = coarse.at(last), middle.at(last)
         if before is not None and now is not None:
             least, _ = worst_of(relative_error_bars(before, now, now), peak=False)

@@ -1,11 +1,14 @@
 """Whether a contact is as accurate as its scene asks for."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from tractive_sam.accuracy.error_bars import Sample, error_bars, relative_error_bars
 from tractive_sam.accuracy.levels import NEEDED
 from tractive_sam.contact import Contact
+from tractive_sam.record import History
+from tractive_sam.scene import Scene
 
 GOVERNING = ("P", "Qx", "Qy", "Mz", "xi_x", "xi_y", "wear_max")
 """What has to be within the tolerance; of new bodies the largest pressure as well."""
@@ -42,14 +45,15 @@ def judge(contact: Contact, samples: Sequence[Sample | None], peak: bool) -> Jud
     solved = [sample for sample in samples[-NEEDED:] if sample is not None]
     if len(solved) < NEEDED:
         told = f"error bars take {NEEDED} meshes, of which {len(solved)} could be solved"
-        return Judgement({}, _advised(contact, told))
+        return Judgement({}, _advised(contact.scene, told))
     relative = relative_error_bars(*solved)
     fineness = contact.grid.dx / contact.half_width_x if contact.touching.any() else 0.0
-    bars = error_bars(relative, solved[-1], fineness)
     worst, name = worst_of(relative, peak)
+    bars = error_bars(relative, solved[-1], fineness) | {"relative": worst}
     if worst <= contact.scene.accuracy.tolerance:
         return Judgement(bars, "")
-    return Judgement(bars, _advised(contact, f"{name} has a relative error bar of {worst:.1e}"))
+    told = f"{name} has a relative error bar of {worst:.1e}"
+    return Judgement(bars, _advised(contact.scene, told))
 
 
 def worst_of(relative: Mapping[str, float], peak: bool) -> tuple[float, str]:
@@ -58,8 +62,29 @@ def worst_of(relative: Mapping[str, float], peak: bool) -> tuple[float, str]:
     return max((relative[name], name) for name in names)
 
 
-def _advised(contact: Contact, told: str) -> str:
-    accuracy = contact.scene.accuracy
+def missed_before(history: History, scene: Scene) -> str:
+    """Which saved revolution of a history was last not accurate enough, and what to do; or empty.
+
+    Parameters
+    ----------
+    history : History
+        Of this scene, complete or not.
+    scene : Scene
+        With [accuracy].
+    """
+    if "relative_error" not in history.scalars:
+        return ""
+    missed, saved = "", (0,) if scene.wear is None else scene.wear.save
+    for revolution, worst in zip(history["revolution"], history["relative_error"], strict=True):
+        # Not "greater": there may be none, where coarser meshes could not be solved.
+        if int(revolution) in saved and not worst <= scene.accuracy.tolerance:
+            bar = "no error bars" if math.isnan(worst) else f"a relative error bar of {worst:.1e}"
+            missed = f"revolution {revolution:.0f} has {bar}"
+    return missed and _advised(scene, missed)
+
+
+def _advised(scene: Scene, told: str) -> str:
+    accuracy = scene.accuracy
     return (
         f"{told}; accuracy.tolerance asks for {accuracy.tolerance:.1e}, and accuracy.elements "
         f"allows no more than {accuracy.elements} elements: raise one of them"

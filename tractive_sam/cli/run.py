@@ -45,6 +45,7 @@ def run(
     with bad_input_told():
         asked = read_scene(scene, settings)
         output = output or Path(Path(scene).name).with_suffix(".h5")
+        before = _written(output)
         try:
             with _progress(asked) as progress, warnings_told():
                 history = pipeline.roll(
@@ -52,7 +53,7 @@ def run(
                 )
         except KeyboardInterrupt:
             held = f"{output} holds what was computed, --resume goes on from there"
-            told = f"; {held}" if output.exists() else ""
+            told = f"; {held}" if resume or _written(output) != before else ""
             raise stop(Status.INCOMPLETE, f"interrupted{told}") from None
         except OSError as error:
             raise stop(Status.INCOMPLETE, f"{output} cannot be written: {error}") from None
@@ -69,6 +70,11 @@ def run(
         raise stop(Status.INCOMPLETE, "less accurate than asked for; the error bars tell how much")
     if not history.finished:
         raise stop(Status.INCOMPLETE, "the computation ended early; the file holds it up to there")
+
+
+def _written(path: Path) -> int | None:
+    """When a file was last written; None where there is none."""
+    return path.stat().st_mtime_ns if path.exists() else None
 
 
 @contextmanager

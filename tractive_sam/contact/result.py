@@ -87,7 +87,8 @@ class Contact:
         Steps that led to the solution.
     error_bars : mapping of str to float
         Of scenes with [accuracy]: how far numbers may be from those on an infinitely fine mesh, by
-        their recorded names and in their units; "von_mises_max A" of the stress in body A.
+        their recorded names and in their units; "von_mises_max A" of the stress in body A, and
+        "relative" the widest relative one of those that the tolerance bounds.
 
     Examples
     --------

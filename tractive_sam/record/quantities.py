@@ -3,7 +3,7 @@
 The one table behind the results file, the JSON of `tractive-sam show` and the labels of figures.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 
 @dataclass(frozen=True)
@@ -72,16 +72,17 @@ def scalars(line: bool) -> dict[str, Quantity]:
 def error_bars(line: bool) -> dict[str, Quantity]:
     """`ERROR_BARS` as they are to be read in a line contact, or else."""
     units = scalars(line)
-    return {
-        name: Quantity(units[name.removesuffix("_error")].unit, quantity.long_name)
-        for name, quantity in ERROR_BARS.items()
-    }
+    quantities = dict(ERROR_BARS)
+    for name in BARRED:
+        quantities[f"{name}_error"] = replace(ERROR_BARS[f"{name}_error"], unit=units[name].unit)
+    return quantities
 
+
+BARRED = ("P", "Qx", "Qy", "Mz", "approach", "p_max", "wear_max", "xi_x", "xi_y")
 
 ERROR_BARS: dict[str, Quantity] = {
-    f"{name}_error": Quantity(SCALARS[name].unit, f"error bar of {name}")
-    for name in ("P", "Qx", "Qy", "Mz", "approach", "p_max", "wear_max", "xi_x", "xi_y")
-}
+    f"{name}_error": Quantity(SCALARS[name].unit, f"error bar of {name}") for name in BARRED
+} | {"relative_error": Quantity("1", "widest relative error bar of what accuracy.tolerance bounds")}
 """One number a record, of scenes with [accuracy]."""
 
 POINTS: dict[str, Quantity] = {

@@ -2,18 +2,19 @@
 
 from tractive_sam.store.errors import GapError, ResultsError
 from tractive_sam.store.gap import read_gap
-from tractive_sam.store.reader import last_state, open_history
+from tractive_sam.store.reader import open_history, state_of
 from tractive_sam.store.volume import Image, check_volume, write_volume
-from tractive_sam.store.writer import HistoryWriter
+from tractive_sam.store.writer import HistoryWriter, check_results
 
 __all__ = [
     "GapError",
     "HistoryWriter",
     "Image",
     "ResultsError",
+    "check_results",
     "check_volume",
-    "last_state",
     "open_history",
     "read_gap",
+    "state_of",
     "write_volume",
 ]

@@ -76,8 +76,15 @@ def open_history(path: str | Path) -> History:
         )
 
 
-def last_state(path: str | Path) -> dict[str, np.ndarray]:
-    """The fields after the last record, by the names of `STATE`, shape (n_x, n_y).
+def state_of(path: str | Path, row: int) -> dict[str, np.ndarray]:
+    """The fields after one of the last two records, by the names of `STATE`, shape (n_x, n_y).
+
+    Parameters
+    ----------
+    path : path-like
+        A file written by `HistoryWriter`.
+    row : int
+        Which record: the last, or the one before where the last was not solved.
 
     Raises
     ------
@@ -85,12 +92,14 @@ def last_state(path: str | Path) -> dict[str, np.ndarray]:
         If there is no such file, or it cannot be read.
     """
     with results_file(Path(path)) as file:
-        slot = (committed(file) - 1) % SLOTS
+        if not committed(file) - SLOTS <= row < committed(file):
+            raise ValueError(f"/state: nothing is kept of record {row}")
+        slot = row % SLOTS
         fields = {name: file["state"][name][slot] for name in STATE}
         # The gap is infinite where a mesh has grown.
         lost = [name for name in STATE if name != "gap" and not np.isfinite(fields[name]).all()]
         if lost:
-            raise ValueError(f"/state: {', '.join(lost)} of the last record are not finite")
+            raise ValueError(f"/state: {', '.join(lost)} of record {row} are not finite")
         return fields
 
 

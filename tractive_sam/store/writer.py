@@ -65,7 +65,7 @@ class HistoryWriter:
         overwrite: bool = False,
     ) -> None:
         self.path = Path(path)
-        make_room(self.path, overwrite, _check_kind)
+        check_results(self.path, overwrite)
         self._run = uuid4().hex
         try:
             with replacement(self.path, empty=True) as file:
@@ -182,6 +182,17 @@ class HistoryWriter:
         if file.attrs.get(RUN) != self._run:
             cure = "give each run a file of its own"
             raise ResultsError(f"{self.path} was taken over by another run; {cure}")
+
+
+def check_results(path: Path, overwrite: bool = False) -> None:
+    """See that a results file can be written, before what may take long.
+
+    Raises
+    ------
+    ResultsError
+        As by `make_room`.
+    """
+    make_room(path, overwrite, _check_kind)
 
 
 def _check_kind(path: Path) -> None:
