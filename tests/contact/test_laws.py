@@ -142,14 +142,18 @@ def test_without_cause_there_is_no_traction():
         assert np.abs(general(*settings).traction).max() < 1e-20
 
 
-def test_frictionless_scene():
+@pytest.mark.parametrize("method", ["auto", "newton", "anderson", "uzawa"])
+def test_frictionless_scene(method):
     from tractive_sam.contact import Model, equilibrium  # noqa: PLC0415
     from tractive_sam.scene import Scene  # noqa: PLC0415
 
-    tables = Scene.builtin("spheres").entries()
-    del tables["friction"]
-    contact = equilibrium(Model(Scene(**tables)))
-    assert contact.converged
-    assert not contact.traction.any()
-    assert contact.stick_fraction == 0.0
-    np.testing.assert_allclose(contact.slip[0][contact.touching], -0.0031)
+    for name in ("spheres", "spheres-dissimilar"):
+        scene = Scene.builtin(name).replace(
+            **{"friction": None, "solver.method": method, "grid": None, "subsurface": None}
+        )
+        contact = equilibrium(Model(scene))
+        assert contact.converged
+        assert not contact.traction.any()
+        assert contact.stick_fraction == 0.0
+        if name == "spheres":  # the pressure of dissimilar bodies slips as well
+            np.testing.assert_allclose(contact.slip[0][contact.touching], -0.0031)

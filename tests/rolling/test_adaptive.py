@@ -120,3 +120,16 @@ def test_response_is_near_the_derivative_of_the_wear_of_a_pass(every):
 def test_response_damps(every):
     response = wear_response(Model(every[0].contact.scene), every[100].contact)
     assert np.linalg.eigvals(response).real.max() < 1e-12
+
+
+@pytest.mark.parametrize("stepping", ["adaptive", "every-revolution"])
+def test_bodies_at_a_given_approach_wear_until_they_hardly_touch(stepping):
+    """The gap of the unworn bodies and the depth worn off add up to the approach."""
+    approach, wear = "load.approach=0.004", ("wear.intensity=3e-4", "wear.save=[300]")
+    last = rolled(300, approach, *wear, f'wear.stepping="{stepping}"')[-1].contact
+    assert last.converged
+    model = Model(Scene.builtin("twin-discs").with_set([*COARSE, approach]))
+    middle = model.undeformed_gap[10]
+    touched = middle < 0.9 * 0.004
+    np.testing.assert_allclose((middle + last.wear[10])[touched], 0.004, rtol=0.01)
+    assert last.P < 0.01

@@ -48,9 +48,11 @@ def equilibrium(
     gap = gap / model.units.gap
     if model.load is None and gap.min() >= model.given_approach:
         outcome = in_sequence(model, gap, None)  # worn until they do not touch: nothing to solve
+    elif not model.transmits:
+        outcome = in_sequence(model, gap, first)
     elif model.scene.solver.method == "uzawa":
         outcome = projected(model, gap, first, in_pass)
-    elif model.dissimilar and model.transmits:
+    elif model.dissimilar:
         outcome = together(model, gap, first)
     else:
         outcome = in_sequence(model, gap, first)

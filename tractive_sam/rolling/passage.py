@@ -178,5 +178,7 @@ def _with_lag(contact: Contact, missed: float) -> Contact:
 
 def _residual(model: Model, contact: Contact, change: np.ndarray) -> float:
     """Natural residual of the normal contact that a change of the wear leaves, relative."""
+    if not contact.touching.any():
+        return 0.0
     gap = np.where(contact.touching, change, 0.0) / model.units.gap
     return float(np.linalg.norm(gap) / np.linalg.norm(contact.pressure / model.units.pressure))

@@ -29,6 +29,9 @@ def wear_response(model: Model, contact: Contact, closing: float = 0.0) -> np.nd
     ndarray, shape (n_y, n_y)
         1/revolution; zero for rows that are not in contact.
     """
+    response = np.zeros((model.grid.elements[1],) * 2)
+    if not contact.touching.any():
+        return response
     touching = contact.touching | (contact.gap <= closing)
     rows = np.flatnonzero(touching.any(axis=0))
     compliance = row_compliance(model.half_space.mesh, model.material, touching)
@@ -38,7 +41,6 @@ def wear_response(model: Model, contact: Contact, closing: float = 0.0) -> np.nd
         uniform = stiffness.sum(axis=1)
         stiffness = stiffness - np.outer(uniform, stiffness.sum(axis=0)) / uniform.sum()
     per_load = _wear_per_load(model, contact)[rows]
-    response = np.zeros((model.grid.elements[1],) * 2)
     response[np.ix_(rows, rows)] = -per_load[:, None] * stiffness
     return response
 

@@ -48,7 +48,9 @@ def refine_pressure(pressure: np.ndarray, gap: np.ndarray, shape: tuple[int, int
     where gap = 2/3 p^3 continued, in the dimensionless units of the problem.
     """
     peak = pressure.max()
-    outside = np.cbrt(np.maximum(1.5 * gap / max(peak, np.finfo(float).tiny), 0.0)) ** 2
+    if peak == 0.0:
+        return np.zeros(shape)
+    outside = np.cbrt(np.maximum(1.5 * gap / peak, 0.0)) ** 2
     continued = np.where(pressure > 0.0, (pressure / peak) ** 2, -outside)
     return peak * np.sqrt(np.maximum(refine(continued, shape), 0.0))
 
