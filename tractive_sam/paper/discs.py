@@ -150,7 +150,7 @@ def _forces_and_stress(histories: Histories) -> Iterator[Finding]:
     yield Statement(
         "Figs. 9-14",
         "The worn profiles, pressures, forces and stresses over the revolutions are drawn.",
-        "The pages of these figures were not at hand; ours below show the same quantities.",
+        "Their curves were not compared; ours below show the same quantities.",
         Verdict.OPEN,
     )
 

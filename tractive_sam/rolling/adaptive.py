@@ -34,7 +34,7 @@ LAG = 0.3
 PESSIMISM = 15.0
 """What the correction of the profile, the estimate of the error, overstates.
 
-With it, the profile of the scene `twin-discs` after 15,000 revolutions is within a fifth of the
+With it, the profile of the scene `twin-discs` after 15,000 revolutions is within half of the
 tolerance (benchmarks/wear.py)."""
 
 LARGEST = 0.02
