@@ -187,3 +187,8 @@ def _records(path):
         return 0
     with h5py.File(path, locking=False) as file:
         return int(file["history/committed"][()])
+
+
+def test_resuming_takes_a_file():
+    with pytest.raises(ValueError, match="resume: the path"):
+        roll(coarse(), resume=True)

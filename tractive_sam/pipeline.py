@@ -75,6 +75,10 @@ def solve(
         If `scene` is no Scene, or `start` no Contact.
     ValueError
         If `wear` or `start` do not fit the mesh, or are not finite.
+    SceneError
+        If no mesh can be chosen that holds the contact.
+    GapError
+        If the measured gap cannot be read.
     NotConverged
         If `throw` and the contact conditions do not hold to the scene's tolerance, or its
         [accuracy] was not reached.
@@ -139,7 +143,8 @@ def _check_start(start: Contact, grid: Grid) -> None:
     if start.grid != grid:
         raise ValueError(
             f"start: a contact on the mesh of the scene is needed, {grid.elements} elements "
-            f"over {grid.half_length} mm; not {start.grid.elements} over {start.grid.half_length}"
+            f"over {grid.half_length} mm; not {start.grid.elements} over {start.grid.half_length}: "
+            "give both scenes the same [grid]"
         )
     shape = grid.elements
     for name, field, wanted in (
@@ -195,6 +200,12 @@ def roll(
 
     Raises
     ------
+    TypeError
+        If `scene` is no Scene.
+    ValueError
+        If there is no file to resume from.
+    SceneError
+        If no mesh can be chosen that holds the contact.
     ResultsError
         If the results file cannot be written, or holds another scene than the one to resume.
     GapError
@@ -209,6 +220,8 @@ def roll(
     3
     """
     _check_scene(scene)
+    if resume and path is None:
+        raise ValueError("resume: the path of a results file is needed to go on from")
     before = last = None
     if path is not None:
         check_results(Path(path), overwrite or resume)  # before, not after, what may take long

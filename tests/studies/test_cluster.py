@@ -25,8 +25,8 @@ ASKED = Study(
     set=[
         "grid.half_length=[0.35, 0.9]",
         "grid.elements=[15, 25]",
-        "wear.revolutions=80",
-        "wear.save=[80]",
+        "wear.revolutions=240",
+        "wear.save=[240]",
         'wear.stepping="every-revolution"',  # so that a case takes about a second
     ],
     axis=[{"key": "friction.angle", "values": [0, 45, 90]}],
