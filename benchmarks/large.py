@@ -1,0 +1,72 @@
+"""Large meshes: time and memory of a steady solve of `spheres`, from 128² to 2048² elements.
+
+Each mesh is solved in a process of its own, whose largest memory is what is told; twice, so that
+the second time is without planning and compilation. To a residual of 1e-6, far below the error of
+the mesh, on all cores (the environment variable OMP_NUM_THREADS bounds them).
+
+    python benchmarks/large.py [--meshes 128 256 512 1024 2048]
+"""
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+from time import perf_counter, process_time
+
+MESHES = (128, 256, 512, 1024, 2048)
+ALONE = "_TRACTIVE_SAM_MESH"
+
+
+def alone(n: int) -> dict:
+    """Solve one mesh in this process."""
+    import resource  # noqa: PLC0415 - not on every machine
+
+    import tractive_sam as ts  # noqa: PLC0415
+    from tractive_sam import explain  # noqa: PLC0415
+    from tractive_sam.contact import Model  # noqa: PLC0415
+
+    scene = ts.Scene.builtin("spheres").with_set(
+        [f"grid.elements=[{n}, {n}]", "solver.tolerance=1e-6"]
+    )
+    times = []
+    for _ in range(2):
+        began, spent = perf_counter(), process_time()
+        contact = ts.solve(scene)
+        times.append((perf_counter() - began, process_time() - spent))
+    (first, _), (again, cpu) = times
+    return {
+        "n": n,
+        "applications": round(contact.cost.applications, 1),
+        "preconditioner": round(contact.cost.preconditioner, 1),
+        "first s": first,
+        "again s": again,
+        "CPU s": cpu,
+        "us an element": 1e6 * again / n**2,
+        "GiB": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20,
+        "GiB estimated": explain.memory(Model(scene)) / 2**30,
+        "Qx/muP": contact.Qx / (scene.friction.mu[0] * contact.P),
+    }
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--meshes", type=int, nargs="+", default=MESHES)
+    environment, rows = dict(os.environ), []
+    from timing import show, write  # noqa: PLC0415 - holds this process to one thread
+
+    for n in parser.parse_args().meshes:
+        mesh = environment | {ALONE: str(n)}
+        ran = subprocess.run(
+            [sys.executable, __file__], env=mesh, stdout=subprocess.PIPE, check=True
+        )
+        rows.append(json.loads(ran.stdout))
+    show(f"`spheres`, to 1e-6, on {len(os.sched_getaffinity(0))} cores", rows)
+    print(f"written: {write('large', rows)}")
+
+
+if __name__ == "__main__":
+    if ALONE in os.environ:
+        print(json.dumps(alone(int(os.environ[ALONE]))))
+    else:
+        main()
