@@ -134,6 +134,11 @@ def planned(make: Callable[..., Plan], most: int) -> Callable[..., Plan]:
         Plans; its arguments are hashable.
     most : int
         How many are remembered, over all threads.
+
+    Returns
+    -------
+    callable
+        Like `make`; its `cache_clear` forgets all plans and frees their arrays.
     """
 
     @lru_cache(maxsize=most)
@@ -142,7 +147,11 @@ def planned(make: Callable[..., Plan], most: int) -> Callable[..., Plan]:
             _recall_wisdom()
             return make(*arguments)
 
-    return lambda *arguments: of_thread(get_ident(), *arguments)
+    def recalled(*arguments) -> Plan:
+        return of_thread(get_ident(), *arguments)
+
+    recalled.cache_clear = of_thread.cache_clear
+    return recalled
 
 
 transform = planned(PaddedTransform, 32)
