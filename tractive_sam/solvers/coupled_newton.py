@@ -10,7 +10,7 @@ import numpy as np
 
 from tractive_sam.kernels import friction
 from tractive_sam.solvers.gmres import gmres
-from tractive_sam.solvers.newton_steps import damped, forcing, newton_steps, precision
+from tractive_sam.solvers.newton_steps import damped, newton_steps, precision
 from tractive_sam.solvers.outcome import Cost, Outcome
 from tractive_sam.solvers.problem import CoupledProblem
 
@@ -235,9 +235,8 @@ def coupled_newton(
     approach = approach if problem.load is not None else problem.approach
     under_load = problem.load is not None
 
-    def advance(at: _Iterate, stalled: bool) -> _Iterate:
+    def advance(at: _Iterate, goal: float, stalled: bool) -> _Iterate:
         nonlocal preconditionings
-        goal = forcing(at.residual, tolerance, stalled)
         system = _Linearised(problem, at, precision(goal, at.pressure.size))
         rhs, known = system.right_hand_side()
         vector, _ = gmres(system.operator, system.preconditioner, rhs, goal, KRYLOV)

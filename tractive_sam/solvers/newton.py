@@ -11,7 +11,7 @@ import numpy as np
 
 from tractive_sam.kernels import friction
 from tractive_sam.solvers.gmres import gmres
-from tractive_sam.solvers.newton_steps import damped, forcing, newton_steps, precision
+from tractive_sam.solvers.newton_steps import damped, newton_steps, precision
 from tractive_sam.solvers.outcome import Cost, Outcome
 from tractive_sam.solvers.problem import TangentialProblem
 
@@ -189,9 +189,8 @@ def newton(
     weights = problem.half_space.frame.weights
     friction.project(first, problem.bound, projected)
 
-    def advance(at: _Iterate, stalled: bool) -> _Iterate:
+    def advance(at: _Iterate, goal: float, stalled: bool) -> _Iterate:
         nonlocal preconditionings
-        goal = forcing(at.residual, tolerance, stalled)
         system = _Linearised(problem, at, precision(goal, problem.bound.size))
         rhs, known = system.right_hand_side()
         vector, _ = gmres(system.operator, system.preconditioner, rhs, goal, KRYLOV)

@@ -13,8 +13,13 @@ HALVINGS = 6
 PATIENCE = 3
 """Steps without a smaller residual after which a step is taken as far only as it helps."""
 
+LOOSEST = 0.3
+GOLDEN = 0.5 * (1.0 + 5.0**0.5)
+"""Loosest relative residual of the linear system of a step, and the order that steps aim at."""
+
 SHARP = 1e-5
-"""Relative residual of the linear system of a step that is taken only as far as it helps."""
+"""That of a step which is taken only as far as it helps: where the residual has stalled, only a
+sharp step is sure to lead down."""
 
 ROUGH = 1e-4
 """Relative residual down to which a linear system may be solved in single precision."""
@@ -40,14 +45,15 @@ State = TypeVar("State", bound=Iterate)
 
 def newton_steps(
     at: State,
-    advance: Callable[[State, bool], State],
+    advance: Callable[[State, float, bool], State],
     transmission: Transmission,
     tolerance: float,
     steps: int,
 ) -> tuple[State, int, Status]:
     """Advance until the residual meets the tolerance, the state runs away, or steps run out.
 
-    `advance` takes a state and whether the residual has stalled, and returns the next state.
+    `advance` takes a state, the relative residual to which to solve its linear system, and whether
+    the residual has stalled; it returns the next state.
 
     Returns
     -------
@@ -58,7 +64,7 @@ def newton_steps(
     status : Status
         Why it ended.
     """
-    least, since = np.inf, 0
+    least, since, before = np.inf, 0, np.inf
     for taken in range(steps + 1):
         if at.residual <= tolerance:
             return at, taken, Status.CONVERGED
@@ -67,19 +73,30 @@ def newton_steps(
         if at.residual < 0.9 * least:
             least, since = at.residual, taken
         if taken < steps:
-            at = advance(at, taken - since >= PATIENCE)
+            stalled = taken - since >= PATIENCE
+            goal = SHARP if stalled else forcing(at.residual, before, tolerance)
+            before = at.residual
+            at = advance(at, goal, stalled)
     return at, steps, Status.OUT_OF_ITERATIONS
 
 
-def forcing(residual: float, tolerance: float, stalled: bool = False) -> float:
+def forcing(residual: float, before: float, tolerance: float) -> float:
     """Relative residual to which a linear system is worth solving (inexact Newton).
 
-    Loose while the stick and slip zones still move, sharper towards the end, and never beyond
-    what the tolerance needs. Where the residual has stalled only a sharp step is sure to lead down.
+    By how much the step before has gained (Eisenstat & Walker 1996, SIAM J. Sci. Comput. 17, 16-32,
+    choice 2): loose while the stick and slip zones still move, sharp towards the end, and never
+    beyond what the tolerance needs.
+
+    Parameters
+    ----------
+    residual, before : float
+        Natural residuals now and before the last step; infinite before the first one.
+    tolerance : float
+        That of the problem.
     """
-    if stalled:
-        return SHARP
-    wanted = max(min(0.1, np.sqrt(residual)), 1e-3, 0.3 * tolerance / residual)
+    gained = min(1.0, residual / before) ** GOLDEN if before < np.inf else 1.0
+    loosest = min(LOOSEST, residual**0.25)  # the sharper, the nearer the first guess
+    wanted = max(min(loosest, 0.9 * gained), 1e-3, 0.3 * tolerance / residual)
     return float(min(wanted, 0.5))
 
 
