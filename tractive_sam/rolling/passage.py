@@ -22,7 +22,8 @@ class Milestone:
     profile : ndarray, shape (n_y,)
         Depth with which material enters, mm.
     rate : ndarray, shape (n_y,)
-        Depth worn in it, mm per revolution.
+        Rate at which the profile deepens there, mm per revolution: what the revolution wears or,
+        where jumps are made, the derivative that goes through it (`rolling.adaptive`).
     """
 
     revolution: int
