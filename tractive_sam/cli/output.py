@@ -6,11 +6,14 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from enum import IntEnum
-from typing import TextIO
+from typing import TYPE_CHECKING, TextIO
 
 import typer
 from rich.console import Console
 from rich.text import Text
+
+if TYPE_CHECKING:
+    from rich.progress import Progress
 
 PIPE_WIDTH = 120
 """Columns where the output is no terminal."""
@@ -55,6 +58,27 @@ def say(*parts: str | tuple[str, str]) -> None:
 def tell(text: object) -> None:
     """Print a line on the standard output, as it is."""
     console().out(str(text), highlight=False)
+
+
+@contextmanager
+def progress_bar() -> Iterator["Progress | None"]:
+    """A bar on the standard error, with the time taken and left; None where that is no terminal."""
+    terminal = console(stderr=True)
+    if not terminal.is_terminal:
+        yield None
+        return
+    from rich import progress as bars
+
+    columns = (
+        bars.SpinnerColumn(),
+        bars.TextColumn("{task.description}"),
+        bars.BarColumn(),
+        bars.TimeElapsedColumn(),
+        bars.TextColumn("left"),
+        bars.TimeRemainingColumn(),
+    )
+    with bars.Progress(*columns, console=terminal, transient=True) as bar:
+        yield bar
 
 
 def stop(status: Status, *parts: str | tuple[str, str]) -> typer.Exit:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from tractive_sam.cli.output import Status, bad_input_told, console, say, stop, warnings_told
+from tractive_sam.cli.output import Status, bad_input_told, progress_bar, say, stop, warnings_told
 from tractive_sam.cli.plot import Format
 
 
@@ -56,19 +56,9 @@ def reproduce(
 @contextmanager
 def _progress(chapters: int) -> Iterator[Callable[[int, str], None]]:
     """Show what is being done, on a terminal."""
-    terminal = console(stderr=True)
-    if not terminal.is_terminal:
-        yield lambda done, line: None
-        return
-    from rich import progress as bars
-
-    columns = (
-        bars.SpinnerColumn(),
-        bars.BarColumn(),
-        bars.MofNCompleteColumn(),
-        bars.TimeElapsedColumn(),
-        bars.TextColumn("{task.description}"),
-    )
-    with bars.Progress(*columns, console=terminal, transient=True) as bar:
+    with progress_bar() as bar:
+        if bar is None:
+            yield lambda done, line: None
+            return
         task = bar.add_task("", total=chapters)
         yield lambda done, line: bar.update(task, completed=done, description=line)

@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tractive_sam.cli.output import Status, bad_input_told, console, say, stop, warnings_told
+from tractive_sam.cli.output import (
+    Status,
+    bad_input_told,
+    console,
+    progress_bar,
+    say,
+    stop,
+    warnings_told,
+)
 from tractive_sam.cli.scene_input import SceneName, Settings, read_scene
 
 if TYPE_CHECKING:
@@ -80,12 +88,6 @@ def _written(path: Path) -> int | None:
 @contextmanager
 def _progress(scene: "Scene") -> Iterator[Callable[["Record"], None] | None]:
     """Show how far the revolutions are, on a terminal."""
-    terminal = console(stderr=True)
-    if not terminal.is_terminal:
-        yield None
-        return
-    from rich import progress as bars
-
     revolutions = scene.wear.revolutions if scene.wear is not None else 0
     adaptive = scene.wear is not None and scene.wear.stepping == "adaptive"
 
@@ -93,15 +95,10 @@ def _progress(scene: "Scene") -> Iterator[Callable[["Record"], None] | None]:
         """Share of the work up to a revolution: adaptive jumps grow with the revolutions rolled."""
         return math.log1p(done) if adaptive else float(done)
 
-    columns = (
-        bars.SpinnerColumn(),
-        bars.TextColumn("{task.description}"),
-        bars.BarColumn(),
-        bars.TimeElapsedColumn(),
-        bars.TextColumn("left"),
-        bars.TimeRemainingColumn(),
-    )
-    with bars.Progress(*columns, console=terminal, transient=True) as bar:
+    with progress_bar() as bar:
+        if bar is None:
+            yield None
+            return
         coarser = scene.accuracy is not None and scene.wear is not None
         first = "rolling on coarser meshes" if coarser else "solving the new bodies"
         task = bar.add_task(first, total=effort(revolutions) or None)

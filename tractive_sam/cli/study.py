@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
-from tractive_sam.cli.output import Status, bad_input_told, console, say, stop, warnings_told
+from tractive_sam.cli.output import Status, bad_input_told, progress_bar, say, stop, warnings_told
 
 if TYPE_CHECKING:
     from tractive_sam.studies import Progress
@@ -83,21 +83,10 @@ def study(
 @contextmanager
 def _progress() -> Iterator[Callable[["Progress"], None] | None]:
     """Show how far the study is, on a terminal; elsewhere, a line for each case."""
-    terminal = console(stderr=True)
-    if not terminal.is_terminal:
-        yield _tell
-        return
-    from rich import progress as bars
-
-    columns = (
-        bars.SpinnerColumn(),
-        bars.TextColumn("{task.description}"),
-        bars.BarColumn(),
-        bars.TimeElapsedColumn(),
-        bars.TextColumn("left"),
-        bars.TimeRemainingColumn(),
-    )
-    with bars.Progress(*columns, console=terminal, transient=True) as bar:
+    with progress_bar() as bar:
+        if bar is None:
+            yield _tell
+            return
         task = bar.add_task("starting", total=1.0)
 
         def advance(now: "Progress") -> None:
