@@ -20,6 +20,9 @@ JUMP_APPLICATIONS = 70
 JUMPS = 10  # while the revolutions rolled grow e-fold
 STRESS_APPLICATIONS = 75  # as long as the largest stress of one body takes
 
+OF_PROGRAMS = 250
+"""Memory that a process takes before any scene, MiB."""
+
 
 @dataclass(frozen=True)
 class Section:
@@ -243,7 +246,8 @@ def _work(model: Model) -> Section:
         count = applications(model)
         seconds = duration(seconds_per_application(model) * count)
         time = f"about {seconds} ({count} transform pairs)"
-    return Section("Work", [("memory", f"about {memory(model) / 2**20:.0f} MiB"), ("time", time)])
+    room = f"about {memory(model) / 2**20:.0f} MiB, and {OF_PROGRAMS} MiB for programs"
+    return Section("Work", [("memory", room), ("time", time)])
 
 
 def fields_together(model: Model) -> int:

@@ -55,7 +55,7 @@ def explain_study(study: Study, workers: int) -> list[explain.Section]:
     seconds = np.array(_times(models))
     volume = sum(map(_bytes, models))
     largest = max(models, key=lambda model: explain.fields_together(model) * _size(model))
-    memory = explain.memory(largest) / 2**20
+    room = f"about {explain.memory(largest) / 2**20:.0f} MiB"
     whole = max(seconds.sum() / workers, seconds.max())
     duration = explain.duration
     return [
@@ -66,7 +66,7 @@ def explain_study(study: Study, workers: int) -> list[explain.Section]:
                 ("a case", " to ".join(dict.fromkeys(map(duration, (min(seconds), max(seconds)))))),
                 ("all cases", f"about {duration(seconds.sum())} of one core"),
                 (f"with {workers} workers", f"about {duration(whole)}; --workers N for others"),
-                ("memory", f"about {memory:.0f} MiB a worker, and 200 MiB for programs"),
+                ("memory", f"{room} a worker, and {explain.OF_PROGRAMS} MiB for programs"),
                 ("results", f"at most about {volume / 1e6:.0f} MB in {len(found)} files"),
             ],
         ),
