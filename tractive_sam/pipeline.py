@@ -219,6 +219,7 @@ def roll(
     2
     3
     """
+    began = perf_counter()
     _check_scene(scene)
     if resume and path is None:
         raise ValueError("resume: the path of a results file is needed to go on from")
@@ -228,7 +229,7 @@ def roll(
         if resume and Path(path).exists():
             before = open_history(path)
             last = last_passage(before, path, scene)
-    run = _Run(scene, path, overwrite or resume, progress)
+    run = _Run(scene, path, overwrite or resume, progress, began)
     if scene.accuracy is not None:
         return _rolled_accurately(run) if last is None else _resumed_accurately(run, last, before)
     model = Model(scene, measured_gap(scene), None if last is None else last.contact.grid)
@@ -280,12 +281,16 @@ def _new(scene: Scene, measured: Gap | None, grid: Grid) -> tuple[Model, Passage
 
 @dataclass(frozen=True)
 class _Run:
-    """Rolls a scene and keeps the records, in a file or in memory; arguments as of `roll`."""
+    """Rolls a scene and keeps the records, in a file or in memory; arguments as of `roll`.
+
+    `began` is when that began, by `time.perf_counter`.
+    """
 
     scene: Scene
     path: str | PathLike | None
     overwrite: bool
     progress: Callable[[Record], None] | None
+    began: float
 
     def begun(
         self, model: Model, start: Passage, judge: Judge | None = None, missed: str = ""
@@ -313,7 +318,7 @@ class _Run:
         judge: Judge | None = None,
         missed: str = "",
     ) -> History:
-        records, passage, began = [], start, perf_counter()
+        records, passage, began = [], start, self.began
         with nullcontext() if writer is None else writer:
             for passage in chain(first, passages(model, start)):
                 record = recorded(passage, began, judge)

@@ -30,7 +30,7 @@ def test_depth_and_forces_are_within_the_tolerance(history):
     assert (history["Qx_error"] <= 2e-2 * force).all()
     worn = history["revolution"] > 0
     assert (history["wear_max_error"][worn] <= 2e-2 * history["wear_max"][worn]).all()
-    assert (history["P_error"] == 0.0).all()
+    assert (history["P_error"] <= 1e-9 * history["P"]).all()  # it is given
 
 
 def test_bars_hold_against_a_finer_mesh_and_smaller_jumps(scene, history):

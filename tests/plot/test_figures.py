@@ -7,6 +7,7 @@ from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 from PIL import Image
 
+import tractive_sam as ts
 from tests.plot import strip_theory as strips
 from tractive_sam import plot
 
@@ -169,3 +170,13 @@ class TestSaveAll:
     def test_no_fields(self, tmp_path):
         paths = plot.save_all(strips.history(stored=()), tmp_path, "pdf")
         assert {path.name for path in paths} == {"forces.pdf", "widths.pdf", "wear-depth.pdf"}
+
+
+def test_figures_of_the_other_kind_of_contact_are_refused():
+    line, wide = ts.solve(ts.Scene.builtin("cylinders")), ts.solve(ts.Scene.builtin("twin-discs"))
+    for draw in (plot.pressure, plot.traction, plot.stick_slip_map, plot.wear_map):
+        with pytest.raises(ValueError, match="a line contact has no map: line_pressure"):
+            draw(line)
+    for draw in (plot.line_pressure, plot.line_traction, plot.line_slip):
+        with pytest.raises(ValueError, match="no line contact"):
+            draw(wide)

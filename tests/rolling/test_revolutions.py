@@ -1,10 +1,12 @@
 """Wear, revolution by revolution."""
 
 from itertools import pairwise
+from time import perf_counter
 
 import numpy as np
 import pytest
 
+import tractive_sam as ts
 from tractive_sam.contact import Model
 from tractive_sam.rolling import passages
 from tractive_sam.scene import Scene
@@ -106,3 +108,11 @@ def test_wear_too_deep_for_a_pass_is_said():
     last = rolled("wear.intensity=1e-3", "grid.half_length=[0.5, 1.4]")[-1]
     assert not last.contact.converged
     assert "wear.intensity" in last.contact.message
+
+
+def test_the_time_of_the_new_bodies_is_counted():
+    began = perf_counter()
+    history = ts.roll(ts.Scene.builtin("spheres").replace(subsurface=None))
+    took = perf_counter() - began
+    # Nearly all of it; without the new bodies it would be a ten thousandth.
+    assert 0.1 * took < history.totals["wall_seconds"] <= took

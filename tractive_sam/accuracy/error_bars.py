@@ -13,7 +13,7 @@ Johnson, Contact Mechanics, 1985, section 7.1).
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Self
 
@@ -67,7 +67,7 @@ class Sample:
         creepage = math.hypot(contact.xi_x, contact.xi_y, contact.spin * arm)
         scales = {name: abs(value) for name, value in values.items()}
         scales |= {"Qx": force, "Qy": force, "Mz": force * arm, "xi_x": creepage, "xi_y": creepage}
-        scales |= dict.fromkeys(_given(contact), 0.0)
+        scales |= dict.fromkeys(off_given(contact), 0.0)
         for body, largest in maxima.items():
             values[f"interior {body}"] = float(np.nan_to_num(largest.interior))
             values[f"surface {body}"] = largest.surface
@@ -75,12 +75,22 @@ class Sample:
         return cls(values, scales, contact.residual)
 
 
-def _given(contact: Contact) -> Iterator[str]:
-    """Names of the quantities that the scene gives."""
-    load = contact.scene.load
-    yield "approach" if load.normal is None else "P"
-    yield "xi_x" if load.traction_x is None else "Qx"
-    yield "xi_y" if load.traction_y is None else "Qy"
+def off_given(contact: Contact) -> dict[str, float]:
+    """How far the quantities that the scene gives are from what it gives, by their names."""
+    load, creepage = contact.scene.load, contact.scene.creepage
+    given = {
+        "P": load.normal,
+        "approach": load.approach,
+        "Qx": load.traction_x,
+        "xi_x": creepage.longitudinal if load.traction_x is None else None,
+        "Qy": load.traction_y,
+        "xi_y": creepage.lateral if load.traction_y is None else None,
+    }
+    return {
+        name: abs(float(getattr(contact, name)) - value)
+        for name, value in given.items()
+        if value is not None
+    }
 
 
 def relative_error_bars(coarse: Sample, middle: Sample, fine: Sample) -> dict[str, float]:

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from tractive_sam.accuracy.error_bars import Sample, error_bars, relative_error_bars
+from tractive_sam.accuracy.error_bars import Sample, error_bars, off_given, relative_error_bars
 from tractive_sam.accuracy.levels import NEEDED
 from tractive_sam.contact import Contact
 from tractive_sam.record import History
@@ -49,7 +49,7 @@ def judge(contact: Contact, samples: Sequence[Sample | None], peak: bool) -> Jud
     relative = relative_error_bars(*solved)
     fineness = contact.grid.dx / contact.half_width_x if contact.touching.any() else 0.0
     worst, name = worst_of(relative, peak)
-    bars = error_bars(relative, solved[-1], fineness) | {"relative": worst}
+    bars = error_bars(relative, solved[-1], fineness) | off_given(contact) | {"relative": worst}
     if worst <= contact.scene.accuracy.tolerance:
         return Judgement(bars, "")
     told = f"{name} has a relative error bar of {worst:.1e}"

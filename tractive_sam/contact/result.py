@@ -218,7 +218,7 @@ class Contact:
     @property
     def dissipation(self) -> float:
         """Frictional work per unit distance rolled, the integral of -p_t . s/V, N."""
-        return -self._integral((self.traction * self.slip).sum(axis=0))
+        return 0.0 - self._integral((self.traction * self.slip).sum(axis=0))
 
     @property
     def work_supplied(self) -> float:

@@ -99,6 +99,9 @@ def line_pressures(history: History) -> Figure:
 
 def _over_x(*states: State) -> tuple[Figure, Axes]:
     """Axes over the contacts of all states."""
+    if not all(state.line for state in states):
+        maps = "pressure, traction, stick_slip_map and their likes draw it"
+        raise ValueError(f"no line contact, which these figures are of: {maps}")
     if not any(state.touching.any() for state in states):
         raise ValueError("nothing to draw: the bodies do not touch")
     inside = np.concatenate([s.x_over_a[s.touching[:, 0]] for s in states])
