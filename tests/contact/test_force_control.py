@@ -50,6 +50,23 @@ def test_more_than_friction_can_carry_under_an_approach_is_said():
     contact = steady("spheres", "load.approach=0.036", "load.traction_x=0.4", elements=21)
     assert not contact.converged
     assert "load.traction_x" in contact.message
+    assert "of what friction can carry" in contact.message
+    # Nothing is tried in vain: the normal problem on its meshes is all that is solved.
+    assert contact.cost.applications < 40
+
+
+def test_what_friction_just_carries_is_found():
+    """The limit is in the direction of the force: here between those of mu1 and mu2."""
+    settings = ("friction.mu=[0.4, 0.2]", "friction.angle=30", "load.approach=0.06")
+    free = steady("spheres", *settings, elements=21)
+    share = np.array([np.cos(np.pi / 6) / 0.4, np.sin(np.pi / 6) / 0.2])
+    limit = free.P / np.hypot(*share)  # of (Q_x, 0) on the ellipse of friction
+    forces = (f"load.traction_x={0.98 * limit}", "load.traction_y=0.0")
+    assert steady("spheres", *settings, *forces, elements=21).converged
+    forces = (f"load.traction_x={1.001 * limit}", "load.traction_y=0.0")
+    beyond = steady("spheres", *settings, *forces, elements=21)
+    assert not beyond.converged
+    assert "100.1% of what friction can carry" in beyond.message
 
 
 def test_it_is_for_newton():

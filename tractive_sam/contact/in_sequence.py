@@ -12,7 +12,7 @@ from tractive_sam.solvers.continuation import continued
 from tractive_sam.solvers.fixed_point import ANDERSON_STEP, TangentialMap
 from tractive_sam.solvers.nested import nested_normal, nested_tangential
 from tractive_sam.solvers.newton import newton
-from tractive_sam.solvers.outcome import Outcome
+from tractive_sam.solvers.outcome import Cost, Outcome, Status
 from tractive_sam.solvers.problem import NormalProblem, TangentialProblem
 
 
@@ -41,12 +41,31 @@ def solve_tangential(
         gap[box],
         model.transmission,
     )
+    needed = problem.transmission.least / problem.bound.sum()
+    if needed > 1.0:
+        return _beyond(pressure.shape, len(problem.transmission), needed)
     begin = None if first is None else first.traction[:, *box]
     outcome = _by_method(model, problem, begin, first, tolerance)
     return replace(
         outcome,
         traction=_placed(outcome.traction, box, pressure.shape),
         slip=_placed(outcome.slip, box, pressure.shape),
+    )
+
+
+def _beyond(shape: tuple[int, int], forces: int, needed: float) -> Outcome:
+    """What comes of forces that are more than friction can carry, however fast the bodies creep."""
+    none = np.zeros((2, *shape))
+    told = f"the forces take {needed:.1%} of what friction can carry"
+    return Outcome(
+        Status.DIVERGED,
+        1.0,
+        0,
+        Cost(),
+        traction=none,
+        slip=none,
+        creepage=np.zeros(forces),
+        trace=(told,),
     )
 
 

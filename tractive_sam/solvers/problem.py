@@ -72,6 +72,16 @@ class Transmission:
     def __len__(self) -> int:
         return len(self.target)
 
+    @property
+    def least(self) -> float:
+        """Smallest size of the sum of all tractions that has the forces.
+
+        No more than the sum of the bound can be had, in any direction.
+        """
+        if not len(self):
+            return 0.0
+        return float(np.linalg.norm(np.linalg.pinv(self.vectors) @ self.target))
+
     def others(self, slip: np.ndarray, creepage: np.ndarray) -> float:
         """Largest slip but for the creepages sought; the size of those that matter beside it."""
         if not len(self):
