@@ -205,8 +205,7 @@ def alternating(scene: Scene, model: Model):
         normal = solve_normal(model, gap + lift, first, 1e-9)
         if not (normal.converged and normal.pressure.any()):
             return False, error, cost, "", "normal problem not solved"
-        none = np.zeros((2, *gap.shape))
-        drag = model.half_space.coupled(np.concatenate((normal.pressure[None], none)))[1:]
+        drag = model.half_space.slip_by_pressure(normal.pressure)
         tangential = solve_tangential(
             model, normal.pressure, normal.gap, model.scaled_rigid_slip + drag, first, 1e-9
         )

@@ -106,8 +106,7 @@ def judge_on(scene: Scene, measured: Gap | None, level: int, missed: str = "") -
     missed : str
         As of `Judge`.
     """
-    levels = Levels(scene, measured)
-    return Judge(*(_rolled(Model(scene, measured, levels.grid(level - k))) for k in (2, 1)), missed)
+    return Judge(*_coarser(scene, measured, level), missed)
 
 
 def judge_of(scene: Scene, measured: Gap | None, level: int) -> tuple[Judge, int]:
@@ -129,7 +128,7 @@ def judge_of(scene: Scene, measured: Gap | None, level: int) -> tuple[Judge, int
         the difference between the two before it.
     """
     levels, last = Levels(scene, measured), scene.wear.revolutions
-    coarse, middle = (_rolled(Model(scene, measured, levels.grid(level - k))) for k in (2, 1))
+    coarse, middle = _coarser(scene, measured, level)
     while levels.allowed(level + 1):
         before, now = coarse.at(last), middle.at(last)
         if before is not None and now is not None:
@@ -139,6 +138,13 @@ def judge_of(scene: Scene, measured: Gap | None, level: int) -> tuple[Judge, int
         coarse, middle = middle, _rolled(Model(scene, measured, levels.grid(level)))
         level += 1
     return Judge(coarse, middle), level
+
+
+def _coarser(scene: Scene, measured: Gap | None, level: int) -> tuple[Course, Course]:
+    """The courses on the meshes of a quarter and of half the elements of a level."""
+    levels = Levels(scene, measured)
+    coarse, middle = (_rolled(Model(scene, measured, levels.grid(level - k))) for k in (2, 1))
+    return coarse, middle
 
 
 def _rolled(model: Model) -> Course:

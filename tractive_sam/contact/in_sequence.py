@@ -107,7 +107,9 @@ def in_sequence(model: Model, gap: np.ndarray, first: Guess | None) -> Outcome:
     normal = replace(normal, trace=(f"conjugate gradients: {normal.status}",))
     pressure = normal.pressure
     if not (normal.converged and model.transmits and pressure.any()):
-        slip = model.scaled_rigid_slip + slip_by_pressure(model, pressure)
+        slip = model.scaled_rigid_slip
+        if model.dissimilar:
+            slip = slip + model.half_space.slip_by_pressure(pressure)
         return replace(normal, traction=np.zeros_like(slip), slip=slip)
     tangential = solve_tangential(
         model, pressure, normal.gap, model.scaled_rigid_slip, first, tolerance
@@ -119,14 +121,6 @@ def in_sequence(model: Model, gap: np.ndarray, first: Guess | None) -> Outcome:
         approach=normal.approach,
         residual=max(normal.residual, tangential.residual),
     )
-
-
-def slip_by_pressure(model: Model, pressure: np.ndarray) -> np.ndarray | float:
-    """Slip that the pressure on dissimilar bodies causes, scaled and dimensionless."""
-    if not model.dissimilar:
-        return 0.0
-    tractions = np.zeros((2, *pressure.shape))
-    return model.half_space.coupled(np.concatenate((pressure[None], tractions)))[1:]
 
 
 def _rectangle(contact: np.ndarray) -> tuple[slice, slice]:

@@ -230,3 +230,8 @@ class HalfSpace:
             )
         )
         return self._convolution(entries, spectral.full_3x3, 3)
+
+    def slip_by_pressure(self, pressure: np.ndarray) -> np.ndarray:
+        """D_tn pi_n, shape (2, n_x, n_y), of a pressure of shape (n_x, n_y)."""
+        none = np.zeros((2, *pressure.shape))
+        return self.coupled(np.concatenate((pressure[None], none)))[1:]

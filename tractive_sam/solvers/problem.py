@@ -110,6 +110,10 @@ class Transmission:
         """Forces of a field of tractions, shape (m,)."""
         return self.vectors @ traction.sum(axis=(1, 2))
 
+    def coarsened(self, block: tuple[int, int]) -> "Transmission":
+        """The same forces on elements each of which stands for a block."""
+        return replace(self, target=self.target / math.prod(block))
+
 
 @dataclass(frozen=True)
 class TangentialProblem:
@@ -144,14 +148,14 @@ class TangentialProblem:
 
     def coarsened(self) -> "TangentialProblem":
         """The same problem on elements of twice the size."""
-        block, target = self.half_space.mesh.block, self.transmission.target
+        block = self.half_space.mesh.block
         return replace(
             self,
             half_space=self.half_space.coarsened,
             rigid=block_mean(self.rigid, block, "edge"),
             bound=block_mean(self.bound, block, "constant"),
             gap=block_mean(self.gap, block, "edge"),
-            transmission=replace(self.transmission, target=target / math.prod(block)),
+            transmission=self.transmission.coarsened(block),
         )
 
 
@@ -176,19 +180,18 @@ class CoupledProblem:
 
     def tangential(self, pressure: np.ndarray, gap: np.ndarray) -> TangentialProblem:
         """The tangential problem under a pressure and the gap that goes with it."""
-        fields = np.concatenate((pressure[None], np.zeros_like(self.rigid)))
-        rigid = self.rigid + self.half_space.coupled(fields)[1:]
+        rigid = self.rigid + self.half_space.slip_by_pressure(pressure)
         return TangentialProblem(self.half_space, rigid, pressure, gap, self.transmission)
 
     def coarsened(self) -> "CoupledProblem":
         """The same problem on elements of twice the size."""
         normal = self.normal.coarsened()
-        block, target = self.half_space.mesh.block, self.transmission.target
+        block = self.half_space.mesh.block
         return replace(
             self,
             half_space=normal.half_space,
             gap=normal.gap,
             rigid=block_mean(self.rigid, block, "edge"),
             load=normal.load,
-            transmission=replace(self.transmission, target=target / math.prod(block)),
+            transmission=self.transmission.coarsened(block),
         )
