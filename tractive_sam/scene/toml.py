@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 import tomllib
 from collections.abc import Mapping
@@ -10,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import tomli_w
 
 from .faults import Fault, SceneError, shown
 
@@ -61,34 +61,21 @@ def parse_value(text: str) -> Any:
 
 def emit(tables: Mapping[str, Any]) -> str:
     """Write nested tables as TOML; `parse` gives them back exactly."""
-    return "\n\n".join(_blocks(tables, ())) + "\n"
+    return tomli_w.dumps(_plain(tables))
 
 
-def _blocks(table: Mapping[str, Any], path: tuple[str, ...]) -> list[str]:
-    inner = {key: value for key, value in table.items() if isinstance(value, Mapping)}
-    lines = [f"{key} = {_value(value)}" for key, value in table.items() if key not in inner]
-    if path and (lines or not inner):
-        lines.insert(0, f"[{'.'.join(path)}]")
-    blocks = ["\n".join(lines)] if lines else []
-    for key, value in inner.items():
-        blocks += _blocks(value, (*path, key))
-    return blocks
-
-
-def _value(value: Any) -> str:
+def _plain(value: Any) -> Any:
+    """Numbers, lists and tables; all else, such as a path or a plane, is the text of itself."""
     match value:
-        case bool():
-            return str(value).lower()
-        case int() | float():
-            return repr(value)
-        case np.ndarray():
-            return _value(value.tolist())
-        case list() | tuple():
-            return f"[{', '.join(map(_value, value))}]"
         case Mapping():
-            return f"{{{', '.join(f'{key} = {_value(item)}' for key, item in value.items())}}}"
-    # a JSON string is a TOML string, but for the one control character that JSON lets pass
-    return json.dumps(str(value), ensure_ascii=False).replace("\x7f", "\\u007f")
+            return {key: _plain(item) for key, item in value.items()}
+        case np.ndarray():
+            return value.tolist()
+        case list() | tuple():
+            return [_plain(item) for item in value]
+        case bool() | int() | float():
+            return value
+    return str(value)
 
 
 def _syntax_fault(text: str, message: str) -> Fault:
