@@ -42,104 +42,15 @@ one; the environment variable OMP_NUM_THREADS bounds them.
 """
 
 from importlib import import_module
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from tractive_sam.contact import Contact, NotConverged
-    from tractive_sam.export import export_volume
-    from tractive_sam.pipeline import roll, solve
-    from tractive_sam.record import History
-    from tractive_sam.scene import (
-        Accuracy,
-        Bodies,
-        Body,
-        Creepage,
-        Friction,
-        Gap,
-        Load,
-        Mesh,
-        Scene,
-        SceneError,
-        SceneWarning,
-        Solver,
-        Subsurface,
-        Wear,
-        builtin_names,
-    )
-    from tractive_sam.store import GapError, ResultsError, open_history
-    from tractive_sam.studies import (
-        Study,
-        StudyError,
-        StudyResults,
-        explain_study,
-        open_study,
-        study,
-    )
-    from tractive_sam.subsurface import (
-        PlaneStress,
-        VonMisesMaximum,
-        stress_at,
-        stress_on_plane,
-        stress_on_planes,
-        stress_volume,
-        von_mises_maximum,
-    )
+import lazy_loader
 
-__all__ = [
-    "Accuracy",
-    "Bodies",
-    "Body",
-    "Contact",
-    "Creepage",
-    "Friction",
-    "Gap",
-    "GapError",
-    "History",
-    "Load",
-    "Mesh",
-    "NotConverged",
-    "PlaneStress",
-    "ResultsError",
-    "Scene",
-    "SceneError",
-    "SceneWarning",
-    "Solver",
-    "Study",
-    "StudyError",
-    "StudyResults",
-    "Subsurface",
-    "VonMisesMaximum",
-    "Wear",
-    "builtin_names",
-    "explain_study",
-    "export_volume",
-    "open_history",
-    "open_study",
-    "roll",
-    "solve",
-    "stress_at",
-    "stress_on_plane",
-    "stress_on_planes",
-    "stress_volume",
-    "study",
-    "von_mises_maximum",
-]
-
-_ROOMS = ("scene", "store", "record", "contact", "subsurface", "pipeline", "export", "studies")
+# Names, listed in __init__.pyi, are looked up when first used: reading results or printing help
+# need not wait for the compilers and transforms that computing needs.
+_lookup, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 
 def __getattr__(name: str):
-    # Names are looked up when first used: reading results or printing help need not wait for the
-    # compilers and transforms that computing needs.
     if name == "__version__":
         return import_module("importlib.metadata").version("tractive-sam")
-    if name in __all__:
-        for room in _ROOMS:
-            module = import_module(f"{__name__}.{room}")
-            if hasattr(module, name):
-                return getattr(module, name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-
-
-def __dir__() -> list[str]:
-    return sorted([*__all__, "__version__"])
+    return _lookup(name)

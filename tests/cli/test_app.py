@@ -38,16 +38,6 @@ def test_help(call, arguments):
     assert "Usage" in result.stdout
 
 
-def test_commands_load_what_they_need_only_when_run():
-    loaded = (
-        "import sys, tractive_sam.cli as c; print(any(m in sys.modules for m in ('matplotlib',)))"
-    )
-    found = subprocess.run(
-        [sys.executable, "-c", loaded], capture_output=True, text=True, check=True
-    )
-    assert found.stdout.strip() == "False"
-
-
 def test_module_is_the_program():
     result = subprocess.run(
         [sys.executable, "-m", "tractive_sam", "show", "missing.h5"],

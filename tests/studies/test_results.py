@@ -12,7 +12,7 @@ from tractive_sam.store import ResultsError
 from tractive_sam.studies import Study, cases, figures, open_study, save_figures, study
 from tractive_sam.studies.folder import Folder
 from tractive_sam.studies.lock import locked
-from tractive_sam.studies.worker import lock_of
+from tractive_sam.studies.task import lock_of
 
 xarray = pytest.importorskip("xarray", reason="xarray is of the extra study")
 

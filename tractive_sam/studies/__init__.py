@@ -83,34 +83,8 @@ the workers of a scheduler end with it, and have to be started again as well.
 Where the client itself goes, cases begun end on their workers, and the next client finds them.
 """
 
-from tractive_sam.studies.axis import SAMPLE, Axis, Bounds, Dimension, Latin, Values
-from tractive_sam.studies.case import Case, cases
-from tractive_sam.studies.cluster import SchedulerLostError
-from tractive_sam.studies.cost import explain_study
-from tractive_sam.studies.design import Study, StudyError, is_study
-from tractive_sam.studies.figures import save_figures
-from tractive_sam.studies.results import STATUSES, Row, StudyResults, open_study
-from tractive_sam.studies.run import Progress, study
+import lazy_loader
 
-__all__ = [
-    "SAMPLE",
-    "STATUSES",
-    "Axis",
-    "Bounds",
-    "Case",
-    "Dimension",
-    "Latin",
-    "Progress",
-    "Row",
-    "SchedulerLostError",
-    "Study",
-    "StudyError",
-    "StudyResults",
-    "Values",
-    "cases",
-    "explain_study",
-    "is_study",
-    "open_study",
-    "save_figures",
-    "study",
-]
+# Names, listed in __init__.pyi, are looked up when first used: a worker needs no figures, and
+# whoever reads results no compilers.
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -12,8 +12,8 @@ from uuid import uuid4
 
 from tractive_sam.operators.threads import cores
 from tractive_sam.store import ResultsError
-from tractive_sam.studies.task import Task
-from tractive_sam.studies.worker import FAILED, HELD, ONE_THREAD, Outcome, run_case
+from tractive_sam.studies.task import FAILED, HELD, Outcome, Task
+from tractive_sam.studies.worker import ONE_THREAD, run_case
 
 if TYPE_CHECKING:
     from distributed import Client, Future

@@ -17,7 +17,7 @@ from tractive_sam.studies.case import Case, cases
 from tractive_sam.studies.design import Study
 from tractive_sam.studies.folder import Folder
 from tractive_sam.studies.lock import is_locked
-from tractive_sam.studies.worker import COMPLETE, FAILED, lock_of, summary
+from tractive_sam.studies.task import COMPLETE, FAILED, lock_of, summary
 
 if TYPE_CHECKING:
     import xarray

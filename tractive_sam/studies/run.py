@@ -14,8 +14,8 @@ from tractive_sam.studies.cost import estimates
 from tractive_sam.studies.design import Study
 from tractive_sam.studies.folder import Folder
 from tractive_sam.studies.results import StudyResults, open_study
-from tractive_sam.studies.task import Task
-from tractive_sam.studies.worker import COMPLETE, HELD, Outcome, run_case
+from tractive_sam.studies.task import COMPLETE, HELD, Outcome, Task
+from tractive_sam.studies.worker import run_case
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,13 @@
-"""What a worker is handed."""
+"""What a worker is handed, and what it hands back."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
+from tractive_sam.record import History
 from tractive_sam.studies.case import Case
+
+COMPLETE, FAILED, HELD = "complete", "failed", "held"
 
 
 @dataclass(frozen=True)
@@ -23,3 +27,44 @@ class Task:
     case: Case
     file: Path
     seconds: float
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a case.
+
+    Attributes
+    ----------
+    status : str
+        `COMPLETE`, `FAILED`, or `HELD` by another process.
+    message : str
+        How it ended.
+    row : mapping of str to number
+        The last record, see `summary`.
+    worker : str
+        Machine and process.
+    seconds : float
+        Time it took on the worker.
+    """
+
+    status: str
+    message: str
+    row: dict[str, Any] = field(default_factory=dict)
+    worker: str = ""
+    seconds: float = 0.0
+
+
+def lock_of(file: Path) -> Path:
+    """The lock of a results file."""
+    return file.with_name(f".{file.stem}.lock")
+
+
+def summary(history: History) -> dict[str, Any]:
+    """The last record of a history as plain numbers, of bodies as ``von_mises_max A``."""
+    if not len(history):
+        return {}
+    row = {name: values[-1].item() for name, values in history.scalars.items()}
+    for name, values in history.body_scalars.items():
+        of_bodies = zip(history.bodies, values[-1], strict=True)
+        row |= {f"{name} {body}": float(value) for body, value in of_bodies}
+    return row | history.totals

@@ -2,16 +2,15 @@
 
 import os
 import socket
-from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 from tractive_sam.pipeline import roll
-from tractive_sam.record import History
 from tractive_sam.scene import Scene
 from tractive_sam.store import open_history
 from tractive_sam.studies.lock import HeldError, locked
+from tractive_sam.studies.task import COMPLETE, FAILED, HELD, Outcome, lock_of, summary
 
 ONE_THREAD = {
     "OMP_NUM_THREADS": "1",
@@ -22,33 +21,6 @@ ONE_THREAD = {
 }
 """Environment of a worker: cores are filled with cases, not with threads of one. (FFTW has one
 thread wherever nothing else is asked for.)"""
-
-COMPLETE, FAILED, HELD = "complete", "failed", "held"
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What became of a case.
-
-    Attributes
-    ----------
-    status : str
-        `COMPLETE`, `FAILED`, or `HELD` by another process.
-    message : str
-        How it ended.
-    row : mapping of str to number
-        The last record, see `summary`.
-    worker : str
-        Machine and process.
-    seconds : float
-        Time it took on the worker.
-    """
-
-    status: str
-    message: str
-    row: dict[str, Any] = field(default_factory=dict)
-    worker: str = ""
-    seconds: float = 0.0
 
 
 def run_case(scene_toml: str, path: str) -> Outcome:
@@ -74,22 +46,6 @@ def run_case(scene_toml: str, path: str) -> Outcome:
     except Exception as error:  # whatever it is, the other cases go on
         status, message, row = FAILED, f"{type(error).__name__}: {error}", {}
     return Outcome(status, message, row, worker, perf_counter() - began)
-
-
-def lock_of(file: Path) -> Path:
-    """The lock of a results file."""
-    return file.with_name(f".{file.stem}.lock")
-
-
-def summary(history: History) -> dict[str, Any]:
-    """The last record of a history as plain numbers, of bodies as ``von_mises_max A``."""
-    if not len(history):
-        return {}
-    row = {name: values[-1].item() for name, values in history.scalars.items()}
-    for name, values in history.body_scalars.items():
-        of_bodies = zip(history.bodies, values[-1], strict=True)
-        row |= {f"{name} {body}": float(value) for body, value in of_bodies}
-    return row | history.totals
 
 
 def _rolled(scene_toml: str, file: Path) -> tuple[str, str, dict[str, Any]]:

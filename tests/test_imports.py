@@ -1,0 +1,58 @@
+"""What is asked for is loaded, and nothing that takes long besides."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+import tractive_sam as ts
+
+COMPILERS = {"numba", "pyfftw"}
+FIGURES = {"matplotlib", "tractive_sam.plot"}
+
+HELP = """
+import sys
+from tractive_sam.cli import main
+
+sys.argv = ["tractive-sam", "--help"]
+try:
+    main()
+except SystemExit:
+    pass
+"""
+
+
+def loaded_by(code):
+    """Names of the modules that a fresh process has after it ran `code`."""
+    told = f"{code}\nimport json, sys; print(json.dumps(sorted(sys.modules)), file=sys.stderr)"
+    found = subprocess.run([sys.executable, "-c", told], capture_output=True, text=True, check=True)
+    return set(json.loads(found.stderr))
+
+
+@pytest.mark.parametrize(
+    ("code", "without"),
+    [
+        ("import tractive_sam", COMPILERS | FIGURES | {"h5py", "numpy"}),
+        (HELP, COMPILERS | FIGURES | {"h5py"}),
+        ("import tractive_sam as ts; ts.Scene.builtin('spheres')", COMPILERS | FIGURES | {"h5py"}),
+        ("import tractive_sam as ts; ts.open_history", COMPILERS | FIGURES),
+        ("import tractive_sam as ts; ts.open_study", COMPILERS | FIGURES),
+        ("import tractive_sam as ts; ts.plot", COMPILERS | {"h5py"}),
+        ("import tractive_sam.studies.worker", FIGURES),
+    ],
+    ids=["package", "help", "scene", "history", "study", "plot", "worker"],
+)
+def test_loads_no_more_than_it_needs(code, without):
+    assert not loaded_by(code) & without
+
+
+def test_rooms_are_attributes():
+    for room in ("plot", "reference", "studies", "subsurface"):
+        assert getattr(ts, room).__name__ == f"tractive_sam.{room}"
+
+
+def test_names_are_listed():
+    assert set(dir(ts)) >= {*ts.__all__, "Scene", "plot"}
+    with pytest.raises(AttributeError, match="no_such_name"):
+        ts.no_such_name  # noqa: B018

@@ -1,0 +1,22 @@
+"""The public names of studies, for `__init__.py` and for type checkers."""
+
+from .axis import SAMPLE as SAMPLE
+from .axis import Axis as Axis
+from .axis import Bounds as Bounds
+from .axis import Dimension as Dimension
+from .axis import Latin as Latin
+from .axis import Values as Values
+from .case import Case as Case
+from .case import cases as cases
+from .cluster import SchedulerLostError as SchedulerLostError
+from .cost import explain_study as explain_study
+from .design import Study as Study
+from .design import StudyError as StudyError
+from .design import is_study as is_study
+from .figures import save_figures as save_figures
+from .results import STATUSES as STATUSES
+from .results import Row as Row
+from .results import StudyResults as StudyResults
+from .results import open_study as open_study
+from .run import Progress as Progress
+from .run import study as study
