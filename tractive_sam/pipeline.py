@@ -11,6 +11,7 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tractive_sam import interrupt
 from tractive_sam.accuracy import (
     Judge,
     Levels,
@@ -329,6 +330,7 @@ class _Run:
                     writer.append(record, passage.contact.grid, state(passage.contact))
                 if self.progress is not None:
                     self.progress(record)
+                interrupt.heed()
             contact = passage.contact
             if judge is not None:
                 missed = judge.missed

@@ -1,8 +1,25 @@
 """The command line: scenes in, results files, tables and figures out.
 
-Modules of commands import what computes only when they are run, so that help comes at once.
+Modules of commands import what computes only when they are run, so that help comes at once. This
+one imports next to nothing: `main` heeds signals before anything else is loaded.
 """
 
-from tractive_sam.cli.app import app, main
+from tractive_sam import interrupt
 
 __all__ = ["app", "main"]
+
+
+def main() -> None:
+    """Run the program; SIGINT, SIGTERM and SIGHUP end it after the work at hand."""
+    with interrupt.kept():
+        from tractive_sam.cli.program import run_program
+
+        run_program()
+
+
+def __getattr__(name: str):
+    if name == "app":
+        from tractive_sam.cli.program import app
+
+        return app
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

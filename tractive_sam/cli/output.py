@@ -51,8 +51,14 @@ def console(stderr: bool = False) -> Console:
 
 
 def say(*parts: str | tuple[str, str]) -> None:
-    """Print a line on the standard error; parts are text, or pairs of text and style."""
-    console(stderr=True).print(Text.assemble(*parts), soft_wrap=True)
+    """Print a line on the standard error; parts are text, or pairs of text and style.
+
+    Where that is full, or its terminal is gone, there is nobody to tell it to.
+    """
+    try:
+        console(stderr=True).print(Text.assemble(*parts), soft_wrap=True)
+    except OSError:
+        silence(sys.stderr)
 
 
 def tell(text: object) -> None:

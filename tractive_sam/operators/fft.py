@@ -9,6 +9,7 @@ from typing import TypeVar
 import numpy as np
 import pyfftw
 
+from tractive_sam import interrupt
 from tractive_sam.operators import wisdom
 from tractive_sam.operators.threads import of_transform
 
@@ -126,7 +127,8 @@ _PLANNING = Lock()
 def planned(make: Callable[..., Plan], most: int) -> Callable[..., Plan]:
     """Remember what `make` plans, by its arguments, for each thread of the process.
 
-    A plan owns the arrays that it works on, so that threads cannot share it.
+    A plan owns the arrays that it works on, so that threads cannot share it. As all that computes
+    recalls one again and again, here is where a program that was asked to stop does.
 
     Parameters
     ----------
@@ -148,6 +150,7 @@ def planned(make: Callable[..., Plan], most: int) -> Callable[..., Plan]:
             return make(*arguments)
 
     def recalled(*arguments) -> Plan:
+        interrupt.heed()
         return of_thread(get_ident(), *arguments)
 
     recalled.cache_clear = of_thread.cache_clear

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.animation import PillowWriter
 from matplotlib.figure import Figure
 
+from tractive_sam import interrupt
 from tractive_sam.plot.frame import Frame
 from tractive_sam.plot.map import BOTTOM, LEFT, RIGHT, Map, paper, placed
 from tractive_sam.plot.profiles import chosen
@@ -80,6 +81,7 @@ def animate(history: History, path: str | Path, rate: float = 2.0) -> Path:
 
 def _states(history: History) -> Iterator[State]:
     for revolution in chosen(history.field_revolutions, MOST):
+        interrupt.heed()
         yield State.of_history(history, int(revolution))
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
+from tractive_sam import interrupt
 from tractive_sam.plot.courses import forces, von_mises_course, wear_depth, widths
 from tractive_sam.plot.evolution import (
     pressure_over_revolutions,
@@ -53,6 +54,7 @@ def save_all(history: History, directory: str | Path, format: str = "png") -> li
     directory.mkdir(parents=True, exist_ok=True)
     paths = []
     for name, figure in _figures(history):
+        interrupt.heed()
         paths.append(directory / f"{name}.{format}")
         figure.savefig(paths[-1])
     return paths

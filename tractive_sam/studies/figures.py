@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from tractive_sam import interrupt
 from tractive_sam.plot import Variable, study_curves, study_map, study_samples
 from tractive_sam.record import scalars
 from tractive_sam.studies.axis import SAMPLE
@@ -78,6 +79,7 @@ def save_figures(
     paths = []
     for name in names:
         for kind, figure in _figures(results, name, left):
+            interrupt.heed()
             paths.append(directory / f"{name.replace(' ', '-')}-{kind}.{format}")
             figure.savefig(paths[-1])
     return paths

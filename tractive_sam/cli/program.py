@@ -1,10 +1,14 @@
 """The program `tractive-sam` and its commands."""
 
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Annotated
 
 import typer
+from typer.core import TyperGroup
 
+from tractive_sam import interrupt
 from tractive_sam.cli.explain import explain
 from tractive_sam.cli.export import export
 from tractive_sam.cli.output import Status, silence, stop, tell
@@ -16,7 +20,34 @@ from tractive_sam.cli.show import show
 from tractive_sam.cli.study import study
 from tractive_sam.cli.study_show import study_show
 
+
+@contextmanager
+def _ended_well() -> Iterator[None]:
+    """What may end any command: that it is asked to stop, or that its reader leaves."""
+    try:
+        interrupt.heed()
+        yield
+    except KeyboardInterrupt:
+        raise stop(Status.INCOMPLETE, "interrupted") from None
+    except BrokenPipeError:
+        silence(sys.stdout)
+        raise typer.Exit(Status.DONE) from None
+
+
+class _Program(TyperGroup):
+    """All commands, ended well; help is printed while the context is made."""
+
+    def make_context(self, *arguments, **options):
+        with _ended_well():
+            return super().make_context(*arguments, **options)
+
+    def invoke(self, ctx):
+        with _ended_well():
+            return super().invoke(ctx)
+
+
 app = typer.Typer(
+    cls=_Program,
     name="tractive-sam",
     help="Tractive rolling contact: forces, stick and slip, wear.",
     epilog="Exit status: 0 done; 2 the input is not valid; 3 not converged or stopped early.",
@@ -29,8 +60,8 @@ for command in (run, show, plot, export, explain, scenes, reproduce, study, stud
     app.command()(command)
 
 
-def main() -> None:
-    """Run the program."""
+def run_program() -> None:
+    """Run the program on the arguments of the process."""
     try:
         app()
     except OSError as error:  # of the output itself: commands tell of all others
