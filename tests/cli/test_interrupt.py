@@ -1,0 +1,146 @@
+"""Signals that ask the program to stop, sent at moments that the tests choose."""
+
+import gc
+import os
+import signal
+import subprocess
+import sys
+import weakref
+
+import numpy as np
+import pytest
+
+from tractive_sam import interrupt
+from tractive_sam.pipeline import roll
+from tractive_sam.scene import Scene
+from tractive_sam.store import open_history
+
+DISCS = Scene.builtin("twin-discs").replace(
+    grid={"half_length": (0.35, 0.9), "elements": (15, 25)},
+    wear={"intensity": 2e-6, "revolutions": 6, "save": [6]},
+)
+
+
+def send(one):
+    os.kill(os.getpid(), one)
+
+
+@pytest.mark.parametrize("one", interrupt.SIGNALS)
+def test_what_is_asked_is_heeded_where_it_is_looked_for(one):
+    before = signal.getsignal(one)
+    with interrupt.kept():
+        send(one)
+        with pytest.raises(KeyboardInterrupt, match=one.name):
+            interrupt.heed()
+    assert signal.getsignal(one) is before
+    interrupt.heed()  # the note went with the handler
+
+
+def test_nothing_is_asked_of_scripts():
+    """There, Python's own handler raises at once."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            send(signal.SIGINT)
+        interrupt.heed()
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def test_what_the_process_ignores_stays_ignored():
+    """As SIGHUP under nohup."""
+    before = signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    try:
+        with interrupt.kept():
+            send(signal.SIGTERM)
+            interrupt.heed()
+        assert signal.getsignal(signal.SIGTERM) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def test_no_signal_is_lost_in_a_callback_of_the_garbage_collector():
+    class Thing:
+        pass
+
+    with interrupt.kept():
+        thing = Thing()
+        kept = weakref.ref(thing, lambda _: send(signal.SIGINT))
+        del thing
+        gc.collect()
+        assert kept() is None
+        with pytest.raises(KeyboardInterrupt):
+            interrupt.heed()
+
+
+@pytest.mark.parametrize("one", interrupt.SIGNALS)
+def test_roll_ends_after_the_record_at_hand_and_goes_on_from_it(tmp_path, one):
+    wanted = roll(DISCS, tmp_path / "whole.h5")
+    path = tmp_path / "cut.h5"
+    with interrupt.kept(), pytest.raises(KeyboardInterrupt):
+        roll(DISCS, path, progress=lambda record: record.revolution == 2 and send(one))
+    cut = open_history(path)
+    assert cut.status == "stopped early"
+    assert cut["revolution"].tolist() == [0, 1, 2]
+    after = roll(DISCS, path, resume=True)
+    assert after.finished
+    np.testing.assert_array_equal(after["revolution"], wanted["revolution"])
+    # Plans of transforms may differ from the first roll to the second, and so the last digits.
+    np.testing.assert_allclose(after["wear_max"], wanted["wear_max"], rtol=1e-6)
+
+
+PROGRAM = """
+import os, signal, sys
+
+class Asks:
+    def find_spec(self, name, path=None, target=None):
+        if name == {module!r}:
+            for _ in range({times}):
+                os.kill(os.getpid(), signal.{name})
+
+sys.meta_path.insert(0, Asks())
+sys.argv[1:] = ["run", "spheres", "--set", "grid.elements=[21, 21]", "-o", "spheres.h5"]
+from tractive_sam.cli import main
+main()
+"""
+
+
+def ended(folder, module, one, times=1):
+    """The program, asked to stop while it imports a module."""
+    text = PROGRAM.format(module=module, name=one.name, times=times)
+    paths = os.pathsep.join(filter(None, sys.path))
+    # What is ignored here, as in jobs that a shell put behind, would be ignored there.
+    before = signal.signal(one, signal.SIG_DFL)
+    try:
+        return subprocess.run(
+            [sys.executable, "-c", text],
+            cwd=folder,
+            env=os.environ | {"PYTHONPATH": paths},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+    finally:
+        signal.signal(one, before)
+
+
+@pytest.mark.parametrize(
+    ("module", "one"),
+    [
+        *(("typer", one) for one in interrupt.SIGNALS),
+        ("numba", signal.SIGINT),
+        ("tractive_sam.pipeline", signal.SIGTERM),
+    ],
+)
+def test_while_loading(folder, module, one):
+    result = ended(folder, module, one)
+    assert result.returncode == 3
+    assert len(result.stderr.strip().splitlines()) == 1, result.stderr
+    assert "interrupted" in result.stderr
+    assert not (folder / "spheres.h5").exists()
+
+
+def test_a_second_signal_ends_at_once(folder):
+    result = ended(folder, "typer", signal.SIGINT, times=2)
+    assert result.returncode == 3
+    assert len(result.stderr.strip().splitlines()) == 1, result.stderr
