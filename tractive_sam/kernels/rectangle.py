@@ -24,7 +24,7 @@ Gauss-Legendre rule takes over, whose own relative error is below 2e-13 from the
 
 from math import atan2, hypot, log, sqrt
 
-from numba import njit
+from tractive_sam.kernels.compiled import compiled
 
 FAR = 12.0
 """Distance, in longest sides of the rectangle, beyond which quadrature is the more accurate."""
@@ -34,7 +34,7 @@ _NODES = (-0.43056815579702629, -0.16999052179242813, 0.16999052179242813, 0.430
 _WEIGHTS = (0.17392742256872693, 0.32607257743127307, 0.32607257743127307, 0.17392742256872693)
 
 
-@njit(cache=True)
+@compiled
 def x_log(x, y):
     """Antiderivative x ln(y + r) of y²/r³; zero in the limit x = 0.
 
@@ -43,10 +43,11 @@ def x_log(x, y):
     if x == 0.0:
         return 0.0
     r = hypot(x, y)
+    # 2 ln|x|, not ln x²: the square of a tiny x would be zero.
     return x * (log(y + r) if y >= 0.0 else 2.0 * log(abs(x)) - log(r - y))
 
 
-@njit(cache=True)
+@compiled
 def log_arctan(x, y):
     """Antiderivative y ln r + x atan(y/x) of x/r², with its limits at x = 0 and at the origin."""
     if x == 0.0:
@@ -55,7 +56,7 @@ def log_arctan(x, y):
     return y * log(hypot(x, y)) + abs(x) * atan2(y, abs(x))
 
 
-@njit(cache=True)
+@compiled
 def corner(x, y):
     """Antiderivatives of the six integrands at one corner, in the order r1, xx, yy, xy, x2, y2."""
     along_x = x_log(y, x)
@@ -70,7 +71,7 @@ def corner(x, y):
     )
 
 
-@njit(cache=True)
+@compiled
 def point(x, y):
     """The six integrands themselves at (x, y) != (0, 0)."""
     r2 = x * x + y * y
@@ -79,7 +80,7 @@ def point(x, y):
     return 1.0 / r, x * x / r3, y * y / r3, x * y / r3, x / r2, y / r2
 
 
-@njit(cache=True)
+@compiled
 def near(x, y, dx, dy):
     """The six integrals by corner differences; exact up to cancellation far away."""
     x1, x2 = x - 0.5 * dx, x + 0.5 * dx
@@ -96,9 +97,10 @@ def near(x, y, dx, dy):
     )
 
 
-@njit(cache=True)
+@compiled
 def far(x, y, dx, dy):
     """The six integrals by Gauss-Legendre quadrature; exact far from the rectangle."""
+    # Scalars instead of an array: the compiler keeps them in registers.
     r1 = xx = yy = xy = x2 = y2 = 0.0
     for i in range(4):
         xi = x - dx * _NODES[i]
@@ -114,7 +116,7 @@ def far(x, y, dx, dy):
     return r1, xx, yy, xy, x2, y2
 
 
-@njit(cache=True)
+@compiled
 def integrals(x, y, dx, dy):
     """Integrals of the six point kernels over the rectangle.
 

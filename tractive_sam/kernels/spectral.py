@@ -3,17 +3,17 @@
 One pass over memory each; numpy would take one for every term.
 """
 
-from numba import njit
+from tractive_sam.kernels.compiled import compiled
 
 
-@njit(cache=True)
+@compiled
 def scale(s, h):
     """``h[0] <- s[0] h[0]``: one component, in place. ``s``: (1, m), ``h``: (1, m) complex."""
     for k in range(h.shape[1]):
         h[0, k] = s[0, k] * h[0, k]
 
 
-@njit(cache=True)
+@compiled
 def symmetric_2x2(s, h):
     """``h <- S h`` in place, S symmetric 2 x 2 with entries (11, 12, 22) in ``s``: (3, m)."""
     for k in range(h.shape[1]):
@@ -22,7 +22,7 @@ def symmetric_2x2(s, h):
         h[1, k] = s[1, k] * a + s[2, k] * b
 
 
-@njit(cache=True)
+@compiled
 def full_3x3(s, h):
     """``h <- S h`` in place, S a full 3 x 3 matrix stored row by row in ``s``: (9, m)."""
     for k in range(h.shape[1]):

@@ -55,14 +55,13 @@ of distance over side; far from the patch Gauss-Legendre sums take over (`near_r
 dx : dy  1 : 1  2 : 1  5 : 1  10 : 1  20 : 1
 error    1e-11  1e-11  3e-11  8e-11   2e-10
 =======  =====  =====  =====  ======  ======
-
-**One module.** numba's cache does not see a change in an imported module.
 """
 
 import math
 
-import numba
 import numpy as np
+
+from tractive_sam.kernels.compiled import ANY_ORDER, compiled
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
 """Order of the components in every result."""
@@ -79,26 +78,20 @@ for _n in range(1, MAX_NODES + 1):
 REACH = (0.0, 0.0, 1e-6, 1 / 300, 1 / 25, 1 / 9, 1 / 4.5, 1 / 2.8, 1 / 2.2, 1 / 1.8)
 """REACH[n]: n nodes along a side suffice while side / distance is below it (measured)."""
 
-_scalar = numba.njit(cache=True, error_model="numpy", nogil=True)
-# The quadrature may add its nodes in any order, which lets the compiler use vector instructions.
-_summing = numba.njit(
-    cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "nsz"}
-)
 
-
-@_scalar
+@compiled
 def safe_divide(numerator, denominator):
     """Quotient, and 0 where the denominator is 0: the mean of the one-sided limits of y/R, x/R."""
     return numerator / denominator if denominator != 0.0 else 0.0
 
 
-@_scalar
+@compiled
 def positive_or(value, substitute):
     """`value`, or `substitute` where it is 0: leaves the infinite part of a logarithm out."""
     return value if value > 0.0 else substitute
 
 
-@_scalar
+@compiled
 def angle_difference(s1, c1, s2, c2, straddles):
     """Return atan2(s1, c1) - atan2(s2, c2) by one arctangent.
 
@@ -110,10 +103,11 @@ def angle_difference(s1, c1, s2, c2, straddles):
     if s2 == 0.0 and c2 == 0.0:
         c2 = 1.0
     angle = math.atan2(s1 * c2 - c1 * s2, c1 * c2 + s1 * s2)
+    # The difference is then in [0, 2 pi]; atan2 returns its upper half less 2 pi.
     return angle + 2.0 * math.pi if straddles and angle < 0.0 else angle
 
 
-@_scalar
+@compiled
 def cross(y1, y2, r1, r2, q, width):
     """Return y1 r2 - y2 r1 for an edge, where r_j^2 = q + y_j^2 and width = y1 - y2.
 
@@ -124,7 +118,7 @@ def cross(y1, y2, r1, r2, q, width):
     return y1 * r2 - y2 * r1
 
 
-@_scalar
+@compiled
 def log_argument(y1, y2, r1, r2, q, width):
     """Return (y1 + r1) / (y2 + r2) for an edge, where r_j^2 = q + y_j^2 and width = y1 - y2.
 
@@ -138,7 +132,7 @@ def log_argument(y1, y2, r1, r2, q, width):
     return (y1 + r1) * (r2 - y2) / positive_or(q, width * width)
 
 
-@_scalar
+@compiled
 def edge(x, y1, y2, r1, r2, z, width):
     """Return the differences between the ends (x, y1) and (x, y2) of an edge of length `width`.
 
@@ -146,12 +140,14 @@ def edge(x, y1, y2, r1, r2, z, width):
     """
     q = x * x + z * z
     m = cross(y1, y2, r1, r2, q, width)
+    # Over common denominators: the numerators m and y1 (r2 + z) - y2 (r1 + z) = m + z width are
+    # sums of positive terms. They are 0/0 only at an end of the edge.
     d = safe_divide(m, r1 * r2)
     h = safe_divide(m + z * width, (r1 + z) * (r2 + z))
     return d, safe_divide(d, q), h, log_argument(y1, y2, r1, r2, q, width)
 
 
-@_scalar
+@compiled
 def edge_psi(x, y1, y2, r1, r2, z, width):
     """Return sine and cosine (to a factor) of the edge's share in psi_xx.
 
@@ -162,13 +158,13 @@ def edge_psi(x, y1, y2, r1, r2, z, width):
     return sine, (q + z * r1) * (q + z * r2) + x * x * y1 * y2
 
 
-@_scalar
+@compiled
 def surface_angle(x1, x2, y1, y2):
     """Return the solid angle in the limit z = 0: 2 pi inside, pi on an edge, pi/2 at a corner."""
     return 0.5 * math.pi * (np.sign(x1) - np.sign(x2)) * (np.sign(y1) - np.sign(y2))
 
 
-@_scalar
+@compiled
 def solid_angle(x1, x2, z, t1, t2, d1, d2):
     """Return the corner sum of atan(x y / (z R)) for z > 0, the solid angle of the patch.
 
@@ -180,7 +176,7 @@ def solid_angle(x1, x2, z, t1, t2, d1, d2):
     )
 
 
-@_scalar
+@compiled
 def near_integrals(x, y, z, dx, dy):
     """Return the 14 integrals by corner sums; accurate within a few patch sizes.
 
@@ -208,6 +204,7 @@ def near_integrals(x, y, z, dx, dy):
     c1, d1, k1, l1 = edge(y1, x1, x2, r11, r21, z, dx)
     c2, d2, k2, l2 = edge(y2, x1, x2, r12, r22, z, dx)
 
+    # One logarithm of a ratio near 1: four of large numbers would cancel.
     ln_x, ln_y = math.log(l1 / l2), math.log(g1 / g2)
     psi_xy = math.log(
         positive_or(r11 + z, dx)
@@ -217,7 +214,7 @@ def near_integrals(x, y, z, dx, dy):
     psi_s1, psi_c1 = edge_psi(x1, y1, y2, r11, r12, z, dy)
     psi_s2, psi_c2 = edge_psi(x2, y1, y2, r21, r22, z, dy)
     psi_xx = angle_difference(psi_s1, psi_c1, psi_s2, psi_c2, x1 * x2 <= 0.0)
-    if z == 0.0:
+    if z == 0.0:  # where atan(XY / zR) jumps
         angle = surface_angle(x1, x2, y1, y2)
     elif abs(x) - 0.5 * dx > abs(y) - 0.5 * dy:  # pair the corners along the nearer edges
         xx = x1 * x2
@@ -228,6 +225,7 @@ def near_integrals(x, y, z, dx, dy):
 
     xzz, yzz = zz * (b2 - b1), zz * (d2 - d1)
     zxy_p, zxy_q = z * (x1 * b1 - x2 * b2), z * (y1 * d1 - y2 * d2)
+    # z/r11 - z/r12 = z (r12 - r11) / (r11 r12), and r12^2 - r11^2 = -2 y dy.
     f1 = safe_divide(z, r11 * r12 * (r11 + r12))
     f2 = safe_divide(z, r21 * r22 * (r21 + r22))
     xyz = 2.0 * y * dy * (f2 - f1)
@@ -249,7 +247,7 @@ def near_integrals(x, y, z, dx, dy):
     )
 
 
-@_scalar
+@compiled
 def nodes_needed(ratio):
     """Return the number of Gauss-Legendre nodes along a side that is `ratio` of the distance."""
     for n in range(1, MAX_NODES):
@@ -258,7 +256,7 @@ def nodes_needed(ratio):
     return MAX_NODES
 
 
-@_summing
+@compiled(fastmath=ANY_ORDER)  # the nodes of the quadrature
 def far_integrals(x, y, z, dx, dy, nx, ny):
     """Return the 14 integrals by nx x ny Gauss-Legendre nodes; for points far from the patch.
 
@@ -282,6 +280,7 @@ def far_integrals(x, y, z, dx, dy, nx, ny):
             rt = 1.0 / (r * t)
             over_r, over_t = t * rt, r * rt
             w = WEIGHTS[nx, i] * WEIGHTS[ny, j]
+            # One division and one root a node; R^-5 by products, as a power would take far longer.
             s = 3.0 * w * over_r * (over_r * over_r) * (over_r * over_r)
             xxx += s * uu * u
             xxy += s * uu * v
@@ -321,7 +320,7 @@ def far_integrals(x, y, z, dx, dy, nx, ny):
     )
 
 
-@_scalar
+@compiled
 def near_radius(dx, dy):
     """Return the distance from the centre below which corner sums are used (measured).
 
@@ -331,7 +330,7 @@ def near_radius(dx, dy):
     return max(1.5 * longer, min(7.0 * longer, 12.0 * shorter))
 
 
-@_scalar
+@compiled
 def patch_integrals(x, y, z, dx, dy):
     """Return the 14 integrals at any distance.
 
@@ -346,7 +345,7 @@ def patch_integrals(x, y, z, dx, dy):
     return far_integrals(x, y, z, dx, dy, nx, ny)
 
 
-@_scalar
+@compiled
 def assemble_normal(integrals, nu):
     """Return 2 pi sigma for unit pressure from the integrals of `patch_integrals`.
 
@@ -366,7 +365,7 @@ def assemble_normal(integrals, nu):
     )
 
 
-@_scalar
+@compiled
 def assemble_shear_x(integrals, nu):
     """Return 2 pi sigma for unit shear along x from the integrals of `patch_integrals`.
 
@@ -386,7 +385,7 @@ def assemble_shear_x(integrals, nu):
     )
 
 
-@_scalar
+@compiled
 def assemble_shear_y(integrals, nu):
     """Return 2 pi sigma for unit shear along y: `assemble_shear_x` with x and y exchanged."""
     _, xxy, xyy, yyy, _, xyz, yyz, _, yzz, _, _, _, chi_xxy, chi_xyy = integrals
@@ -402,14 +401,14 @@ def assemble_shear_y(integrals, nu):
     )
 
 
-@_scalar
+@compiled
 def over_two_pi(t):
     """Return six numbers divided by 2 pi."""
     f = 0.5 / math.pi
     return t[0] * f, t[1] * f, t[2] * f, t[3] * f, t[4] * f, t[5] * f
 
 
-@_scalar
+@compiled
 def stress_patch(x, y, z, dx, dy, nu):
     """Return the 18 coefficients at one point: three tuples of six, for p_x, p_y and p_n.
 

@@ -17,7 +17,8 @@ In one dimension two integrals share a transform in the same way.
 """
 
 import numpy as np
-from numba import njit
+
+from tractive_sam.kernels.compiled import ANY_ORDER, compiled
 
 PACKS = (
     (4, 0, 1, 5),  # xxz, xxx, xxy, xyz
@@ -34,9 +35,6 @@ _ODD_Y = (1, 3, 5, 8, 11, 12)
 
 _ROWS = 16
 """Rows of corners evaluated at a time: few enough to stay in the cache."""
-
-# Sums may be added in any order, which lets the compiler use vector instructions.
-_vector = njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract", "nsz", "reassoc"})
 
 
 def layer_table(out: np.ndarray, z: float, dx: float, dy: float, first: int, last: int) -> None:
@@ -91,14 +89,14 @@ def _logs_and_angles(xs: np.ndarray, ys: np.ndarray, z: float) -> tuple[np.ndarr
     return np.log(logs, out=logs), np.arctan(angles, out=angles)
 
 
-@_vector
+@compiled(fastmath=ANY_ORDER)
 def _distance2(x, z, width):
     """x² + z², and width² where that is 0: see `stress.log_argument`."""
     p = x * x + z * z
     return p if p > 0.0 else width * width
 
 
-@_vector
+@compiled(fastmath=ANY_ORDER)
 def _arguments(logs, angles, xs, ys, z):
     """Set what logarithms and arctangents are taken of."""
     for i in range(xs.size):
@@ -108,6 +106,7 @@ def _arguments(logs, angles, xs, ys, z):
             y = ys[j]
             q = y * y + z * z
             r = np.sqrt(x * x + q)
+            # For y < 0 the sum y + r cancels; it equals p / (r - y).
             logs[0, i, j] = y + r if y >= 0.0 else p / (r - y)
             # Over sqrt(q), which falls out of every difference in x: odd in x, as edges want it.
             root = np.sqrt(q)
@@ -117,7 +116,7 @@ def _arguments(logs, angles, xs, ys, z):
             angles[1, i, j] = x * y / (q + z * r)
 
 
-@_vector
+@compiled(fastmath=ANY_ORDER)
 def _corners(out, logs, angles, x, ys, z):
     """Set the 14 corner forms at (x, ys[j], z)."""
     p = _distance2(x, z, ys[1] - ys[0])
@@ -127,6 +126,7 @@ def _corners(out, logs, angles, x, ys, z):
         r = np.sqrt(x * x + q)
         over_r, over_t = 1.0 / r, 1.0 / (r + z)
         ln_y, ln_x, psi_xx = logs[0, j], logs[1, j], angles[0, j]
+        # A = psi_xx + psi_yy, as ln(R + z) is harmonic: two arctangents serve three integrals.
         solid = psi_xx + angles[1, j]
         y_r, x_r = y * over_r, x * over_r
         z_p, z_q = z / p, z / q
@@ -148,7 +148,7 @@ def _corners(out, logs, angles, x, ys, z):
         out[13, j] = -y * over_t
 
 
-@_vector
+@compiled(fastmath=ANY_ORDER)
 def _pack_layer(out, first, xs, ys, z, logs, angles):
     """Difference the corners and add up the packs, at all four images of every offset."""
     px, py = out.shape[1], out.shape[2]
@@ -182,7 +182,7 @@ def _pack_layer(out, first, xs, ys, z, logs, angles):
                 out[a, k, py - j] = even - odd
 
 
-@_vector
+@compiled(fastmath=ANY_ORDER)
 def _pack_edges(out, first, xs, ys, z, logs, angles):
     """Difference the corners along an edge and add up the packs, at both images of every offset."""
     py = out.shape[2]

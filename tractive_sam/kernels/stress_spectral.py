@@ -5,16 +5,11 @@ ee, oe, eo, oo (see :mod:`tractive_sam.kernels.stress_lattice`) the spectra are 
 -oo. A stress component has the parity of its indices times that of its load.
 """
 
-from numba import njit
-
+from tractive_sam.kernels.compiled import ANY_ORDER, compiled
 from tractive_sam.kernels.stress import assemble_normal, assemble_shear_x, assemble_shear_y
 
-_compiled = njit(
-    cache=True, error_model="numpy", nogil=True, fastmath={"contract", "nsz", "reassoc"}
-)
 
-
-@_compiled
+@compiled(fastmath=ANY_ORDER)
 def layer_product(out, packs, loads, nu, first, last):
     """Stresses in a plane z = const, in the rows +-i of the spectrum for first <= i < last.
 
@@ -51,7 +46,7 @@ def layer_product(out, packs, loads, nu, first, last):
             out[5, i, j], out[5, k, j] = s[5], m[5]
 
 
-@_compiled
+@compiled(fastmath=ANY_ORDER)
 def _unpack_layer(packs, i, k, j):
     """Real sums of the 14 integrals, from the packs at (k_x, k_y) and (-k_x, k_y)."""
     xxz, xxx, xxy, xyz = _four(packs[0, i, j], packs[0, k, j])
@@ -61,7 +56,7 @@ def _unpack_layer(packs, i, k, j):
     return xxx, xxy, xyy, yyy, xxz, xyz, yyz, xzz, yzz, zzz, psi_xx, psi_xy, chi_xxy, chi_xyy
 
 
-@_compiled
+@compiled(fastmath=ANY_ORDER)
 def _four(a, b):
     """Sums ee, oe, eo, oo from a = ee - oo - i (eo + oe) and b = ee + oo - i (eo - oe)."""
     return (
@@ -72,7 +67,7 @@ def _four(a, b):
     )
 
 
-@_compiled
+@compiled(fastmath=ANY_ORDER)
 def _combine(along_x, along_y, normal, x, y, n):
     """Spectra of the six stresses from the real sums of the coefficients and the loads."""
     ix, iy, i_n = _minus_i(x), _minus_i(y), _minus_i(n)
@@ -86,12 +81,12 @@ def _combine(along_x, along_y, normal, x, y, n):
     )
 
 
-@_compiled
+@compiled(fastmath=ANY_ORDER)
 def _minus_i(z):
     return complex(z.imag, -z.real)
 
 
-@_compiled
+@compiled(fastmath=ANY_ORDER)
 def plane_product(out, packs, loads, nu):
     """Stresses in a plane x = const, added up over the edges of the rows of patches.
 
@@ -124,7 +119,7 @@ def plane_product(out, packs, loads, nu):
             out[5, j] += along_x[5] * _minus_i(odd_x) + along_y[5] * y + normal[5] * _minus_i(n)
 
 
-@_compiled
+@compiled(fastmath=ANY_ORDER)
 def _unpack_edge(packs, e, j):
     """Real sums of the 14 integrals; even in y the real parts, odd in y the imaginary ones."""
     xxz, xxy = packs[0, e, j].real, -packs[0, e, j].imag

@@ -2,8 +2,7 @@
 
 import math
 
-from numba import njit
-
+from tractive_sam.kernels.compiled import compiled
 from tractive_sam.kernels.stress import (
     assemble_normal,
     assemble_shear_x,
@@ -12,7 +11,7 @@ from tractive_sam.kernels.stress import (
 )
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@compiled
 def stress_at(out, points, centres, tractions, dx, dy, nu):
     """Set the stresses at points of a half-space, exact for tractions constant on every patch.
 

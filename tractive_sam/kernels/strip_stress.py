@@ -22,10 +22,10 @@ shear along y is the antiplane problem, sigma_xy and sigma_yz of a line load -x/
 
 import math
 
-from numba import njit
+from tractive_sam.kernels.compiled import compiled
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@compiled
 def stress_at(out, points, edges, jumps, width, nu):
     """Set the stresses at points of a half-space, exact for tractions constant on every strip.
 

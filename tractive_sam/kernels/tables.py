@@ -1,12 +1,12 @@
 """Tables of the rectangle integrals over a regular mesh."""
 
 import numpy as np
-from numba import njit
 
+from tractive_sam.kernels.compiled import compiled
 from tractive_sam.kernels.rectangle import integrals
 
 
-@njit(cache=True)
+@compiled
 def quadrant(nx, ny, dx, dy):
     """Rectangle integrals at the offsets ``(i dx, j dy)``, 0 <= i < nx, 0 <= j < ny.
 

@@ -1,10 +1,11 @@
 """The upwind sweep of wear: material gathers depth from the leading edge to the trailing one."""
 
 import numpy as np
-from numba import njit
+
+from tractive_sam.kernels.compiled import compiled
 
 
-@njit(cache=True)
+@compiled
 def sweep(entering, rate, dx):
     """Depth of wear below every element after the material has passed it.
 

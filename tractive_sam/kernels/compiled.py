@@ -1,0 +1,47 @@
+"""The decorator of every kernel: compiled when first called, kept on disk until its source changes.
+
+By itself numba's cache sees a change in the module of a function, but not in the modules from which
+that takes other functions and constants: it would go on with an old formula. So what is kept bears
+a hash of all these sources in its name.
+"""
+
+import re
+from collections.abc import Callable
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import numba
+
+ANY_ORDER = {"reassoc", "contract", "nsz"}
+"""`fastmath` of sums that may be added in any order, which allows for vector instructions."""
+
+
+def compiled(function: Callable[..., Any] | None = None, *, fastmath: Any = False) -> Any:
+    """Compile a function of numbers and arrays; division by zero gives inf or nan.
+
+    Parameters
+    ----------
+    function : callable
+        What to compile.
+    fastmath : bool or set of str
+        Freedom that the compiler has, such as `ANY_ORDER`.
+    """
+    if function is None:
+        return lambda function: compiled(function, fastmath=fastmath)
+    name = function.__qualname__
+    # numba names the files of its cache when it is given the function.
+    function.__qualname__ = f"{sources(function.__module__.rpartition('.')[2])}.{name}"
+    try:
+        return numba.njit(cache=True, error_model="numpy", nogil=True, fastmath=fastmath)(function)
+    finally:
+        function.__qualname__ = name
+
+
+@cache
+def sources(module: str) -> str:
+    """Hash of a module of this room and of those that it imports from."""
+    text = Path(__file__).with_name(f"{module}.py").read_text("utf-8")
+    imported = re.findall(rf"^from {re.escape(__package__)}\.(\w+) import", text, re.MULTILINE)
+    return sha256("".join([text, *map(sources, imported)]).encode()).hexdigest()[:12]
