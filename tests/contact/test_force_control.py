@@ -1,10 +1,15 @@
 """Forces given in place of creepages."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from tests.conftest import steady
+from tractive_sam.contact import Model, together
+from tractive_sam.contact.message import message
 from tractive_sam.scene import SceneError
+from tractive_sam.solvers import Status
 
 
 @pytest.mark.parametrize("bodies", [(), ("body.B.shear=8.0", "body.B.poisson=0.45")])
@@ -72,3 +77,11 @@ def test_what_friction_just_carries_is_found():
 def test_it_is_for_newton():
     with pytest.raises(SceneError, match=r"solver\.method"):
         steady("spheres", "load.traction_x=0.1", 'solver.method="uzawa"', elements=21)
+
+
+def test_no_force_that_is_zero_is_blamed():
+    bodies = ("body.B.shear=8.0", "body.B.poisson=0.45")
+    contact = steady("spheres", *bodies, "load.traction_x=0", elements=15)
+    model = Model(contact.scene)
+    outcome = replace(together.together(model, model.undeformed_gap, None), status="diverged")
+    assert "load.traction" not in message(Status.DIVERGED, outcome, model)

@@ -153,6 +153,34 @@ def test_free_rolling_of_unlike_cylinders_with_little_friction():
     assert missed[1] < 0.5 * missed[0] < 0.5 * 0.06
 
 
+@pytest.mark.parametrize("n", [64, 256])
+def test_the_creepage_of_free_rolling_with_little_friction(n):
+    """It tends to Bentall & Johnson's as mu falls, until a jump of one element's traction counts.
+
+    There the force falls with the creepage in stairs, of which the root is a steep one.
+    """
+    missed = []
+    for mu in (1e-2, 3e-3, 1e-3, 1e-4):
+        contact = freely(mu, n)
+        assert contact.converged, contact.message
+        assert abs(contact.Qx) < 1e-5 * mu * contact.P
+        limit = bentall_johnson_creepage(contact.scene.material, contact.scene.hertz.a, 25.0)
+        missed.append(abs(contact.xi_x / limit - 1.0))
+    # To first order in mu; where slip turns, p_n and with it the slip changes by about 1/n from
+    # one element to the next.
+    assert missed[1] < 0.4 * missed[0]
+    assert missed[2] < 0.4 * missed[1] + 0.5 / n
+    assert missed[3] < 0.1 * missed[2] + 0.5 / n
+
+
+@pytest.mark.parametrize("share", [1e-9, 0.3, 0.99])
+def test_force_given_between_unlike_cylinders_with_little_friction(share):
+    force = share * 1e-3 * 27.5
+    contact = freely(1e-3, 64, **{"load.traction_x": force})
+    assert contact.converged, contact.message
+    assert contact.Qx == pytest.approx(force, abs=1e-5 * 1e-3 * 27.5)
+
+
 @pytest.mark.parametrize(
     ("mu", "known", "tolerance"), [(0.05, 4.29e-4, 5e-3), (10.0, 3.59e-4, 0.03)]
 )

@@ -11,7 +11,6 @@ from tractive_sam.solvers import Status
 from tractive_sam.solvers.continuation import eased
 from tractive_sam.solvers.newton import newton
 from tractive_sam.solvers.outcome import Cost, Outcome
-from tractive_sam.solvers.problem import Transmission
 
 SMALL = ("grid.half_length=[4.08, 4.08]", "grid.elements=[19, 19]")
 DISSIMILAR = (*SMALL, "body.B.shear=8.0", "body.B.poisson=0.45")
@@ -36,7 +35,7 @@ def test_continued_where_newton_fails(settings, monkeypatch):
     monkeypatch.setattr(in_sequence, "nested_tangential", failing_once(newton_alone))
     contact = steady("spheres", *settings)
     assert contact.converged
-    assert any("newton continued in" in step for step in contact.trace)
+    assert contact.trace[-1].startswith(("newton continued in", "newton between creepages"))
     assert "by way of" in contact.message
     assert "newton: diverged" in contact.message
     assert contact.cost.applications > reference.cost.applications
@@ -55,7 +54,7 @@ def test_continued_where_the_coupled_newton_fails(settings, monkeypatch):
     contact = steady("spheres", *settings)
     assert contact.converged
     assert "coupled newton: diverged" in contact.trace
-    assert "newton continued in" in contact.trace[-1]
+    assert contact.trace[-1].startswith(("newton continued in", "newton between creepages"))
     assert size(contact.traction - reference.traction) < 1e-6 * size(reference.traction)
 
 
@@ -77,7 +76,7 @@ def test_anderson_where_nothing_else_helps(monkeypatch):
     )
     failed = steady("spheres", *SMALL, *FORCES)
     assert failed.status is Status.DIVERGED
-    assert "newton continued in forces: diverged" in failed.message
+    assert "newton between creepages: diverged" in failed.message
     assert steady("spheres", *SMALL, 'solver.method="newton"').status is Status.DIVERGED
 
 
@@ -85,15 +84,9 @@ def test_the_way_begins_in_full_slip_and_ends_at_the_problem():
     from tests.solvers.test_methods import tangential_problem  # noqa: PLC0415
 
     problem = tangential_problem()
-    full = newton(eased(problem, 0.0, None), 1e-8)
+    full = newton(eased(problem, 0.0), 1e-8)
     assert full.converged
     # All of the traction opposes the rigid slip: closed form, but for the elastic slip beside it.
     opposed = -problem.bound * np.sign(problem.rigid[0])
     assert size(full.traction[0] - opposed) < 1e-2 * size(problem.bound)
-    np.testing.assert_array_equal(eased(problem, 1.0, None).rigid, problem.rigid)
-
-    forces = Transmission(np.eye(2), np.array([3.0, 1.0]))
-    problem = replace(problem, transmission=forces)
-    begin = np.array([-1.0, 0.0])
-    np.testing.assert_array_equal(eased(problem, 0.0, begin).transmission.target, begin)
-    np.testing.assert_array_equal(eased(problem, 1.0, begin).transmission.target, forces.target)
+    np.testing.assert_array_equal(eased(problem, 1.0).rigid, problem.rigid)

@@ -7,8 +7,8 @@ import numpy as np
 from tractive_sam.contact.guess import Guess
 from tractive_sam.contact.model import Model
 from tractive_sam.solvers.anderson import anderson
+from tractive_sam.solvers.bracketing import led
 from tractive_sam.solvers.conjugate_gradients import conjugate_gradients
-from tractive_sam.solvers.continuation import continued
 from tractive_sam.solvers.fixed_point import ANDERSON_STEP, TangentialMap
 from tractive_sam.solvers.nested import nested_normal, nested_tangential
 from tractive_sam.solvers.newton import newton
@@ -70,7 +70,7 @@ def _beyond(shape: tuple[int, int], forces: int, needed: float) -> Outcome:
 
 
 def _by_method(model, problem, begin, first, tolerance) -> Outcome:
-    """The method of the scene; "auto" is Newton's, then continued, then Anderson's."""
+    """The method of the scene; "auto" is Newton's, then by easier problems, then Anderson's."""
     method = model.scene.solver.method
     if method == "anderson":
         return _anderson(problem, tolerance, begin)
@@ -81,7 +81,7 @@ def _by_method(model, problem, begin, first, tolerance) -> Outcome:
     outcome = replace(outcome, trace=(*outcome.trace, f"newton: {outcome.status}"))
     if outcome.converged or method == "newton":
         return outcome
-    outcome = continued(problem, tolerance, _newton_from, None).after(outcome)
+    outcome = led(problem, tolerance, _newton_from, None).after(outcome)
     if outcome.converged or len(problem.transmission):
         return outcome
     return _anderson(problem, tolerance, outcome.traction).after(outcome)

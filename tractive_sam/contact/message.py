@@ -38,10 +38,12 @@ def message(status: Status, outcome: Outcome, model: Model) -> str:
         f"not converged: residual {outcome.residual:.1e} after {outcome.iterations} iterations "
         f"({', '.join(outcome.trace)}), asked for {solver.tolerance:.1e}; "
     )
-    if len(model.transmission):
+    load = model.scene.load
+    forces = [f"load.{key}" for key in ("traction_x", "traction_y") if getattr(load, key)]
+    if forces and outcome.status is Status.DIVERGED:
         return reached + (
             "the force to transmit may be more than friction can carry beside the other creepages "
-            "and the spin: lower load.traction_x or load.traction_y, or raise friction.mu"
+            f"and the spin: lower {' or '.join(forces)}, or raise friction.mu"
         )
     if solver.method in ("uzawa", "anderson"):
         return reached + 'try solver.method = "auto"'

@@ -8,8 +8,8 @@ import numpy as np
 from tractive_sam.contact.guess import Guess
 from tractive_sam.contact.model import Model
 from tractive_sam.solvers.anderson import anderson
+from tractive_sam.solvers.bracketing import led
 from tractive_sam.solvers.conjugate_gradients import conjugate_gradients
-from tractive_sam.solvers.continuation import continued
 from tractive_sam.solvers.coupled_newton import coupled_newton
 from tractive_sam.solvers.fixed_point import ANDERSON_STEP, UZAWA_STEP, CoupledMap
 from tractive_sam.solvers.load_control import under_load
@@ -37,7 +37,7 @@ def _problem(model: Model, gap: np.ndarray) -> CoupledProblem:
 def together(model: Model, gap: np.ndarray, first: Guess | None) -> Outcome:
     """The coupled problem of dissimilar bodies.
 
-    By the method of the scene; "auto" is Newton's, then continued, then Anderson's.
+    By the method of the scene; "auto" is Newton's, then by easier problems, then Anderson's.
     """
     method, tolerance = model.scene.solver.method, model.scene.solver.tolerance
     problem = _problem(model, gap)
@@ -53,7 +53,7 @@ def together(model: Model, gap: np.ndarray, first: Guess | None) -> Outcome:
     if first is None:
         first = _one_after_the_other(problem)
         outcome = outcome.after(replace(first, trace=()))
-    outcome = continued(problem, tolerance, _newton_from, first).after(outcome)
+    outcome = led(problem, tolerance, _newton_from, first).after(outcome)
     if outcome.converged or len(problem.transmission):
         return outcome
     return projected(model, gap, first).after(outcome)

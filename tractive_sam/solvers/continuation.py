@@ -1,19 +1,16 @@
 """Continuation: a hard problem by way of easier ones, each started from the one before.
 
-Under given creepages the way begins in full slip, at `FULL` times the creepages: there tractions
-oppose the rigid slip, whatever the elasticity does. As the creepages fall, stick spreads from the
-leading edge. Under forces to transmit it begins without creepages, and the forces go from those
-that this takes to those asked for. A stretch of the way that fails is halved.
+The way begins in full slip, at `FULL` times the creepages: there tractions oppose the rigid slip,
+whatever the elasticity does. As the creepages fall, stick spreads from the leading edge. A stretch
+of the way that fails is halved.
 """
 
 from collections.abc import Callable
 from dataclasses import replace
 from typing import TypeVar
 
-import numpy as np
-
 from tractive_sam.solvers.outcome import Outcome
-from tractive_sam.solvers.problem import CoupledProblem, TangentialProblem, Transmission
+from tractive_sam.solvers.problem import CoupledProblem, TangentialProblem
 
 FULL = 1e3
 FIRST, SHORTEST = 0.25, 1.0 / 64.0
@@ -30,7 +27,7 @@ Solve = Callable[[Problem, float, Start], Outcome]
 
 
 def continued(problem: Problem, tolerance: float, solve: Solve, first: Start) -> Outcome:
-    """Solve by continuation in the creepages, or in the forces to transmit.
+    """Solve by continuation in the creepages.
 
     Parameters
     ----------
@@ -48,21 +45,12 @@ def continued(problem: Problem, tolerance: float, solve: Solve, first: Start) ->
     Outcome
         With the cost of the whole way; not converged where it did not lead to its end.
     """
-    parameter = "forces" if len(problem.transmission) else "creepage"
     rough = max(tolerance, ROUGHLY)
-    if parameter == "forces":
-        free = replace(problem, transmission=Transmission())
-        now = solve(free, rough, first)
-        begin = problem.transmission.force(now.traction)
-        now = replace(now, creepage=np.zeros_like(begin))
-    else:
-        begin = None
-        now = solve(eased(problem, 0.0, None), rough, first)
+    now = solve(eased(problem, 0.0), rough, first)
     done, stretch, taken = 0.0, FIRST, 1
     while now.converged and done < 1.0 and stretch >= SHORTEST:
         ahead = min(1.0, done + stretch)
-        goal = tolerance if ahead == 1.0 else rough
-        tried = solve(eased(problem, ahead, begin), goal, now)
+        tried = solve(eased(problem, ahead), tolerance if ahead == 1.0 else rough, now)
         taken += 1
         if tried.converged:
             now, done, stretch = tried.after(now), ahead, 2.0 * stretch
@@ -72,16 +60,12 @@ def continued(problem: Problem, tolerance: float, solve: Solve, first: Start) ->
     if done < 1.0:
         failed = tried if now.converged else now
         now = replace(now, status=failed.status, residual=failed.residual)
-    led = f"newton continued in {parameter}: {now.status} after {taken} problems"
+    led = f"newton continued in creepage: {now.status} after {taken} problems"
     if done < 1.0:
         led += f", {done:.0%} of the way"
     return replace(now, trace=(led,))
 
 
-def eased(problem: Problem, done: float, begin: np.ndarray | None) -> Problem:
-    """The problem at a part of the way, from 0 to 1; `begin` are the forces where it begins."""
-    if begin is None:
-        return replace(problem, rigid=FULL ** (1.0 - done) * problem.rigid)
-    transmission = problem.transmission
-    target = (1.0 - done) * begin + done * transmission.target
-    return replace(problem, transmission=replace(transmission, target=target))
+def eased(problem: Problem, done: float) -> Problem:
+    """The problem at a part of the way, from 0 to 1."""
+    return replace(problem, rigid=FULL ** (1.0 - done) * problem.rigid)

@@ -13,6 +13,9 @@ HALVINGS = 6
 PATIENCE = 3
 """Steps without a smaller residual after which a step is taken as far only as it helps."""
 
+HOPELESS = 20
+"""Steps without a smaller residual after which no more are taken."""
+
 LOOSEST = 0.3
 GOLDEN = 0.5 * (1.0 + 5.0**0.5)
 """Loosest relative residual of the linear system of a step, and the order that steps aim at."""
@@ -72,6 +75,8 @@ def newton_steps(
             return at, taken, Status.DIVERGED
         if at.residual < 0.9 * least:
             least, since = at.residual, taken
+        if taken - since > HOPELESS:
+            return at, taken, Status.OUT_OF_ITERATIONS
         if taken < steps:
             stalled = taken - since >= PATIENCE
             goal = SHARP if stalled else forcing(at.residual, before, tolerance)
