@@ -142,9 +142,7 @@ def _method(model: Model) -> str:
     if model.scene.solver.method != "auto" or not model.transmits:
         return model.scene.solver.method
     if any(model.free):
-        return (
-            "auto: newton; where that fails, between creepages with too much force and too little"
-        )
+        return "auto: newton; where that fails, by creepages in place of a force"
     return "auto: newton; where that fails, continued in the creepage from full slip; then anderson"
 
 
