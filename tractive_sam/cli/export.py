@@ -65,14 +65,21 @@ def export(
     from tractive_sam.store import check_volume
 
     output = output or Path(f"{Path(source).stem}-{body}.vtkhdf")
-    options = {"body": body.value, "revolution": revolution, "depth": depth, "elements": elements}
     with bad_input_told():
         check_volume(output, overwrite=True)
         try:
             with warnings_told():
                 opened = _opened(source, settings, revolution)
                 try:
-                    export_volume(opened, output, overwrite=True, **options)
+                    export_volume(
+                        opened,
+                        output,
+                        body=body.value,
+                        revolution=revolution,
+                        depth=depth,
+                        elements=elements,
+                        overwrite=True,
+                    )
                 except (LookupError, ValueError) as error:
                     raise stop(Status.INVALID, f"{source}: {error}") from None
         except KeyboardInterrupt:

@@ -98,7 +98,7 @@ def _progress() -> Iterator[Callable[["Progress"], None] | None]:
 
 
 def _tell(now: "Progress") -> None:
-    if now.case is None:
+    if now.case is None or now.outcome is None:
         say(f"{now.cases} cases, {now.ended} of them complete already")
         return
     spent = f"{now.outcome.seconds:.3g} s on {now.outcome.worker or 'no worker'}"

@@ -208,8 +208,9 @@ def _entries(value: Any) -> Any:
 def _item_of(info: FieldInfo) -> type[Table] | None:
     """The type of the tables in an array of them."""
     first = next(iter(get_args(info.annotation)), None)
-    is_array = get_origin(info.annotation) is tuple and isinstance(first, type)
-    return first if is_array and issubclass(first, Table) else None
+    if get_origin(info.annotation) is tuple and isinstance(first, type):
+        return first if issubclass(first, Table) else None
+    return None
 
 
 def _table_of(info: FieldInfo) -> type[Table] | None:
@@ -225,7 +226,8 @@ def _table_of(info: FieldInfo) -> type[Table] | None:
 @functools.cache
 def _adapter(table: type[Table], key: str) -> TypeAdapter[Any]:
     info = table.model_fields[key]
-    return TypeAdapter(Annotated[info.annotation, key, *info.metadata], config=_CONFIG)
+    kind: Any = Annotated[info.annotation, key, *info.metadata]  # made while it runs
+    return TypeAdapter(kind, config=_CONFIG)
 
 
 def _plain(value: Any) -> Any:

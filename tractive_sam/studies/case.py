@@ -78,14 +78,16 @@ def cases(study: Study) -> list[Case]:
     >>> len(cases(ts.Study(scene="twin-discs", axis=[angles, loads])))
     6
     """
-    found, faults, seen = [], {}, {}
+    found: list[Case] = []
+    faults: dict[tuple[str, str], list[tuple[Fault, Case]]] = {}
+    seen: dict[str, Case] = {}
     contents = cache(_contents)
     for number, changes in enumerate(_changes(study)):
         try:
             scene = study.scene.replace(**changes)
             case = Case(number, changes, scene, _digest(scene, contents))
         except SceneError as error:
-            case, told = Case(number, changes, study.scene, ""), error.faults
+            case, told = Case(number, changes, study.scene, ""), list(error.faults)
         except GapError as error:
             case = Case(number, changes, study.scene, "")
             told = [Fault(error.key, error.given, error.allowed)]

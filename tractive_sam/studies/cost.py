@@ -98,8 +98,8 @@ def _models(found: list[Case]) -> list[Model]:
     models = []
     for case in found:
         gap = case.scene.gap
-        from_file = gap is not None and gap.file is not None
-        measured = read(gap.file) if from_file else measured_gap(case.scene)
+        from_file = gap.file if gap is not None else None
+        measured = read(from_file) if from_file is not None else measured_gap(case.scene)
         models.append(Model(case.scene, measured))
     return models
 

@@ -201,7 +201,7 @@ class StudyResults:
             for one in study.dimensions
             for key, column in one.columns.items()
         }
-        variables = {
+        variables: dict[str, tuple[Any, ...]] = {
             name: (
                 dims,
                 self.column(name, revolution).reshape(shape),
