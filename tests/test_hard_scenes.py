@@ -83,10 +83,7 @@ few = settings(max_examples=25, deadline=None)  # the first ones compile
 
 
 def residual(contact):
-    """The natural residual, by plain sums over the fields reported.
-
-    Each problem's own, or that of both at once where they are coupled.
-    """
+    """The natural residual of either problem, by plain sums over the fields reported."""
     model = Model(contact.scene, _gap(contact.scene), contact.grid)
     units, frame, grid = model.units, model.frame, contact.grid
     mesh = Mesh(grid.elements, grid.dx, grid.dy)
@@ -103,8 +100,6 @@ def residual(contact):
     nearest = np.empty_like(traction)
     friction.project(traction - opposed, pressure, nearest)
     normal, tangential = size(np.minimum(pressure, gap)), size(nearest - traction)
-    if model.dissimilar:
-        return np.hypot(normal, tangential) / np.hypot(size(pressure), size(traction))
     return max(normal / size(pressure), tangential / max(size(nearest), 1e-300))
 
 

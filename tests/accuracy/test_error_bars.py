@@ -115,3 +115,14 @@ def test_every_level_is_recognised_by_its_mesh():
         assert levels.of(levels.grid(level)) == level
     with pytest.raises(LookupError):
         levels.of(Levels(ts.Scene.builtin("spheres"), None).grid(0))
+
+
+def test_tractions_tiny_beside_the_pressure_take_no_finer_mesh():
+    """Bodies of moduli that differ by 1e-6, and a creepage of 1e-7: some 1e-5 of the pressure."""
+    scene = ts.Scene.builtin("spheres").replace(
+        **{"body.B.shear": 1.000001, "creepage.longitudinal": -1e-7},
+        **{"accuracy.tolerance": 1e-2, "grid": None, "subsurface": None},
+    )
+    contact = ts.solve(scene)
+    usual = Model(scene).grid
+    assert math.prod(contact.grid.elements) <= 2 * math.prod(usual.elements)

@@ -5,6 +5,7 @@ import pytest
 
 from tests.conftest import steady
 from tests.operators.test_half_space import dense
+from tests.test_hard_scenes import residual
 from tractive_sam.contact import Model
 from tractive_sam.operators import STAGGERED, Mesh
 from tractive_sam.operators.stencil import edge_normals
@@ -102,3 +103,26 @@ def staggered(contact, face, gap):
     inside = (np.roll(p, -1, axis=0) > 0) & (np.roll(p, -2, axis=0) > 0)
     opposed = np.where(inside & (agreement >= 0.75), centre, np.nan)
     return 0.5 * (face + behind), asked, opposed
+
+
+NEARLY_ALIKE = ("body.B.shear=1.000001", "creepage.longitudinal=-1e-7")
+"""Spheres whose tractions are some 1e-5 of the pressure."""
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 1e-6])
+@pytest.mark.parametrize("bodies", [(), NEARLY_ALIKE, ("body.B.shear=8.0", "body.B.poisson=0.45")])
+def test_the_residual_is_the_larger_of_both_problems_own(bodies, tolerance):
+    """However small the tractions are beside the pressure."""
+    contact = steady("spheres", *bodies, f"solver.tolerance={tolerance}", elements=13)
+    assert contact.converged
+    # Sizes differ by what is missed: at most the tolerance.
+    assert residual(contact) == pytest.approx(contact.residual, rel=1e-2)
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
+def test_tractions_that_are_tiny_beside_the_pressure_are_solved_for(tolerance):
+    rough = steady("spheres", *NEARLY_ALIKE, f"solver.tolerance={tolerance}", elements=41)
+    close = steady("spheres", *NEARLY_ALIKE, "solver.tolerance=1e-10", elements=41)
+    assert np.abs(close.traction).max() < 1e-4 * close.p_max
+    # Smooth parts of the slip are small against those of one element: a few times the residual.
+    assert rough.Qx == pytest.approx(close.Qx, rel=10 * tolerance)

@@ -11,7 +11,7 @@ import numpy as np
 from tractive_sam.kernels import friction
 from tractive_sam.solvers.gmres import gmres
 from tractive_sam.solvers.newton_steps import damped, newton_steps, precision
-from tractive_sam.solvers.outcome import Cost, Outcome
+from tractive_sam.solvers.outcome import Cost, Outcome, relative
 from tractive_sam.solvers.problem import CoupledProblem
 
 STEPS = 60
@@ -19,9 +19,13 @@ KRYLOV = 150
 
 
 class _Iterate:
-    """Pressure, tractions, approach, creepages, and what the contact conditions say of them."""
+    """Pressure, tractions, approach, creepages, and what the contact conditions say of them.
 
-    def __init__(self, problem: CoupledProblem, pressure, traction, approach, creepage):
+    Tractions may be tiny beside the pressure: they and their slip count `ratio` times, the size of
+    the pressure over theirs. The merit counts them as many times as asked for.
+    """
+
+    def __init__(self, problem: CoupledProblem, pressure, traction, approach, creepage, ratio=1.0):
         shape = pressure.shape
         self.pressure = np.maximum(pressure, 0.0)
         self.traction = np.empty_like(traction)
@@ -39,7 +43,7 @@ class _Iterate:
         self.kappa = np.empty(shape)
         self.across = np.empty((2, 2, *shape))
         self.defect = np.empty((2, *shape))
-        squares, merit = friction.linearise(
+        squares, self._tangential = friction.linearise(
             self.traction,
             self.friction_slip.sticking(self.slip, self.traction),
             self.pressure,
@@ -51,19 +55,29 @@ class _Iterate:
             self.across,
             self.defect,
         )
-        normal = np.sum(np.minimum(self.pressure, self.gap) ** 2)
-        # Resultants missed count as if spread evenly over the contact.
+        # Resultants, given and missed, count as if spread evenly over the contact.
         self.load_missed = 0.0 if problem.load is None else problem.load - self.pressure.sum()
         self.force_missed = problem.transmission.target - problem.transmission.force(self.traction)
         elements = max(np.count_nonzero(self.active), 1)
-        normal += (self.load_missed**2 + np.sum(self.force_missed**2)) / elements
-        squares += normal
-        self.merit = np.sqrt(merit + normal)
-        size = np.hypot(np.linalg.norm(self.pressure), np.linalg.norm(self.traction))
-        self.residual = np.sqrt(squares) / size if size > 0.0 else np.sqrt(squares)
+        missed = np.sum(self.force_missed**2) / elements
+        self._normal = np.sum(np.minimum(self.pressure, self.gap) ** 2)
+        self._normal += self.load_missed**2 / elements
+        self._tangential += missed
+        size = np.linalg.norm(self.pressure)
+        asked = np.linalg.norm(problem.transmission.target) / np.sqrt(elements)
+        drag = max(np.linalg.norm(self.traction + self.defect), asked)
+        self.residual = max(
+            relative(np.sqrt(self._normal), size), relative(np.sqrt(squares + missed), drag)
+        )
+        self.ratio = max(size / drag, 1.0) if drag > 0.0 else 1.0
+        self.merit = self.merit_by(ratio)
         # An element about to leave takes its traction along.
         self.leaving = ~self.active & (self.pressure > 0.0)
         self.state[~self.active] = friction.OPEN
+
+    def merit_by(self, ratio: float) -> float:
+        """Size of what the conditions miss, where those of the tractions count `ratio` times."""
+        return float(np.sqrt(self._normal + ratio**2 * self._tangential))
 
 
 class _Linearised:
@@ -103,10 +117,11 @@ class _Linearised:
         friction.tangent_row(
             at.state, at.direction, at.kappa, at.across, at.pressure, step[1:], slip, self._row
         )
+        self._row *= at.ratio
         return np.concatenate((np.where(at.active, response[0], 0.0)[None], self._row))
 
     def _resultants(self, step):
-        sums = list(self.vectors @ step[1:].sum(axis=(1, 2)))
+        sums = list(self.at.ratio * self.vectors @ step[1:].sum(axis=(1, 2)))
         return np.array([step[0].sum(), *sums] if self.under_load else sums)
 
     def _extend(self, response, extra):
@@ -135,10 +150,9 @@ class _Linearised:
             response = self.half_space.coupled(known.astype(self.kind))
             field -= self._rows(np.zeros(self.shape, self.kind), known, response)
         field[0] -= np.where(at.active, at.gap, 0.0)
-        field[1:] += np.where(at.state == friction.OPEN, 0.0, at.defect - known[1:])
-        missed = np.array(
-            [at.load_missed, *at.force_missed] if self.under_load else at.force_missed
-        )
+        field[1:] += at.ratio * np.where(at.state == friction.OPEN, 0.0, at.defect - known[1:])
+        forces = at.ratio * at.force_missed
+        missed = np.array([at.load_missed, *forces] if self.under_load else forces)
         rhs[self.size :] = self.weight * (missed - self._resultants(known))
         return rhs, known
 
@@ -162,7 +176,7 @@ class _Linearised:
             at.kappa,
             self.stiffness,
             own,
-            rows[1:],
+            rows[1:] / at.ratio,
             self._smooth,
             self._rough,
         )
@@ -253,10 +267,11 @@ def coupled_newton(
                 at.traction + length * step[1:],
                 at.approach + length * closer,
                 at.creepage + length * faster,
+                at.ratio,
             )
 
         reach = problem.transmission.reach(at.creepage, faster, at.others)
-        return damped(trial, at.merit, reach, stalled)
+        return damped(trial, at.merit_by(at.ratio), reach, stalled)
 
     at, taken, status = newton_steps(
         _Iterate(problem, pressure, traction, approach, creepage),

@@ -13,6 +13,7 @@ import numpy as np
 
 from tractive_sam.kernels import friction
 from tractive_sam.operators import HalfSpace
+from tractive_sam.solvers.outcome import relative
 from tractive_sam.solvers.problem import CoupledProblem, TangentialProblem
 
 Array = np.ndarray
@@ -161,9 +162,12 @@ class CoupledMap:
         target = np.empty_like(state)
         target[0] = np.maximum(state[0] - gap, 0.0)
         friction.project(state[1:] - opposed, state[0], target[1:])
-        size = np.linalg.norm(target)
-        residual = np.linalg.norm(target - state) / size if size > 0.0 else 0.0
+        missed = target - state
+        residual = max(
+            relative(np.linalg.norm(missed[k]), np.linalg.norm(target[k]))
+            for k in (slice(1), slice(1, None))
+        )
         fields = {"pressure": state[0], "traction": state[1:], "gap": gap, "slip": slip}
         of_gap, of_slip = self.steps
         image = state - np.concatenate(((of_gap * gap)[None], of_slip * opposed))
-        return Evaluation(self.admissible(image), float(residual), fields)
+        return Evaluation(self.admissible(image), residual, fields)

@@ -43,6 +43,11 @@ class Cost:
         return Cost(share * self.applications, share * self.preconditioner)
 
 
+def relative(distance: float, size: float) -> float:
+    """A distance over a size, or the distance itself where there is no size."""
+    return float(distance / size) if size > 0.0 else float(distance)
+
+
 @dataclass(frozen=True)
 class Outcome:
     """Result of a solver, dimensionless; fields of a problem it did not solve are None.
@@ -52,8 +57,9 @@ class Outcome:
     status : Status
         How it ended; only CONVERGED is a solution.
     residual : float
-        Natural residual of the contact conditions, relative to the tractions: the distance of the
-        tractions from their projection, |p - project(p - r)| / |p| with r the gap or the slip.
+        Natural residual of the contact conditions, relative: the distance of the pressure from its
+        projection, |p - project(p - r)| / |p| with r the gap, and that of the tractions, with r the
+        slip, each over its own size; the larger one, where both are solved for.
     iterations : int
         Outer iterations on the finest mesh.
     cost : Cost
