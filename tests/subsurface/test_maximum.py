@@ -30,17 +30,21 @@ def test_interior_of_the_spheres(spheres):
 
 
 @pytest.mark.parametrize(("elements", "printed"), [(31, 0.688), (61, 0.702), (91, 0.710)])
-def test_surface_of_the_spheres_grows_with_the_mesh(elements, printed):
+def test_centres_of_the_spheres_as_another_program_has_them(elements, printed):
     """CONTACT, at the trailing edge; both solve the slip to first order in the element."""
     contact = steady("spheres", 'solver.slip="upwind"', elements=elements)
-    hertz = contact.scene.hertz
+    hertz, grid = contact.scene.hertz, contact.grid
+    ((_, stress),) = stress_volume(contact, [0.0])
+    at_centres = von_mises(stress) / hertz.p0
+    assert at_centres.max() == pytest.approx(printed, abs=1e-3)
+    # Between them and at the edge it is larger.
     found = von_mises_maximum(contact)
-    assert found.surface / hertz.p0 == pytest.approx(printed, abs=1e-3)
+    assert found.surface / hertz.p0 > printed + 0.01
     assert found.value == found.surface
     assert found.at == found.surface_at
     x, y, z = np.divide(found.surface_at, hertz.a)
-    assert x == pytest.approx(-1.0, abs=2.0 * contact.grid.dx / hertz.a)
-    assert y == pytest.approx(0.0, abs=1e-12)
+    assert x == pytest.approx(-1.0, abs=0.5 * grid.dx / hertz.a)
+    assert abs(y) < 0.3
     assert z == 0.0
 
 
@@ -72,16 +76,15 @@ def test_frictionless_is_hertz():
     assert found.value == found.interior
     # (1 - 2 nu) / 2 below the middle of a smooth pressure, von Mises: |-(1 + 2 nu) / 2 + 1|; at
     # the edge the radial tension and the hoop compression make (1 - 2 nu) / sqrt(3).
-    assert found.surface / hertz.p0 == pytest.approx((1 - 2 * 0.28) / np.sqrt(3), rel=0.05)
+    # Where the edge falls within its elements makes 0.01 p0 at most.
+    assert found.surface / hertz.p0 == pytest.approx((1 - 2 * 0.28) / np.sqrt(3), rel=0.03)
 
 
 @pytest.mark.parametrize("body", ["A", "B"])
-def test_values_are_those_of_the_points(spheres, body):
+def test_interior_is_that_of_its_point(spheres, body):
     found = von_mises_maximum(spheres, body)
-    points = [found.interior_at, found.surface_at]
-    np.testing.assert_allclose(
-        von_mises(stress_at(spheres, points, body).T), (found.interior, found.surface), rtol=1e-11
-    )
+    there = von_mises(stress_at(spheres, [found.interior_at], body).T)
+    assert there == pytest.approx(found.interior, rel=1e-11)
 
 
 @pytest.mark.parametrize("body", ["A", "B"])

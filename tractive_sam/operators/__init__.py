@@ -7,6 +7,7 @@ from tractive_sam.operators.influence import Mesh
 from tractive_sam.operators.stencil import STAGGERED, UPWIND, Stencil
 from tractive_sam.operators.stress_layers import StressLayers
 from tractive_sam.operators.stress_plane import StressPlane
+from tractive_sam.operators.surface import surface_stress
 
 __all__ = [
     "STAGGERED",
@@ -19,4 +20,5 @@ __all__ = [
     "Stencil",
     "StressLayers",
     "StressPlane",
+    "surface_stress",
 ]

@@ -114,9 +114,7 @@ FIELDS: dict[str, Quantity] = {
 BODY_SCALARS: dict[str, Quantity] = {
     "von_mises_max": Quantity("MPa", "largest equivalent stress, inside or at the surface"),
     "von_mises_interior": Quantity("MPa", "largest equivalent stress inside the body"),
-    "von_mises_surface": Quantity(
-        "MPa", "largest equivalent stress at the surface, which depends on the mesh"
-    ),
+    "von_mises_surface": Quantity("MPa", "largest equivalent stress at the surface"),
 }
 """One number a body and record, of scenes with [subsurface]."""
 

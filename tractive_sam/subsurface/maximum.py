@@ -6,6 +6,7 @@ import numpy as np
 from scipy.ndimage import maximum_filter
 
 from tractive_sam.contact import Contact
+from tractive_sam.reference import von_mises
 from tractive_sam.subsurface.climb import climb, polish
 from tractive_sam.subsurface.loaded import LoadedBodies
 from tractive_sam.subsurface.pyramid import Pyramid
@@ -38,7 +39,7 @@ class VonMisesMaximum:
         falls from the surface down. One element deep it is a bound: a maximum nearer to the
         surface than that.
     surface, surface_at : float, tuple of float
-        The largest value at the centres of elements at the surface.
+        The largest value at the surface, in the contact and on its edge; see `largest_at_surface`.
 
     Examples
     --------
@@ -63,9 +64,10 @@ def von_mises_maximum(contact: Contact, body: str = "A") -> VonMisesMaximum:
     blocks of at most a quarter of the depth; the last step and the value are exact for the
     tractions on the elements.
 
-    The surface is evaluated at centres of elements only, and its maximum depends on the mesh: where
-    the tangential traction jumps from one element to the next, the stress is infinite on the edge
-    between them. What is nearer to the surface than one element is not looked at.
+    At the surface it is taken between the elements and at the edge of the contact, from differences
+    of displacements: on a mesh, the stress itself is infinite on every edge across which the
+    tangential traction jumps (`subsurface.surface`). From there down to one element deep nothing is
+    looked at.
 
     Parameters
     ----------
@@ -94,10 +96,10 @@ def von_mises_maximum(contact: Contact, body: str = "A") -> VonMisesMaximum:
     if not load.tractions.any():
         return VonMisesMaximum(0.0, _NOWHERE, np.nan, _NOWHERE, 0.0, _NOWHERE)
     levels = StripLevels if contact.grid.line else Pyramid
-    pyramid = levels(contact.grid, load.tractions[0], load.poisson[0])
+    pyramid = levels(contact.grid, load.tractions[0], load.poisson[0], von_mises)
     depths = _search_depths(contact)
     layers = [pyramid.level(0.5 * depth).layer(depth) for depth in depths]
-    surface, surface_at = _largest(pyramid, layers[0])
+    surface, surface_at = pyramid.level(0.0).surface()
     interior, interior_at = _interior(pyramid, depths, layers, surface)
     value, at = (interior, interior_at) if interior > surface else (surface, surface_at)
     return VonMisesMaximum(value, at, interior, interior_at, surface, surface_at)
@@ -122,12 +124,6 @@ def _search_depths(contact: Contact) -> np.ndarray:
     deepest = DEEPEST * min(contact.half_width_x, contact.half_width_y)
     count = max(3, int(np.ceil(np.log(deepest / side) / np.log(GROWTH))) + 1)
     return np.concatenate(([0.0], side * GROWTH ** np.arange(count)))
-
-
-def _largest(pyramid: Pyramid, surface: np.ndarray) -> tuple[float, Point]:
-    level = pyramid.level(0.0)
-    i, j = np.unravel_index(np.argmax(surface), surface.shape)
-    return float(surface[i, j]), (float(level.x[i]), float(level.y[j]), 0.0)
 
 
 def _interior(

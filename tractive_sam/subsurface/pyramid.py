@@ -7,8 +7,8 @@ import numpy as np
 
 from tractive_sam.operators import Grid, Mesh, StressLayers
 from tractive_sam.operators.extent import extent
-from tractive_sam.reference import von_mises
 from tractive_sam.subsurface.points import Patches
+from tractive_sam.subsurface.surface import Criterion, largest_at_surface
 
 FEWEST = 16
 """Fewest blocks across the loaded rectangle."""
@@ -35,6 +35,8 @@ class Level:
         (p_x, p_y, p_n), MPa.
     poisson : float
         Poisson's ratio.
+    criterion : callable
+        Equivalent stress of stresses (6, ...).
     """
 
     x: np.ndarray
@@ -42,11 +44,15 @@ class Level:
     sides: tuple[float, float]
     tractions: np.ndarray
     poisson: float
+    criterion: Criterion
+
+    @property
+    def _mesh(self) -> Mesh:
+        return Mesh((self.x.size, self.y.size), *self.sides)
 
     @cached_property
     def _layers(self) -> StressLayers:
-        mesh = Mesh((self.x.size, self.y.size), *self.sides)
-        return StressLayers(mesh, self.tractions[None], (self.poisson,))
+        return StressLayers(self._mesh, self.tractions[None], (self.poisson,))
 
     @cached_property
     def _patches(self) -> Patches:
@@ -54,11 +60,17 @@ class Level:
 
     def layer(self, depth: float) -> np.ndarray:
         """Equivalent stress at the centres at one depth, shape (n_x, n_y), MPa."""
-        return von_mises(self._layers.at(depth)[0])
+        return self.criterion(self._layers.at(depth)[0])
 
     def at(self, points: np.ndarray) -> np.ndarray:
         """Equivalent stress (n,) at points (n, 3), MPa."""
-        return von_mises(self._patches.stress(points).T)
+        return self.criterion(self._patches.stress(points).T)
+
+    def surface(self) -> tuple[float, tuple[float, float, float]]:
+        """Largest equivalent stress at the surface, MPa, and where, (x, y, 0), mm."""
+        value, i, j = largest_at_surface(self._mesh, self.tractions, self.poisson, self.criterion)
+        x, y = self.x[0] + i * self.sides[0], self.y[0] + j * self.sides[1]
+        return value, (float(x), float(y), 0.0)
 
 
 @dataclass(frozen=True)
@@ -110,6 +122,8 @@ class Pyramid:
         (p_x, p_y, p_n) on one half-space, MPa.
     poisson : float
         Poisson's ratio.
+    criterion : callable
+        Equivalent stress of stresses (6, ...).
 
     Attributes
     ----------
@@ -117,11 +131,11 @@ class Pyramid:
         Number of blocks (m_x, m_y) of the coarsest level; all others divide these.
     """
 
-    def __init__(self, grid: Grid, tractions: np.ndarray, poisson: float):
+    def __init__(self, grid: Grid, tractions: np.ndarray, poisson: float, criterion: Criterion):
         loaded = tractions.any(axis=0)
         x = self._x = _Side(extent(loaded.any(axis=1)), grid.x[0], grid.dx)
         y = self._y = _Side(extent(loaded.any(axis=0)), grid.y[0], grid.dy)
-        self._poisson = poisson
+        self._poisson, self._criterion = poisson, criterion
         self._tractions = np.zeros((3, x.count, y.count))
         self._tractions[:, x.inside, y.inside] = tractions[:, x.loaded, y.loaded]
         self.blocks = (x.count // x.coarsest, y.count // y.coarsest)
@@ -138,7 +152,7 @@ class Pyramid:
         x, y = self._x.centres(bx), self._y.centres(by)
         sides = bx * self._x.step, by * self._y.step
         means = self._tractions.reshape(3, x.size, bx, y.size, by).mean(axis=(2, 4))
-        return Level(x, y, sides, means, self._poisson)
+        return Level(x, y, sides, means, self._poisson, self._criterion)
 
 
 def _power_of_two(most: float) -> int:

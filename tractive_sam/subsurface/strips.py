@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from tractive_sam.kernels import strip_stress
-from tractive_sam.operators import Grid
-from tractive_sam.reference import von_mises
+from tractive_sam.operators import Grid, Mesh
+from tractive_sam.subsurface.surface import Criterion, largest_at_surface
 
 
 @dataclass(frozen=True)
@@ -74,11 +74,14 @@ class StripLevels:
         (p_x, p_y, p_n) on one half-space, MPa.
     poisson : float
         Poisson's ratio.
+    criterion : callable
+        Equivalent stress of stresses (6, ...).
     """
 
-    def __init__(self, grid: Grid, tractions: np.ndarray, poisson: float):
+    def __init__(self, grid: Grid, tractions: np.ndarray, poisson: float, criterion: Criterion):
         self.x, self.y = grid.x, grid.y
         self.blocks = grid.elements
+        self._tractions, self._criterion = tractions, criterion
         self._strips = Strips.on_grid(grid, tractions, poisson)
 
     def level(self, longest: float) -> "StripLevels":
@@ -92,4 +95,12 @@ class StripLevels:
 
     def at(self, points: np.ndarray) -> np.ndarray:
         """Equivalent stress (n,) at points (n, 3), MPa."""
-        return von_mises(self._strips.stress(points).T)
+        return self._criterion(self._strips.stress(points).T)
+
+    def surface(self) -> tuple[float, tuple[float, float, float]]:
+        """Largest equivalent stress at the surface, MPa, and where, (x, 0, 0), mm."""
+        strips = self._strips
+        # Strain does not depend on where displacement is zero.
+        mesh = Mesh(self.blocks, strips.width, 1.0, datum=strips.width)
+        value, i, _ = largest_at_surface(mesh, self._tractions, strips.poisson, self._criterion)
+        return value, (float(self.x[0] + i * strips.width), 0.0, 0.0)

@@ -1,0 +1,95 @@
+"""Stress at the surface of a half-space, from the displacements that tractions on a mesh cause."""
+
+from functools import lru_cache
+
+import numpy as np
+
+from tractive_sam.operators import influence
+from tractive_sam.operators.influence import Mesh
+from tractive_sam.reference import Material, combine
+
+
+def surface_stress(mesh: Mesh, tractions: np.ndarray, poisson: float) -> np.ndarray:
+    """Stress at the corners of the elements: its means over rectangles from centre to centre.
+
+    With tractions constant on elements the stress is infinite at every edge across which the
+    tangential one jumps; the displacement is not. Its differences between centres are means of the
+    strain, and Hooke's law with the mean of the tractions makes them stress. Displacement at
+    centres is what the contact conditions are met with: the error of each traction is the one that
+    makes it right there.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Elements (n_x, n_y), or strips; lengths in mm.
+    tractions : ndarray, shape (3, n_x, n_y)
+        (p_x, p_y, p_n) acting on the half-space z >= 0, MPa.
+    poisson : float
+        Poisson's ratio.
+
+    Returns
+    -------
+    ndarray, shape (6, n_x - 1, n_y - 1), of strips (6, n_x - 1, 1)
+        In the order of `kernels.stress.COMPONENTS`, MPa: of corners that four elements share, or
+        of edges that two strips do.
+    """
+    p_x, p_y, p_n = between(tractions)
+    (xx, yx), (xy, yy) = _gradients(mesh, _displacements(mesh, tractions, poisson))
+    # Displacements are those of unit shear modulus.
+    plane, out = 2.0 / (1.0 - poisson), poisson / (1.0 - poisson) * p_n
+    stress = (
+        plane * (xx + poisson * yy) - out,
+        plane * (yy + poisson * xx) - out,
+        -p_n,
+        xy + yx,
+        -p_x,
+        -p_y,
+    )
+    return np.stack(stress)
+
+
+def between(fields: np.ndarray) -> np.ndarray:
+    """Means (..., n_x - 1, n_y - 1) at the corners of elements, or (..., n_x - 1, 1) of strips."""
+    return _mean(_mean(fields, -1), -2)
+
+
+def slopes(fields: np.ndarray, dx: float, dy: float) -> np.ndarray:
+    """Derivatives in x and y, (2, ...), at the corners of elements; as `between`."""
+    in_x = _mean(np.diff(fields, axis=-2), -1) / dx
+    if fields.shape[-1] == 1:
+        return np.stack((in_x, np.zeros_like(in_x)))
+    return np.stack((in_x, _mean(np.diff(fields, axis=-1), -2) / dy))
+
+
+def _mean(fields: np.ndarray, axis: int) -> np.ndarray:
+    if fields.shape[axis] == 1:
+        return fields
+    along = np.moveaxis(fields, axis, -1)
+    return np.moveaxis(0.5 * (along[..., 1:] + along[..., :-1]), -1, axis)
+
+
+def _gradients(mesh: Mesh, displacements: np.ndarray) -> np.ndarray:
+    """d/dx and d/dy of (u_x, u_y), shape (2, 2, ...)."""
+    return slopes(displacements, mesh.dx, mesh.dy)
+
+
+def _displacements(mesh: Mesh, tractions: np.ndarray, poisson: float) -> np.ndarray:
+    """(u_x, u_y) at the centres, of a half-space of unit shear modulus."""
+    xx, xy, yy, xz, yz = _spectra(mesh, poisson)
+    p_x, p_y, p_n = np.fft.rfft2(tractions, s=mesh.padded)
+    u = np.stack((xx * p_x + xy * p_y + 1j * xz * p_n, xy * p_x + yy * p_y + 1j * yz * p_n))
+    nx, ny = mesh.shape
+    return np.fft.irfft2(u, s=mesh.padded)[:, :nx, :ny]
+
+
+@lru_cache(maxsize=2)
+def _spectra(mesh: Mesh, poisson: float) -> tuple[np.ndarray, ...]:
+    """Of the kernels: the even ones have real spectra, the odd ones imaginary."""
+    # A pair in which the other body is rigid displaces by what the one does.
+    body = combine(Material(1.0, poisson), Material(np.inf, poisson))
+
+    def of(component: str) -> np.ndarray:
+        return np.fft.rfft2(influence.displacement(mesh, body, component))
+
+    even = tuple(of(component).real for component in ("xx", "xy", "yy"))
+    return even + tuple(of(component).imag for component in ("xz", "yz"))
