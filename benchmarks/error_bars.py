@@ -19,8 +19,8 @@ from scipy.stats import qmc
 from timing import show, write
 
 import tractive_sam as ts
-from tractive_sam.accuracy import Levels, with_tolerances
 from tractive_sam.contact import Model, fitted
+from tractive_sam.run.accuracy import Levels, with_tolerances
 from tractive_sam.subsurface import von_mises_maxima
 
 LOAD, STEEL = 1000.0, 208e3

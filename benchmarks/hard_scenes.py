@@ -22,9 +22,9 @@ from timing import show, write
 from tractive_sam.contact import Model, equilibrium
 from tractive_sam.contact.guess import Guess
 from tractive_sam.contact.in_sequence import solve_normal, solve_tangential
-from tractive_sam.pipeline import measured_gap
+from tractive_sam.results.status import Status
+from tractive_sam.run.pipeline import measured_gap
 from tractive_sam.scene import Scene
-from tractive_sam.solvers import Status
 from tractive_sam.solvers.anderson import anderson
 from tractive_sam.solvers.fixed_point import ANDERSON_STEP, UZAWA_STEP, CoupledMap
 from tractive_sam.solvers.load_control import under_load

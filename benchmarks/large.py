@@ -23,8 +23,8 @@ def alone(n: int) -> dict:
     import resource  # noqa: PLC0415 - not on every machine
 
     import tractive_sam as ts  # noqa: PLC0415
-    from tractive_sam import explain  # noqa: PLC0415
     from tractive_sam.contact import Model  # noqa: PLC0415
+    from tractive_sam.run import explain  # noqa: PLC0415
 
     scene = ts.Scene.builtin("spheres").with_set(
         [f"grid.elements=[{n}, {n}]", "solver.tolerance=1e-6"]

@@ -25,7 +25,8 @@ from matplotlib.figure import Figure
 from timing import RESULTS, show, write
 
 from tractive_sam.contact import Model
-from tractive_sam.record import History, record
+from tractive_sam.results.history import History
+from tractive_sam.results.record import record
 from tractive_sam.rolling.passage import Passage, next_passage, passage_at, unworn
 from tractive_sam.rolling.response import wear_response
 

@@ -22,10 +22,12 @@ import numpy as np
 import pyfftw
 from timing import seconds, show, write
 
-from tractive_sam.contact import Contact, Model, equilibrium
-from tractive_sam.operators import Grid, Mesh, StressLayers, StressPlane
+from tractive_sam.contact import Model, equilibrium
+from tractive_sam.operators import Mesh, StressLayers, StressPlane
 from tractive_sam.operators.fft import padded_length
 from tractive_sam.operators.stress_fft import edge_transform, layer_transform
+from tractive_sam.results.grid import Grid
+from tractive_sam.results.state import Contact
 from tractive_sam.scene import Scene
 from tractive_sam.subsurface import stress_on_plane, stress_volume, von_mises_maximum
 from tractive_sam.subsurface.loaded import LoadedBodies

@@ -20,7 +20,8 @@ from timing import RESULTS, show, write
 
 import tractive_sam as ts
 from tractive_sam import plot
-from tractive_sam.reference import full_slip_force, giwm
+from tractive_sam.mechanics.full_slip import full_slip_force
+from tractive_sam.reference import giwm
 
 ANGLES = (0.0, 45.0, 90.0)
 MESHES = ((21, 61), (29, 85), (41, 121), (57, 169), (81, 241))

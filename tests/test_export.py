@@ -8,7 +8,7 @@ import pytest
 
 import tractive_sam as ts
 from tests.conftest import steady
-from tractive_sam.record import record
+from tractive_sam.results.record import record
 
 
 @pytest.fixture(scope="module")

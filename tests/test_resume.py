@@ -11,8 +11,8 @@ import h5py
 import numpy as np
 import pytest
 
-from tractive_sam.pipeline import roll
-from tractive_sam.record import SCALARS
+from tractive_sam.results.quantities import SCALARS
+from tractive_sam.run.pipeline import roll
 from tractive_sam.scene import Scene
 from tractive_sam.store import ResultsError, open_history
 
@@ -155,7 +155,7 @@ def test_a_gap_given_as_arrays_is_resumed(tmp_path):
 
 
 def test_what_cannot_be_written_is_told_before_anything_is_solved(tmp_path, monkeypatch):
-    monkeypatch.setattr("tractive_sam.pipeline.fitted", None)
+    monkeypatch.setattr("tractive_sam.run.pipeline.fitted", None)
     with pytest.raises(ResultsError, match="is not a folder"):
         roll(coarse(), tmp_path / "none" / "a.h5")
     (tmp_path / "a.h5").write_text("something else")

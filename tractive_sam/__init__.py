@@ -38,7 +38,7 @@ drives body A: Q_x > 0 (for dissimilar bodies: one below the creepage of free ro
 one; the environment variable OMP_NUM_THREADS bounds them.
 
 **Names** ``displacement_xz`` is u_x from p_z, and so for every influence coefficient. A trailing
-``~`` in formulas marks the scaled tribological frame of `tractive_sam.operators.Frame`.
+``~`` in formulas marks the scaled tribological frame of `tractive_sam.mechanics.friction.Frame`.
 """
 
 from importlib import import_module

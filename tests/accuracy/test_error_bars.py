@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import tractive_sam as ts
-from tractive_sam.accuracy import Levels
-from tractive_sam.accuracy.error_bars import Sample, relative_error_bars
 from tractive_sam.contact import Model, fitted
+from tractive_sam.run.accuracy import Levels
+from tractive_sam.run.accuracy.error_bars import Sample, relative_error_bars
 from tractive_sam.subsurface import von_mises_maxima
 
 NAMES = ("P", "Qx", "Qy", "Mz", "xi_x", "xi_y", "approach", "p_max", "wear_max")

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from tractive_sam import pipeline
 from tractive_sam.cli import app
-from tractive_sam.operators import Grid
-from tractive_sam.record import FIELDS, PROFILES, SCALARS, Record
+from tractive_sam.results.grid import Grid
+from tractive_sam.results.quantities import FIELDS, PROFILES, SCALARS
+from tractive_sam.results.record import Record
+from tractive_sam.run import pipeline
 from tractive_sam.store import HistoryWriter, open_history
 
 GRID = Grid((1.0, 1.0), (9, 9))

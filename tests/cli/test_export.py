@@ -2,7 +2,7 @@ import h5py
 import pytest
 
 import tractive_sam as ts
-from tractive_sam import export as exporting
+from tractive_sam.run import export as exporting
 
 SMALL = ("--set", "grid.elements=[15, 15]")
 

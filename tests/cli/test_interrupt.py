@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from tractive_sam import interrupt
-from tractive_sam.pipeline import roll
+from tractive_sam.run.pipeline import roll
 from tractive_sam.scene import Scene
 from tractive_sam.store import open_history
 
@@ -129,7 +129,7 @@ def ended(folder, module, one, times=1):
     [
         *(("typer", one) for one in interrupt.SIGNALS),
         ("numba", signal.SIGINT),
-        ("tractive_sam.pipeline", signal.SIGTERM),
+        ("tractive_sam.run.pipeline", signal.SIGTERM),
     ],
 )
 def test_while_loading(folder, module, one):

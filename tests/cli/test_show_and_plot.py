@@ -7,7 +7,7 @@ import pytest
 
 from tractive_sam import plot
 from tractive_sam.cli.plot import Format
-from tractive_sam.operators import Grid
+from tractive_sam.results.grid import Grid
 from tractive_sam.store import HistoryWriter, open_history
 
 

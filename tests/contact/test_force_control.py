@@ -8,8 +8,8 @@ import pytest
 from tests.conftest import steady
 from tractive_sam.contact import Model, together
 from tractive_sam.contact.message import message
+from tractive_sam.results.status import Status
 from tractive_sam.scene import SceneError
-from tractive_sam.solvers import Status
 
 
 @pytest.mark.parametrize("bodies", [(), ("body.B.shear=8.0", "body.B.poisson=0.45")])

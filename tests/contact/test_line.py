@@ -8,8 +8,8 @@ from scipy.optimize import brentq
 
 from tests.conftest import size
 from tractive_sam.contact import Model, equilibrium, grown
-from tractive_sam.operators import Grid
 from tractive_sam.reference import Carter, bentall_johnson_creepage
+from tractive_sam.results.grid import Grid
 from tractive_sam.scene import Scene
 
 MU = 0.3

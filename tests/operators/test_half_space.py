@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from tractive_sam.kernels.rectangle import integrals
-from tractive_sam.operators import Frame, HalfSpace, Mesh
+from tractive_sam.mechanics.friction import Frame
+from tractive_sam.mechanics.material import Material, combine
+from tractive_sam.operators import HalfSpace, Mesh
 from tractive_sam.operators.fft import padded_length
-from tractive_sam.reference import Material, combine
 
 MESH = Mesh((7, 5), 0.3, 0.2)
 PAIR = combine(Material(2.0, 0.1), Material(5.0, 0.4))

@@ -3,9 +3,9 @@
 import numpy as np
 
 from tests.operators.test_half_space import dense
+from tractive_sam.mechanics.material import Material, combine
 from tractive_sam.operators import Mesh
 from tractive_sam.operators.rows import row_compliance
-from tractive_sam.reference import Material, combine
 
 
 def test_row_compliance_is_a_galerkin_projection():

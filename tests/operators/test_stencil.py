@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from tractive_sam.operators import STAGGERED, UPWIND, Frame, HalfSpace, Mesh
+from tractive_sam.mechanics.friction import Frame
+from tractive_sam.mechanics.material import Material, combine
+from tractive_sam.operators import STAGGERED, UPWIND, HalfSpace, Mesh
 from tractive_sam.operators.stencil import edge_normals
-from tractive_sam.reference import Material, combine
 from tractive_sam.solvers.conjugate_gradients import conjugate_gradients
 from tractive_sam.solvers.problem import NormalProblem
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from tractive_sam.kernels.stress_sum import stress_at
-from tractive_sam.operators import Grid, Mesh, StressLayers, StressPlane
+from tractive_sam.operators import Mesh, StressLayers, StressPlane
+from tractive_sam.results.grid import Grid
 
 GRID = Grid((3.0, 2.0), (13, 10))
 MESH = Mesh(GRID.elements, GRID.dx, GRID.dy)

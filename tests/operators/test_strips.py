@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from tractive_sam.kernels.strip import logarithm, step
-from tractive_sam.operators import Frame, HalfSpace, Mesh
-from tractive_sam.reference import Material, combine
+from tractive_sam.mechanics.friction import Frame
+from tractive_sam.mechanics.material import Material, combine
+from tractive_sam.operators import HalfSpace, Mesh
 
 PAIR = combine(Material(2.0, 0.1), Material(5.0, 0.4))
 LENGTH = 1.7

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_info
 
+from tractive_sam.mechanics.material import Material, combine
 from tractive_sam.operators import HalfSpace, Mesh, StressLayers, threads
-from tractive_sam.reference import Material, combine
 
 
 def test_threads_do_not_disturb_each_other():

@@ -4,8 +4,10 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from tractive_sam.record import FIELDS, POINTS, PROFILES, SCALARS, History, Record
-from tractive_sam.reference import HertzContact
+from tractive_sam.mechanics.hertz import HertzContact
+from tractive_sam.results.history import History
+from tractive_sam.results.quantities import FIELDS, POINTS, PROFILES, SCALARS
+from tractive_sam.results.record import Record
 
 HERTZ = HertzContact(a=0.5, b=0.8, p0=900.0, approach=0.01, load=754.0)
 TOML = (

@@ -5,7 +5,7 @@ import pytest
 from tests.plot import strip_theory as strips
 from tests.plot.test_figures import drawn, labels
 from tractive_sam import plot
-from tractive_sam.pipeline import roll
+from tractive_sam.run.pipeline import roll
 from tractive_sam.scene import Scene
 
 OF_A_STATE = (plot.line_pressure, plot.line_traction, plot.line_slip)

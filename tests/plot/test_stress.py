@@ -8,7 +8,8 @@ from tests.conftest import steady
 from tractive_sam import plot
 from tractive_sam.plot import gallery
 from tractive_sam.plot.summits import summits
-from tractive_sam.record import History, record
+from tractive_sam.results.history import History
+from tractive_sam.results.record import record
 from tractive_sam.subsurface import stress_on_plane, stress_on_planes, von_mises_maximum
 
 

@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from tractive_sam.reference import line_pressure_stress, line_shear_stress, von_mises
+from tractive_sam.mechanics.invariants import von_mises
+from tractive_sam.reference import line_pressure_stress, line_shear_stress
 
 XX, YY, ZZ, XY, XZ, YZ = range(6)
 NU = 0.3

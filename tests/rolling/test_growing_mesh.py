@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from tractive_sam.contact import Model, mesh
-from tractive_sam.operators import Grid
-from tractive_sam.pipeline import roll
+from tractive_sam.results.grid import Grid
 from tractive_sam.rolling import passages
 from tractive_sam.rolling.passage import unworn
+from tractive_sam.run.pipeline import roll
 from tractive_sam.scene import Scene
 
 WEARING = Scene.builtin("twin-discs").with_set(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from tractive_sam.reference import Material, combine
+from tractive_sam.mechanics.material import Material, combine
 from tractive_sam.scene import (
     Bodies,
     Body,

@@ -7,10 +7,10 @@ import pytest
 
 from tests.conftest import size, steady
 from tractive_sam.contact import in_sequence, together
-from tractive_sam.solvers import Status
+from tractive_sam.results.status import Cost, Status
 from tractive_sam.solvers.continuation import eased
 from tractive_sam.solvers.newton import newton
-from tractive_sam.solvers.outcome import Cost, Outcome
+from tractive_sam.solvers.outcome import Outcome
 
 SMALL = ("grid.half_length=[4.08, 4.08]", "grid.elements=[19, 19]")
 DISSIMILAR = (*SMALL, "body.B.shear=8.0", "body.B.poisson=0.45")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import size, steady
-from tractive_sam.solvers import Status
+from tractive_sam.results.status import Status
 
 METHODS = ("uzawa", "anderson", "newton", "auto")
 

@@ -3,9 +3,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tractive_sam.kernels.stress import COMPONENTS
-from tractive_sam.record import BODY_POINTS, BODY_SCALARS, FIELDS, PROFILES, SCALARS, Record
+from tractive_sam.results.plane_stress import PlaneStress
+from tractive_sam.results.quantities import BODY_POINTS, BODY_SCALARS, FIELDS, PROFILES, SCALARS
+from tractive_sam.results.record import Record
 from tractive_sam.scene import Plane
-from tractive_sam.subsurface import PlaneStress
 
 SCENE = 'title = "Twin discs"\n\n[friction]\nmu = [0.6, 0.3]\n'
 REFERENCE = {"a0": 0.28, "b0": 0.45, "p0": 1144.4}

@@ -6,7 +6,7 @@ import pytest
 import xarray as xr
 
 from tests.store.sample_records import REFERENCE, SCENE, make_record, mesh
-from tractive_sam.record import BODY_POINTS, BODY_SCALARS, FIELDS, POINTS, SCALARS
+from tractive_sam.results.quantities import BODY_POINTS, BODY_SCALARS, FIELDS, POINTS, SCALARS
 from tractive_sam.store import HistoryWriter, ResultsError, open_history
 
 

@@ -8,7 +8,8 @@ import pytest
 import xarray as xr
 
 from tests.store.sample_records import SCENE, make_record, mesh, records, with_stress
-from tractive_sam.record import STRESS, History
+from tractive_sam.results.history import History
+from tractive_sam.results.quantities import STRESS
 from tractive_sam.store import HistoryWriter, open_history
 
 

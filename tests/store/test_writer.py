@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from tests.store.sample_records import REFERENCE, SCENE, make_record, mesh, records
-from tractive_sam.record import History
+from tractive_sam.results.history import History
 from tractive_sam.store import HistoryWriter, ResultsError, open_history
 from tractive_sam.store.writer import FIRST_ROWS
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tests.studies.conftest import CREEPAGE, MU, small
-from tractive_sam.pipeline import roll
+from tractive_sam.run.pipeline import roll
 from tractive_sam.store import ResultsError
 from tractive_sam.studies import Study, cases, figures, open_study, save_figures, study
 from tractive_sam.studies.folder import Folder

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tests.studies.conftest import MU, small
-from tractive_sam.pipeline import roll
+from tractive_sam.run.pipeline import roll
 from tractive_sam.store import ResultsError, open_history
 from tractive_sam.studies import (
     Study,

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tractive_sam.operators import Grid
+from tractive_sam.results.grid import Grid
 
 SLICES = 32
 

@@ -9,15 +9,16 @@ from scipy.optimize import minimize_scalar
 
 from tests.conftest import steady
 from tests.subsurface.hertzian import cell_averages, tractions
-from tractive_sam.operators import Grid, Mesh, StressLayers, StressPlane
+from tractive_sam.mechanics.invariants import von_mises
+from tractive_sam.operators import Mesh, StressLayers, StressPlane
 from tractive_sam.reference import (
     circle_pressure_stress,
     circle_shear_stress,
     hertz_axis_stress,
     line_pressure_stress,
     line_shear_stress,
-    von_mises,
 )
+from tractive_sam.results.grid import Grid
 from tractive_sam.subsurface import stress_at, stress_volume
 
 NU = 0.28

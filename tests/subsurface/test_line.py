@@ -6,7 +6,8 @@ import pytest
 from tractive_sam import subsurface
 from tractive_sam.contact import Model, equilibrium
 from tractive_sam.kernels.stress import COMPONENTS
-from tractive_sam.reference import line_pressure_stress, line_shear_stress, von_mises
+from tractive_sam.mechanics.invariants import von_mises
+from tractive_sam.reference import line_pressure_stress, line_shear_stress
 from tractive_sam.scene import Scene
 
 SLIDING = "creepage.longitudinal=-1.0"

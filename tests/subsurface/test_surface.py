@@ -6,14 +6,15 @@ import pytest
 from tests.conftest import steady
 from tests.subsurface.hertzian import cell_averages
 from tractive_sam.contact import Model, equilibrium
-from tractive_sam.operators import Grid, Mesh, surface_stress
+from tractive_sam.mechanics.invariants import von_mises
+from tractive_sam.operators import Mesh, surface_stress
 from tractive_sam.reference import (
     circle_pressure_stress,
     circle_shear_stress,
     line_pressure_stress,
     line_shear_stress,
-    von_mises,
 )
+from tractive_sam.results.grid import Grid
 from tractive_sam.scene import Scene
 from tractive_sam.subsurface import von_mises_maximum
 

@@ -24,7 +24,7 @@ def explain(
 
     A study file is explained, too: its cases, and the time and room that all of them take.
     """
-    from tractive_sam import explain as explanation
+    from tractive_sam.run import explain as explanation
     from tractive_sam.studies import is_study
 
     with bad_input_told():

@@ -10,8 +10,8 @@ from tractive_sam.cli.output import Status, bad_input_told, say, stop, tell, war
 from tractive_sam.cli.scene_input import Settings, read_scene
 
 if TYPE_CHECKING:
-    from tractive_sam.contact import Contact
-    from tractive_sam.record import History
+    from tractive_sam.results.history import History
+    from tractive_sam.results.state import Contact
 
 RESULTS = (".h5", ".hdf5")
 """Suffixes by which a results file is told from a scene."""
@@ -61,7 +61,7 @@ def export(
     ] = None,
 ) -> None:
     """Write the stress in a volume of one body into a file that ParaView opens."""
-    from tractive_sam.export import export_volume
+    from tractive_sam.run.export import export_volume
     from tractive_sam.store import check_volume
 
     output = output or Path(f"{Path(source).stem}-{body}.vtkhdf")
@@ -99,7 +99,7 @@ def _opened(source: str, settings: list[str] | None, revolution: int | None) -> 
         if not history.finished:
             say(("note: ", "bold yellow"), f"{source} is {history.status}: {history.message}")
         return history
-    from tractive_sam.pipeline import solve
+    from tractive_sam.run.pipeline import solve
 
     asked = read_scene(source, settings)
     if revolution is not None:

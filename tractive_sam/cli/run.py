@@ -20,7 +20,7 @@ from tractive_sam.cli.output import (
 from tractive_sam.cli.scene_input import SceneName, Settings, read_scene
 
 if TYPE_CHECKING:
-    from tractive_sam.record import Record
+    from tractive_sam.results.record import Record
     from tractive_sam.scene import Scene
 
 
@@ -47,8 +47,8 @@ def run(
     ] = False,
 ) -> None:
     """Compute a scene, all its revolutions, into a results file."""
-    from tractive_sam import pipeline
     from tractive_sam.cli import tables
+    from tractive_sam.run import pipeline
 
     with bad_input_told():
         asked = read_scene(scene, settings)

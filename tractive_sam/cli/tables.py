@@ -8,7 +8,7 @@ from rich import box
 from rich.table import Table
 
 if TYPE_CHECKING:
-    from tractive_sam.record import History
+    from tractive_sam.results.history import History
 
 COURSE = (
     ("revolution", "N", 1, "d"),
@@ -69,7 +69,7 @@ def energy(history: "History", only_if_open: bool = False) -> str:
 
 def last_record(history: "History") -> Table:
     """The last record, one quantity a row."""
-    from tractive_sam.record import BODY_SCALARS, scalars
+    from tractive_sam.results.quantities import BODY_SCALARS, scalars
 
     table = Table(box=box.SIMPLE_HEAD, show_header=False)
     table.add_column(style="bold")

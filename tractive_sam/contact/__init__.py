@@ -4,7 +4,7 @@ from tractive_sam.contact.equilibrium import equilibrium
 from tractive_sam.contact.fitted import fitted
 from tractive_sam.contact.mesh import choose_grid, grown
 from tractive_sam.contact.model import Gap, Model
-from tractive_sam.contact.result import Contact, NotConverged
+from tractive_sam.results.state import Contact, NotConverged
 
 __all__ = [
     "Contact",

@@ -9,9 +9,10 @@ from tractive_sam.contact.guess import Guess
 from tractive_sam.contact.in_sequence import in_sequence
 from tractive_sam.contact.message import message
 from tractive_sam.contact.model import Model
-from tractive_sam.contact.result import Contact
 from tractive_sam.contact.together import projected, together
-from tractive_sam.solvers.outcome import Outcome, Status
+from tractive_sam.results.state import Contact
+from tractive_sam.results.status import Status
+from tractive_sam.solvers.outcome import Outcome
 
 DepthInPass = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """(p_n in MPa, s/V) -> depth of wear in mm below every element."""

@@ -3,8 +3,8 @@
 from tractive_sam.contact.equilibrium import equilibrium
 from tractive_sam.contact.mesh import grown
 from tractive_sam.contact.model import Model
-from tractive_sam.contact.result import Contact
-from tractive_sam.solvers.outcome import Status
+from tractive_sam.results.state import Contact
+from tractive_sam.results.status import Status
 
 GROWTHS = 8
 """Most enlargements of a mesh that the scene left to us."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tractive_sam.contact.model import Model
-from tractive_sam.contact.result import Contact
+from tractive_sam.results.state import Contact
 
 
 @dataclass(frozen=True)

@@ -6,13 +6,14 @@ import numpy as np
 
 from tractive_sam.contact.guess import Guess
 from tractive_sam.contact.model import Model
+from tractive_sam.results.status import Cost, Status
 from tractive_sam.solvers.anderson import anderson
 from tractive_sam.solvers.bracketing import led
 from tractive_sam.solvers.conjugate_gradients import conjugate_gradients
 from tractive_sam.solvers.fixed_point import ANDERSON_STEP, TangentialMap
 from tractive_sam.solvers.nested import nested_normal, nested_tangential
 from tractive_sam.solvers.newton import newton
-from tractive_sam.solvers.outcome import Cost, Outcome, Status
+from tractive_sam.solvers.outcome import Outcome
 from tractive_sam.solvers.problem import NormalProblem, TangentialProblem
 
 

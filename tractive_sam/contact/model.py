@@ -8,8 +8,10 @@ import numpy as np
 from scipy.interpolate import Akima1DInterpolator
 
 from tractive_sam.contact.mesh import choose_grid
-from tractive_sam.contact.wear_law import WearLaw
-from tractive_sam.operators import STAGGERED, UPWIND, Frame, Grid, HalfSpace, Mesh, Stencil
+from tractive_sam.mechanics.friction import Frame
+from tractive_sam.mechanics.wear import WearLaw
+from tractive_sam.operators import STAGGERED, UPWIND, HalfSpace, Mesh, Stencil
+from tractive_sam.results.grid import Grid
 from tractive_sam.scene import Scene, SceneWarning
 from tractive_sam.solvers.problem import Transmission
 

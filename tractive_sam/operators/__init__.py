@@ -1,13 +1,14 @@
 """Linear maps from tractions to displacement and slip: planned once, applied many times."""
 
+from tractive_sam.mechanics.friction import Frame
 from tractive_sam.operators.convolution import Convolution
-from tractive_sam.operators.grid import Grid
-from tractive_sam.operators.half_space import Frame, HalfSpace
+from tractive_sam.operators.half_space import HalfSpace
 from tractive_sam.operators.influence import Mesh
 from tractive_sam.operators.stencil import STAGGERED, UPWIND, Stencil
 from tractive_sam.operators.stress_layers import StressLayers
 from tractive_sam.operators.stress_plane import StressPlane
 from tractive_sam.operators.surface import surface_stress
+from tractive_sam.results.grid import Grid
 
 __all__ = [
     "STAGGERED",

@@ -13,9 +13,9 @@ from functools import lru_cache
 import numpy as np
 
 from tractive_sam.kernels.tables import quadrant
+from tractive_sam.mechanics.material import CombinedMaterial
 from tractive_sam.operators.fft import fast_length, padded_length
 from tractive_sam.operators.strips import strip_coefficients
-from tractive_sam.reference import CombinedMaterial
 
 COMPONENTS = ("xx", "xy", "yy", "zz", "xz", "yz")
 """The six independent kernels; A_zx = -A_xz and A_zy = -A_yz (reciprocity)."""

@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from tractive_sam.mechanics.material import CombinedMaterial
 from tractive_sam.operators import influence
 from tractive_sam.operators.influence import Mesh
-from tractive_sam.reference import CombinedMaterial
 
 
 def row_compliance(mesh: Mesh, material: CombinedMaterial, contact: np.ndarray) -> np.ndarray:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from tractive_sam.kernels.strip import logarithm, step
-from tractive_sam.reference import CombinedMaterial
+from tractive_sam.mechanics.material import CombinedMaterial
 
 
 def strip_coefficients(

@@ -4,9 +4,9 @@ from functools import lru_cache
 
 import numpy as np
 
+from tractive_sam.mechanics.material import Material, combine
 from tractive_sam.operators import influence
 from tractive_sam.operators.influence import Mesh
-from tractive_sam.reference import Material, combine
 
 
 def surface_stress(mesh: Mesh, tractions: np.ndarray, poisson: float) -> np.ndarray:

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from tractive_sam import plot
-from tractive_sam.contact import Contact
+from tractive_sam.mechanics.full_slip import full_slip_force
 from tractive_sam.paper.finding import (
     Finding,
     Picture,
@@ -17,14 +17,14 @@ from tractive_sam.paper.finding import (
     listed,
 )
 from tractive_sam.paper.scenes import ANGLES, ANGLES_TOLD, orthotropic_spheres, spheres
-from tractive_sam.pipeline import solve
 from tractive_sam.reference import (
     creep_parameter,
-    full_slip_force,
     kalker_simplified,
     linear_creep_forces,
     vermeulen_johnson,
 )
+from tractive_sam.results.state import Contact
+from tractive_sam.run.pipeline import solve
 from tractive_sam.scene import Scene
 
 LAST = 1.3

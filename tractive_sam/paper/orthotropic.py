@@ -5,11 +5,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from tractive_sam import plot
-from tractive_sam.contact import Contact
 from tractive_sam.paper.finding import Finding, Picture, Statement, Table, Verdict, Work, listed
 from tractive_sam.paper.scenes import ANGLES, orthotropic_spheres
-from tractive_sam.pipeline import solve
-from tractive_sam.subsurface import VonMisesMaximum, stress_on_plane, von_mises_maximum
+from tractive_sam.results.maximum import VonMisesMaximum
+from tractive_sam.results.state import Contact
+from tractive_sam.run.pipeline import solve
+from tractive_sam.subsurface import stress_on_plane, von_mises_maximum
 
 PAPER_INTERIOR = 0.6
 """Largest equivalent stress inside, over p_0, of the paper: given to one digit."""

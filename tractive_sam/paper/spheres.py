@@ -5,11 +5,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from tractive_sam import plot
-from tractive_sam.contact import Contact
 from tractive_sam.paper.finding import Finding, Picture, Statement, Table, Verdict, Work, percent
 from tractive_sam.paper.scenes import spheres
-from tractive_sam.pipeline import solve
 from tractive_sam.plot.summits import summits
+from tractive_sam.results.state import Contact
+from tractive_sam.run.pipeline import solve
 from tractive_sam.subsurface import stress_on_plane
 
 PAPER_FORCE = 0.657

@@ -15,7 +15,7 @@ from tractive_sam.plot.map import BOTTOM, LEFT, RIGHT, Map, paper, placed
 from tractive_sam.plot.profiles import chosen
 from tractive_sam.plot.state import State
 from tractive_sam.plot.style import BLUE, MICRON, PRESSURE, WIDTH, styled
-from tractive_sam.record import History
+from tractive_sam.results.history import History
 
 MOST = 100
 """Pictures of an animation, which are in memory together; of more revolutions some are left out."""

@@ -7,7 +7,8 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike
 
 from tractive_sam.plot.style import GREY, MICRON, WIDTH, styled
-from tractive_sam.record import SCALARS, History, Quantity, scalars
+from tractive_sam.results.history import History
+from tractive_sam.results.quantities import SCALARS, Quantity, scalars
 
 Points = tuple[ArrayLike, ArrayLike]
 
@@ -23,7 +24,7 @@ def compared(
     histories : mapping of str to History
         What the legend says of each.
     name : str
-        A name of `record.SCALARS`: "Qx_over_P", "p_max".
+        A name of `results.quantities.SCALARS`: "Qx_over_P", "p_max".
     reference : mapping of str to pair of array_like, optional
         Revolutions and values of other models or of measurements, in the unit of the record.
 

@@ -8,7 +8,7 @@ from matplotlib.ticker import MaxNLocator
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.stress import NOTE
 from tractive_sam.plot.style import BLUE, VERMILLION, WIDTH, set_title, styled
-from tractive_sam.record import History
+from tractive_sam.results.history import History
 
 
 @styled

@@ -19,7 +19,7 @@ from tractive_sam.plot.profiles import pressure_profiles, wear_profiles, worn_pr
 from tractive_sam.plot.sections import traction_sections
 from tractive_sam.plot.state import State
 from tractive_sam.plot.stress import von_mises_sections
-from tractive_sam.record import History
+from tractive_sam.results.history import History
 
 FORMATS = ("png", "pdf", "svg")
 

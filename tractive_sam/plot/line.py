@@ -10,7 +10,7 @@ from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.sections import MARGIN, section
 from tractive_sam.plot.state import Source, State
 from tractive_sam.plot.style import BLUE, GREY, VERMILLION, WIDTH, set_title, styled
-from tractive_sam.record import History
+from tractive_sam.results.history import History
 
 
 @styled

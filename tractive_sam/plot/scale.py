@@ -2,12 +2,10 @@
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
-from tractive_sam.record import History
-
-if TYPE_CHECKING:  # stored results are to be drawn without loading what computes them
-    from tractive_sam.contact import Contact
+from tractive_sam.results.history import History
+from tractive_sam.results.state import Contact
 
 
 @dataclass(frozen=True)

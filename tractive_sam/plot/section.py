@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,9 +12,7 @@ from matplotlib.ticker import MaxNLocator
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.style import SIGNED, STRESS
 from tractive_sam.plot.summits import Summit, summits
-
-if TYPE_CHECKING:  # stored results are to be drawn without loading what computes them
-    from tractive_sam.subsurface import PlaneStress
+from tractive_sam.results.plane_stress import PlaneStress
 
 SYMBOLS = {"von_mises": r"\sigma_\mathrm{vM}", "max_shear": r"\tau_\mathrm{max}"}
 """Symbols of the quantities that are no components, for math text."""

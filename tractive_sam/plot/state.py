@@ -4,16 +4,14 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Self, TypeAlias
+from typing import Any, Self, TypeAlias
 
 import numpy as np
 from scipy.ndimage import binary_opening
 
 from tractive_sam.plot.scale import Scale
-from tractive_sam.record import History
-
-if TYPE_CHECKING:  # stored results are to be drawn without loading what computes them
-    from tractive_sam.contact import Contact
+from tractive_sam.results.history import History
+from tractive_sam.results.state import Contact
 
 ON_THE_BOUND = 1e-5
 """Distance from the friction bound, over the largest pressure, below which an element slips: well

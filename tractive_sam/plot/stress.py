@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -19,12 +19,10 @@ from tractive_sam.plot.state import State
 from tractive_sam.plot.style import WIDTH, styled
 from tractive_sam.plot.summits import Summit
 from tractive_sam.plot.zones import contact_edge
-from tractive_sam.record import History
-
-if TYPE_CHECKING:  # stored results are to be drawn without loading what computes them
-    from tractive_sam.contact import Contact
-    from tractive_sam.scene import Plane
-    from tractive_sam.subsurface import PlaneStress
+from tractive_sam.results.history import History
+from tractive_sam.results.plane_stress import PlaneStress
+from tractive_sam.results.state import Contact
+from tractive_sam.scene import Plane
 
 Source: TypeAlias = "Contact | History | PlaneStress | Iterable[PlaneStress]"
 """What holds stress on a plane, or lets it be computed."""
@@ -131,7 +129,7 @@ def _resolved(
         stored = [source.stress(body, plane, revolution) for body in bodies]
         return stored, State.of(source, revolution)
     # Stored results are to be drawn without loading what computes them.
-    from tractive_sam.subsurface import PlaneStress, stress_on_planes  # noqa: PLC0415
+    from tractive_sam.subsurface import stress_on_planes  # noqa: PLC0415
 
     if isinstance(source, PlaneStress):
         return [source], None

@@ -4,6 +4,12 @@ Units mm, N, MPa; x is the rolling direction; forces and tractions act on the up
 a negative longitudinal creepage drives it (Q_x > 0). Imports nothing of the package.
 """
 
+from tractive_sam.mechanics.full_slip import full_slip_force, load_to_carry
+from tractive_sam.mechanics.hertz import HertzContact, combined_radius, hertz
+from tractive_sam.mechanics.hertz_line import HertzLine, hertz_line
+from tractive_sam.mechanics.invariants import max_shear, principal_stresses, von_mises
+from tractive_sam.mechanics.material import CombinedMaterial, Material, combine
+
 from .bentall_johnson import bentall_johnson_creepage
 from .carter import Carter
 from .creep_force import (
@@ -12,15 +18,10 @@ from .creep_force import (
     vermeulen_johnson,
     vermeulen_johnson_inverse,
 )
-from .full_slip import full_slip_force, load_to_carry
 from .giwm import GlobalWear, giwm
-from .hertz import HertzContact, combined_radius, hertz
-from .hertz_line import HertzLine, hertz_line
 from .hertz_stress import circle_pressure_stress, circle_shear_stress, hertz_axis_stress
-from .invariants import max_shear, principal_stresses, von_mises
 from .kalker import CreepCoefficients, CreepForces, creep_coefficients, linear_creep_forces
 from .line_stress import line_pressure_stress, line_shear_stress
-from .material import CombinedMaterial, Material, combine
 
 __all__ = [
     "Carter",

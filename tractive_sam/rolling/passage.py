@@ -4,9 +4,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tractive_sam.contact import Contact, Model, equilibrium
-from tractive_sam.operators import Grid
-from tractive_sam.solvers import Cost, Status
+from tractive_sam.contact import Model, equilibrium
+from tractive_sam.results.grid import Grid
+from tractive_sam.results.state import Contact
+from tractive_sam.results.status import Cost, Status
 
 CORRECTIONS = 20
 

@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from tractive_sam.contact import Contact, Model
+from tractive_sam.contact import Model
 from tractive_sam.operators.rows import row_compliance
+from tractive_sam.results.state import Contact
 
 
 def wear_response(model: Model, contact: Contact, closing: float = 0.0) -> np.ndarray:

@@ -5,10 +5,11 @@ from dataclasses import replace
 from time import perf_counter
 
 from tractive_sam.contact import Model, grown
-from tractive_sam.record import Record, record
+from tractive_sam.results.maximum import VonMisesMaximum
+from tractive_sam.results.record import Record, record
 from tractive_sam.rolling.adaptive import adaptive_passages
 from tractive_sam.rolling.passage import Passage, next_passage, off_grid, unworn
-from tractive_sam.subsurface import VonMisesMaximum, stress_on_planes, von_mises_maxima
+from tractive_sam.subsurface import stress_on_planes, von_mises_maxima
 
 GROWTHS = 16
 """Most enlargements of a mesh: to 35 times its width."""

@@ -5,16 +5,10 @@ from __future__ import annotations
 import math
 from typing import ClassVar
 
-from ..reference import (
-    CombinedMaterial,
-    HertzContact,
-    HertzLine,
-    Material,
-    combine,
-    combined_radius,
-    hertz,
-    hertz_line,
-)
+from tractive_sam.mechanics.hertz import HertzContact, combined_radius, hertz
+from tractive_sam.mechanics.hertz_line import HertzLine, hertz_line
+from tractive_sam.mechanics.material import CombinedMaterial, Material, combine
+
 from .alternatives import exactly_one
 from .quantities import Positive, Radius, Real, entry, positive
 from .table import Check, Table

@@ -7,7 +7,10 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, ClassVar
 
-from ..reference import CombinedMaterial, HertzContact, HertzLine, Material
+from tractive_sam.mechanics.hertz import HertzContact
+from tractive_sam.mechanics.hertz_line import HertzLine
+from tractive_sam.mechanics.material import CombinedMaterial, Material
+
 from . import toml
 from .bodies import Bodies
 from .catalogue import builtin_text

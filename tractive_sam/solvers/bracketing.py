@@ -12,8 +12,9 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import brentq
 
+from tractive_sam.results.status import Status
 from tractive_sam.solvers.continuation import Problem, Solve, Start, continued
-from tractive_sam.solvers.outcome import Outcome, Status
+from tractive_sam.solvers.outcome import Outcome
 from tractive_sam.solvers.problem import Transmission
 
 FIRST, GROWTH = 1.0, 8.0

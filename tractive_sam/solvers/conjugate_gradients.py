@@ -7,7 +7,8 @@ iterations on any mesh.
 
 import numpy as np
 
-from tractive_sam.solvers.outcome import Cost, Outcome, Status
+from tractive_sam.results.status import Cost, Status
+from tractive_sam.solvers.outcome import Outcome
 from tractive_sam.solvers.problem import NormalProblem
 
 ITERATIONS = 500

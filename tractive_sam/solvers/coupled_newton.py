@@ -9,9 +9,10 @@ pressure and the upwind sweep (`solvers.newton`) for the tractions.
 import numpy as np
 
 from tractive_sam.kernels import friction
+from tractive_sam.results.status import Cost
 from tractive_sam.solvers.gmres import gmres
 from tractive_sam.solvers.newton_steps import damped, newton_steps, precision
-from tractive_sam.solvers.outcome import Cost, Outcome, relative
+from tractive_sam.solvers.outcome import Outcome, relative
 from tractive_sam.solvers.problem import CoupledProblem
 
 STEPS = 60

@@ -5,8 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from tractive_sam.results.status import Status
 from tractive_sam.solvers.fixed_point import CoupledMap
-from tractive_sam.solvers.outcome import Outcome, Status
+from tractive_sam.solvers.outcome import Outcome
 
 CORRECTIONS = 60
 

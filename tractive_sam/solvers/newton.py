@@ -10,9 +10,10 @@ in the slip zone the sweep includes the local term of the friction law.
 import numpy as np
 
 from tractive_sam.kernels import friction
+from tractive_sam.results.status import Cost
 from tractive_sam.solvers.gmres import gmres
 from tractive_sam.solvers.newton_steps import damped, newton_steps, precision
-from tractive_sam.solvers.outcome import Cost, Outcome
+from tractive_sam.solvers.outcome import Outcome
 from tractive_sam.solvers.problem import TangentialProblem
 
 STEPS = 60

@@ -5,7 +5,7 @@ from typing import Protocol, TypeVar
 
 import numpy as np
 
-from tractive_sam.solvers.outcome import Status
+from tractive_sam.results.status import Status
 from tractive_sam.solvers.problem import Transmission
 
 HALVINGS = 6

@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from tractive_sam.results.status import Cost, Status
 from tractive_sam.solvers.fixed_point import CoupledMap, TangentialMap
-from tractive_sam.solvers.outcome import Cost, Outcome, Status
+from tractive_sam.solvers.outcome import Outcome
 
 ITERATIONS = 100_000
 PATIENCE = 400

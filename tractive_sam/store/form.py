@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import h5py
 
-from tractive_sam.record import (
+from tractive_sam.results.quantities import (
     BODY_POINTS,
     BODY_SCALARS,
     FIELDS,

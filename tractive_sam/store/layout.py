@@ -16,12 +16,13 @@ linked into the groups that need them. The record of a row of /fields and /stres
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import h5py
 import numpy as np
 
-from tractive_sam.record import (
+from tractive_sam.results.grid import Grid
+from tractive_sam.results.plane_stress import PlaneStress
+from tractive_sam.results.quantities import (
     BODY_ERROR_BARS,
     BODY_POINTS,
     BODY_SCALARS,
@@ -32,16 +33,12 @@ from tractive_sam.record import (
     STATE,
     STRESS,
     Quantity,
-    Record,
     error_bars,
     scalars,
 )
+from tractive_sam.results.record import Record
 from tractive_sam.store.rows import SLOTS
 from tractive_sam.store.versions import versions
-
-if TYPE_CHECKING:
-    from tractive_sam.operators import Grid
-    from tractive_sam.subsurface import PlaneStress
 
 FORMAT = "tractive-sam history"
 FORMAT_VERSION = 1

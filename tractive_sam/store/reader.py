@@ -6,7 +6,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from tractive_sam.record import (
+from tractive_sam.results.history import History
+from tractive_sam.results.quantities import (
     BODY_ERROR_BARS,
     BODY_POINTS,
     BODY_SCALARS,
@@ -16,7 +17,6 @@ from tractive_sam.record import (
     PROFILES,
     SCALARS,
     STATE,
-    History,
 )
 from tractive_sam.store import layout
 from tractive_sam.store.form import check_form

@@ -1,12 +1,13 @@
 """The rows of a results file: laid out, filled, and made wider."""
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
 
 import h5py
 import numpy as np
 
-from tractive_sam.record import (
+from tractive_sam.results.grid import Grid
+from tractive_sam.results.history import padded
+from tractive_sam.results.quantities import (
     BODY_ERROR_BARS,
     BODY_POINTS,
     BODY_SCALARS,
@@ -17,12 +18,8 @@ from tractive_sam.record import (
     SCALARS,
     STATE,
     STRESS,
-    Record,
 )
-from tractive_sam.record.history import padded
-
-if TYPE_CHECKING:
-    from tractive_sam.operators import Grid
+from tractive_sam.results.record import Record
 
 SLOTS = 2
 """States kept: that of the last record, and the one that is being written."""

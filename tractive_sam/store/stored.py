@@ -2,15 +2,13 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tractive_sam.record import STRESS
+from tractive_sam.results.plane_stress import PlaneStress
+from tractive_sam.results.quantities import STRESS
+from tractive_sam.scene import Plane
 from tractive_sam.store.opening import results_file
-
-if TYPE_CHECKING:  # results are to be read without loading what computes them
-    from tractive_sam.subsurface import PlaneStress
 
 
 @dataclass(frozen=True)
@@ -64,8 +62,6 @@ class StoredStress:
 
     def __getitem__(self, row: int) -> "PlaneStress":
         """The stress of one record, on the mesh that it was computed on."""
-        from tractive_sam.scene import Plane
-        from tractive_sam.subsurface import PlaneStress
 
         with results_file(self.path) as file:
             group = file["stress"][self.body][self.plane]

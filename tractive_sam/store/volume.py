@@ -19,7 +19,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from tractive_sam.record import Quantity
+from tractive_sam.results.quantities import Quantity
 from tractive_sam.store.errors import ResultsError
 from tractive_sam.store.layout import VERSION_PREFIX
 from tractive_sam.store.replacement import replacement

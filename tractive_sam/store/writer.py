@@ -10,22 +10,19 @@ from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Self
+from typing import Self
 from uuid import uuid4
 
 import numpy as np
+from h5py import File
 
-from tractive_sam.record import Record
+from tractive_sam.results.grid import Grid
+from tractive_sam.results.record import Record
 from tractive_sam.store import layout, rows
 from tractive_sam.store.errors import ResultsError
 from tractive_sam.store.opening import results_file
 from tractive_sam.store.replacement import open_in_place, replacement
 from tractive_sam.store.room import make_room
-
-if TYPE_CHECKING:  # results are to be read without loading what computes them
-    from h5py import File
-
-    from tractive_sam.operators import Grid
 
 RUN = "run"
 """Attribute of a file: the run that writes it."""

@@ -5,10 +5,10 @@ from functools import cache
 
 import numpy as np
 
-from tractive_sam import explain
 from tractive_sam.contact import Model
-from tractive_sam.pipeline import measured_gap
-from tractive_sam.record import FIELDS, PROFILES, SCALARS, STATE, STRESS
+from tractive_sam.results.quantities import FIELDS, PROFILES, SCALARS, STATE, STRESS
+from tractive_sam.run import explain
+from tractive_sam.run.pipeline import measured_gap
 from tractive_sam.store import read_gap
 from tractive_sam.store.rows import SLOTS
 from tractive_sam.studies.case import Case, cases

@@ -10,7 +10,7 @@ import numpy as np
 
 from tractive_sam import interrupt
 from tractive_sam.plot import Variable, study_curves, study_map, study_samples
-from tractive_sam.record import scalars
+from tractive_sam.results.quantities import scalars
 from tractive_sam.studies.axis import SAMPLE
 from tractive_sam.studies.results import StudyResults, title_of
 

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tractive_sam.record import BODY_SCALARS, History, Quantity, scalars
+from tractive_sam.results.history import History
+from tractive_sam.results.quantities import BODY_SCALARS, Quantity, scalars
 from tractive_sam.scene import Scene
 from tractive_sam.store import ResultsError, open_history
 from tractive_sam.studies.case import Case, cases
@@ -41,7 +42,7 @@ class Row:
     file : Path or None
         Its results file, if there is one.
     last : mapping of str to number
-        Its last record, by the names of `record.SCALARS`, and as ``von_mises_max A``; its totals.
+        Its last record, by the names of `SCALARS`, and as ``von_mises_max A``; its totals.
 
     Examples
     --------

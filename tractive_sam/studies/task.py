@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from tractive_sam.record import History
+from tractive_sam.results.history import History
 from tractive_sam.studies.case import Case
 
 COMPLETE, FAILED, HELD = "complete", "failed", "held"

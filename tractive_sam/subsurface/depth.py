@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tractive_sam.contact import Contact
+from tractive_sam.results.state import Contact
 from tractive_sam.scene import Subsurface
 
 

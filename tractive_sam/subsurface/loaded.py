@@ -6,7 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
-from tractive_sam.operators import Grid
+from tractive_sam.results.grid import Grid
 from tractive_sam.scene import Scene
 
 SIGNS = {"A": 1.0, "B": -1.0}

@@ -1,18 +1,15 @@
 """The largest equivalent stress of a body, and where it is."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.ndimage import maximum_filter
 
-from tractive_sam.contact import Contact
-from tractive_sam.reference import von_mises
+from tractive_sam.mechanics.invariants import von_mises
+from tractive_sam.results.maximum import Point, VonMisesMaximum
+from tractive_sam.results.state import Contact
 from tractive_sam.subsurface.climb import climb, polish
 from tractive_sam.subsurface.loaded import LoadedBodies
 from tractive_sam.subsurface.pyramid import Pyramid
 from tractive_sam.subsurface.strips import StripLevels
-
-Point = tuple[float, float, float]
 
 GROWTH = 1.5
 """Ratio of the depths of successive layers of the search."""
@@ -24,36 +21,6 @@ CANDIDATES = 3
 """Local maxima of the search that are looked at more closely."""
 
 _NOWHERE: Point = (np.nan, np.nan, np.nan)
-
-
-@dataclass(frozen=True)
-class VonMisesMaximum:
-    """Largest equivalent stress of von Mises in a body, MPa, and where, (x, y, depth) in mm.
-
-    Attributes
-    ----------
-    value, at : float, tuple of float
-        The larger one of the two below.
-    interior, interior_at : float, tuple of float
-        The largest local maximum at least one element below the surface; nan where the stress
-        falls from the surface down. One element deep it is a bound: a maximum nearer to the
-        surface than that.
-    surface, surface_at : float, tuple of float
-        The largest value at the surface, in the contact and on its edge; see `largest_at_surface`.
-
-    Examples
-    --------
-    >>> top = ts.von_mises_maximum(contact)
-    >>> top.value == max(top.interior, top.surface)
-    True
-    """
-
-    value: float
-    at: Point
-    interior: float
-    interior_at: Point
-    surface: float
-    surface_at: Point
 
 
 def von_mises_maximum(contact: Contact, body: str = "A") -> VonMisesMaximum:

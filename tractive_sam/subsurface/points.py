@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tractive_sam.contact import Contact
 from tractive_sam.kernels import stress_sum
+from tractive_sam.results.state import Contact
 from tractive_sam.subsurface.loaded import LoadedBodies
 from tractive_sam.subsurface.strips import Strips
 

@@ -5,8 +5,9 @@ from functools import cached_property
 
 import numpy as np
 
-from tractive_sam.operators import Grid, Mesh, StressLayers
+from tractive_sam.operators import Mesh, StressLayers
 from tractive_sam.operators.extent import extent
+from tractive_sam.results.grid import Grid
 from tractive_sam.subsurface.points import Patches
 from tractive_sam.subsurface.surface import Criterion, largest_at_surface
 

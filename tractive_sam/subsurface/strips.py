@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from tractive_sam.kernels import strip_stress
-from tractive_sam.operators import Grid, Mesh
+from tractive_sam.operators import Mesh
+from tractive_sam.results.grid import Grid
 from tractive_sam.subsurface.surface import Criterion, largest_at_surface
 
 

@@ -4,10 +4,10 @@ Every mesh has half the elements of the next. The differences between the last t
 the finest may be from the limit (`error_bars`); it is refined until that is within the tolerance.
 """
 
-from tractive_sam.accuracy.course import Judge, judge_of, judge_on
-from tractive_sam.accuracy.judgement import missed_before
-from tractive_sam.accuracy.levels import Levels, with_tolerances
-from tractive_sam.accuracy.steady import Refined, refined
+from tractive_sam.run.accuracy.course import Judge, judge_of, judge_on
+from tractive_sam.run.accuracy.judgement import missed_before
+from tractive_sam.run.accuracy.levels import Levels, with_tolerances
+from tractive_sam.run.accuracy.steady import Refined, refined
 
 __all__ = [
     "Judge",

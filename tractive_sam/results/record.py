@@ -3,22 +3,20 @@
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tractive_sam.record.quantities import BODY_ERROR_BARS, ERROR_BARS
-
-if TYPE_CHECKING:  # results are to be read without loading what computes them
-    from tractive_sam.contact import Contact
-    from tractive_sam.subsurface import PlaneStress, VonMisesMaximum
+from tractive_sam.results.maximum import VonMisesMaximum
+from tractive_sam.results.plane_stress import PlaneStress
+from tractive_sam.results.quantities import BODY_ERROR_BARS, ERROR_BARS
+from tractive_sam.results.state import Contact
 
 Point = tuple[float, ...]
 
 
 @dataclass(frozen=True)
 class Record:
-    """State of one revolution, as numbers and arrays under the names of `record.quantities`.
+    """State of one revolution, as numbers and arrays under the names of `results.quantities`.
 
     Attributes
     ----------

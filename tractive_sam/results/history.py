@@ -5,11 +5,13 @@ import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar
+from typing import Any, Protocol, Self, TypeVar
 
 import numpy as np
 
-from tractive_sam.record.quantities import (
+from tractive_sam.results.grid import Grid
+from tractive_sam.results.plane_stress import PlaneStress
+from tractive_sam.results.quantities import (
     BODY_ERROR_BARS,
     BODY_POINTS,
     BODY_SCALARS,
@@ -19,11 +21,7 @@ from tractive_sam.record.quantities import (
     PROFILES,
     SCALARS,
 )
-from tractive_sam.record.record import Record
-
-if TYPE_CHECKING:  # results are to be read without loading what computes them
-    from tractive_sam.operators import Grid
-    from tractive_sam.subsurface import PlaneStress
+from tractive_sam.results.record import Record
 
 DONE = "done"
 """The `History.status` that means that nothing is missing."""
@@ -43,7 +41,7 @@ class Rows(Protocol[T_co]):
 
 @dataclass(frozen=True)
 class History:
-    """All records of a computation, under the names of `record.quantities`.
+    """All records of a computation, under the names of `results.quantities`.
 
     Attributes
     ----------
@@ -160,7 +158,7 @@ class History:
         return len(self.scalars["revolution"])
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """What was recorded under a name of `record.quantities`, one row a record.
+        """What was recorded under a name of `results.quantities`, one row a record.
 
         Raises
         ------

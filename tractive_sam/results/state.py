@@ -7,9 +7,9 @@ from functools import cached_property
 
 import numpy as np
 
-from tractive_sam.operators import Grid
+from tractive_sam.results.grid import Grid
+from tractive_sam.results.status import Cost, Status
 from tractive_sam.scene import Scene
-from tractive_sam.solvers import Cost, Status
 
 
 class NotConverged(RuntimeError):  # noqa: N818 - the name says what happened

@@ -19,8 +19,8 @@ from typing import Self
 
 import numpy as np
 
-from tractive_sam.contact import Contact
-from tractive_sam.subsurface import VonMisesMaximum
+from tractive_sam.results.maximum import VonMisesMaximum
+from tractive_sam.results.state import Contact
 
 SAFETY = 3.0
 """Error bar over the difference between the last two meshes (benchmarks/error_bars.py)."""

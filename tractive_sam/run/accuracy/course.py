@@ -6,13 +6,14 @@ from functools import cached_property
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from tractive_sam.accuracy.error_bars import Sample, relative_error_bars
-from tractive_sam.accuracy.judgement import judge, worst_of
-from tractive_sam.accuracy.levels import Levels
 from tractive_sam.contact import Gap, Model, fitted
+from tractive_sam.results.maximum import VonMisesMaximum
 from tractive_sam.rolling import Passage, passages
+from tractive_sam.run.accuracy.error_bars import Sample, relative_error_bars
+from tractive_sam.run.accuracy.judgement import judge, worst_of
+from tractive_sam.run.accuracy.levels import Levels
 from tractive_sam.scene import Scene
-from tractive_sam.subsurface import VonMisesMaximum, von_mises_maxima
+from tractive_sam.subsurface import von_mises_maxima
 
 
 class Course:

@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from tractive_sam.contact import Contact
-from tractive_sam.operators import Grid
-from tractive_sam.record import History
+from tractive_sam.results.grid import Grid
+from tractive_sam.results.history import History
+from tractive_sam.results.state import Contact
+from tractive_sam.results.status import Cost, Status
 from tractive_sam.rolling import Milestone, Passage
 from tractive_sam.scene import Scene
-from tractive_sam.solvers import Cost, Status
 from tractive_sam.store import ResultsError, state_of
 
 FREE = (

@@ -1,7 +1,10 @@
-"""What is kept of a computation: plain numbers and arrays with names and units."""
+"""What travels: plain data with names and units, below everything that makes or reads it.
 
-from tractive_sam.record.history import History
-from tractive_sam.record.quantities import (
+A `State` is one solved contact, a `Record` what is kept of it, a `History` all records.
+"""
+
+from tractive_sam.results.history import History
+from tractive_sam.results.quantities import (
     BODY_ERROR_BARS,
     BODY_POINTS,
     BODY_SCALARS,
@@ -16,7 +19,7 @@ from tractive_sam.record.quantities import (
     error_bars,
     scalars,
 )
-from tractive_sam.record.record import Record, record, state
+from tractive_sam.results.record import Record, record, state
 
 __all__ = [
     "BODY_ERROR_BARS",

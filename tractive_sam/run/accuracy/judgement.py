@@ -4,10 +4,10 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from tractive_sam.accuracy.error_bars import Sample, error_bars, off_given, relative_error_bars
-from tractive_sam.accuracy.levels import NEEDED
-from tractive_sam.contact import Contact
-from tractive_sam.record import History
+from tractive_sam.results.history import History
+from tractive_sam.results.state import Contact
+from tractive_sam.run.accuracy.error_bars import Sample, error_bars, off_given, relative_error_bars
+from tractive_sam.run.accuracy.levels import NEEDED
 from tractive_sam.scene import Scene
 
 GOVERNING = ("P", "Qx", "Qy", "Mz", "xi_x", "xi_y", "wear_max")

@@ -12,7 +12,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tractive_sam import interrupt
-from tractive_sam.accuracy import (
+from tractive_sam.contact import Gap, Model, equilibrium, fitted
+from tractive_sam.operators.threads import one_blas_thread
+from tractive_sam.results.grid import Grid
+from tractive_sam.results.history import History
+from tractive_sam.results.record import Record, state
+from tractive_sam.results.state import Contact, NotConverged
+from tractive_sam.results.status import Status
+from tractive_sam.rolling import Passage, passages, recorded
+from tractive_sam.run.accuracy import (
     Judge,
     Levels,
     judge_of,
@@ -21,15 +29,9 @@ from tractive_sam.accuracy import (
     refined,
     with_tolerances,
 )
-from tractive_sam.contact import Contact, Gap, Model, NotConverged, equilibrium, fitted
-from tractive_sam.operators import Grid
-from tractive_sam.operators.threads import one_blas_thread
-from tractive_sam.record import History, Record, state
-from tractive_sam.restart import last_passage
-from tractive_sam.rolling import Passage, passages, recorded
+from tractive_sam.run.resume import last_passage
 from tractive_sam.scene import Scene
 from tractive_sam.scene.quantities import LARGEST
-from tractive_sam.solvers import Status
 from tractive_sam.store import HistoryWriter, check_results, open_history, read_gap
 
 

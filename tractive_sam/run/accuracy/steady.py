@@ -3,12 +3,13 @@
 import math
 from dataclasses import dataclass, replace
 
-from tractive_sam.accuracy.error_bars import Sample
-from tractive_sam.accuracy.judgement import judge
-from tractive_sam.accuracy.levels import FIRST, Levels
-from tractive_sam.contact import Contact, Gap, Model, fitted
+from tractive_sam.contact import Gap, Model, fitted
+from tractive_sam.results.state import Contact
+from tractive_sam.results.status import Cost
+from tractive_sam.run.accuracy.error_bars import Sample
+from tractive_sam.run.accuracy.judgement import judge
+from tractive_sam.run.accuracy.levels import FIRST, Levels
 from tractive_sam.scene import Scene
-from tractive_sam.solvers import Cost
 from tractive_sam.subsurface import von_mises_maxima
 
 

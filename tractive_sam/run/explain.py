@@ -5,10 +5,10 @@ from time import perf_counter
 
 import numpy as np
 
-from tractive_sam.accuracy import Refined, refined, with_tolerances
 from tractive_sam.contact import Model
-from tractive_sam.pipeline import measured_gap
-from tractive_sam.record import scalars
+from tractive_sam.results.quantities import scalars
+from tractive_sam.run.accuracy import Refined, refined, with_tolerances
+from tractive_sam.run.pipeline import measured_gap
 from tractive_sam.scene import Scene
 
 # Typical work at a tolerance of 1e-8, in applications with all that goes with them: of a new

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from tractive_sam.contact import Contact
-from tractive_sam.operators import Grid
-from tractive_sam.record import History
-from tractive_sam.reference import max_shear, von_mises
+from tractive_sam.mechanics.invariants import max_shear, von_mises
+from tractive_sam.results.grid import Grid
+from tractive_sam.results.history import History
+from tractive_sam.results.state import Contact
 from tractive_sam.scene import Scene, Subsurface
 from tractive_sam.store import Image, check_volume, write_volume
 from tractive_sam.subsurface import stress_volume

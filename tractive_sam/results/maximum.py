@@ -1,0 +1,36 @@
+"""The largest stress of a body, and where it is."""
+
+from dataclasses import dataclass
+
+Point = tuple[float, float, float]
+"""(x, y, depth), mm."""
+
+
+@dataclass(frozen=True)
+class VonMisesMaximum:
+    """Largest equivalent stress of von Mises in a body, MPa, and where, (x, y, depth) in mm.
+
+    Attributes
+    ----------
+    value, at : float, tuple of float
+        The larger one of the two below.
+    interior, interior_at : float, tuple of float
+        The largest local maximum at least one element below the surface; nan where the stress
+        falls from the surface down. One element deep it is a bound: a maximum nearer to the
+        surface than that.
+    surface, surface_at : float, tuple of float
+        The largest value at the surface, in the contact and on its edge; see `largest_at_surface`.
+
+    Examples
+    --------
+    >>> top = ts.von_mises_maximum(contact)
+    >>> top.value == max(top.interior, top.surface)
+    True
+    """
+
+    value: float
+    at: Point
+    interior: float
+    interior_at: Point
+    surface: float
+    surface_at: Point

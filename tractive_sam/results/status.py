@@ -1,0 +1,46 @@
+"""How a solve ended, and what it cost."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+
+class Status(StrEnum):
+    """How a solve ended."""
+
+    CONVERGED = "converged"
+    OUT_OF_ITERATIONS = "out of iterations"
+    DIVERGED = "diverged"
+    OFF_GRID = "off grid"
+    INACCURATE = "inaccurate"
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Work that does not depend on the machine.
+
+    Attributes
+    ----------
+    applications : float
+        Applications of the displacement, slip or coupled operator; those on coarser meshes count
+        by their share of the elements.
+    preconditioner : float
+        Applications of circulant inverses, counted alike; each has the transforms of one
+        application of its operator.
+    """
+
+    applications: float = 0.0
+    preconditioner: float = 0.0
+
+    def __add__(self, other: "Cost") -> "Cost":
+        return Cost(
+            self.applications + other.applications, self.preconditioner + other.preconditioner
+        )
+
+    def scaled(self, share: float) -> "Cost":
+        """The cost in units of a mesh on which this one is ``share`` of the elements."""
+        return Cost(share * self.applications, share * self.preconditioner)
+
+
+def relative(distance: float, size: float) -> float:
+    """A distance over a size, or the distance itself where there is no size."""
+    return float(distance / size) if size > 0.0 else float(distance)
