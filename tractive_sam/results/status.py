@@ -39,8 +39,3 @@ class Cost:
     def scaled(self, share: float) -> "Cost":
         """The cost in units of a mesh on which this one is ``share`` of the elements."""
         return Cost(share * self.applications, share * self.preconditioner)
-
-
-def relative(distance: float, size: float) -> float:
-    """A distance over a size, or the distance itself where there is no size."""
-    return float(distance / size) if size > 0.0 else float(distance)

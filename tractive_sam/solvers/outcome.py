@@ -7,6 +7,11 @@ import numpy as np
 from tractive_sam.results.status import Cost, Status
 
 
+def relative(distance: float, size: float) -> float:
+    """A distance over a size, or the distance itself where there is no size."""
+    return float(distance / size) if size > 0.0 else float(distance)
+
+
 @dataclass(frozen=True)
 class Outcome:
     """Result of a solver, dimensionless; fields of a problem it did not solve are None.
