@@ -1,6 +1,8 @@
 """Studies in one process: what is kept, what is run again, and what is told of failures."""
 
+import socket
 from contextlib import ExitStack
+from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
@@ -72,6 +74,67 @@ def test_what_is_complete_is_what_the_files_say(tmp_path, rolled):
     assert len(rolled) == 3
 
 
+def test_complete_case_whose_file_was_spoilt_is_computed_again(tmp_path, rolled):
+    results = study(small(MU), tmp_path, workers=0)
+    file = results.rows[0].file
+    file.write_bytes(b"")
+    assert open_study(tmp_path).rows[0].status == "failed"
+    told = []
+    again = study(small(MU), tmp_path, workers=0, say=told.append)
+    assert again.complete
+    assert len(rolled) == 3
+    # Computed twice by the same steps: the plans of the transforms may be others.
+    assert again.rows[0].last["Qx"] == pytest.approx(results.rows[0].last["Qx"], rel=1e-9)
+    aside = file.with_suffix(".damaged")
+    assert aside.exists()
+    assert len(told) == 1
+    assert aside.name in told[0]
+
+
+def test_file_that_may_not_be_read_is_let_alone(tmp_path, monkeypatch):
+    (case, _) = cases(small(MU))
+    file = tmp_path / f"{case.name}.h5"
+    file.write_text("not for everybody")
+
+    def refused(path):
+        raise ResultsError(f"{path} may not be read")
+
+    monkeypatch.setattr(worker, "open_history", refused)
+    assert worker.run_case(case.scene.to_toml(), str(file)).status == "failed"
+    assert file.read_text() == "not for everybody"
+
+
+JUNK = (
+    b"[1, 2]\n3\nnull\n\xff\xfe\n"
+    b'{"digest": 5}\n{"digest": "a"}\n{"digest": ["a"]}\n'
+    b'{"digest": "%s", "size": 1, "version": "", "message": "", "row": {"P": "text"}}\n'
+)
+
+
+def test_what_others_put_into_the_folder_is_let_alone(tmp_path, rolled):
+    results = study(small(MU), tmp_path, workers=0)
+    with (tmp_path / "complete.jsonl").open("ab") as table:
+        table.write(b"\n" + JUNK % results.rows[0].case.digest.encode())
+    (tmp_path / "notes.txt").write_bytes("Größe".encode("latin-1"))
+    (tmp_path / "more.txt").mkdir()
+    (tmp_path / "99999-ab.h5").mkdir()
+    assert [row.last for row in open_study(tmp_path).rows] == [row.last for row in results.rows]
+    assert study(small(MU), tmp_path, workers=0).complete
+    assert len(rolled) == 2
+    assert (tmp_path / "notes.txt").exists()
+
+
+def test_versions_that_differ_are_told(tmp_path):
+    results = study(small(MU), tmp_path, workers=0)
+    ((here, count),) = results.versions.items()
+    assert count == 2
+    table = tmp_path / "complete.jsonl"
+    first, second = table.read_text().strip().splitlines()
+    former = second.replace(f'"version": "{here}"', '"version": "0.0.1"')
+    table.write_text(f"{first}\n{former}\n")
+    assert open_study(tmp_path).versions == {"0.0.1": 1, here: 1}
+
+
 def test_interrupted_case_goes_on_from_its_last_record(tmp_path):
     wanted = roll(worn().scene)
     (case,) = cases(worn())
@@ -137,6 +200,9 @@ def test_case_that_raises_is_told(tmp_path, monkeypatch):
     results = study(small(MU), tmp_path, workers=0)
     assert [row.status for row in results.rows] == ["complete", "failed"]
     assert results.rows[1].message == "RuntimeError: no space left"
+    (told,) = tmp_path.glob("*.txt")
+    for kept in ("in broken", version("tractive-sam"), socket.gethostname()):
+        assert kept in told.read_text()
     monkeypatch.setattr(worker, "roll", roll)
     assert study(small(MU), tmp_path, workers=0).complete
     assert not list(tmp_path.glob("*.txt"))

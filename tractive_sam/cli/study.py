@@ -45,14 +45,25 @@ def study(
             "one case after another in this one.",
         ),
     ] = None,
+    encrypted: Annotated[
+        bool,
+        typer.Option(
+            "--encrypted",
+            help="Have the processes of this machine speak TLS, so that no other user of it can "
+            "hand them work.",
+        ),
+    ] = False,
 ) -> None:
     """Compute every case of a study that is not complete, long ones first."""
     from tractive_sam import studies
-    from tractive_sam.cli.study_show import failures
+    from tractive_sam.cli.study_show import failures, mixed_versions
+    from tractive_sam.studies.run import SCHEDULER_ENCRYPTS
 
     if scheduler is not None and workers is not None:
         refusal = "--workers: a scheduler has its own, start them by dask worker ADDRESS"
         raise stop(Status.INVALID, refusal)
+    if scheduler is not None and encrypted:
+        raise stop(Status.INVALID, f"--encrypted: {SCHEDULER_ENCRYPTS}")
     with bad_input_told():
         try:
             with warnings_told():
@@ -63,6 +74,7 @@ def study(
                     output,
                     scheduler=scheduler,
                     workers=workers,
+                    encrypted=encrypted,
                     progress=progress,
                     say=lambda text: say(("note: ", "bold yellow"), text),
                 )
@@ -74,6 +86,7 @@ def study(
         except OSError as error:
             raise stop(Status.INCOMPLETE, f"{output} cannot be written: {error}") from None
     failures(results)
+    mixed_versions(results)
     complete = results.counts["complete"]
     say(f"{output}: {complete} of {len(results)} cases complete; tractive-sam study-show {output}")
     if not results.complete:

@@ -72,6 +72,7 @@ def study_show(
     if (csv, netcdf, figures) == (None, None, None):
         console().print(_table(results))
     failures(results)
+    mixed_versions(results)
     say(_standing(results))
     for path in written:
         typer.echo(path)
@@ -84,6 +85,15 @@ def failures(results: "StudyResults") -> None:
         say((f"{row.case} failed: ", "bold red"), row.message)
     if len(failed) > MOST_FAILURES:
         say(f"and {len(failed) - MOST_FAILURES} more")
+
+
+def mixed_versions(results: "StudyResults") -> None:
+    """Say it where cases were computed by several versions of this package."""
+    if len(results.versions) > 1:
+        found = ", ".join(f"{count} by {version}" for version, count in results.versions.items())
+        cure = "remove the files of one (study-show --csv names them) to have them computed again"
+        told = f"not all cases were computed by one version: {found}; {cure}"
+        say(("note: ", "bold yellow"), told)
 
 
 def _standing(results: "StudyResults") -> str:

@@ -16,6 +16,22 @@ class ResultsError(Exception):
     """
 
 
+class DamagedError(ResultsError):
+    """A results file of which something is lost; to compute it again is the cure.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tractive_sam.store import DamagedError
+    >>> Path("cut.h5").touch()
+    >>> try:
+    ...     ts.open_history("cut.h5")
+    ... except DamagedError as error:
+    ...     print(error)
+    cut.h5 is not an HDF5 file; name a results file (.h5)
+    """
+
+
 class GapError(ValueError):
     """A file of a measured gap that cannot be used.
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import h5py
 
 from tractive_sam.store import layout
-from tractive_sam.store.errors import ResultsError
+from tractive_sam.store.errors import DamagedError, ResultsError
 from tractive_sam.store.form import GROUPS
 
 
@@ -18,7 +18,7 @@ def results_file(path: Path) -> Iterator[h5py.File]:
     Raises
     ------
     ResultsError
-        If it is not one, or is damaged; also where the block meets the damage.
+        If it is not one, or is damaged (`DamagedError`); also where the block meets the damage.
     """
     if not path.exists():
         raise ResultsError(f"{path} does not exist; write it by tractive-sam run SCENE -o {path}")
@@ -30,7 +30,8 @@ def results_file(path: Path) -> Iterator[h5py.File]:
             yield file
     # What h5py raises of a damaged file, and what it makes of one of another form.
     except (OSError, KeyError, RuntimeError, ValueError, TypeError, AttributeError) as error:
-        raise ResultsError(f"{path} {_diagnosis(path, error)}") from error
+        kind = ResultsError if isinstance(error, PermissionError) else DamagedError
+        raise kind(f"{path} {_diagnosis(path, error)}") from error
 
 
 def _check(path: Path, file: h5py.File) -> None:
@@ -43,7 +44,7 @@ def _check(path: Path, file: h5py.File) -> None:
     missing = [name for name, kind in kinds.items() if not isinstance(file.get(name), kind)]
     if missing:
         lost = ", ".join(f"/{name}" for name in sorted(missing))
-        raise ResultsError(f"{path} lacks {lost}: it is damaged; run its scene again")
+        raise DamagedError(f"{path} lacks {lost}: it is damaged; run its scene again")
 
 
 def _diagnosis(path: Path, error: Exception) -> str:

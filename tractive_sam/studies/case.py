@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from tractive_sam import interrupt
 from tractive_sam.scene import Fault, Scene, SceneError, toml
 from tractive_sam.store import GapError, read_gap
 from tractive_sam.studies.design import Study, StudyError
@@ -83,6 +84,7 @@ def cases(study: Study) -> list[Case]:
     seen: dict[str, Case] = {}
     contents = cache(_contents)
     for number, changes in enumerate(_changes(study)):
+        interrupt.heed()
         try:
             scene = study.scene.replace(**changes)
             case = Case(number, changes, scene, _digest(scene, contents))

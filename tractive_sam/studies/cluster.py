@@ -4,12 +4,15 @@ The scheduler is asked for nothing but to hand out cases, long ones first. Whate
 the files: a case that was cut off is handed out again and goes on from its last record.
 """
 
+import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from time import monotonic, sleep
+from traceback import format_exception
 from typing import TYPE_CHECKING
 from uuid import uuid4
 
+from tractive_sam import interrupt
 from tractive_sam.operators.threads import cores
 from tractive_sam.store import ResultsError
 from tractive_sam.studies.task import FAILED, HELD, Outcome, Task
@@ -17,6 +20,7 @@ from tractive_sam.studies.worker import ONE_THREAD, run_case
 
 if TYPE_CHECKING:
     from distributed import Client, Future
+    from distributed.security import Security
 
 MISSING = (
     "dask is not installed: it comes with the extra study, pip install '.[study]' in the source "
@@ -31,6 +35,10 @@ PATIENCE = 600.0
 
 PAUSE = 1.0
 """Before what was cut off or held is handed out again, s."""
+
+
+GLANCE = 0.05
+"""Between looks at what has ended, s."""
 
 
 class SchedulerLostError(ConnectionError):
@@ -51,20 +59,71 @@ class _CutOffError(Exception):
     """The connection to the scheduler broke, or it forgot what it was asked for."""
 
 
-@contextmanager
-def local_cluster(workers: int | None) -> Iterator[str]:
-    """Processes on this machine, one for each core unless told otherwise; yields their address."""
-    from distributed import LocalCluster
+NO_CRYPTOGRAPHY = "encrypted: the package cryptography makes the keys; pip install cryptography"
 
-    with LocalCluster(
-        n_workers=workers or cores(),
-        threads_per_worker=1,
-        processes=True,
-        memory_limit=0,  # a scene takes what it takes; `explain` tells how much
-        dashboard_address=":0",  # any free port: that of other clusters is taken
-        env=ONE_THREAD,
-    ) as cluster:
-        yield cluster.scheduler_address
+
+@contextmanager
+def local_cluster(
+    workers: int | None, encrypted: bool = False
+) -> Iterator[tuple[str, "Security | None"]]:
+    """Processes on this machine, one for each core unless told otherwise.
+
+    They listen to this machine alone, and nothing shows a dashboard.
+
+    Parameters
+    ----------
+    workers : int, optional
+        Their number.
+    encrypted : bool
+        Whether they speak TLS, with keys made for this cluster and kept in memory.
+
+    Yields
+    ------
+    str, Security or None
+        Address of their scheduler, and what a client of it needs.
+
+    Raises
+    ------
+    ResultsError
+        If keys are asked for and cannot be made.
+    """
+    from distributed import LocalCluster
+    from distributed.security import Security
+
+    try:
+        security = Security.temporary() if encrypted else None
+    except ImportError:
+        raise ResultsError(NO_CRYPTOGRAPHY) from None
+    with _signals_kept_from_threads():
+        cluster = LocalCluster(
+            n_workers=workers or cores(),
+            threads_per_worker=1,
+            processes=True,
+            host="127.0.0.1",
+            memory_limit=0,  # a scene takes what it takes; `explain` tells how much
+            dashboard_address=None,
+            security=security,
+            env=ONE_THREAD,
+        )
+    with cluster:
+        yield cluster.scheduler_address, security
+
+
+@contextmanager
+def _signals_kept_from_threads() -> Iterator[None]:
+    """Have threads that are started meanwhile, and processes that they start, see no Ctrl-C.
+
+    A terminal sends it to all processes of a command. It is for the client to end the workers;
+    those that died of it as well would fill the terminal with their ends.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)  # those that came meanwhile come now
 
 
 def on_cluster(
@@ -72,6 +131,7 @@ def on_cluster(
     address: str,
     reached: Callable[[Task], int],
     say: Callable[[str], None],
+    security: "Security | None" = None,
 ) -> Iterator[tuple[Task, Outcome]]:
     """Have tasks done by the workers of a scheduler; yields them as they end.
 
@@ -85,6 +145,8 @@ def on_cluster(
         Records that the results file of a task holds.
     say : callable
         Told when something has to be waited for.
+    security : Security, optional
+        What a client of it needs; by default what dask's configuration says.
 
     Raises
     ------
@@ -98,7 +160,7 @@ def on_cluster(
     patience = FIRST_CONTACT
     while left:
         try:
-            with _client(address, patience, say) as client:
+            with _client(address, patience, say, security) as client:
                 patience = PATIENCE
                 _look_at_workers(client, say)
                 for task, outcome in _handed_out(client, list(left.values())):
@@ -136,13 +198,16 @@ def _after_deaths(task: Task, records: int, killed: dict[str, int]) -> Outcome |
 
 
 @contextmanager
-def _client(address: str, patience: float, say: Callable[[str], None]) -> Iterator["Client"]:
+def _client(
+    address: str, patience: float, say: Callable[[str], None], security: "Security | None"
+) -> Iterator["Client"]:
     from distributed import Client
 
     client, began, told = None, monotonic(), False
     while client is None:
+        interrupt.heed()
         try:
-            client = Client(address, timeout=5, set_as_default=False)
+            client = Client(address, timeout=5, set_as_default=False, security=security)
         except (OSError, TimeoutError) as error:
             if monotonic() - began > patience:
                 cure = "start one and run the study again: complete cases are not run again"
@@ -178,7 +243,13 @@ def _handed_out(client: "Client", tasks: list[Task]) -> Iterator[tuple[Task, Out
         for task in tasks
     }
     try:
-        for future in as_completed(futures, loop=client.loop):
+        ended = as_completed(futures, loop=client.loop)
+        while not ended.is_empty():
+            interrupt.heed()
+            if not ended.has_ready():
+                sleep(GLANCE)
+                continue
+            future = next(ended)
             task = futures.pop(future)
             yield task, _outcome(future)
             future.release()
@@ -199,4 +270,5 @@ def _outcome(future: "Future") -> Outcome | None:
     error = future.exception()
     if isinstance(error, KilledWorker):
         return None
-    return Outcome(FAILED, f"{type(error).__name__}: {error}")
+    where = "".join(format_exception(error))
+    return Outcome(FAILED, f"{type(error).__name__}: {error}", traceback=where)

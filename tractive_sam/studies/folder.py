@@ -3,24 +3,30 @@
     study.toml                  the study, with its scene
     00012-0123456789abcdef.h5   results of a case: its number when it was first run, and the hash of
                                 its scene
-    0123456789abcdef.txt        why a case failed
+    00012-0123456789abcdef.damaged    what was found there and could not be read
+    0123456789abcdef.txt        why a case failed: the message, and after an empty line the version
+                                of this package, the worker and its traceback
     complete.jsonl              last records of the cases that are complete, to be read at once
 
 Results files are written by workers, everything else by the one client that runs the study. There
-is no other state: what is complete is what these files say.
+is no other state: what is complete is what these files say. Other files are let alone.
 """
 
 import json
 import os
+import re
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
 from tractive_sam.store import ResultsError
-from tractive_sam.studies.case import Case
+from tractive_sam.studies.case import DIGEST, Case
 from tractive_sam.studies.design import Study
 from tractive_sam.studies.lock import HeldError, locked
+from tractive_sam.studies.task import Outcome, Task
+
+_DIGEST = re.compile(rf"[0-9a-f]{{{DIGEST}}}")
 
 
 class Folder:
@@ -100,34 +106,57 @@ class Folder:
 
     def complete(self) -> dict[str, dict[str, Any]]:
         """What `keep` was told, by the hash of the scene; the results files have the last word."""
-        if not self._complete.exists():
+        if not self._complete.is_file():
             return {}
-        kept = {}
-        for line in self._complete.read_text(encoding="utf-8").splitlines():
-            try:
-                one = json.loads(line)
-            except ValueError:  # a line that a killed client wrote half
-                continue
-            kept[one["digest"]] = one
-        return kept
+        lines = self._complete.read_text(encoding="utf-8", errors="replace").splitlines()
+        return {one["digest"]: one for one in map(_kept, lines) if one is not None}
 
-    def keep(self, case: Case, message: str, row: dict[str, Any]) -> None:
+    def keep(self, task: Task, outcome: Outcome) -> None:
         """Remember the last record of a complete case."""
-        line = json.dumps({"digest": case.digest, "message": message, "row": row})
+        kept = {
+            "digest": task.case.digest,
+            "size": task.file.stat().st_size,
+            "version": outcome.version,
+            "message": outcome.message,
+            "row": outcome.row,
+        }
         with self._complete.open("a", encoding="utf-8") as file:
-            file.write(f"\n{line}")
-        self._fault(case).unlink(missing_ok=True)
+            file.write(f"\n{json.dumps(kept)}")
+        self._fault(task.case).unlink(missing_ok=True)
 
-    def fail(self, case: Case, message: str) -> None:
+    def fail(self, case: Case, outcome: Outcome) -> None:
         """Say why a case failed."""
-        _replace(self._fault(case), message)
+        by = f"tractive-sam {outcome.version or 'of unknown version'} on {outcome.worker or '?'}"
+        _replace(self._fault(case), f"{outcome.message}\n\n{by}\n{outcome.traceback}")
 
     def failures(self) -> dict[str, str]:
         """Why cases failed, by the hash of their scenes."""
-        return {file.stem: file.read_text(encoding="utf-8") for file in self.path.glob("*.txt")}
+        return {
+            file.stem: file.read_text(encoding="utf-8", errors="replace").partition("\n\n")[0]
+            for file in self.path.glob("*.txt")
+            if _DIGEST.fullmatch(file.stem) and file.is_file()
+        }
 
     def _fault(self, case: Case) -> Path:
         return self.path / f"{case.digest}.txt"
+
+
+def _kept(line: str) -> dict[str, Any] | None:
+    """A line as `keep` writes it; None for half of one, as a killed client leaves it, or others."""
+    try:
+        one = json.loads(line)
+    except ValueError:
+        return None
+    match one:
+        case {
+            "digest": str(),
+            "size": int(),
+            "version": str(),
+            "message": str(),
+            "row": dict(row),
+        } if all(isinstance(value, int | float) for value in row.values()):
+            return one
+    return None
 
 
 def _replace(path: Path, text: str) -> None:

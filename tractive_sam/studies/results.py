@@ -2,6 +2,7 @@
 
 import csv
 import math
+from collections import Counter
 from dataclasses import dataclass, field
 from functools import cached_property
 from os import PathLike
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tractive_sam import interrupt
 from tractive_sam.results.history import History
 from tractive_sam.results.quantities import BODY_SCALARS, Quantity, scalars
 from tractive_sam.scene import Scene
@@ -43,6 +45,8 @@ class Row:
         Its results file, if there is one.
     last : mapping of str to number
         Its last record, by the names of `SCALARS`, and as ``von_mises_max A``; its totals.
+    version : str
+        Of this package, that computed it.
 
     Examples
     --------
@@ -59,6 +63,7 @@ class Row:
     message: str = ""
     file: Path | None = None
     last: dict[str, Any] = field(default_factory=dict)
+    version: str = ""
 
 
 @dataclass(frozen=True)
@@ -107,6 +112,11 @@ class StudyResults:
         """Number of cases by status."""
         found = [row.status for row in self.rows]
         return {status: found.count(status) for status in STATUSES}
+
+    @property
+    def versions(self) -> dict[str, int]:
+        """Number of cases by the version of this package that computed them."""
+        return dict(sorted(Counter(row.version for row in self.rows if row.version).items()))
 
     @cached_property
     def quantities(self) -> dict[str, Quantity]:
@@ -225,10 +235,10 @@ class StudyResults:
         names = list(self.quantities)
         with Path(path).open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
-            writer.writerow(["case", *keys, "status", "message", "file", *names])
+            writer.writerow(["case", *keys, "status", "message", "file", "version", *names])
             for row in self.rows:
                 changes = [row.case.changes[key] for key in keys]
-                about = [row.status, row.message, row.file.name if row.file else ""]
+                about = [row.status, row.message, row.file.name if row.file else "", row.version]
                 last = [row.last.get(name, "") for name in names]
                 writer.writerow([row.case.number, *changes, *about, *last])
 
@@ -257,9 +267,11 @@ def open_study(directory: str | PathLike[str]) -> StudyResults:
     files, complete, failures = folder.results(), folder.complete(), folder.failures()
     rows = []
     for case in cases(study):
+        interrupt.heed()
         file, kept = folder.file_of(case, files), complete.get(case.digest)
-        if kept and case.digest in files:
-            rows.append(Row(case, COMPLETE, kept["message"], file, kept["row"]))
+        if kept and case.digest in files and file.stat().st_size == kept["size"]:
+            told = kept["message"], file, kept["row"], kept["version"]
+            rows.append(Row(case, COMPLETE, *told))
         else:
             rows.append(_row(case, file, failures.get(case.digest, "")))
     return StudyResults(folder.path, study, tuple(rows))
@@ -280,14 +292,14 @@ def _row(case: Case, file: Path, failure: str) -> Row:
         history = open_history(file)
     except ResultsError as error:
         return Row(case, FAILED, str(error), file)
-    last = summary(history)
+    found = file, summary(history), history.versions.get("tractive-sam", "")
     if history.finished:
-        return Row(case, COMPLETE, history.message, file, last)
+        return Row(case, COMPLETE, history.message, *found)
     if running:
-        return Row(case, RUNNING, "", file, last)
+        return Row(case, RUNNING, "", *found)
     if failure or history.status != "running":
-        return Row(case, FAILED, failure or history.message, file, last)
-    return Row(case, INTERRUPTED, "", file, last)
+        return Row(case, FAILED, failure or history.message, *found)
+    return Row(case, INTERRUPTED, "", *found)
 
 
 def _at(row: Row, name: str, revolution: int) -> float:

@@ -5,8 +5,10 @@ from contextlib import nullcontext
 from dataclasses import dataclass
 from importlib.util import find_spec
 from os import PathLike
+from pathlib import Path
 from time import sleep
 
+from tractive_sam import interrupt
 from tractive_sam.store import ResultsError, open_history
 from tractive_sam.studies import cluster
 from tractive_sam.studies.case import Case, cases
@@ -16,6 +18,11 @@ from tractive_sam.studies.folder import Folder
 from tractive_sam.studies.results import StudyResults, open_study
 from tractive_sam.studies.task import COMPLETE, HELD, Outcome, Task
 from tractive_sam.studies.worker import run_case
+
+SCHEDULER_ENCRYPTS = (
+    "a scheduler has its own encryption, of which dask's configuration tells; its address then "
+    "begins with tls://"
+)
 
 
 @dataclass(frozen=True)
@@ -61,6 +68,7 @@ def study(
     *,
     scheduler: str | None = None,
     workers: int | None = None,
+    encrypted: bool = False,
     progress: Callable[[Progress], None] | None = None,
     say: Callable[[str], None] | None = None,
 ) -> StudyResults:
@@ -82,6 +90,9 @@ def study(
     workers : int, optional
         Without a scheduler: number of processes on this machine, by default its cores. With 0, the
         cases are computed in this process, one after another.
+    encrypted : bool
+        Whether the processes of this machine speak TLS among each other, so that no other user of
+        it can hand them work; needs the package cryptography.
     progress : callable, optional
         Called at the beginning, and whenever a case has ended.
     say : callable, optional
@@ -96,6 +107,8 @@ def study(
     ------
     StudyError
         With the faults of the study and of all its scenes; nothing has been run then.
+    ValueError
+        If encryption is asked of a scheduler, which has its own.
     ResultsError
         If the folder cannot be used or made, or dask is not installed or cannot read the address.
     SchedulerLostError
@@ -114,6 +127,8 @@ def study(
     >>> results.column("Qx_over_P").round(1)
     array([0.2, 0.3])
     """
+    if scheduler is not None and encrypted:
+        raise ValueError(f"encrypted: {SCHEDULER_ENCRYPTS}")
     asked = asked if isinstance(asked, Study) else Study.from_toml(asked)
     found, folder = cases(asked), Folder(directory)
     with folder.taken(asked):
@@ -121,13 +136,15 @@ def study(
         # Cases that are complete already are of no interest to the bar: it shows the work left.
         total = sum(task.seconds for task in tasks) or 1.0
         ended, failed, share = done, 0, 0.0
-        tell = progress or (lambda _: None)
+        tell, say = progress or (lambda _: None), say or (lambda _: None)
         tell(Progress(len(found), ended, failed, share))
-        for task, outcome in _ended(tasks, scheduler, workers, say or (lambda _: None)):
+        for task, outcome in _ended(tasks, scheduler, workers, encrypted, say):
             if outcome.status == COMPLETE:
-                folder.keep(task.case, outcome.message, outcome.row)
+                folder.keep(task, outcome)
             else:
-                folder.fail(task.case, outcome.message)
+                folder.fail(task.case, outcome)
+            if outcome.note:
+                say(f"{task.case}: {outcome.note}")
             ended += 1
             failed += outcome.status != COMPLETE
             share += task.seconds / total
@@ -138,7 +155,12 @@ def study(
 def _left(folder: Folder, found: list[Case]) -> tuple[list[Task], int]:
     """What is to be done, long cases first, and the number of those that are complete."""
     files, complete = folder.results(), folder.complete()
-    left = [c for c in found if not (c.digest in complete and c.digest in files)]
+    left = []
+    for case in found:
+        interrupt.heed()
+        kept = case.digest in complete and case.digest in files
+        if not (kept and _is_complete(files[case.digest])):
+            left.append(case)
     seconds = estimates(left)
     tasks = [
         Task(case, folder.file_of(case, files), time)
@@ -148,7 +170,11 @@ def _left(folder: Folder, found: list[Case]) -> tuple[list[Task], int]:
 
 
 def _ended(
-    tasks: list[Task], scheduler: str | None, workers: int | None, say: Callable[[str], None]
+    tasks: list[Task],
+    scheduler: str | None,
+    workers: int | None,
+    encrypted: bool,
+    say: Callable[[str], None],
 ) -> Iterator[tuple[Task, Outcome]]:
     if not tasks:
         return
@@ -157,9 +183,9 @@ def _ended(
         return
     if find_spec("distributed") is None:
         raise ResultsError(cluster.MISSING)
-    chosen = nullcontext(scheduler) if scheduler else cluster.local_cluster(workers)
-    with chosen as address:
-        yield from cluster.on_cluster(tasks, address, _reached, say)
+    local = cluster.local_cluster(workers, encrypted)
+    with nullcontext((scheduler, None)) if scheduler else local as (address, security):
+        yield from cluster.on_cluster(tasks, address, _reached, say, security)
 
 
 def _one_after_another(
@@ -171,8 +197,17 @@ def _one_after_another(
             if not told:
                 say(f"waiting for {task.case}, which another process computes")
             told = True
+            interrupt.heed()
             sleep(cluster.PAUSE)
         yield task, outcome
+
+
+def _is_complete(file: Path) -> bool:
+    """Whether a results file can be read and says so."""
+    try:
+        return open_history(file).finished
+    except ResultsError:
+        return False
 
 
 def _reached(task: Task) -> int:

@@ -45,6 +45,12 @@ class Outcome:
         Machine and process.
     seconds : float
         Time it took on the worker.
+    version : str
+        Of this package, on the worker.
+    note : str
+        What else there is to say.
+    traceback : str
+        Where the worker failed.
     """
 
     status: str
@@ -52,6 +58,9 @@ class Outcome:
     row: dict[str, Any] = field(default_factory=dict)
     worker: str = ""
     seconds: float = 0.0
+    version: str = ""
+    note: str = ""
+    traceback: str = ""
 
 
 def lock_of(file: Path) -> Path:

@@ -2,13 +2,16 @@
 
 import os
 import socket
+from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
-from typing import Any
+from traceback import format_exc
 
+from tractive_sam.results.history import History
 from tractive_sam.run.pipeline import roll
 from tractive_sam.scene import Scene
-from tractive_sam.store import open_history
+from tractive_sam.store import DamagedError, open_history
+from tractive_sam.store.versions import versions
 from tractive_sam.studies.lock import HeldError, locked
 from tractive_sam.studies.task import COMPLETE, FAILED, HELD, Outcome, lock_of, summary
 
@@ -40,19 +43,36 @@ def run_case(scene_toml: str, path: str) -> Outcome:
         return Outcome(FAILED, f"{worker} finds no folder {file.parent}; {cure}", {}, worker)
     try:
         with locked(lock_of(file)):
-            status, message, row = _rolled(scene_toml, file)
+            outcome = _rolled_or_again(Scene.from_toml_text(scene_toml), file)
     except HeldError:
-        status, message, row = HELD, "another process computes it", {}
+        outcome = Outcome(HELD, "another process computes it")
     except Exception as error:  # whatever it is, the other cases go on
-        status, message, row = FAILED, f"{type(error).__name__}: {error}", {}
-    return Outcome(status, message, row, worker, perf_counter() - began)
+        outcome = Outcome(FAILED, f"{type(error).__name__}: {error}", traceback=format_exc())
+    here = outcome.version or versions()["tractive-sam"]
+    return replace(outcome, worker=worker, seconds=perf_counter() - began, version=here)
 
 
-def _rolled(scene_toml: str, file: Path) -> tuple[str, str, dict[str, Any]]:
-    scene = Scene.from_toml_text(scene_toml)
+def _rolled_or_again(scene: Scene, file: Path) -> Outcome:
+    """Roll a scene; where its results file is damaged, from the beginning."""
+    try:
+        return _rolled(scene, file)
+    except DamagedError as error:
+        aside = file.with_suffix(".damaged")
+        os.replace(file, aside)
+        note = f"{error}; it was set aside as {aside.name} and computed again"
+        return replace(_rolled(scene, file), note=note)
+
+
+def _rolled(scene: Scene, file: Path) -> Outcome:
     if file.exists():
         history = open_history(file)
         if history.finished and Scene.from_toml_text(history.scene_toml) == scene:
-            return COMPLETE, history.message, summary(history)
-    history = roll(scene, file, resume=True)
-    return COMPLETE if history.finished else FAILED, history.message, summary(history)
+            return _of(history)
+    return _of(roll(scene, file, resume=True))
+
+
+def _of(history: History) -> Outcome:
+    """What a history says became of its case."""
+    status = COMPLETE if history.finished else FAILED
+    by = history.versions.get("tractive-sam", "")
+    return Outcome(status, history.message, summary(history), version=by)
