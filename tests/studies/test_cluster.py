@@ -13,10 +13,14 @@ import pytest
 
 from tractive_sam.studies import SchedulerLostError, Study, cluster, open_study, study
 
+psutil = pytest.importorskip("psutil", reason="psutil comes with dask.distributed")
 distributed = pytest.importorskip("distributed", reason="dask.distributed is of the extra study")
 
 LONGEST = 120.0
-"""Wait for anything, s; on an idle machine nothing takes ten."""
+"""Wait for anything, s; only a test that fails waits so long."""
+
+GATE = 5
+"""Revolution at which cases wait, so that the tests and not the clock say what is under way."""
 
 ASKED = Study(
     title="Small discs",
@@ -25,12 +29,33 @@ ASKED = Study(
     set=[
         "grid.half_length=[0.35, 0.9]",
         "grid.elements=[15, 25]",
-        "wear.revolutions=240",
-        "wear.save=[240]",
-        'wear.stepping="every-revolution"',  # so that a case takes about a second
+        "wear.revolutions=12",
+        "wear.save=[12]",
+        'wear.stepping="every-revolution"',
     ],
     axis=[{"key": "friction.angle", "values": [0, 45, 90]}],
 )
+
+PRELOAD = """
+import time
+from pathlib import Path
+
+from tractive_sam.pipeline import roll
+from tractive_sam.studies import worker
+
+
+def gated(scene, path, **options):
+    def wait(record):
+        if record.revolution == {gate}:
+            Path(path).with_suffix(".waits").touch()
+            while not Path({go!r}).exists():
+                time.sleep(0.01)
+
+    return roll(scene, path, progress=wait, **options)
+
+
+worker.roll = gated
+"""
 
 
 @pytest.fixture(scope="module")
@@ -48,9 +73,14 @@ class Programs:
             self.port = found.getsockname()[1]
         self.address = f"tcp://127.0.0.1:{self.port}"
         (folder / "study.toml").write_text(ASKED.to_toml())
+        self.gate = folder / "gate.py"
+        self.gate.write_text(PRELOAD.format(gate=GATE, go=str(folder / "go")))
 
     def start(self, *arguments):
-        environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+        environment = os.environ | {
+            "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
+            "DASK_DISTRIBUTED__WORKER__PRELOAD": str(self.gate),
+        }
         with (self.folder / "log.txt").open("a") as log:
             program = subprocess.Popen(
                 [sys.executable, "-m", *map(str, arguments)],
@@ -70,9 +100,9 @@ class Programs:
         options = ("--nthreads", "1", "--nworkers", count, "--no-dashboard")
         return self.start("dask", "worker", self.address, *options)
 
-    def client(self):
-        command = ("study", "study.toml", "-o", "results", "--scheduler", self.address)
-        return self.start("tractive_sam", *command)
+    def client(self, *options):
+        options = options or ("--scheduler", self.address)
+        return self.start("tractive_sam", "study", "study.toml", "-o", "results", *options)
 
     def said(self):
         return (self.folder / "log.txt").read_text()
@@ -80,15 +110,15 @@ class Programs:
     def results(self):
         return open_study(self.folder / "results")
 
-    def until_begun(self, records):
-        """Wait until some case that is not complete has records."""
-        until(lambda: self._reached() >= records, self.said)
+    def until_cases_wait(self, number, client):
+        def holds():
+            assert client.poll() is None, self.said()
+            return len([*self.folder.glob("results/*.waits")]) >= number
 
-    def _reached(self):
-        if not (self.folder / "results" / "study.toml").exists():
-            return 0
-        running = [row for row in self.results().rows if row.status == "running" and row.last]
-        return max((row.last["revolution"] for row in running), default=0)
+        until(holds, self.said)
+
+    def open_gate(self):
+        (self.folder / "go").touch()
 
     def end(self):
         for program in reversed(self.running):
@@ -126,18 +156,27 @@ def assert_same(results, wanted):
         )
 
 
+@pytest.fixture(autouse=True)
+def _sigint_is_not_ignored():
+    """As it is in jobs that a shell put behind, and so in all that these start."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 def test_worker_killed(programs, wanted):
     """Its nanny starts another one; the case that it computed goes on from its last record."""
     programs.scheduler()
     programs.workers(2)
     client = programs.client()
-    programs.until_begun(records=5)
+    programs.until_cases_wait(2, client)
     with distributed.Client(programs.address, set_as_default=False) as cluster:
         # BLAS is held to one thread by the nannies.
         threads = cluster.run(lambda: os.environ["OMP_NUM_THREADS"])
         assert set(threads.values()) == {"1"}
         for pid in cluster.run(os.getpid).values():
             os.kill(pid, signal.SIGKILL)
+    programs.open_gate()
     assert ended(client, programs.said) == 0, programs.said()
     assert_same(programs.results(), wanted)
 
@@ -147,9 +186,10 @@ def test_scheduler_killed(programs, wanted):
     scheduler = programs.scheduler()
     programs.workers(2)
     client = programs.client()
-    programs.until_begun(records=5)
+    programs.until_cases_wait(2, client)
     scheduler.kill()
     until(lambda: "the scheduler was lost" in programs.said(), programs.said)
+    programs.open_gate()
     assert client.poll() is None
     programs.scheduler()
     programs.workers(1)
@@ -161,13 +201,47 @@ def test_client_leaves_and_comes_back(programs, wanted):
     programs.scheduler()
     programs.workers(2)
     client = programs.client()
-    programs.until_begun(records=5)
+    programs.until_cases_wait(2, client)
     client.send_signal(signal.SIGINT)
     assert ended(client, programs.said) == 3, programs.said()
     assert "the same command goes on from there" in programs.said()
+    programs.open_gate()
     client = programs.client()
     assert ended(client, programs.said) == 0, programs.said()
     assert_same(programs.results(), wanted)
+
+
+def test_signal_to_all_processes_of_a_command(programs, wanted):
+    """As a terminal sends it: the client says so, and nothing is left behind."""
+    client = programs.client("--workers", "2")
+    programs.until_cases_wait(2, client)
+    os.killpg(client.pid, signal.SIGINT)
+    assert ended(client, programs.said) == 3, programs.said()
+    assert "Traceback" not in programs.said()
+    assert "the same command goes on from there" in programs.said()
+    until(lambda: not alive(client.pid))
+    programs.open_gate()
+    client = programs.client("--workers", "2")
+    assert ended(client, programs.said) == 0, programs.said()
+    assert_same(programs.results(), wanted)
+
+
+def alive(group):
+    """Whether any process of a group is."""
+    try:
+        os.killpg(group, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+def test_processes_listen_to_this_machine_alone():
+    with cluster.local_cluster(1) as (address, _):
+        assert address.startswith("tcp://127.0.0.1:")
+        listening = [one for one in psutil.net_connections("inet") if one.status == "LISTEN"]
+        ours = {os.getpid(), *(one.pid for one in psutil.Process().children(recursive=True))}
+        heard = {one.laddr.ip for one in listening if one.pid in ours}
+    assert heard == {"127.0.0.1"}
 
 
 def test_local_cluster(tmp_path):
