@@ -40,7 +40,7 @@ PRELOAD = """
 import time
 from pathlib import Path
 
-from tractive_sam.pipeline import roll
+from tractive_sam.run.pipeline import roll
 from tractive_sam.studies import worker
 
 
