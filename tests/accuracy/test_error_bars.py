@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 import tractive_sam as ts
 from tractive_sam.contact import Model, fitted
 from tractive_sam.run.accuracy import Levels
-from tractive_sam.run.accuracy.error_bars import Sample, relative_error_bars
+from tractive_sam.run.accuracy.error_bars import Sample, error_bars, relative_error_bars
 from tractive_sam.subsurface import von_mises_maxima
 
 NAMES = ("P", "Qx", "Qy", "Mz", "xi_x", "xi_y", "approach", "p_max", "wear_max")
@@ -33,6 +33,35 @@ def test_errors_of_first_to_second_order_are_within(limit, constant, order):
     rounding = 1e-14 * limit
     for name in NAMES:
         assert abs(meshes[-1].values[name] - limit) <= bars[name] * limit + rounding
+
+
+@given(limit=st.floats(0.1, 10.0), constant=st.floats(-0.5, 0.5), order=st.floats(0.5, 2.0))
+def test_surface_stress_of_half_an_order_is_within(limit, constant, order):
+    """SURFACE_SAFETY = 6 covers 1/(2^(p/2) - 1) <= 5.29."""
+    values = [limit + constant * h**order for h in (2.0, math.sqrt(2.0), 1.0)]
+    scales = dict.fromkeys(NAMES, 1.0) | {"surface A": limit}
+    meshes = [Sample(dict.fromkeys(NAMES, 1.0) | {"surface A": v}, scales, 0.0) for v in values]
+    bar = relative_error_bars(*meshes)["surface A"]
+    assert abs(values[-1] - limit) <= bar * limit + 1e-14 * limit
+
+
+@pytest.mark.parametrize("name", ["p_max", "surface A"])
+@pytest.mark.parametrize(("order", "limitless"), [(-0.5, True), (-0.25, True), (0.5, False)])
+def test_a_peak_without_limit_has_no_finite_bar(name, order, limitless):
+    """At a step the pressure grows as h^(-1/2)."""
+    values = [1.0 + math.copysign(1.0, -order) * h**order for h in (2.0, math.sqrt(2.0), 1.0)]
+    scales = dict.fromkeys((*NAMES, name), 1.0)
+    fine = dict.fromkeys(NAMES, 1.0)
+    meshes = [Sample(fine | {name: value}, scales, 0.0) for value in values]
+    assert math.isinf(relative_error_bars(*meshes)[name]) == limitless
+
+
+def test_where_there_was_no_inner_maximum_none_is_compared():
+    values = {"interior A": 962.0, "surface A": 1250.0}
+    scales = dict.fromkeys(NAMES, 1.0) | dict.fromkeys(values, 1250.0)
+    fine = Sample(dict.fromkeys(NAMES, 1.0) | values, scales, 0.0)
+    none = Sample(fine.values | {"interior A": 0.0}, scales, 0.0)
+    assert error_bars(relative_error_bars(none, fine, fine), fine)["von_mises_max A"] == 0.0
 
 
 def test_a_chance_agreement_of_two_meshes_is_not_trusted():

@@ -94,7 +94,8 @@ def _error_bar(history: "History", name: str, *body: int) -> float:
         bars = history[f"{name}_error"]
     except KeyError:
         return 0.0
-    return float(np.nan_to_num(bars[(-1, *body)]))
+    last = float(bars[(-1, *body)])
+    return 0.0 if math.isnan(last) else last
 
 
 def records(history: "History") -> Table:
@@ -112,6 +113,8 @@ def records(history: "History") -> Table:
 
 
 def _number(value: float, error_bar: float = 0.0) -> str:
+    if math.isinf(error_bar):
+        return f"{value:.4g}, growing with the mesh"
     if error_bar > 0.0:
         # As many digits as the error bar has, which is told to two.
         decimals = max(0, 1 - math.floor(math.log10(error_bar)))

@@ -7,9 +7,11 @@ the edges of contact and of stick fall within their elements scatters the result
 so that a small difference may be mere chance: the difference before is looked at as well, and what
 is seen of one force is taken for all, since one traction causes them.
 
-The largest stress at a surface is taken at centres of elements. At a sliding edge it falls by up to
-h/a from the edge to the next centre, whatever two meshes say: sigma_xx = -2 mu p_0 x/a (K. L.
-Johnson, Contact Mechanics, 1985, section 7.1).
+The largest stress at a surface comes closer by less. Where stick ends it is a cusp, of the root of
+the distance, and so it may be where slip turns about its pole: its error falls with the root of h.
+
+A peak that grows on two refinements as much as no such error does may have no limit at all, as the
+pressure at the edge of a step: it gets no bar, but an infinite one.
 """
 
 import math
@@ -27,6 +29,15 @@ SAFETY = 3.0
 
 FORMER = 0.7
 """Weight of the difference before: 2^(-1/2), by which errors of first order fall."""
+
+SURFACE_SAFETY, SURFACE_FORMER = 6.0, 0.84
+"""The same two of the largest stress at a surface: 1/(2^(1/4) - 1) = 5.3, and 2^(-1/4)."""
+
+GROWING = 0.9
+"""Last growth of a peak over the one before, above which it does not come closer to a limit."""
+
+GROWN = 0.02
+"""Least relative growth that is no chance."""
 
 SHARED = 0.4
 """Least relative bar of a force over the largest of all forces, and over that for pressure."""
@@ -100,13 +111,18 @@ def relative_error_bars(coarse: Sample, middle: Sample, fine: Sample) -> dict[st
     ----------
     coarse, middle, fine : Sample
         The same state on meshes of elements sqrt(2) times apart.
+
+    Returns
+    -------
+    dict of str to float
+        By the names of the values; inf of a peak that may have no limit.
     """
-    seen = {}
-    for name, value in fine.values.items():
-        late = abs(value - middle.values[name])
-        early = abs(middle.values[name] - coarse.values[name])
-        scale = fine.scales[name]
-        seen[name] = SAFETY * max(late, FORMER * early) / scale if scale > 0.0 else 0.0
+    seen = {
+        name: _seen(name, *(mesh.values[name] for mesh in (coarse, middle, fine))) / scale
+        if scale > 0.0
+        else 0.0
+        for name, scale in fine.scales.items()
+    }
     shared = SHARED * max(seen[name] for name in FORCES)
     for name, scale in fine.scales.items():
         if scale > 0.0:
@@ -115,7 +131,20 @@ def relative_error_bars(coarse: Sample, middle: Sample, fine: Sample) -> dict[st
     return seen
 
 
-def error_bars(relative: Mapping[str, float], fine: Sample, fineness: float) -> dict[str, float]:
+def _seen(name: str, coarse: float, middle: float, fine: float) -> float:
+    """How far the finest value of a quantity may be from its limit, by what meshes differ."""
+    if name.startswith("interior") and 0.0 in (coarse, middle):
+        return 0.0  # there was no maximum; where there comes to be one, it is well resolved
+    early, late = middle - coarse, fine - middle
+    surface = name.startswith("surface")
+    grown = late > GROWN * fine and late > GROWING * early > 0.0
+    if grown and (surface or name == "p_max"):
+        return math.inf
+    safety, former = (SURFACE_SAFETY, SURFACE_FORMER) if surface else (SAFETY, FORMER)
+    return safety * max(abs(late), former * abs(early))
+
+
+def error_bars(relative: Mapping[str, float], fine: Sample) -> dict[str, float]:
     """Error bars in units of the quantities, by their names; stress as "von_mises_max A".
 
     Parameters
@@ -124,14 +153,11 @@ def error_bars(relative: Mapping[str, float], fine: Sample, fineness: float) -> 
         From `relative_error_bars`.
     fine : Sample
         The sample on the finest mesh.
-    fineness : float
-        Length of an element over half the width of the contact.
     """
     bars = {name: share * fine.scales[name] for name, share in relative.items()}
     for body in [name.split()[1] for name in bars if name.startswith("surface")]:
         inside, outside = fine.values[f"interior {body}"], fine.values[f"surface {body}"]
-        deep = bars.pop(f"interior {body}")
-        shallow = max(bars.pop(f"surface {body}"), fineness * outside)
+        deep, shallow = bars.pop(f"interior {body}"), bars.pop(f"surface {body}")
         top = max(inside, outside)
         # Either may turn out to be the larger one.
         above = max(inside + deep, outside + shallow) - top

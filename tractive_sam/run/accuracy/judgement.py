@@ -47,11 +47,13 @@ def judge(contact: Contact, samples: Sequence[Sample | None], peak: bool) -> Jud
         told = f"error bars take {NEEDED} meshes, of which {len(solved)} could be solved"
         return Judgement({}, _advised(contact.scene, told))
     relative = relative_error_bars(*solved)
-    fineness = contact.grid.dx / contact.half_width_x if contact.touching.any() else 0.0
     worst, name = worst_of(relative, peak)
-    bars = error_bars(relative, solved[-1], fineness) | off_given(contact) | {"relative": worst}
+    bars = error_bars(relative, solved[-1]) | off_given(contact) | {"relative": worst}
     if worst <= contact.scene.accuracy.tolerance:
         return Judgement(bars, "")
+    if math.isinf(worst):
+        told = f"{name} grows with every finer mesh and may have no limit: round what is sharp"
+        return Judgement(bars, told)
     told = f"{name} has a relative error bar of {worst:.1e}"
     return Judgement(bars, _advised(contact.scene, told))
 
