@@ -44,8 +44,9 @@ def test_error_falls_with_the_tolerance():
     """Over thousands of revolutions; in few, jumps are short for the sake of the last one."""
     wide = ("grid.half_length=[0.35, 1.1]", "grid.elements=[21, 47]")
     finest, fine, coarse = (rolled(3000, *wide, f"wear.tolerance={t}") for t in (1e-5, 1e-4, 1e-2))
-    assert deviation(fine, finest) < 0.3 * deviation(coarse, finest)
-    assert deviation(fine, finest) < 1e-4
+    # Rows at the rim are as far from those of every revolution at the finest: 1e-4.
+    assert deviation(fine, finest) < 0.5 * deviation(coarse, finest)
+    assert deviation(fine, finest) < 2e-4
     # Loose tolerances are held as well, in no more contacts than strict ones.
     assert deviation(coarse, finest) < 1e-2
     assert sum(p.solves for p in coarse) <= sum(p.solves for p in fine)
@@ -83,8 +84,8 @@ def test_worn_volume_follows_the_energy_law():
     rate = [2e-6 / 0.6 * p.contact.dissipation for p in adaptive[1:]]
     worn = [p.leaving.sum() * p.contact.grid.dy for p in adaptive[1:]]
     expected = worn[0] + trapezoid(rate, n)
-    # Elements on the border of stick: 3e-3 on this mesh; tolerance and trapezoids below 1e-3.
-    assert worn[-1] == pytest.approx(expected, rel=5e-3)
+    # The tolerance of the stepping, and the trapezoids.
+    assert worn[-1] == pytest.approx(expected, rel=1e-3)
 
 
 def test_goes_on_from_any_passage():

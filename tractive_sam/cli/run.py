@@ -70,9 +70,8 @@ def run(
         say(("not a solution: ", "bold red"), "the last record below is where it ended")
     if len(history):
         console().print(tables.last_record(history))
-    open_balance = tables.energy(history, only_if_open=True)
-    if open_balance:
-        say(("note: ", "bold yellow"), open_balance)
+    for told in tables.balances(history, only_if_open=True).values():
+        say(("note: ", "bold yellow"), told)
     say(f"{output}: {history.status}; {history.message}")
     if inaccurate:
         raise stop(Status.INCOMPLETE, "less accurate than asked for; the error bars tell how much")

@@ -37,9 +37,7 @@ def about(history: "History") -> Table:
         unworn = f"a0 = {history.a0:.5g} mm, b0 = {history.b0:.5g} mm, p0 = {history.p0:.6g} MPa"
         rows["unworn contact"] = unworn
     rows["records"] = f"{len(history)}, {len(history.field_revolutions)} with fields"
-    told = energy(history)
-    if told:
-        rows["energy"] = told
+    rows |= balances(history)
     totals = history.totals
     if totals["contact_solves"]:
         spent = f"{totals['contact_solves']} contacts solved in {totals['wall_seconds']:.3g} s"
@@ -49,21 +47,38 @@ def about(history: "History") -> Table:
     return table
 
 
-def energy(history: "History", only_if_open: bool = False) -> str:
-    """How the energy law is met where it is met worst; empty where nothing is driven."""
-    balance = history.energy_balance
-    balance = balance[np.isfinite(balance)]
-    if not balance.size:
-        return ""
-    balance = balance[abs(balance - 1.0).argmax()]
-    closed = abs(balance - 1.0) <= CLOSED
-    if closed and only_if_open:
-        return ""
+def balances(history: "History", only_if_open: bool = False) -> dict[str, str]:
+    """How the balances of "energy" and "wear" are met where they are met worst.
+
+    Without those of nothing that is driven, or wears.
+    """
+    told = {}
+    for name, balance, tell in (
+        ("energy", history.energy_balance, _energy),
+        ("wear", history.wear_balance, _wear),
+    ):
+        known = balance[np.isfinite(balance)]
+        if known.size:
+            worst = known[abs(known - 1.0).argmax()]
+            closed = abs(worst - 1.0) <= CLOSED
+            if not (closed and only_if_open):
+                told[name] = tell(history, worst, closed)
+    return told
+
+
+def _energy(history: "History", balance: float, closed: bool) -> str:
     told = f"friction dissipates {balance:.5f} of the work supplied"
     if not closed:
         told += "; wear is as much in error"
         if history.settings.get("solver", {}).get("slip") == "upwind":
             told += ': the upwind slip of the paper does that, solver.slip = "auto" does not'
+    return told
+
+
+def _wear(history: "History", balance: float, closed: bool) -> str:
+    told = f"the worn section is {balance:.5f} of what the frictional work wears"
+    if not closed:
+        told += "; more elements across the contact bring them together"
     return told
 
 

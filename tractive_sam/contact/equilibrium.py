@@ -14,8 +14,8 @@ from tractive_sam.results.state import Contact
 from tractive_sam.results.status import Status
 from tractive_sam.solvers.outcome import Outcome
 
-DepthInPass = Callable[[np.ndarray, np.ndarray], np.ndarray]
-"""(p_n in MPa, s/V) -> depth of wear in mm below every element."""
+DepthInPass = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
+"""(p_n and p_t in MPa, s/V) -> depth of wear in mm below every element."""
 
 
 def equilibrium(
@@ -30,8 +30,8 @@ def equilibrium(
     model : Model
         The scene in numbers.
     depth : ndarray, shape (n_x, n_y), or callable, optional
-        Depth worn off both bodies, mm. As a function of pressure and slip it is updated within
-        the iteration, as the paper does it; that is for ``method = "uzawa"`` only.
+        Depth worn off both bodies, mm. As a function of pressure, traction and slip it is
+        updated within the iteration, as the paper does it; that is for ``method = "uzawa"`` only.
     start : Contact, optional
         A contact nearby, as first guess.
 
@@ -63,8 +63,9 @@ def equilibrium(
 def _dimensionless(model: Model, depth: DepthInPass) -> DepthInPass:
     units = model.units
 
-    def scaled(pressure: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        return depth(units.pressure * pressure, _slip(model, slip)) / units.gap
+    def scaled(pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
+        fields = units.pressure * pressure, _traction(model, traction), _slip(model, slip)
+        return depth(*fields) / units.gap
 
     return scaled
 
@@ -74,9 +75,29 @@ def _slip(model: Model, scaled: np.ndarray) -> np.ndarray:
     return model.stencil.at_centres(model.units.slip * model.frame.slip_to_physical(scaled))
 
 
-def _rolling_resistance(model: Model, pressure: np.ndarray, depth: np.ndarray) -> float:
-    """Work of the pressure on the slope of the undeformed, worn gap, N."""
-    slope = np.gradient(model.undeformed_gap + depth, model.grid.dx, axis=0)
+def _traction(model: Model, scaled: np.ndarray) -> np.ndarray:
+    """p_t in MPa."""
+    return model.units.pressure * model.frame.to_physical(scaled)
+
+
+def _rolling_resistance(
+    model: Model, pressure: np.ndarray, gap: np.ndarray, depth: np.ndarray
+) -> float:
+    """Work of the pressure on the slope of the undeformed, worn bodies, N.
+
+    By central differences d of h less the gap g that is left. In contact g is zero, but the
+    outermost elements reach beyond its edge, and with g the balance of work holds on any mesh:
+    h - g is the approach less the displacement A_nn p_n + A_nt p_t. As d is antisymmetric and
+    commutes with the operators, and by reciprocity, A_nt = A_tn^T,
+
+        p_n . d(h - g) = -p_n . d A_nt p_t = p_t . d A_tn p_n,
+
+    the work of p_t on the slip by p_n; that by p_t itself does none. So resistance and creepages
+    supply what the slip at the centres (`Stencil.at_centres`) dissipates.
+    """
+    if not model.dissimilar:
+        return 0.0
+    slope = np.gradient(model.undeformed_gap + depth - gap, model.grid.dx, axis=0)
     return float((pressure * slope).sum() * model.grid.element_area)
 
 
@@ -84,9 +105,10 @@ def _contact(model: Model, outcome: Outcome, depth: np.ndarray | DepthInPass | N
     units = model.units
     touching = outcome.pressure > 0.0
     pressure = units.pressure * outcome.pressure
+    traction, gap = _traction(model, outcome.traction), units.gap * outcome.gap
     slip = np.where(touching, _slip(model, outcome.slip), 0.0)
     if callable(depth):
-        depth = depth(pressure, slip)
+        depth = depth(pressure, traction, slip)
     elif depth is None:
         depth = np.zeros(model.grid.elements)
     sliding = touching
@@ -99,15 +121,15 @@ def _contact(model: Model, outcome: Outcome, depth: np.ndarray | DepthInPass | N
         model.scene,
         model.grid,
         pressure,
-        units.pressure * model.frame.to_physical(outcome.traction),
+        traction,
         slip,
-        units.gap * outcome.gap,
+        gap,
         depth,
         units.gap * outcome.approach,
         xi_x,
         xi_y,
         spin,
-        _rolling_resistance(model, pressure, depth),
+        _rolling_resistance(model, pressure, gap, depth),
         sliding,
         outcome.status,
         message(outcome.status, outcome, model),

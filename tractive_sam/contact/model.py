@@ -9,7 +9,7 @@ from scipy.interpolate import Akima1DInterpolator
 
 from tractive_sam.contact.mesh import choose_grid
 from tractive_sam.mechanics.friction import Frame
-from tractive_sam.mechanics.wear import WearLaw
+from tractive_sam.mechanics.wear import Archard, ArchardByWork, WearLaw
 from tractive_sam.operators import STAGGERED, UPWIND, HalfSpace, Mesh, Stencil
 from tractive_sam.results.grid import Grid
 from tractive_sam.scene import Scene, SceneWarning
@@ -79,9 +79,13 @@ class Model:
 
     @cached_property
     def wear_law(self) -> WearLaw | None:
-        """The law of wear, where the scene has one."""
-        wear = self.scene.wear
-        return None if wear is None else WearLaw(wear.intensity, self.frame.angle)
+        """The law of wear, where the scene has one; that of the paper with its slip."""
+        wear, frame = self.scene.wear, self.frame
+        if wear is None:
+            return None
+        if self.stencil.staggered:
+            return ArchardByWork(wear.intensity, frame.mu, frame.angle)
+        return Archard(wear.intensity, frame.angle)
 
     @cached_property
     def units(self) -> Units:

@@ -84,7 +84,7 @@ def projected(
     model: Model,
     gap: np.ndarray,
     first: Guess | Outcome | None,
-    wear: Callable[[np.ndarray, np.ndarray], np.ndarray] | None = None,
+    wear: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray] | None = None,
 ) -> Outcome:
     """Uzawa's or Anderson's method on pressure and tractions at once (paper, section 7.5).
 
@@ -97,7 +97,8 @@ def projected(
     first : Guess or Outcome, optional
         Where to start; the normal problem solved roughly by default.
     wear : callable, optional
-        Dimensionless wear of a pass, from dimensionless pressure and slip, added to the gap.
+        Dimensionless wear of a pass, from dimensionless pressure, traction and slip, added to
+        the gap.
     """
     solver, problem = model.scene.solver, _problem(model, gap)
     if first is None:

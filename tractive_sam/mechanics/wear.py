@@ -1,5 +1,6 @@
-"""Orthotropic Holm-Archard wear."""
+"""Orthotropic Holm-Archard wear, as the paper has it and by the work that friction does."""
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,9 +8,48 @@ import numpy as np
 from tractive_sam.kernels import wear
 
 
+class WearLaw(ABC):
+    """How deep the contact wears in one pass."""
+
+    @abstractmethod
+    def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
+        """Depth worn per distance rolled, dimensionless; homogeneous in pressure and traction.
+
+        Parameters
+        ----------
+        pressure : ndarray, shape (n_x, n_y)
+            p_n, MPa.
+        traction : ndarray, shape (2, n_x, n_y)
+            (p_x, p_y) on body A, MPa.
+        slip : ndarray, shape (2, n_x, n_y)
+            s/V, dimensionless.
+        """
+
+    def depth(
+        self,
+        entering: np.ndarray,
+        pressure: np.ndarray,
+        traction: np.ndarray,
+        slip: np.ndarray,
+        dx: float,
+    ) -> np.ndarray:
+        """Depth below every element during one pass (paper, eq. 32), mm.
+
+        Parameters
+        ----------
+        entering : ndarray, shape (n_y,)
+            Depth left by the previous revolution, mm.
+        pressure, traction, slip : ndarray
+            As for `rate`.
+        dx : float
+            Side of an element in the rolling direction, mm.
+        """
+        return wear.sweep(entering, self.rate(pressure, traction, slip), dx)
+
+
 @dataclass(frozen=True)
-class WearLaw:
-    """Depth worn per sliding distance, p_n |s|_i (paper, eq. 16).
+class Archard(WearLaw):
+    """Depth worn per sliding distance, p_n |s|_i (paper, eq. 16), to the letter.
 
     Parameters
     ----------
@@ -22,32 +62,50 @@ class WearLaw:
     intensity: tuple[float, float]
     angle: float
 
-    def rate(self, pressure: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Depth worn per distance rolled, dimensionless.
-
-        Parameters
-        ----------
-        pressure : ndarray, shape (n_x, n_y)
-            p_n, MPa.
-        slip : ndarray, shape (2, n_x, n_y)
-            s/V, dimensionless.
-        """
-        c, s = np.cos(self.angle), np.sin(self.angle)
-        along, across = c * slip[0] + s * slip[1], c * slip[1] - s * slip[0]
+    def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
+        """See `WearLaw.rate`; the traction does not matter."""
+        along, across = _turned(slip, self.angle)
         return pressure * np.hypot(self.intensity[0] * along, self.intensity[1] * across)
 
-    def depth(
-        self, entering: np.ndarray, pressure: np.ndarray, slip: np.ndarray, dx: float
-    ) -> np.ndarray:
-        """Depth below every element during one pass (paper, eq. 32), mm.
 
-        Parameters
-        ----------
-        entering : ndarray, shape (n_y,)
-            Depth left by the previous revolution, mm.
-        pressure, slip : ndarray
-            As for `rate`.
-        dx : float
-            Side of an element in the rolling direction, mm.
-        """
-        return wear.sweep(entering, self.rate(pressure, slip), dx)
+@dataclass(frozen=True)
+class ArchardByWork(WearLaw):
+    """The same law, by the frictional work w_k = -p_k s_k along either tribological axis.
+
+    Where an element slips, p_k = -p_n mu_k^2 s_k/||s||*_mu, and with it p_n |s|_i is
+
+        sqrt((w_1 + w_2) ((i1/mu1)^2 w_1 + (i2/mu2)^2 w_2)).
+
+    Where it sticks beside one that slips, it shows slip of that one (`Contact.slip`) but bears
+    less than the bound: by its pressure it would wear many times too much where only a narrow edge
+    slips, by its work it does not. With i1/mu1 = i2/mu2 the contact wears that times its
+    frictional work, on any mesh; otherwise between the smaller and the larger of them.
+
+    Parameters
+    ----------
+    intensity, mu : tuple of float
+        Wear intensities (i1, i2), 1/MPa, and friction coefficients (mu1, mu2) along the
+        tribological axes.
+    angle : float
+        Angle beta of the first axis, counter-clockwise from x, radians.
+    """
+
+    intensity: tuple[float, float]
+    mu: tuple[float, float]
+    angle: float
+
+    def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
+        """See `WearLaw.rate`; zero where the work is negative, as it is in a few elements."""
+        along, across = -_turned(traction, self.angle) * _turned(slip, self.angle)
+        work = np.maximum(along + across, 0.0)
+        first, second = (i / mu for i, mu in zip(self.intensity, self.mu, strict=True))
+        squared = work * (first**2 * along + second**2 * across)
+        # Work against one axis only must not leave the bounds that work along both has.
+        least, most = sorted((first, second))
+        return np.sqrt(np.clip(squared, (least * work) ** 2, (most * work) ** 2))
+
+
+def _turned(vector: np.ndarray, angle: float) -> np.ndarray:
+    """Components of a field of vectors along the tribological axes."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.stack((c * vector[0] + s * vector[1], c * vector[1] - s * vector[0]))

@@ -109,11 +109,11 @@ def passage_at(
 ) -> Passage:
     """Roll through the contact with a given profile.
 
-    The wear of a pass is part of the gap of that pass, and depends on its pressure and slip. With
-    ``method = "uzawa"`` it is updated within the iteration, as in the paper (step V). The other
-    methods solve the contact for a given wear and correct the wear until the contact conditions
-    hold with it; since a pass wears a thousandth of the approach, each correction gains three
-    digits.
+    The wear of a pass is part of the gap of that pass, and depends on its pressure, traction and
+    slip. With ``method = "uzawa"`` it is updated within the iteration, as in the paper (step V).
+    The other methods solve the contact for a given wear and correct the wear until the contact
+    conditions hold with it; since a pass wears a thousandth of the approach, each correction gains
+    three digits.
 
     Parameters
     ----------
@@ -132,8 +132,8 @@ def passage_at(
     """
     law, dx = model.wear_law, model.grid.dx
 
-    def depth(pressure: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        return law.depth(entering, pressure, slip, dx)
+    def depth(pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
+        return law.depth(entering, pressure, traction, slip, dx)
 
     if model.scene.solver.method == "uzawa":
         return Passage(revolution, equilibrium(model, depth, start), 1)
@@ -148,7 +148,7 @@ def passage_at(
         contact = equilibrium(model, wear, contact)
         solves += 1
         cost = cost + contact.cost
-        corrected = depth(contact.pressure, contact.slip)
+        corrected = depth(contact.pressure, contact.traction, contact.slip)
         missed = _residual(model, contact, corrected - wear)
         contact = _with_lag(replace(contact, wear=corrected), missed)
         if not contact.converged or missed <= tolerance:

@@ -12,8 +12,9 @@ def wear_response(model: Model, contact: Contact, closing: float = 0.0) -> np.nd
 
     Material worn deeper carries less pressure, by the compliance between rows at constant load,
     and wears less: waves of the profile decay at a rate proportional to their wave number, up to
-    i |s| a E* q per revolution. That makes rolling stiff. Slip and contact area are taken as they
-    are; the method that uses this is of second order for any approximation.
+    i |s| a E* q per revolution. That makes rolling stiff. Slip, contact area and the traction over
+    the pressure are taken as they are; the method that uses this is of second order for any
+    approximation.
 
     Parameters
     ----------
@@ -50,7 +51,10 @@ def _wear_per_load(model: Model, contact: Contact) -> np.ndarray:
     """Depth worn by each row per MPa summed over its elements, mm; beyond the rim as at the rim."""
     touching = contact.touching
     count = touching.sum(axis=0)
-    per_pressure = model.wear_law.rate(np.where(touching, 1.0, 0.0), contact.slip).sum(axis=0)
+    pressure = np.where(touching, contact.pressure, 1.0)
+    share = contact.traction / pressure
+    rate = model.wear_law.rate(np.where(touching, 1.0, 0.0), share, contact.slip)
+    per_pressure = rate.sum(axis=0)
     inside = np.flatnonzero(count)
     values = model.grid.dx * per_pressure[inside] / count[inside]
     return np.interp(np.arange(count.size), inside, values)

@@ -108,7 +108,8 @@ class CoupledMap:
     contact : ndarray of bool
         Area for which the steps are chosen.
     wear : callable, optional
-        (pressure, slip) -> wear within the pass, in units of gap, added to the gap (step V).
+        (pressure, traction, slip) -> wear within the pass, in units of gap, added to the gap
+        (step V).
     boldness : float
         Step of the slip over its bound.
     """
@@ -117,7 +118,7 @@ class CoupledMap:
         self,
         problem: CoupledProblem,
         contact: Array,
-        wear: Callable[[Array, Array], Array] | None = None,
+        wear: Callable[[Array, Array, Array], Array] | None = None,
         boldness: float = UZAWA_STEP,
     ):
         self.problem = problem
@@ -157,7 +158,7 @@ class CoupledMap:
         slip = problem.rigid + drag
         gap = problem.gap + lift - problem.approach
         if self.wear is not None:
-            gap = gap + self.wear(state[0], slip)
+            gap = gap + self.wear(state[0], state[1:], slip)
         opposed = problem.half_space.friction_slip(state[0], gap).opposed(slip, state[1:])
         target = np.empty_like(state)
         target[0] = np.maximum(state[0] - gap, 0.0)
