@@ -53,6 +53,8 @@ ENTRIES = [
     ("friction.mu", True, "above 0"),
     ("friction.mu", [0.3, -0.3], "a pair"),
     ("friction.mu", [0.3, 0.3, 0.3], "a pair"),
+    ("friction.mu", [0.4, 0.4e-4], "at most 100 times the other"),
+    ("friction.mu", [0.003, 0.4], "at most 100 times the other"),
     ("friction.angle", 400, "-360 to 360"),
     ("wear.intensity", -1e-6, "at least 0"),
     ("wear.revolutions", 0, "from 1"),

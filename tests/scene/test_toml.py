@@ -50,7 +50,7 @@ SCENES = st.fixed_dictionaries(
         "load": one_of_two("normal", "approach", POSITIVE),
         "friction": st.fixed_dictionaries(
             {
-                "mu": POSITIVE | st.tuples(POSITIVE, POSITIVE),
+                "mu": POSITIVE | st.tuples(st.floats(0.02, 2.0), st.floats(0.02, 2.0)),
                 "angle": st.floats(-360, 360).map(round),
             }
         ),

@@ -71,6 +71,17 @@ class Creepage(Table):
     spin: Real = number("spin creepage phi, 1/mm", 0.0)
 
 
+MOST_ORTHOTROPIC = 100.0
+"""Ratio of the friction coefficients up to which contacts are known to be solved."""
+
+
+def _axes_alike(known: Known) -> Iterator[Fault]:
+    mu = known["mu"]
+    if max(mu) > MOST_ORTHOTROPIC * min(mu) * (1.0 + 1e-12):
+        allowed = f"one coefficient at most {MOST_ORTHOTROPIC:g} times the other"
+        yield Fault("mu", f"{mu[0]:g} and {mu[1]:g}", allowed)
+
+
 class Friction(Table):
     """Orthotropic Coulomb friction; `angle` also turns the axes of the wear law.
 
@@ -86,6 +97,7 @@ class Friction(Table):
     angle: Real = entry(
         "angle from x to e1, degrees", "a number from -360 to 360", 0.0, ge=-360, le=360
     )
+    checks: ClassVar[tuple[Check, ...]] = (_axes_alike,)
 
 
 def _saved_within(known: Known) -> Iterator[Fault]:
