@@ -1,10 +1,14 @@
-"""What was compiled is used again, until a formula that it takes from changes."""
+"""What was compiled computes what Python does, and is used until a formula changes."""
 
+import json
+import os
 import shutil
 import subprocess
 import sys
 from importlib.resources import files
 
+import numba
+import numpy as np
 import pytest
 
 INNER = """
@@ -48,6 +52,7 @@ def ask(tmp_path):
     return result
 
 
+@pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
 def test_a_change_in_an_imported_module_is_seen(ask):  # four processes that import numba
     assert ask("x + 1.0", 2) == (8.0, 0)
     assert ask("x + 1.0", 2) == (8.0, 1)
@@ -61,3 +66,40 @@ def test_what_takes_from_other_kernels_is_compiled_in_this_way():
             text = module.read_text("utf-8")
             assert "from ." not in text, f"{module.name}: compiled.sources sees no such import"
             assert "njit" not in text or "from tractive_sam.kernels" not in text, module.name
+
+
+PANEL = """
+import json
+from itertools import product
+
+import numpy as np
+
+from tractive_sam.kernels.rectangle import integrals
+from tractive_sam.kernels.stress import stress_patch
+from tractive_sam.kernels.wear import sweep
+
+found = []
+for x, y in product((0.0, 0.3, 0.5, -20.0), (0.5, -0.2, 30.0)):  # edges, and near and far
+    found += integrals(x, y, 1.0, 0.7)
+    for z in (0.0, 0.4):
+        found += [value for load in stress_patch(x, y, z, 1.0, 0.7, 0.3) for value in load]
+rate = np.cos(np.arange(12.0)).reshape(4, 3)
+found += sweep(np.arange(3.0), rate, 0.1).ravel().tolist()
+print(json.dumps(found))
+"""
+
+
+def test_compiled_kernels_compute_what_python_does():
+    found = [
+        json.loads(
+            subprocess.run(
+                [sys.executable, "-c", PANEL],
+                env=os.environ | {"NUMBA_DISABLE_JIT": off},
+                capture_output=True,
+                check=True,
+            ).stdout
+        )
+        for off in "01"
+    ]
+    # Compiled, quadrature adds its nodes in another order; integrals are of the order of 1.
+    np.testing.assert_allclose(*found, rtol=1e-12, atol=1e-14)
