@@ -1,0 +1,195 @@
+"""What is recorded of a computation agrees with itself and with its contacts."""
+
+import json
+
+import numpy as np
+import pytest
+
+import tractive_sam as ts
+from tests.store.sample_records import SCENE, make_record, mesh, with_stress
+from tractive_sam.results import (
+    BODY_POINTS,
+    BODY_SCALARS,
+    ERROR_BARS,
+    FIELDS,
+    POINTS,
+    PROFILES,
+    SCALARS,
+    STATE,
+    STRESS,
+    record,
+    scalars,
+    state,
+)
+
+REVOLUTIONS = 2
+
+
+@pytest.fixture(scope="module")
+def discs():
+    """Twin discs on a coarse mesh, orthotropic, with stress in both bodies."""
+    return ts.Scene.builtin("twin-discs").with_set(
+        [
+            f"wear.revolutions={REVOLUTIONS}",
+            f"wear.save=[0, {REVOLUTIONS}]",
+            "wear.stepping=every-revolution",
+            "grid.elements=[15, 31]",
+            "subsurface.elements=8",
+        ]
+    )
+
+
+@pytest.fixture(scope="module")
+def contact(discs):
+    return ts.solve(discs)
+
+
+@pytest.fixture(scope="module")
+def history(discs):
+    return ts.roll(discs)
+
+
+def collected(records, grid, **about):
+    return ts.History.of_records(records, SCENE, grid, **about)
+
+
+class TestHistory:
+    def test_every_quantity_has_one_row_a_record(self, history):
+        n, n_y = REVOLUTIONS + 1, len(history.y)
+        assert len(history) == n
+        shapes = (
+            dict.fromkeys(SCALARS, (n,))
+            | dict.fromkeys(POINTS, (n, 2))
+            | dict.fromkeys(PROFILES, (n, n_y))
+            | dict.fromkeys(BODY_SCALARS, (n, 2))
+            | dict.fromkeys(BODY_POINTS, (n, 2, 3))
+        )
+        assert {name: history[name].shape for name in shapes} == shapes
+
+    @pytest.mark.parametrize("revolution", [0, REVOLUTIONS])
+    def test_numbers_are_those_of_the_fields(self, history, revolution):
+        row = history["revolution"] == revolution
+        pressure, wear = (history.field(name, revolution) for name in ("pressure", "wear"))
+        element = np.diff(history.x)[0] * np.diff(history.y)[0]
+        assert history["p_max"][row] == pressure.max()
+        assert history["wear_max"][row] == wear.max()
+        # Sums over the same elements, to rounding.
+        assert history["P"][row] == pytest.approx(pressure.sum() * element, rel=1e-12)
+        for axis in "xy":
+            force = history.field(f"traction_{axis}", revolution).sum() * element
+            scale = history["P"][row].item()  # Q_y may be nothing but rounding
+            assert history[f"Q{axis}"][row] == pytest.approx(force, abs=1e-12 * scale)
+            assert history[f"Q{axis}_over_P"][row] == history[f"Q{axis}"][row] / scale
+
+    def test_wear_is_shared_and_only_grows(self, history):
+        both = history["wear_profile_A"] + history["wear_profile_B"]
+        np.testing.assert_allclose(both, history["wear_profile"], rtol=1e-12)  # rounding
+        assert (np.diff(history["wear_profile"], axis=0) >= 0.0).all()
+
+    def test_friction_balances_what_is_supplied_and_worn(self, history):
+        # Laws of the continuum, met to the error of a coarse mesh.
+        np.testing.assert_allclose(history.energy_balance, 1.0, atol=1e-2)
+        np.testing.assert_allclose(history.wear_balance[1:], 1.0, atol=1e-2)
+
+    def test_last_fields_are_the_default(self, history):
+        for name in FIELDS:
+            last = history.field(name, REVOLUTIONS)
+            np.testing.assert_array_equal(history.field(name), last)
+        assert history.field_revolutions.tolist() == [0, REVOLUTIONS]
+
+    def test_stress_is_kept_with_the_fields(self, history):
+        assert set(history.planes) == {(body, plane) for body in "AB" for plane in ("y=0", "x=0")}
+        for body, plane in history.planes:
+            stress = history.stress(body, plane)
+            largest = history["von_mises_max"][-1, history.bodies.index(body)]
+            # Both take the surface at other points of an element, and there are few across here.
+            assert stress.von_mises.max() <= largest * 1.02
+
+    @pytest.mark.parametrize(
+        ("ask", "told"),
+        [
+            (lambda h: h["no_such"], "p_max"),  # what there is
+            (lambda h: h["pressure"], "history.field"),  # the cure
+            (lambda h: h.field("no_such"), "pressure"),
+            (lambda h: h.field("pressure", 1), f"0, {REVOLUTIONS}"),
+            (lambda h: h.stress("A", "z=9"), "y=0 of A"),
+        ],
+    )
+    def test_what_is_not_there_is_told_with_what_is(self, history, ask, told):
+        with pytest.raises(LookupError, match=told):
+            ask(history)
+
+    def test_plain_numbers_are_json(self, history):
+        plain = json.loads(json.dumps(history.to_dict(), allow_nan=False))
+        assert plain["revolution"] == [0, 1, 2]
+        assert plain["wear_balance"][0] is None  # nothing has worn yet
+        assert plain["wear_balance"][1] == history.wear_balance[1]
+        assert plain["von_mises_max"].keys() == {"A", "B"}
+        assert plain["contact_solves"] >= REVOLUTIONS + 1
+
+    def test_without_wear_and_stress(self):
+        scene = ts.Scene.builtin("spheres").with_set(["grid.elements=[15, 15]"])
+        history = ts.roll(scene.replace(subsurface=None))
+        assert (len(history), history.bodies, history.planes) == (1, (), ())
+        assert np.isnan(history.wear_balance).all()
+        assert history.to_dict()["wear_balance"] == [None]
+
+
+class TestOfRecords:
+    def test_a_smaller_mesh_lies_in_the_middle_of_the_last(self):
+        small, wide = mesh(5, 9), mesh(9, 13)
+        history = collected([make_record(1, True, small), make_record(2, True, wide)], wide)
+        inner = history.field("pressure", 10)
+        assert inner.shape == (9, 13)
+        assert (inner[2:-2, 2:-2] == 1.0).all()
+        assert inner.sum() == 5 * 9
+        assert (history["wear_profile"][0, 2:-2] == 1e-6).all()
+
+    def test_a_mesh_that_is_not_in_the_middle_is_refused(self):
+        with pytest.raises(ValueError, match=r"\(5, 9\)"):
+            collected([make_record(1, True, mesh(5, 9))], mesh(6, 9))
+
+    def test_none(self):
+        history = collected([], mesh(), status="running")
+        assert (len(history), history.finished) == (0, False)
+        with pytest.raises(LookupError):
+            history.field("pressure")
+
+    def test_only_kept_fields_are_counted(self):
+        history = collected([make_record(k, with_fields=k == 1) for k in range(3)], mesh())
+        assert history.field_revolutions.tolist() == [10]
+        assert history["revolution"].tolist() == [0, 10, 20]
+        assert history["revolution"].dtype == int
+
+    def test_bodies(self):
+        history = collected([with_stress(make_record(2, True))], mesh())
+        assert history.bodies == ("A", "B")
+        assert history["von_mises_max"].tolist() == [[2.0, 3.0]]
+        assert history.stress("B", "y=0").body == "B"
+
+
+class TestRecord:
+    def test_fields_are_kept_where_asked(self, contact):
+        assert record(contact).fields.keys() == FIELDS.keys()
+        assert not record(contact, with_fields=False).fields
+
+    def test_state_is_all_that_rolling_goes_on_from(self, contact):
+        fields = state(contact)
+        assert fields.keys() == STATE.keys()
+        assert (fields["gap"][fields["pressure"] > 0] <= contact.approach * 1e-6).all()  # touching
+
+    def test_error_bars_are_of_scenes_that_ask_for_them(self, contact):
+        assert not ERROR_BARS.keys() & record(contact).scalars.keys()
+
+
+def test_every_quantity_has_a_unit_and_a_name():
+    for kind in (SCALARS, POINTS, PROFILES, FIELDS, BODY_SCALARS, BODY_POINTS, STRESS, STATE):
+        for name, quantity in kind.items():
+            assert quantity.unit, name
+            assert quantity.long_name, name
+
+
+def test_forces_of_a_line_contact_are_per_length():
+    area, line = scalars(False), scalars(True)
+    assert (area["P"].unit, line["P"].unit) == ("N", "N/mm")
+    assert area["p_max"] == line["p_max"]

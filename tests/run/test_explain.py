@@ -1,0 +1,121 @@
+"""What a scene is said to take is what it is, and what it takes."""
+
+from itertools import pairwise
+
+import pytest
+
+import tractive_sam as ts
+from tractive_sam.contact import Model
+from tractive_sam.run.explain import (
+    applications,
+    duration,
+    explain,
+    memory,
+    records,
+    seconds_per_application,
+)
+
+SMALL = "grid.elements=[15, 15]"
+
+
+def told(scene):
+    """Answers by section and by what is asked."""
+    return {section.title: dict(section.rows) for section in explain(scene)}
+
+
+def spheres(*settings):
+    return ts.Scene.builtin("spheres").with_set([SMALL, *settings])
+
+
+@pytest.mark.parametrize("name", ts.builtin_names())
+def test_every_scene_is_explained_in_words(name):
+    scene = ts.Scene.builtin(name)
+    sections = told(scene)
+    assert list(sections) == ["Bodies", "Contact", "Wear", "Stress", "Mesh", "Work"]
+    assert all(
+        answer and isinstance(answer, str) for s in sections.values() for answer in s.values()
+    )
+
+
+def test_what_is_left_out_is_said_with_the_key_that_adds_it():
+    scene = spheres().replace(subsurface=None)
+    assert "[wear]" in told(scene)["Wear"]["wear"]
+    assert "[subsurface]" in told(scene)["Stress"]["stress"]
+    rolling = told(scene.replace(creepage=None))["Contact"]["tangential problem"]
+    frictionless = told(scene.replace(friction=None, creepage=None))["Contact"]
+    assert "creepage" in rolling
+    assert "friction" in frictionless["tangential problem"]
+    assert "friction" not in frictionless
+
+
+def test_forces_to_transmit_and_creepages_are_told_apart():
+    given = told(spheres("creepage.longitudinal=-0.002"))["Contact"]["tangential problem"]
+    found = told(spheres("load.traction_x=0.1"))["Contact"]["tangential problem"]
+    assert "xi_x = -0.002" in given
+    assert "Q_x = 0.1 N" in found
+
+
+def test_friction_and_wear_laws():
+    discs = told(ts.Scene.builtin("twin-discs").with_set(["grid.elements=[15, 31]"]))
+    assert "(0.6, 0.3) at 45 degrees" in discs["Contact"]["friction"]
+    assert "(2e-06, 1e-06)" in discs["Wear"]["law"]
+    assert "15000" in discs["Wear"]["revolutions"]
+
+
+def test_dissimilar_bodies_are_coupled():
+    assert told(spheres())["Contact"]["coupling"].startswith("K = 0:")
+    scene = ts.Scene.builtin("spheres-dissimilar")
+    assert not told(scene)["Contact"]["coupling"].startswith("K = 0:")
+
+
+def test_the_mesh_is_given_chosen_or_found():
+    assert told(spheres())["Mesh"]["mesh"].startswith("15 x 15 elements, given")
+    assert "chosen" in told(spheres().replace(grid=None))["Mesh"]["mesh"]
+    sections = told(spheres().replace(**{"grid": None, "accuracy.tolerance": 0.05}))
+    assert "found" in sections["Mesh"]["mesh"]
+    assert "+-" in sections["Accuracy"]["Qx of the new bodies"]
+
+
+@pytest.mark.parametrize(
+    ("setting", "symmetric"),
+    [
+        ("friction.angle=0", True),
+        ("friction.mu=[0.4, 0.2]", True),  # along the axes
+        ("creepage.spin=1e-4", False),
+        ("creepage.lateral=1e-4", False),
+        ("load.traction_y=0.01", False),
+    ],
+)
+def test_symmetry_in_y(setting, symmetric):
+    assert ("symmetry in y" in told(spheres(setting))["Mesh"]) == symmetric
+
+
+def test_memory_follows_the_elements():
+    room = [memory(Model(spheres(f"grid.elements=[{n}, {n}]"))) for n in (128, 256, 512)]
+    for coarse, fine in pairwise(room):
+        assert fine / coarse == pytest.approx(4.0, rel=0.1)  # sizes of transforms are rounded up
+
+
+def test_records_of_steppings():
+    discs = ts.Scene.builtin("twin-discs").with_set(["wear.revolutions=1000"])
+    each = discs.with_set(["wear.stepping=every-revolution"])
+    assert records(spheres()) == 1
+    assert records(each) == 1 + 1000
+    assert records(discs) < records(discs.with_set(["wear.tolerance=1e-5"])) <= 1 + 1000
+
+
+def test_applications_are_of_the_order_of_those_that_a_solve_takes():
+    scene = spheres().replace(subsurface=None)
+    assert applications(Model(scene)) / ts.solve(scene).cost.applications == pytest.approx(
+        1.0,
+        abs=0.5,  # the typical scene that the estimate is made of takes about 50
+    )
+
+
+def test_a_transform_is_timed():
+    assert 0.0 < seconds_per_application(Model(spheres())) < 1.0  # of 32 x 32: microseconds
+
+
+def test_durations_are_said_in_growing_units():
+    assert [duration(s).split()[-1] for s in (30.0, 600.0, 9000.0)] == ["s", "min", "h"]
+    assert duration(0.1) == duration(0.9) != duration(1.1)
