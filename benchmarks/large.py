@@ -24,7 +24,7 @@ def alone(n: int) -> dict:
 
     import tractive_sam as ts  # noqa: PLC0415
     from tractive_sam.contact import Model  # noqa: PLC0415
-    from tractive_sam.run import explain  # noqa: PLC0415
+    from tractive_sam.run import memory  # noqa: PLC0415
 
     scene = ts.Scene.builtin("spheres").with_set(
         [f"grid.elements=[{n}, {n}]", "solver.tolerance=1e-6"]
@@ -44,7 +44,7 @@ def alone(n: int) -> dict:
         "CPU s": cpu,
         "us an element": 1e6 * again / n**2,
         "GiB": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20,
-        "GiB estimated": explain.memory(Model(scene)) / 2**30,
+        "GiB estimated": memory.of_contact(Model(scene)) / 2**30,
         "Qx/muP": contact.Qx / (scene.friction.mu[0] * contact.P),
     }
 

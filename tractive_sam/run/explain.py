@@ -6,7 +6,9 @@ from time import perf_counter
 import numpy as np
 
 from tractive_sam.contact import Model
+from tractive_sam.operators.memory import available
 from tractive_sam.results.quantities import scalars
+from tractive_sam.run import memory
 from tractive_sam.run.accuracy import Refined, refined, with_tolerances
 from tractive_sam.run.pipeline import measured_gap
 from tractive_sam.scene import Scene
@@ -19,9 +21,14 @@ WARM_APPLICATIONS = 40
 JUMP_APPLICATIONS = 70
 JUMPS = 10  # while the revolutions rolled grow e-fold
 STRESS_APPLICATIONS = 75  # as long as the largest stress of one body takes
+DEPTH_APPLICATIONS = 0.5  # as long as a depth of a plane takes, of both bodies
 
 OF_PROGRAMS = 250
 """Memory that a process takes before any scene, MiB."""
+
+
+TIMED = 2**18
+"""Most elements of a mesh whose transforms are timed."""
 
 
 @dataclass(frozen=True)
@@ -41,12 +48,14 @@ def explain(scene: Scene) -> list[Section]:
     ------
     GapError
         If the measured gap cannot be read.
+    SceneError
+        If the memory does not suffice to find the mesh of an [accuracy].
     """
     measured = measured_gap(scene)
     accuracy = []
-    if scene.accuracy is None:
-        model = Model(scene, measured)
-    else:
+    model = Model(scene, measured)
+    if scene.accuracy is not None:
+        memory.check_solve(model)
         chosen = with_tolerances(scene)
         found = refined(chosen, measured)
         model = Model(chosen, measured, found.model.grid)
@@ -246,23 +255,11 @@ def _work(model: Model) -> Section:
         count = applications(model)
         seconds = duration(seconds_per_application(model) * count)
         time = f"about {seconds} ({count} transform pairs)"
-    room = f"about {memory(model) / 2**20:.0f} MiB, and {OF_PROGRAMS} MiB for programs"
+    needed, free = memory.of_scene(model), available()
+    room = f"about {needed / 2**20:.0f} MiB, and {OF_PROGRAMS} MiB for programs"
+    if needed > free:
+        room += f": more than the {free / 2**20:.0f} MiB that are free here"
     return Section("Work", [("memory", room), ("time", time)])
-
-
-def fields_together(model: Model) -> int:
-    """Fields that an elastic operator of a scene takes at once."""
-    return 3 if model.dissimilar and model.transmits else 2 if model.transmits else 1
-
-
-def memory(model: Model) -> float:
-    """Memory that a scene takes, bytes."""
-    fields, shape = fields_together(model), model.grid.elements
-    padded = int(np.prod(model.half_space.mesh.padded))
-    # Of large meshes, in doubles: spectra and buffers of the transforms, both in double and single
-    # precision, tables on the way to them, and a Krylov space in single precision.
-    spectra = 1.5 * (9 if fields == 3 else 3)
-    return 8.0 * (padded * (spectra + 3.75 * fields + 7) + 25 * fields * np.prod(shape))
 
 
 def records(scene: Scene) -> int:
@@ -281,18 +278,28 @@ def records(scene: Scene) -> int:
 def applications(model: Model) -> int:
     """Transform pairs that a scene is expected to take, or what takes as long."""
     count, stress = records(model.scene), model.scene.subsurface
-    bodies = 0 if stress is None else len(stress.bodies)
+    bodies = depths = 0
+    if stress is not None:
+        wear = model.scene.wear
+        kept = 1 if wear is None else len(wear.save)
+        bodies, depths = len(stress.bodies), kept * len(stress.planes) * stress.elements
     jumps = model.scene.wear is not None and model.scene.wear.stepping == "adaptive"
     each = JUMP_APPLICATIONS if jumps else WARM_APPLICATIONS
     contacts = COLD_APPLICATIONS + (count - 1) * each
     # Coarser meshes that give the error bars take together about as long as the finest.
     meshes = 1 if model.scene.accuracy is None else 2
-    return meshes * (contacts + count * bodies * STRESS_APPLICATIONS)
+    whole = meshes * (contacts + count * bodies * STRESS_APPLICATIONS)
+    return whole + int(depths * DEPTH_APPLICATIONS)
 
 
 def seconds_per_application(model: Model) -> float:
-    """Time of a transform pair and all that goes with it, measured here and now."""
-    fields, half_space = fields_together(model), model.half_space
+    """Time of a transform pair and all that goes with it, measured here and now.
+
+    Of a large mesh it is that of a part, in proportion to the work of the transforms.
+    """
+    fields, half_space = memory.fields_together(model), model.half_space
+    shape = _timed(model.grid.elements)
+    half_space = half_space.on(half_space.mesh.of(shape))
     operator = {1: half_space.normal, 2: half_space.slip}.get(fields) or half_space.coupled
     values = np.ones(operator.shape)
     operator(values)
@@ -302,7 +309,20 @@ def seconds_per_application(model: Model) -> float:
         operator(values)
         times.append(perf_counter() - began)
     # Vectors, projections and factors around a transform take about as long as itself.
-    return 2.0 * float(np.median(times))
+    return 2.0 * float(np.median(times)) * work(model.grid.elements) / work(shape)
+
+
+def work(shape: tuple[int, int]) -> float:
+    """Measure of the work of a transform of a mesh."""
+    elements = float(np.prod(shape))
+    return elements * np.log2(4.0 * elements)
+
+
+def _timed(shape: tuple[int, int]) -> tuple[int, int]:
+    """The part of a mesh that is timed: of the same sides, and of few elements."""
+    share = np.sqrt(min(1.0, TIMED / np.prod(shape, dtype=float)))
+    nx, ny = (min(n, max(3, round(share * n))) for n in shape)
+    return min(nx, max(3, TIMED // ny)), min(ny, max(3, TIMED // nx))
 
 
 def duration(seconds: float) -> str:

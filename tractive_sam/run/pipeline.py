@@ -20,6 +20,7 @@ from tractive_sam.results.record import Record, state
 from tractive_sam.results.state import Contact, NotConverged
 from tractive_sam.results.status import Status
 from tractive_sam.rolling import Passage, passages, recorded
+from tractive_sam.run import memory
 from tractive_sam.run.accuracy import (
     Judge,
     Levels,
@@ -79,7 +80,7 @@ def solve(
     ValueError
         If `wear` or `start` do not fit the mesh, or are not finite.
     SceneError
-        If no mesh can be chosen that holds the contact.
+        If no mesh can be chosen that holds the contact, or the memory does not suffice.
     GapError
         If the measured gap cannot be read.
     NotConverged
@@ -96,9 +97,10 @@ def solve(
     """
     _check_scene(scene)
     measured = measured_gap(scene)
+    model = Model(scene, measured)
+    memory.check_solve(model)
     if scene.accuracy is not None and wear is None and start is None:
         return _checked(_accurate(scene, measured), throw)
-    model = Model(scene, measured)
     if wear is not None:
         wear = _depths(wear, model.grid)
     if start is not None:
@@ -208,7 +210,7 @@ def roll(
     ValueError
         If there is no file to resume from.
     SceneError
-        If no mesh can be chosen that holds the contact.
+        If no mesh can be chosen that holds the contact, or the memory does not suffice.
     ResultsError
         If the results file cannot be written, or holds another scene than the one to resume.
     GapError
@@ -232,10 +234,11 @@ def roll(
         if resume and Path(path).exists():
             before = open_history(path)
             last = last_passage(before, path, scene)
+    model = Model(scene, measured_gap(scene), None if last is None else last.contact.grid)
+    memory.check_roll(model, in_memory=path is None)
     run = _Run(scene, path, overwrite or resume, progress, began)
     if scene.accuracy is not None:
         return _rolled_accurately(run) if last is None else _resumed_accurately(run, last, before)
-    model = Model(scene, measured_gap(scene), None if last is None else last.contact.grid)
     if last is not None:
         return run.resumed(model, last)
     model, contact = fitted(model)

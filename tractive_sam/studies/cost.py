@@ -7,7 +7,7 @@ import numpy as np
 
 from tractive_sam.contact import Model
 from tractive_sam.results.quantities import FIELDS, PROFILES, SCALARS, STATE, STRESS
-from tractive_sam.run import explain
+from tractive_sam.run import explain, memory
 from tractive_sam.run.pipeline import measured_gap
 from tractive_sam.store import read_gap
 from tractive_sam.store.rows import SLOTS
@@ -54,8 +54,7 @@ def explain_study(study: Study, workers: int) -> list[explain.Section]:
     models = _models(found)
     seconds = np.array(_times(models))
     volume = sum(map(_bytes, models))
-    largest = max(models, key=lambda model: explain.fields_together(model) * _size(model))
-    room = f"about {explain.memory(largest) / 2**20:.0f} MiB"
+    room = f"about {max(map(memory.of_scene, models)) / 2**20:.0f} MiB"
     whole = max(seconds.sum() / workers, seconds.max())
     duration = explain.duration
     return [
@@ -108,11 +107,11 @@ def _times(models: list[Model]) -> list[float]:
     """Seconds of each; one mesh of a kind is timed, for others it follows from their size."""
     kinds = defaultdict(list)
     for model in models:
-        kinds[explain.fields_together(model), model.grid.line].append(model)
+        kinds[memory.fields_together(model), model.grid.line].append(model)
     pace = {kind: _pace(alike) for kind, alike in kinds.items()}
     return [
         OF_A_FILE
-        + pace[explain.fields_together(model), model.grid.line]
+        + pace[memory.fields_together(model), model.grid.line]
         * _size(model)
         * explain.applications(model)
         * (UZAWA if model.scene.solver.method == "uzawa" else 1.0)
@@ -126,9 +125,7 @@ def _pace(alike: list[Model]) -> float:
 
 
 def _size(model: Model) -> float:
-    """Measure of the work of a transform."""
-    elements = float(np.prod(model.grid.elements))
-    return elements * np.log2(4.0 * elements)
+    return explain.work(model.grid.elements)
 
 
 def _bytes(model: Model) -> float:

@@ -1,0 +1,60 @@
+"""What does not fit into the memory is refused before any of it is taken."""
+
+import pytest
+
+import tractive_sam as ts
+from tractive_sam.contact import Model
+from tractive_sam.operators import memory as machine
+from tractive_sam.run import explain, memory
+
+FREE = 256 * 2**20
+"""As if so much were free; the machine has more for what is then said to fit."""
+
+LARGE = {
+    "grid.elements": ("spheres", ["grid.elements=[7071, 7071]"]),
+    "subsurface.elements": ("spheres", ["grid.elements=[21, 21]", "subsurface.elements=1000000"]),
+    "accuracy.elements": ("spheres", ["accuracy.tolerance=1e-5", "accuracy.elements=50000000"]),
+}
+
+
+@pytest.fixture
+def little(monkeypatch):
+    monkeypatch.setattr(machine, "available", lambda: FREE)
+    monkeypatch.setattr(explain, "available", lambda: FREE)
+
+
+@pytest.mark.parametrize("key", LARGE)
+def test_what_does_not_fit_is_refused_with_what_does(little, key, tmp_path):
+    name, settings = LARGE[key]
+    scene = ts.Scene.builtin(name).with_set(settings)
+    with pytest.raises(ts.SceneError) as refused:
+        ts.roll(scene, tmp_path / "large.h5")
+    (fault,) = refused.value.faults
+    assert fault.key == key
+    fits = [int(word) for word in fault.allowed.split() if word.isdigit()]
+    if key == "grid.elements":
+        fitting = scene.with_set([f"grid.elements={fits}"])
+        memory.check_roll(Model(fitting), in_memory=False)
+        # No less than half of what is free is said to fit.
+        assert memory.of_scene(Model(fitting)) > 0.5 * FREE
+    else:
+        memory.check_roll(Model(scene.with_set([f"{key}={fits[0]}"])), in_memory=False)
+
+
+def test_explain_tells_of_the_stress_and_takes_little(little):
+    scene = ts.Scene.builtin("spheres").with_set(LARGE["subsurface.elements"][1])
+    rows = dict(explain.explain(scene)[-1].rows)
+    # 1e6 depths of 2 planes, 21 points, 2 bodies and 6 components are 4 GB, and are not all.
+    assert float(rows["memory"].split()[1]) > 4000
+    assert "more than the 256 MiB that are free here" in rows["memory"]
+
+
+def test_time_of_a_large_mesh_is_that_of_a_part(monkeypatch):
+    scene = ts.Scene.builtin("spheres").with_set(["grid.elements=[101, 101]"])
+    model = Model(scene)
+    monkeypatch.setattr(explain, "TIMED", 2**10)
+    assert explain._timed(model.grid.elements) == (32, 32)
+    assert explain._timed((3, 10**6)) == (3, 2**10 // 3)
+    assert explain._timed((9, 9)) == (9, 9)
+    assert explain.seconds_per_application(model) > 0.0
+    assert "slip" not in vars(model.half_space)  # nothing of the whole mesh was made
