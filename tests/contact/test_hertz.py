@@ -89,3 +89,10 @@ def test_units_do_not_matter():
     assert metre.cost == mm.cost
     np.testing.assert_allclose(metre.pressure, 1e6 * mm.pressure, rtol=1e-9, atol=1e-6)
     np.testing.assert_allclose(metre.traction, 1e6 * mm.traction, rtol=1e-7, atol=1e-3)
+
+
+@pytest.mark.parametrize(("name", "share"), [("spheres", 0.95 ** (1 / 3)), ("cylinders", 0.99923)])
+def test_pressure_above_which_a_twentieth_of_the_load_is_carried(name, share):
+    """Of an ellipsoid the load above t p0 is 1 - t³; of a half ellipse (2/pi)(x t + asin x)."""
+    contact = steady(name)
+    assert contact.p_95 / contact.scene.hertz.p0 == pytest.approx(share, abs=2e-3)

@@ -73,6 +73,7 @@ def history(stored=(0, 10, 100), toml=TOML, reference=True):
             "half_width_x": worn.a,
             "half_width_y": worn.b,
             "p_max": worn.p0,
+            "p_95": 0.983 * worn.p0,
             "wear_max": profile.max(),
         }
         kept = fields if revolution in stored else {}

@@ -6,7 +6,14 @@ import pytest
 import xarray as xr
 
 from tests.store.sample_records import REFERENCE, SCENE, make_record, mesh
-from tractive_sam.results.quantities import BODY_POINTS, BODY_SCALARS, FIELDS, POINTS, SCALARS
+from tractive_sam.results.quantities import (
+    ADDED,
+    BODY_POINTS,
+    BODY_SCALARS,
+    FIELDS,
+    POINTS,
+    SCALARS,
+)
 from tractive_sam.store import HistoryWriter, ResultsError, open_history
 
 
@@ -167,3 +174,17 @@ def test_reference_is_kept_by_name(path):
     HistoryWriter(path, SCENE, mesh(), REFERENCE)
     assert open_history(path).p0 == REFERENCE["p0"]
     assert len(open_history(path)) == 0
+
+
+def test_a_former_file_lacks_what_was_added_since(path):
+    with HistoryWriter(path, SCENE, mesh()) as writer:
+        writer.append(make_record(0))
+    with h5py.File(path, "a") as file:
+        for name in ADDED:
+            del file["history"][name]
+    assert np.isnan(open_history(path)["p_95"]).all()
+    with HistoryWriter.reopen(path, SCENE) as writer:
+        writer.append(make_record(1))
+    first, last = open_history(path)["p_95"]
+    assert np.isnan(first)
+    assert last == make_record(1).scalars["p_95"]

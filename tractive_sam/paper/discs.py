@@ -84,14 +84,16 @@ def _contact(histories: Histories) -> Iterator[Finding]:
         "revolutions; it counts whole elements.",
         Verdict.of(bool(np.all(b[0] >= b[1:]) and np.all(b[0, -1] > b[1:, -1]))),
     )
-    p_max = _of_all(histories, "p_max") / histories[0.0].p0
-    spread = np.ptp(p_max, axis=0) / p_max.mean(axis=0)
+    # The largest pressure itself hinges on one element at the rim.
+    p = _of_all(histories, "p_95") / histories[0.0].p0
+    spread = np.ptp(p, axis=0) / p.mean(axis=0)
     worst = spread.argmax()
     yield Statement(
         "Fig. 17",
         "The pressure evolves very similarly for all three angles.",
-        f"The largest pressure falls to {listed(p_max[:, -1], '.3f')} p_0 for β = {ANGLES_TOLD}. "
-        f"The three differ by at most {spread[worst]:.0%}, at N = {_saved(histories)[worst]}.",
+        f"The pressure that 5 % of the load exceeds falls from {p[0, 0]:.3f} p_0 to "
+        f"{listed(p[:, -1], '.3f')} p_0 for β = {ANGLES_TOLD}. The three differ "
+        f"by at most {spread[worst]:.0%}, at N = {_saved(histories)[worst]}.",
         Verdict.of(bool(spread.max() < SIMILAR)),
         f"if within {SIMILAR:.0%}",
     )
@@ -211,7 +213,7 @@ def _compared(histories: Histories) -> Iterator[Picture]:
         ("wear_max", "Largest depth worn off both discs"),
         ("Qx_over_P", "Longitudinal force"),
         ("Qy_over_P", "Lateral force"),
-        ("p_max", "Largest pressure"),
+        ("p_95", "Pressure that 5 % of the load exceeds"),
         ("half_width_x", "Half width in the rolling direction"),
         ("half_width_y", "Half width across it"),
     ):

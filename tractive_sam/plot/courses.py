@@ -30,7 +30,10 @@ def forces(history: History) -> Figure:
 
 @styled
 def widths(history: History) -> Figure:
-    """Half widths of the contact and its largest pressure, over the revolutions.
+    """Half widths of the contact and its pressure, over the revolutions.
+
+    The pressure is the one that 5 % of the load exceeds: the largest one jumps with every
+    element that comes into contact. Files of former versions have the largest one only.
 
     Examples
     --------
@@ -43,7 +46,10 @@ def widths(history: History) -> Figure:
     _course(axes, history, history["half_width_x"] / scale.a, f"half width in $x$ / ${a}$")
     if not history.line:
         _course(axes, history, history["half_width_y"] / scale.b, f"half width in $y$ / ${b}$")
-    _course(axes, history, history["p_max"] / scale.p, f"largest pressure / ${p}$")
+    told, pressure = f"pressure that 5 % of the load exceeds / ${p}$", history["p_95"]
+    if np.isnan(pressure).all():
+        told, pressure = f"largest pressure / ${p}$", history["p_max"]
+    _course(axes, history, pressure / scale.p, told)
     axes.set_ylim(bottom=0.0)
     axes.set_ylabel("relative to the unworn contact")
     axes.legend(loc="best")

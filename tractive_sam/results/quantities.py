@@ -32,6 +32,7 @@ SCALARS: dict[str, Quantity] = {
     "Qy_over_P": Quantity("1", "lateral force over normal load"),
     "approach": Quantity("mm", "rigid-body approach"),
     "p_max": Quantity("MPa", "largest pressure"),
+    "p_95": Quantity("MPa", "pressure that 5 % of the load exceeds"),
     "half_width_x": Quantity("mm", "half width of the contact in the rolling direction"),
     "half_width_y": Quantity("mm", "half width of the contact in the lateral direction"),
     "wear_max": Quantity("mm", "largest wear depth, both bodies together"),
@@ -50,6 +51,9 @@ SCALARS: dict[str, Quantity] = {
     "seconds": Quantity("s", "time spent on this record"),
 }
 """One number a record."""
+
+ADDED = ("p_95",)
+"""Those of `SCALARS` that former results files lack: nan in them."""
 
 PER_LENGTH: dict[str, Quantity] = {
     "P": Quantity("N/mm", "normal load per length"),

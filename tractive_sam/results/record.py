@@ -98,6 +98,7 @@ def record(
             "Qy_over_P": contact.Qy / contact.P if contact.P else 0.0,
             "approach": contact.approach,
             "p_max": contact.p_max,
+            "p_95": contact.p_95,
             "half_width_x": contact.half_width_x,
             "half_width_y": contact.half_width_y,
             "wear_max": float(contact.wear.max()),

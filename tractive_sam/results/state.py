@@ -193,6 +193,20 @@ class Contact:
         return float(self.pressure.max())
 
     @cached_property
+    def p_95(self) -> float:
+        """Pressure that 5 % of the load exceeds, MPa: a peak that hinges on no element.
+
+        In Hertz contacts 0.95^(1/3) = 0.983 of the largest pressure, in line contacts 0.999.
+        Where the rim of a worn contact carries a spike as wide as an element, the largest pressure
+        rises and falls with every element that comes into contact, this one does not.
+        """
+        pressures = np.sort(self.pressure[self.touching])[::-1]
+        if not pressures.size:
+            return 0.0
+        above = np.cumsum(pressures) / pressures.sum()
+        return float(np.interp(0.05, above, pressures))
+
+    @cached_property
     def p_max_at(self) -> tuple[float, float]:
         """Where the pressure is largest, (x, y) in mm."""
         i, j = np.unravel_index(np.argmax(self.pressure), self.pressure.shape)

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 import h5py
 
 from tractive_sam.results.quantities import (
+    ADDED,
     BODY_POINTS,
     BODY_SCALARS,
     FIELDS,
@@ -56,7 +57,8 @@ def _forms(file: h5py.File) -> Iterator[tuple[h5py.Dataset, tuple[int, ...]]]:
     yield from ((grid[axis], (count,)) for axis, count in zip("xy", mesh, strict=True))
     rows = len(history["record"])
     for name in SCALARS:
-        yield history[name], (rows,)
+        if name in history or name not in ADDED:
+            yield history[name], (rows,)
     for name in POINTS:
         yield history[name], (rows, 2)
     for name in PROFILES:

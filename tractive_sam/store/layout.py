@@ -97,11 +97,12 @@ def lacks(file: h5py.File, record: Record) -> bool:
 
 
 def add_columns(file: h5py.File, record: Record) -> None:
-    """Make room for the error bars, bodies and planes of a record."""
-    history = file["history"]
-    for name, quantity in error_bars(line=len(file["grid/y"]) == 1).items():
+    """Make room for the numbers, bodies and planes of a record."""
+    history, line = file["history"], len(file["grid/y"]) == 1
+    rows = len(history["record"])
+    for name, quantity in (scalars(line) | error_bars(line)).items():
         if name in record.scalars and name not in history:
-            _rows(history, name, quantity, (history["record"],))
+            _rows(history, name, quantity, (history["record"],), rows=rows)[:] = np.nan
     if record.bodies and "body" not in history:
         _create_bodies(history, record)
     for one in record.stress:

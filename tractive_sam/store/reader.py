@@ -8,6 +8,7 @@ import numpy as np
 
 from tractive_sam.results.history import History
 from tractive_sam.results.quantities import (
+    ADDED,
     BODY_ERROR_BARS,
     BODY_POINTS,
     BODY_SCALARS,
@@ -58,7 +59,7 @@ def open_history(path: str | Path) -> History:
             half_length=tuple(map(float, grid.attrs["half_length"])),
             x=grid["x"][:],
             y=grid["y"][:],
-            scalars=_rows(history, n, SCALARS) | _rows(history, n, ERROR_BARS, optional=True),
+            scalars=_scalars(history, n),
             points=_rows(history, n, POINTS),
             profiles=_rows(history, n, PROFILES),
             fields={name: StoredField(path, name, m) for name in FIELDS},
@@ -101,6 +102,15 @@ def state_of(path: str | Path, row: int) -> dict[str, np.ndarray]:
         if lost:
             raise ValueError(f"/state: {', '.join(lost)} of record {row} are not finite")
         return fields
+
+
+def _scalars(history: h5py.Group, n: int) -> dict[str, np.ndarray]:
+    """The first rows of all scalars; nan of those that a former file lacks."""
+    lacking = [name for name in ADDED if name not in history]
+    found = _rows(history, n, (name for name in SCALARS if name not in lacking))
+    found |= dict.fromkeys(lacking, np.full(n, np.nan))
+    ordered = {name: found[name] for name in SCALARS}
+    return ordered | _rows(history, n, ERROR_BARS, optional=True)
 
 
 def _rows(
