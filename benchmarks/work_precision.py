@@ -1,4 +1,4 @@
-"""Error against work: for every method, slip scheme and mesh, on four scenes.
+"""Error against work: for every method, slip scheme and mesh, on seven scenes.
 
 Error of Q_x, of the largest traction, of the largest von Mises stress in body A and of the wear
 depth after 1,000 revolutions, against applications of the elastic operators and against time. Each
@@ -94,10 +94,16 @@ def scenes() -> dict[str, ts.Scene]:
     dissimilar = _ellipse().replace(
         title="Steel on glass", **{"body.B.young": 70e3, "body.B.poisson": 0.22}
     )
+    both = {"longitudinal": -0.001, "lateral": 0.0007}
+    # A hundredth and less of the creepage of full slip.
+    creeping, spinning = {"longitudinal": -3e-5, "lateral": 1e-5}, {"spin": 3e-5}
     return {
         "spheres": spheres,
         "spinning-ellipse": _ellipse(),
         "dissimilar": dissimilar,
+        "dissimilar-combined": dissimilar.replace(title="Steel on glass, x and y", creepage=both),
+        "dissimilar-creeping": dissimilar.replace(title="Steel on glass, slow", creepage=creeping),
+        "dissimilar-spinning": dissimilar.replace(title="Steel on glass, spin", creepage=spinning),
         "twin-discs": discs,
     }
 

@@ -85,3 +85,21 @@ def test_oblong_elements(elements):
     contact = steady("spheres", f"grid.elements={list(elements)}")
     assert contact.converged
     assert contact.Qx / MU_P == pytest.approx(LIMIT, rel=3e-3)
+
+
+def test_slip_along_the_traction_loses_its_power_on_finer_meshes():
+    """Unlike bodies, little friction one way: the slip turns round within the slip zone."""
+    scene = Scene.builtin("spheres").replace(
+        **{"grid": None, "body.B.shear": 0.1, "body.B.poisson": 0.1, "creepage.lateral": 0.001},
+        **{"friction.mu": (0.3, 0.03), "friction.angle": 40.0},
+    )
+    half_length = (1.2 * scene.hertz.a, 1.2 * scene.hertz.b)
+    wrong = []
+    for n in (25, 100):
+        grid = {"grid.half_length": half_length, "grid.elements": (n, n)}
+        contact = equilibrium(Model(scene.replace(**grid)))
+        power = (contact.traction * contact.slip).sum(axis=0)
+        along = contact.sliding & (power > 0.0)
+        assert along.any()
+        wrong.append(power[along].sum() / -power.sum())
+    assert wrong[1] < wrong[0] / 8.0  # between first and second order: single elements are noise

@@ -59,7 +59,9 @@ class Contact:
         mean slip of the leading and the trailing face of an element, by which it wears and
         dissipates. An element sticks where its leading face does, so one that sticks ahead of one
         that slips shows half its slip, and a leading one half of what the surfaces slip ahead of
-        the contact. ``slip = "upwind"`` gives the slip of the leading face.
+        the contact. Where slip turns round from one face to the next, the mean of an element that
+        slides may even go along its traction: the more elements, the less of the power. ``slip =
+        "upwind"`` gives the slip of the leading face.
     gap : ndarray
         Separation of the deformed surfaces, mm.
     wear : ndarray
