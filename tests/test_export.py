@@ -74,16 +74,16 @@ def test_a_stored_revolution_gives_the_same_as_its_contact(contact, tmp_path):
 
 def test_what_cannot_be_exported_is_told(contact, tmp_path):
     path = tmp_path / "v.vtkhdf"
-    with pytest.raises(LookupError, match="no fields of revolution 10; there are those of 0, 20"):
+    with pytest.raises(LookupError, match=r"10.*0, 20"):
         ts.export_volume(history(contact), path, revolution=10)
-    with pytest.raises(ValueError, match="only a history has revolutions"):
+    with pytest.raises(ValueError, match="revolution"):
         ts.export_volume(contact, path, revolution=0)
-    with pytest.raises(ValueError, match='a body is "A" or "B"'):
+    with pytest.raises(ValueError, match='"A" or "B"'):
         ts.export_volume(contact, path, body="C")
     for depth in (0.0, -1.0, np.nan, np.inf):
-        with pytest.raises(ValueError, match="depth: a positive number"):
+        with pytest.raises(ValueError, match="depth"):
             ts.export_volume(contact, path, depth=depth)
-    with pytest.raises(ValueError, match="elements: at least 2 points"):
+    with pytest.raises(ValueError, match="elements"):
         ts.export_volume(contact, path, elements=1)
     apart = replace(contact, pressure=0.0 * contact.pressure)
     with pytest.raises(ValueError, match="do not touch"):

@@ -91,9 +91,9 @@ def test_animation_has_a_picture_for_every_stored_revolution(tmp_path):
 
 
 def test_animation_of_what_does_not_move(tmp_path):
-    with pytest.raises(ValueError, match=r'ends in "\.gif"'):
+    with pytest.raises(ValueError, match=r"\.gif"):
         plot.animate(strips.history(), tmp_path / "a.mp4")
-    with pytest.raises(ValueError, match=r"list more in wear\.save"):
+    with pytest.raises(ValueError, match=r"wear\.save"):
         plot.animate(strips.history((0,)), tmp_path / "a.gif")
 
 
@@ -175,7 +175,7 @@ class TestSaveAll:
 def test_figures_of_the_other_kind_of_contact_are_refused():
     line, wide = ts.solve(ts.Scene.builtin("cylinders")), ts.solve(ts.Scene.builtin("twin-discs"))
     for draw in (plot.pressure, plot.traction, plot.stick_slip_map, plot.wear_map):
-        with pytest.raises(ValueError, match="a line contact has no map: line_pressure"):
+        with pytest.raises(ValueError, match="line_pressure"):
             draw(line)
     for draw in (plot.line_pressure, plot.line_traction, plot.line_slip):
         with pytest.raises(ValueError, match="no line contact"):

@@ -158,13 +158,13 @@ def test_sections_are_true_to_scale(turned):
 
 
 def test_what_cannot_be_drawn_is_told(contact):
-    with pytest.raises(ValueError, match="quantity: one of von_mises, max_shear, xx"):
+    with pytest.raises(ValueError, match=r"quantity.*von_mises"):
         plot.von_mises(contact, quantity="zy")
     with pytest.raises(ValueError, match='"A" or "B"'):
         plot.von_mises(contact, body="C")
-    with pytest.raises(ValueError, match="planes like"):
+    with pytest.raises(ValueError, match="y=0"):
         plot.von_mises(contact, plane="w=0")
-    with pytest.raises(ValueError, match="of each body once; not y=0 of A, x=0 of A"):
+    with pytest.raises(ValueError, match="y=0 of A, x=0 of A"):
         plot.von_mises_sections(stress_on_planes(contact, ["y=0", "x=0"], ["A"]))
     with pytest.raises(ValueError, match="not nothing"):
         plot.von_mises_sections([])

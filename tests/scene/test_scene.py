@@ -110,11 +110,11 @@ def test_subsurface_defaults():
 
 @pytest.mark.parametrize(
     ("elements", "advice"),
-    [([91, 5], "at least 10 in y"), ([3, 5], "at least 10 in x, at least 10 in y")],
+    [([91, 5], "10 in y"), ([3, 5], "10 in x.*10 in y")],
 )
 def test_coarse_grid_warns_once_where_it_was_asked_for(tables, elements, advice):
     grid = {"half_length": [4.2, 4.2], "elements": elements}
-    with pytest.warns(SceneWarning, match=rf"grid.elements.*{advice}$") as record:
+    with pytest.warns(SceneWarning, match=rf"grid\.elements.*{advice}") as record:
         Scene(**tables, grid=grid)
     assert len(record) == 1
     assert record[0].filename == __file__
@@ -126,7 +126,7 @@ def test_advised_grid_is_fine_enough(tables):
 
 def test_large_contact_warns_with_its_ratios(tables):
     """By each body's own radius, too: a ball in its socket has a large combined one."""
-    with pytest.warns(SceneWarning, match=r"a/R_x = 0\.\d+ and b/R_y = 0\.\d+; half-spaces"):
+    with pytest.warns(SceneWarning, match=r"a/R_x = 0\.\d.*b/R_y = 0\.\d"):
         Scene(**tables | {"load": {"normal": 4e4}})
     tables["body"]["B"] |= {"radius_x": -340.0, "radius_y": -340.0}
     with pytest.warns(SceneWarning, match=r"a/R_x"):

