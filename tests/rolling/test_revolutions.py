@@ -71,10 +71,11 @@ def test_upwind_slip_wears_too_little():
     assert 0.80 < worn / (2e-6 / 0.6 * work) < 0.97
 
 
-def test_the_paper_scheme_agrees_with_the_corrected_one():
+@pytest.mark.parametrize("slip", ["upwind", "auto"])
+def test_the_paper_scheme_agrees_with_the_corrected_one(slip):
     """Uzawa updates the wear within its iteration; Newton's contact is corrected around it."""
     newton, uzawa = (
-        rolled('solver.slip="upwind"', f'solver.method="{m}"', "wear.revolutions=2")
+        rolled(f'solver.slip="{slip}"', f'solver.method="{m}"', "wear.revolutions=2")
         for m in ("newton", "uzawa")
     )
     for a, b in zip(newton, uzawa, strict=True):
