@@ -1,23 +1,64 @@
-"""Two runs that were given one file do not mix their records."""
+"""A results file has one writer, from the first reading to the last record."""
+
+import subprocess
+import sys
 
 import pytest
 
 import tractive_sam as ts
+from tests.store.sample_records import SCENE, make_record, mesh
+from tractive_sam.store import HeldError, HistoryWriter, ResultsError, open_history, results_writer
 
 
-def test_a_run_whose_file_was_taken_stops(tmp_path):
+def test_a_second_run_is_refused_while_the_first_rolls(tmp_path):
     path = tmp_path / "discs.h5"
     coarse = ["grid.half_length=[0.35, 0.7]", "grid.elements=[15, 15]", "wear.revolutions=3"]
     scene = ts.Scene.builtin("twin-discs").with_set(coarse)
-    taken = []
+    refused = []
 
     def take_over(record):
-        if not taken:
-            taken.append(record)
-            ts.roll(scene, path, overwrite=True)
+        for options in ({"overwrite": True}, {"resume": True}):
+            with pytest.raises(HeldError) as told:
+                ts.roll(scene, path, **options)
+            refused.append(str(told.value))
 
-    with pytest.raises(ts.ResultsError, match="another run"):
-        ts.roll(scene, path, progress=take_over)
-    history = ts.open_history(path)
-    assert history.status == "done"
+    history = ts.roll(scene, path, progress=take_over)
+    assert refused
+    assert all(str(path) in told for told in refused)
     assert history["revolution"].tolist() == [0, 1, 2, 3]
+    assert [file.name for file in tmp_path.iterdir()] == [path.name]
+
+
+def test_a_writer_that_was_killed_holds_nothing(finished):
+    holds = (
+        "import sys, time, pathlib; from tractive_sam.store import results_writer\n"
+        "with results_writer(pathlib.Path(sys.argv[1]), True):\n"
+        "    print('held', flush=True); time.sleep(60)"
+    )
+    command = [sys.executable, "-c", holds, finished]
+    with subprocess.Popen(command, stdout=subprocess.PIPE) as holder:
+        assert holder.stdout.readline() == b"held\n"
+        with pytest.raises(HeldError), results_writer(finished, overwrite=True):
+            pass
+        holder.kill()
+    with results_writer(finished, overwrite=True):
+        pass
+
+
+def test_where_there_are_no_locks_a_file_that_was_taken_over_is_not_mixed(path):
+    with HistoryWriter(path, SCENE, mesh()) as first:
+        first.append(make_record(0, with_fields=True))
+        second = HistoryWriter.reopen(path)
+        with pytest.raises(ResultsError, match="another run"):
+            first.append(make_record(1, with_fields=True))
+        second.append(make_record(1))
+        second.finish("done")
+    assert open_history(path)["revolution"].tolist() == [0, 10]
+
+
+def test_a_file_that_moved_on_since_it_was_read_is_not_resumed(finished):
+    read = len(open_history(finished))
+    HistoryWriter.reopen(finished, records=read).append(make_record(7, with_fields=True))
+    with pytest.raises(ResultsError, match=f"{read} records when it was read.* {read + 1}"):
+        HistoryWriter.reopen(finished, records=read)
+    assert open_history(finished)["revolution"].tolist() == [10 * k for k in range(read + 1)]

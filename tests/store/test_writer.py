@@ -1,3 +1,5 @@
+from math import inf
+
 import h5py
 import numpy as np
 import pytest
@@ -5,7 +7,7 @@ import pytest
 from tests.store.sample_records import REFERENCE, SCENE, make_record, mesh, records
 from tractive_sam.results.history import History
 from tractive_sam.store import HistoryWriter, ResultsError, open_history
-from tractive_sam.store.writer import FIRST_ROWS
+from tractive_sam.store.checkpoints import Checkpoints
 
 
 def test_file_and_memory_hold_the_same(finished):
@@ -28,8 +30,8 @@ def test_file_and_memory_hold_the_same(finished):
             )
 
 
-def test_many_records_outgrow_the_first_rows(path):
-    count = 2 * FIRST_ROWS + 5
+def test_many_records(path):
+    count = 1100  # more than two chunks of rows
     with HistoryWriter(path, SCENE, mesh()) as writer:
         for record in records(count, every=50):
             writer.append(record)
@@ -41,8 +43,39 @@ def test_many_records_outgrow_the_first_rows(path):
         assert len(file["history/P"]) == len(file["history/record"]) == count
 
 
+def test_records_wait_for_a_checkpoint(path):
+    """At the first record, at those with fields, when it is due, and at the end."""
+
+    class Due(Checkpoints):
+        due = True
+
+    checkpoints = Due()
+    with HistoryWriter(path, SCENE, mesh(), checkpoints=checkpoints) as writer:
+        held = []
+        for number, (due, with_fields) in enumerate(
+            [(True, False), (False, False), (False, False), (False, True), (False, False)]
+        ):
+            checkpoints.due = due
+            writer.append(make_record(number, with_fields))
+            held.append(len(open_history(path)))
+        assert held == [1, 1, 1, 4, 4]
+        writer.finish("done")
+    np.testing.assert_array_equal(open_history(path)["revolution"], 10 * np.arange(5))
+
+
+def test_checkpoints_take_their_share_of_the_time(monkeypatch):
+    now = [0.0]
+    monkeypatch.setattr("tractive_sam.store.checkpoints.perf_counter", lambda: now[0])
+    checkpoints = Checkpoints(share=0.1)
+    assert checkpoints.due
+    with checkpoints.taken():
+        now[0] += 1.0
+    for now[0], due in ((1.5, False), (10.9, False), (11.1, True)):
+        assert checkpoints.due == due
+
+
 def test_file_can_be_read_while_it_is_written(path):
-    with HistoryWriter(path, SCENE, mesh()) as writer:
+    with HistoryWriter(path, SCENE, mesh(), checkpoints=Checkpoints(inf)) as writer:
         for count, record in enumerate(records(5, every=2), start=1):
             writer.append(record)
             history = open_history(path)

@@ -8,11 +8,10 @@ import pytest
 
 from tests.studies.conftest import CREEPAGE, MU, small
 from tractive_sam.run.pipeline import roll
-from tractive_sam.store import ResultsError
+from tractive_sam.store import ResultsError, results_writer
 from tractive_sam.studies import Study, cases, figures, open_study, save_figures, study
 from tractive_sam.studies.folder import Folder
-from tractive_sam.studies.lock import locked
-from tractive_sam.studies.task import Outcome, lock_of
+from tractive_sam.studies.task import Outcome
 
 xarray = pytest.importorskip("xarray", reason="xarray is of the extra study")
 
@@ -103,7 +102,7 @@ def test_every_status_is_told(tmp_path):
     with folder.taken(asked):
         roll(found[0].scene, files[0])
         folder.fail(found[1], Outcome("failed", "no space left"))
-        with locked(lock_of(files[2])):
+        with results_writer(files[2]):
             statuses = [row.status for row in open_study(tmp_path).rows]
         files[4].write_text("no HDF5")
     assert statuses == ["complete", "failed", "running", "waiting", "waiting", "waiting"]

@@ -10,7 +10,7 @@ import pytest
 
 from tests.studies.conftest import MU, small
 from tractive_sam.run.pipeline import roll
-from tractive_sam.store import ResultsError, open_history
+from tractive_sam.store import ResultsError, open_history, results_writer
 from tractive_sam.studies import (
     Study,
     StudyError,
@@ -24,7 +24,6 @@ from tractive_sam.studies import (
 )
 from tractive_sam.studies.cost import estimates
 from tractive_sam.studies.folder import Folder
-from tractive_sam.studies.lock import locked
 
 
 @pytest.fixture
@@ -211,7 +210,7 @@ def test_case_that_raises_is_told(tmp_path, monkeypatch):
 def test_a_case_has_one_writer(tmp_path):
     (case, _) = cases(small(MU))
     file = tmp_path / f"{case.name}.h5"
-    with locked(worker.lock_of(file)):
+    with results_writer(file):
         outcome = worker.run_case(case.scene.to_toml(), str(file))
     assert outcome.status == worker.HELD
     assert not file.exists()
@@ -221,7 +220,7 @@ def test_what_another_process_computes_is_waited_for_and_told_once(tmp_path, mon
     (case, _) = cases(small(MU))
     told, waits = [], iter(range(2))
     with ExitStack() as held:
-        held.enter_context(locked(worker.lock_of(tmp_path / f"{case.name}.h5")))
+        held.enter_context(results_writer(tmp_path / f"{case.name}.h5"))
         monkeypatch.setattr(run, "sleep", lambda _: next(waits) == 1 and held.close())
         assert study(small(MU), tmp_path, workers=0, say=told.append).complete
     assert told == [f"waiting for {case}, which another process computes"]

@@ -107,7 +107,7 @@ def warnings_told() -> Iterator[list[warnings.WarningMessage]]:
 def bad_input_told() -> Iterator[None]:
     """Turn errors that the user can cure into messages and an exit status."""
     from tractive_sam.scene import SceneError
-    from tractive_sam.store import GapError, ResultsError
+    from tractive_sam.store import GapError, ResultsError, StorageError
 
     try:
         yield
@@ -115,6 +115,8 @@ def bad_input_told() -> Iterator[None]:
         raise _faults(error.faults, error.subject) from None
     except GapError as error:
         raise _faults([error]) from None
+    except StorageError as error:
+        raise stop(Status.INCOMPLETE, str(error)) from None
     except ResultsError as error:
         raise stop(Status.INVALID, str(error)) from None
     except MemoryError:

@@ -80,8 +80,8 @@ class History:
         One position (x, y, depth) a record and body, mm.
     stresses : mapping of (body, plane) to Rows, length m
         Stress on planes for each record that kept its fields; see `stress`.
-    versions : mapping of str to str
-        Programs that computed it.
+    provenance : tuple of (int, mapping of str to str)
+        Programs that computed it, each with the record from which on they did.
 
     Examples
     --------
@@ -111,7 +111,7 @@ class History:
     body_scalars: Mapping[str, np.ndarray]
     body_points: Mapping[str, np.ndarray]
     stresses: Mapping[tuple[str, str], "Rows[PlaneStress]"]
-    versions: Mapping[str, str]
+    provenance: tuple[tuple[int, Mapping[str, str]], ...] = ()
 
     @classmethod
     def of_records(
@@ -125,7 +125,6 @@ class History:
         p0: float = math.nan,
         status: str = DONE,
         message: str = "",
-        versions: Mapping[str, str] | None = None,
     ) -> Self:
         """Collect records in memory; those of smaller meshes are padded to the last mesh."""
         records = list(records)
@@ -154,7 +153,6 @@ class History:
             body_scalars=_of_bodies(records, bodies, (*BODY_SCALARS, *body_bars), ()),
             body_points=_of_bodies(records, bodies, BODY_POINTS, (3,)),
             stresses=_by_plane(kept),
-            versions=dict(versions or {}),
         )
 
     def __len__(self) -> int:
@@ -180,6 +178,11 @@ class History:
     def finished(self) -> bool:
         """Whether the computation came to its end."""
         return self.status == DONE
+
+    @property
+    def versions(self) -> Mapping[str, str]:
+        """Programs that computed the last records."""
+        return self.provenance[-1][1] if self.provenance else {}
 
     @property
     def totals(self) -> dict[str, float]:

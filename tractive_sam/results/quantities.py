@@ -50,10 +50,7 @@ SCALARS: dict[str, Quantity] = {
     "solves": Quantity("1", "contacts solved for this record"),
     "seconds": Quantity("s", "time spent on this record"),
 }
-"""One number a record."""
-
-ADDED = ("p_95",)
-"""Those of `SCALARS` that former results files lack: nan in them."""
+"""One number a record. Those that a former results file lacks are nan in it, here and below."""
 
 PER_LENGTH: dict[str, Quantity] = {
     "P": Quantity("N/mm", "normal load per length"),

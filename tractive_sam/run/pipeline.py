@@ -33,7 +33,13 @@ from tractive_sam.run.accuracy import (
 from tractive_sam.run.resume import last_passage
 from tractive_sam.scene import Scene
 from tractive_sam.scene.quantities import LARGEST
-from tractive_sam.store import HistoryWriter, check_results, open_history, read_gap
+from tractive_sam.store import (
+    HistoryWriter,
+    ResultsError,
+    open_history,
+    read_gap,
+    results_writer,
+)
 
 
 def measured_gap(scene: Scene) -> Gap | None:
@@ -186,8 +192,8 @@ def roll(
     scene : Scene
         What is asked.
     path : path-like, optional
-        Results file (HDF5), to which every record is streamed as it is computed; without it the
-        records are kept in memory.
+        Results file (HDF5), to which records are streamed as they are computed; without it they are
+        kept in memory.
     overwrite : bool
         Whether a results file of this package may be replaced.
     resume : bool
@@ -212,7 +218,10 @@ def roll(
     SceneError
         If no mesh can be chosen that holds the contact, or the memory does not suffice.
     ResultsError
-        If the results file cannot be written, or holds another scene than the one to resume.
+        If the results file cannot be written, is being written by another run, or holds another
+        scene than the one to resume.
+    StorageError
+        If the disk becomes full meanwhile; the file then holds the records up to some moment.
     GapError
         If the measured gap cannot be read.
 
@@ -228,21 +237,29 @@ def roll(
     _check_scene(scene)
     if resume and path is None:
         raise ValueError("resume: the path of a results file is needed to go on from")
-    before = last = None
-    if path is not None:
-        check_results(Path(path), overwrite or resume)  # before, not after, what may take long
-        if resume and Path(path).exists():
-            before = open_history(path)
-            last = last_passage(before, path, scene)
-    model = Model(scene, measured_gap(scene), None if last is None else last.contact.grid)
-    memory.check_roll(model, in_memory=path is None)
     run = _Run(scene, path, overwrite or resume, progress, began)
+    if path is None:
+        return _rolled(run)
+    with results_writer(Path(path), overwrite or resume):  # before what may take long
+        if not (resume and Path(path).exists()):
+            return _rolled(run)
+        before = open_history(path)
+        return _rolled(run, last_passage(before, path, scene), before)
+
+
+def _rolled(run: "_Run", last: Passage | None = None, before: History | None = None) -> History:
+    """Roll from new bodies on, or from the last passage of a file that holds what was before."""
+    scene = run.scene
+    model = Model(scene, measured_gap(scene), None if last is None else last.contact.grid)
+    memory.check_roll(model, in_memory=run.path is None)
+    if last is None or before is None:
+        if scene.accuracy is not None:
+            return _rolled_accurately(run)
+        model, contact = fitted(model)
+        return run.begun(model, Passage(0, contact, 1))
     if scene.accuracy is not None:
-        return _rolled_accurately(run) if last is None else _resumed_accurately(run, last, before)
-    if last is not None:
-        return run.resumed(model, last)
-    model, contact = fitted(model)
-    return run.begun(model, Passage(0, contact, 1))
+        return _resumed_accurately(run, last, before)
+    return run.resumed(model, last, len(before))
 
 
 def _rolled_accurately(run: "_Run") -> History:
@@ -270,10 +287,17 @@ def _resumed_accurately(run: "_Run", last: Passage, before: History) -> History:
     """Roll on on the mesh of a file, and from new bodies on finer ones where that takes it."""
     scene, measured = with_tolerances(run.scene), measured_gap(run.scene)
     levels, missed = Levels(scene, measured), missed_before(before, scene)
-    model, level = Model(scene, measured, last.contact.grid), levels.of(last.contact.grid)
+    model = Model(scene, measured, last.contact.grid)
+    try:
+        level = levels.of(last.contact.grid)
+    except LookupError:
+        raise ResultsError(
+            f"{run.path} has a mesh that this version does not choose for the scene: resume it "
+            "with the version that wrote it, or give the run a file of its own"
+        ) from None
     complete = scene.wear is None or last.revolution == scene.wear.revolutions
     judge = None if complete else judge_on(scene, measured, level, missed)
-    history = run.resumed(model, last, judge, missed)
+    history = run.resumed(model, last, len(before), judge, missed)
     finer = scene.wear is not None and levels.allowed(level + 1)
     if history.status != Status.INACCURATE or not finer:
         return history
@@ -309,10 +333,15 @@ class _Run:
         return self._kept(model, start, (start,), writer, judge, missed)
 
     def resumed(
-        self, model: Model, last: Passage, judge: Judge | None = None, missed: str = ""
+        self,
+        model: Model,
+        last: Passage,
+        records: int,
+        judge: Judge | None = None,
+        missed: str = "",
     ) -> History:
-        """Roll on from the last record of the file; arguments as of `begun`."""
-        writer = HistoryWriter.reopen(self.path, self.scene.to_toml())
+        """Roll on from the last of a number of records in the file; arguments as of `begun`."""
+        writer = HistoryWriter.reopen(self.path, self.scene.to_toml(), records)
         return self._kept(model, last, (), writer, judge, missed)
 
     def _kept(

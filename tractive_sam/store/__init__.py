@@ -1,21 +1,29 @@
 """Results and measured gaps on disk; the only room that opens HDF5 files."""
 
-from tractive_sam.store.errors import DamagedError, GapError, ResultsError
+from tractive_sam.store.errors import DamagedError, GapError, HeldError, ResultsError, StorageError
 from tractive_sam.store.gap import read_gap
+from tractive_sam.store.lock import locked
 from tractive_sam.store.reader import open_history, state_of
+from tractive_sam.store.room import is_written, lock_of
 from tractive_sam.store.volume import Image, check_volume, write_volume
-from tractive_sam.store.writer import HistoryWriter, check_results
+from tractive_sam.store.writer import HistoryWriter, check_results, results_writer
 
 __all__ = [
     "DamagedError",
     "GapError",
+    "HeldError",
     "HistoryWriter",
     "Image",
     "ResultsError",
+    "StorageError",
     "check_results",
     "check_volume",
+    "is_written",
+    "lock_of",
+    "locked",
     "open_history",
     "read_gap",
+    "results_writer",
     "state_of",
     "write_volume",
 ]

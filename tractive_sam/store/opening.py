@@ -1,55 +1,190 @@
-"""Opens results files, and says what is wrong with those that cannot be opened."""
+"""Opens results files, and says what is wrong with those that cannot be read."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import h5py
+import numpy as np
 
 from tractive_sam.store import layout
-from tractive_sam.store.errors import DamagedError, ResultsError
-from tractive_sam.store.form import GROUPS
+from tractive_sam.store.errors import DamagedError, ResultsError, reason
+from tractive_sam.store.texts import text_of
+
+GROUPS = ("grid", "history", "fields", "stress", "state")
 
 
 @contextmanager
-def results_file(path: Path) -> Iterator[h5py.File]:
+def results_file(path: Path) -> Iterator["Results"]:
     """Open a results file for reading.
 
     Raises
     ------
     ResultsError
-        If it is not one, or is damaged (`DamagedError`); also where the block meets the damage.
+        If it is not one, or is damaged.
     """
-    if not path.exists():
-        raise ResultsError(f"{path} does not exist; write it by tractive-sam run SCENE -o {path}")
-    if not path.is_file():
-        raise ResultsError(f"{path} is not a file; name a results file (.h5)")
     try:
-        with h5py.File(path, "r") as file:
-            _check(path, file)
-            yield file
-    # What h5py raises of a damaged file, and what it makes of one of another form.
-    except (OSError, KeyError, RuntimeError, ValueError, TypeError, AttributeError) as error:
-        kind = ResultsError if isinstance(error, PermissionError) else DamagedError
-        raise kind(f"{path} {_diagnosis(path, error)}") from error
+        if not path.exists():
+            cure = f"write it by tractive-sam run SCENE -o {path}"
+            raise ResultsError(f"{path} does not exist; {cure}")
+        if not path.is_file():
+            raise ResultsError(f"{path} is not a file; name a results file (.h5)")
+        with path.open("rb"):  # says why it may not be read
+            pass
+    except OSError as error:
+        raise ResultsError(f"{path} cannot be read: {reason(error)}") from error
+    with _open(path) as file:
+        results = Results(path, file)
+        results.check_format()
+        yield results
 
 
-def _check(path: Path, file: h5py.File) -> None:
-    if file.attrs.get("format") != layout.FORMAT:
-        raise ResultsError(f"{path} is an HDF5 file, but not one of tractive-sam")
-    version = file.attrs["format_version"]
-    if version > layout.FORMAT_VERSION:
-        raise ResultsError(f"{path} has format {version}; a newer tractive-sam can read it")
-    kinds = {"scene": h5py.Dataset} | dict.fromkeys(GROUPS, h5py.Group)
-    missing = [name for name, kind in kinds.items() if not isinstance(file.get(name), kind)]
-    if missing:
-        lost = ", ".join(f"/{name}" for name in sorted(missing))
-        raise DamagedError(f"{path} lacks {lost}: it is damaged; run its scene again")
+def _open(path: Path) -> h5py.File:
+    try:
+        return h5py.File(path, "r", locking=False)
+    except Exception as error:  # h5py has no one kind of error for what is damaged
+        if not h5py.is_hdf5(path):
+            told = f"{path} is not an HDF5 file; name a results file (.h5)"
+            raise DamagedError(told) from error
+        raise _damaged(path, str(error)) from error
 
 
-def _diagnosis(path: Path, error: Exception) -> str:
-    if isinstance(error, PermissionError):
-        return "may not be read; ask for permission"
-    if isinstance(error, OSError) and not h5py.is_hdf5(path):
-        return "is not an HDF5 file; name a results file (.h5)"
-    return f"is truncated or damaged ({error}); copy it again, or run its scene again"
+def _damaged(path: Path, found: str) -> DamagedError:
+    cure = "copy it again, or run its scene again"
+    return DamagedError(f"{path} is truncated or damaged ({found}); {cure}")
+
+
+class Results:
+    """A results file that is open for reading.
+
+    Every reading tells with a ResultsError what is damaged, or what another program has put in
+    place of what was written. Names are those within the file, like "history/Qx".
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    file : h5py.File
+        The same, open.
+    """
+
+    def __init__(self, path: Path, file: h5py.File) -> None:
+        self.path, self._file = path, file
+
+    def check_format(self) -> None:
+        """See that it is a results file whose format is known."""
+        if self.text("/", "format", "") != layout.FORMAT:
+            raise ResultsError(f"{self.path} is an HDF5 file, but not one of tractive-sam")
+        if self.version > layout.FORMAT_VERSION:
+            told = f"{self.path} has format {self.version}; a newer tractive-sam can read it"
+            raise ResultsError(told)
+        kinds = {"scene": h5py.Dataset} | dict.fromkeys(GROUPS, h5py.Group)
+        with self._damage_told("/"):
+            lost = [k for k, kind in kinds.items() if not isinstance(self._file.get(k), kind)]
+        if lost:
+            told = ", ".join(f"/{name}" for name in sorted(lost))
+            raise DamagedError(f"{self.path} lacks {told}: it is damaged; run its scene again")
+
+    @property
+    def version(self) -> int:
+        """Version of the format."""
+        with self._damage_told("format_version"):
+            return int(self._file.attrs["format_version"])
+
+    @property
+    def records(self) -> int:
+        """Number of complete records."""
+        laid_out = self.length("history/record")
+        if self.version > 1:
+            return laid_out
+        with self._damage_told("history/committed"):  # rows were laid out before they were filled
+            committed = int(self._file["history/committed"][()])
+        if not 0 <= committed <= laid_out:
+            raise _damaged(self.path, f"{committed} of {laid_out} records")
+        return committed
+
+    def __contains__(self, name: str) -> bool:
+        with self._damage_told(name):
+            return name in self._file
+
+    def names(self, group: str) -> tuple[str, ...]:
+        """What is in a group."""
+        with self._damage_told(group):
+            return tuple(self._file[group].keys())
+
+    def length(self, name: str) -> int:
+        """Number of rows of a dataset."""
+        with self._damage_told(name):
+            return len(self._file[name])
+
+    def numbers(self, name: str, shape: tuple[int, ...], optional: bool = False) -> np.ndarray:
+        """As many rows of numbers as the shape says; nan where they are optional and missing."""
+        if optional and name not in self:
+            return np.full(shape, np.nan)
+        self.check(name, shape)
+        with self._damage_told(name):
+            return self._file[name][: shape[0]]
+
+    def row(self, name: str, row: int) -> np.ndarray:
+        """One row of numbers."""
+        with self._damage_told(name):
+            return self._file[name][row]
+
+    def check(self, name: str, shape: tuple[int, ...]) -> None:
+        """See that there are numbers of a shape, or more rows of them, without reading them."""
+        with self._damage_told(name):
+            found = self._file[name]
+            numbers = found.dtype.kind in "fiu" and found.maxshape[0] is None
+            if not numbers or found.shape[1:] != shape[1:] or len(found) < shape[0]:
+                told = f"{found.dtype} of the shape {found.shape}, not numbers of the shape {shape}"
+                raise ValueError(told)
+
+    def text(self, name: str, attribute: str | None = None, default: str | None = None) -> str:
+        """A dataset that is a text, or an attribute that is one."""
+        with self._damage_told(f"{name} {attribute or ''}".rstrip()):
+            if attribute is None:
+                return text_of(self._file[name][()])
+            if default is not None and attribute not in self._file[name].attrs:
+                return default
+            return text_of(self._file[name].attrs[attribute])
+
+    def labels(self, name: str) -> tuple[str, ...]:
+        """A dataset of texts."""
+        with self._damage_told(name):
+            return tuple(map(text_of, self._file[name][:].tolist()))
+
+    def attribute(self, name: str, attribute: str) -> np.ndarray:
+        """An attribute that is a number, or several."""
+        with self._damage_told(f"{name} {attribute}"):
+            return np.asarray(self._file[name].attrs[attribute], float)
+
+    def attributes(self, name: str) -> tuple[str, ...]:
+        """The names of all attributes."""
+        with self._damage_told(name):
+            return tuple(self._file[name].attrs.keys())
+
+    def verify(self) -> None:
+        """Read all numbers: what is damaged is told by its checksum."""
+        found: list[str] = []
+        with self._damage_told("/"):
+            self._file.visit(found.append)
+        for name in found:
+            with self._damage_told(name):
+                item = self._file[name]
+                if isinstance(item, h5py.Dataset) and item.dtype.kind in "fiu" and item.size:
+                    for chunk in item.iter_chunks() if item.chunks else [()]:
+                        _ = item[chunk]
+
+    def damaged(self, found: str) -> DamagedError:
+        """The error that tells what was found."""
+        return _damaged(self.path, found)
+
+    @contextmanager
+    def _damage_told(self, name: str) -> Iterator[None]:
+        """Around what h5py is asked for, and nothing else."""
+        try:
+            yield
+        except MemoryError:
+            raise
+        except Exception as error:  # h5py has no one kind of error for what is damaged
+            raise _damaged(self.path, f"{name.strip('/')}: {error}") from error

@@ -4,27 +4,15 @@ import os
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from glob import escape
 from pathlib import Path
-from time import time
-from uuid import uuid4
 
 import h5py
 
-LIBVER = ("v108", "v108")
-"""File format. Later ones mark a file as open while it is written, and a marked file whose writer
-was killed cannot be opened any more."""
+from tractive_sam.store.errors import StorageError, reason
+from tractive_sam.store.room import copy_of, real
 
-ABANDONED = 3600.0
-"""Time after which a copy that nobody wrote into is taken for left behind, s."""
-
-
-def open_in_place(path: Path) -> h5py.File:
-    """Open a file to write values of existing elements, and no more than that.
-
-    It is not locked: as its structure stays as it is, others can read it meanwhile.
-    """
-    return h5py.File(path, "r+", libver=LIBVER, locking=False)
+LIBVER = ("v110", "v110")
+"""File format: the first whose metadata all have checksums."""
 
 
 @contextmanager
@@ -33,28 +21,41 @@ def replacement(path: Path, *, empty: bool = False) -> Iterator[h5py.File]:
 
     If the block fails, or the process is killed in it, the file remains as it was. Every copy has a
     name of its own, so that two processes at one file do not write into each other's; what a killed
-    process leaves behind, a replacement after `ABANDONED` removes.
+    process leaves behind, the next `sole_writer` removes.
+
+    Raises
+    ------
+    StorageError
+        If the disk does not take it.
     """
-    path = path.resolve()  # of a link, what it points to is replaced
-    copy = path.with_name(f".{path.name}.{uuid4().hex}.new")
-    _sweep(path)
+    path = real(path)
+    copy = copy_of(path)
     try:
+        if path.exists():
+            copy.touch(mode=0o600)  # never open to more people than the file that it replaces
+            shutil.copymode(path, copy)
         if not empty:
             shutil.copyfile(path, copy)
-        with h5py.File(copy, "w" if empty else "r+", libver=LIBVER, locking=False) as file:
+        # Without a cache of chunks every write reaches the system where it is made, and raises
+        # there. One that fails later, as the cache is emptied, HDF5 drops without a word.
+        with h5py.File(
+            copy, "w" if empty else "r+", libver=LIBVER, locking=False, rdcc_nbytes=0
+        ) as file:
             yield file
         _to_disk(copy)
         os.replace(copy, path)
+    except Exception as error:
+        if not _of_the_disk(error):
+            raise
+        raise StorageError(f"{path} cannot be written: {reason(error)}") from error
     finally:
-        copy.unlink(missing_ok=True)
+        with suppress(OSError):
+            copy.unlink()
 
 
-def _sweep(path: Path) -> None:
-    """Remove copies of a file that nobody works on any more."""
-    for copy in path.parent.glob(f".{escape(path.name)}.*.new"):
-        with suppress(OSError):  # another process was faster
-            if time() - copy.stat().st_mtime > ABANDONED:
-                copy.unlink()
+def _of_the_disk(error: Exception) -> bool:
+    """Whether the system, or HDF5 on top of it, could not write."""
+    return isinstance(error, OSError | RuntimeError) or "errno = " in str(error)
 
 
 def _to_disk(path: Path) -> None:

@@ -1,117 +1,100 @@
-"""The rows of a results file: laid out, filled, and made wider."""
+"""The rows of a results file: added, dropped, and made wider."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 import h5py
 import numpy as np
 
 from tractive_sam.results.grid import Grid
 from tractive_sam.results.history import padded
-from tractive_sam.results.quantities import (
-    BODY_ERROR_BARS,
-    BODY_POINTS,
-    BODY_SCALARS,
-    ERROR_BARS,
-    FIELDS,
-    POINTS,
-    PROFILES,
-    SCALARS,
-    STATE,
-    STRESS,
-)
+from tractive_sam.results.quantities import FIELDS, PROFILES, STATE, STRESS
 from tractive_sam.results.record import Record
 
-SLOTS = 2
-"""States kept: that of the last record, and the one that is being written."""
+SCALES = ("y", "axis", "body", "position")
+"""What is in /history beside rows of records."""
+
+OUTSIDE = {"gap": np.inf}
+"""What a state is beside the mesh, where that is not zero: nothing touches there, and how wide the
+gap is only the next state tells."""
 
 
-def committed(file: h5py.File) -> int:
-    """Number of complete records."""
-    return int(file["history/committed"][()])
-
-
-def full(file: h5py.File) -> bool:
-    """Whether every row laid out is taken."""
-    return committed(file) == len(file["history/record"])
-
-
-def lay_out(file: h5py.File, count: int) -> None:
-    """Change the number of rows in /history; on disk at once, so that filling moves nothing."""
+def append(file: h5py.File, records: Sequence[Record]) -> None:
+    """Add rows to all groups; narrower records are padded to the mesh of the file."""
     history = file["history"]
-    of_records = (*SCALARS, *ERROR_BARS, *POINTS, *PROFILES)
-    names = (*of_records, *BODY_SCALARS, *BODY_ERROR_BARS, *BODY_POINTS)
-    for name in (name for name in names if name in history):
-        before = len(history[name])
+    before = len(history["record"])
+    count = before + len(records)
+    for name in (name for name in history if name not in SCALES):
         history[name].resize(count, axis=0)
-        history[name][before:] = history[name].fillvalue
-    history["record"].resize(count, axis=0)
-    history["record"][:] = np.arange(count)
+    history["record"][before:] = np.arange(before, count)
+    for kind in ("scalars", "points", "profiles"):
+        for name in getattr(records[0], kind):
+            shape = history[name].shape[1:]
+            values = [np.asarray(getattr(record, kind)[name], float) for record in records]
+            history[name][before:] = [padded(value, shape) for value in values]
+    bodies = tuple(records[0].bodies)
+    for name in records[0].bodies[bodies[0]] if bodies else ():
+        values = [[record.bodies[body][name] for body in bodies] for record in records]
+        history[name][before:] = values
+    for row, record in enumerate(records, start=before):
+        if record.fields:
+            _append_fields(file, row, record)
 
 
-def fill(file: h5py.File, record: Record, state: Mapping[str, np.ndarray] | None = None) -> None:
-    """Fill the first free row of /history, in place."""
-    row, history = committed(file), file["history"]
-    for values in (record.scalars, record.points, record.profiles):
-        for name, value in values.items():
-            history[name][row] = value
-    for column, body in enumerate(record.bodies.values()):
-        for name, value in body.items():
-            history[name][row, column] = value
-    for name, value in (state or {}).items():
-        file["state"][name][row % SLOTS] = value
-    # The number of complete records must not reach the disk before they do.
-    file.flush()
-    history["committed"][()] = row + 1
-    file.flush()
-
-
-def append_fields(file: h5py.File, record: Record) -> None:
-    """Add a row to /fields and /stress, for the record that will next be filled in."""
-    _append(file["fields"], file, record, record.fields)
+def _append_fields(file: h5py.File, row: int, record: Record) -> None:
+    _append(file["fields"], row, record, record.fields, 0.0)
     for plane in record.stress:
         group = file["stress"][plane.body][str(plane.plane)]
-        _append(group, file, record, plane.components | {"von_mises": plane.von_mises})
+        values = plane.components | {"von_mises": plane.von_mises}
+        _append(group, row, record, values, np.nan)  # beside the mesh it is not known
 
 
 def _append(
-    group: h5py.Group, file: h5py.File, record: Record, values: Mapping[str, np.ndarray]
+    group: h5py.Group, row: int, record: Record, values: Mapping[str, np.ndarray], outside: float
 ) -> None:
-    about = {"record": committed(file), "revolution": record.revolution}
+    about = {"record": row, "revolution": record.revolution}
     for name, value in (about | dict(values)).items():
-        group[name].resize(len(group[name]) + 1, axis=0)
-        group[name][-1] = value
+        dataset = group[name]
+        dataset.resize(len(dataset) + 1, axis=0)
+        dataset[-1] = padded(np.asarray(value), dataset.shape[1:], outside)
+
+
+def put_state(file: h5py.File, row: int, state: Mapping[str, np.ndarray]) -> None:
+    """Keep the state after the record of a row, in place of the one before."""
+    group = file["state"]
+    group.attrs["record"] = row
+    for name, values in state.items():
+        group[name][...] = padded(values, group[name].shape, OUTSIDE.get(name, 0.0))
 
 
 def drop_unsolved(file: h5py.File) -> None:
-    """Drop a last record whose contact was not solved; the state before it is still there."""
-    last = committed(file) - 1
-    if last < 0 or file["history/converged"][last]:
+    """Drop a last record whose contact was not solved; the state is of the one before."""
+    history = file["history"]
+    last = len(history["record"]) - 1
+    if last < 0 or history["converged"][last]:
         return
     for group in (file["fields"], *planes(file)):
         kept = np.count_nonzero(group["record"][:] < last)
         for name in ("record", "revolution", *(FIELDS if group.name == "/fields" else STRESS)):
             group[name].resize(kept, axis=0)
-    file["history/committed"][()] = last
-
-
-def differs(file: h5py.File, grid: "Grid") -> bool:
-    """Whether a mesh is not that of the file."""
-    return (len(file["grid/x"]), len(file["grid/y"])) != (len(grid.x), len(grid.y))
+    for name in (name for name in history if name not in SCALES):
+        history[name].resize(last, axis=0)
 
 
 def widen(file: h5py.File, grid: "Grid") -> None:
     """Change to a wider mesh, of which the present one is the middle."""
     before = {"x": len(file["grid/x"]), "y": len(file["grid/y"])}
     after = {"x": len(grid.x), "y": len(grid.y)}
-    history, fields = file["history"], file["fields"]
+    if after == before:
+        return
+    history, fields, state = file["history"], file["fields"], file["state"]
     for name in PROFILES:
         _widen(history[name], ("y",), before, after)
     for name in FIELDS:
         _widen(fields[name], ("x", "y"), before, after)
     for name in STATE:
-        # Nothing touches there; only the state of the next record tells how wide the gap is.
-        outside = np.inf if name == "gap" else 0.0
-        _widen(file["state"][name], ("x", "y"), before, after, outside)
+        values = state[name][:]
+        state[name].resize((after["x"], after["y"]))
+        state[name][...] = padded(values, state[name].shape, OUTSIDE.get(name, 0.0))
     for group in planes(file):
         for name in STRESS:
             # Unlike wear and pressure, stress is not zero beside the former mesh.

@@ -35,7 +35,7 @@ class StoredField:
     def __getitem__(self, row: int) -> np.ndarray:
         """The field of one record, shape (n_x, n_y)."""
         with results_file(self.path) as file:
-            return file["fields"][self.name][range(self.length)[row]]
+            return file.row(f"fields/{self.name}", range(self.length)[row])
 
 
 @dataclass(frozen=True)
@@ -64,12 +64,14 @@ class StoredStress:
         """The stress of one record, on the mesh that it was computed on."""
 
         with results_file(self.path) as file:
-            group = file["stress"][self.body][self.plane]
-            axes = {name: group[name][:] for name in ("x", "y", "depth") if name in group}
+            group = f"stress/{self.body}/{self.plane}"
+            names = [name for name in ("x", "y", "depth") if f"{group}/{name}" in file]
+            lengths = {name: file.length(f"{group}/{name}") for name in names}
+            axes = {name: file.numbers(f"{group}/{name}", (n,)) for name, n in lengths.items()}
             names = [name for name in STRESS if name != "von_mises"]
             row = range(self.length)[row]
-            components = {name: group[name][row] for name in names}
-            position = float(group.attrs["position"])
+            components = {name: file.row(f"{group}/{name}", row) for name in names}
+            position = float(file.attribute(group, "position"))
         # Beside a mesh that has grown since there is none.
         known = np.isfinite(components[names[0]])
         inside = [np.flatnonzero(known.any(axis=other)) for other in (1, 0)]

@@ -21,13 +21,15 @@ import numpy as np
 
 from tractive_sam.results.quantities import Quantity
 from tractive_sam.store.errors import ResultsError
-from tractive_sam.store.layout import VERSION_PREFIX
 from tractive_sam.store.replacement import replacement
-from tractive_sam.store.room import make_room
+from tractive_sam.store.room import make_room, sole_writer
+from tractive_sam.store.texts import create_text, set_text, text_of
 from tractive_sam.store.versions import versions
 
 SUFFIX = ".vtkhdf"
 """By which ParaView knows the format."""
+
+VERSION_PREFIX = "version_"
 
 FORMAT = "tractive-sam volume"
 FORMAT_VERSION = 1
@@ -96,18 +98,16 @@ def write_volume(
     ResultsError
         If the file cannot be written, or there is one that may not be replaced.
     """
-    check_volume(path, overwrite)
-    try:
-        with replacement(path, empty=True) as file:
-            file["scene"] = scene_toml
-            file.attrs.update({"format": FORMAT, "format_version": FORMAT_VERSION, **about})
-            file.attrs.update({VERSION_PREFIX + k: version for k, version in versions().items()})
-            arrays = _laid_out(file, image)
-            for k, layer in enumerate(layers):
-                for name, values in layer.items():
-                    arrays[name][k] = (values[VTK_ORDER] if name == "stress" else values).T
-    except OSError as error:
-        raise ResultsError(f"{path} cannot be written: {error}") from error
+    _check_suffix(path)
+    with sole_writer(path, overwrite, _check_kind), replacement(path, empty=True) as file:
+        create_text(file, "scene", scene_toml)
+        set_text(file, "format", FORMAT)
+        file.attrs.update({"format_version": FORMAT_VERSION, **about})
+        file.attrs.update({VERSION_PREFIX + k: version for k, version in versions().items()})
+        arrays = _laid_out(file, image)
+        for k, layer in enumerate(layers):
+            for name, values in layer.items():
+                arrays[name][k] = (values[VTK_ORDER] if name == "stress" else values).T
 
 
 def check_volume(path: Path, overwrite: bool = False) -> None:
@@ -118,18 +118,22 @@ def check_volume(path: Path, overwrite: bool = False) -> None:
     ResultsError
         If the name has not the suffix, or as by `make_room`.
     """
+    _check_suffix(path)
+    make_room(path, overwrite, _check_kind)
+
+
+def _check_suffix(path: Path) -> None:
     if path.suffix != SUFFIX:
         raise ResultsError(
             f"{path} has not the suffix {SUFFIX}, by which ParaView knows the format"
         )
-    make_room(path, overwrite, _check_kind)
 
 
 def _check_kind(path: Path) -> None:
     try:
         with h5py.File(path, "r") as file:
-            kind = file.attrs.get("format")
-    except OSError:
+            kind = text_of(file.attrs.get("format", ""))
+    except Exception:  # h5py has no one kind of error for what is damaged
         kind = None
     if kind != FORMAT:
         raise ResultsError(f"{path} is no volume of tractive-sam")
@@ -139,7 +143,7 @@ def _laid_out(file: h5py.File, image: Image) -> dict[str, h5py.Dataset]:
     """Describe the image, and make room for its arrays."""
     vtk = file.create_group("VTKHDF")
     vtk.attrs["Version"] = np.array(VTKHDF_VERSION, "i8")
-    _set_text(vtk, "Type", "ImageData")
+    set_text(vtk, "Type", "ImageData", "ascii")
     vtk.attrs["WholeExtent"] = np.array([(0, n - 1) for n in image.points], "i8").ravel()
     vtk.attrs["Origin"] = np.array(image.origin)
     vtk.attrs["Spacing"] = np.array(image.spacing)
@@ -157,12 +161,8 @@ def _laid_out(file: h5py.File, image: Image) -> dict[str, h5py.Dataset]:
             compression="gzip",
             compression_opts=1,
             shuffle=True,
+            fletcher32=True,
         )
         arrays[name].attrs.update({"units": quantity.unit, "long_name": quantity.long_name})
-    _set_text(arrays["von_mises"], "Attribute", "Scalars")  # what is shown first
+    set_text(arrays["von_mises"], "Attribute", "Scalars", "ascii")  # what is shown first
     return arrays
-
-
-def _set_text(node: h5py.Group | h5py.Dataset, name: str, text: str) -> None:
-    """Set an attribute as VTK reads it: text of a fixed length."""
-    node.attrs.create(name, text.encode(), dtype=h5py.string_dtype("ascii", len(text)))

@@ -1,13 +1,14 @@
 """Streams records into a results file that is whole at every moment.
 
-Structure changes only on copies that take the place of the file (`replacement`): when it is
-created, when its rows run out, when fields are added, when it is finished. In between, rows laid
-out before are filled in place, and `/history/committed` is raised after each. So whenever the
-process is killed, the file opens and holds every record appended; and it can be read meanwhile.
+The file changes only by copies that take its place (`replacement`), with all records since the
+last one and the state from which rolling goes on. So whenever the process is killed, the file
+opens, holds a history up to some record, and goes on from there; and it can be read meanwhile. When
+a copy is made `Checkpoints` tells; one is at each record with fields, and at the end, also where
+that is an exception.
 """
 
-from collections.abc import Mapping
-from contextlib import suppress
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -17,27 +18,27 @@ import numpy as np
 from h5py import File
 
 from tractive_sam.results.grid import Grid
+from tractive_sam.results.history import padded
 from tractive_sam.results.record import Record
-from tractive_sam.store import layout, rows
+from tractive_sam.store import former, layout, room, rows
+from tractive_sam.store.checkpoints import Checkpoints
 from tractive_sam.store.errors import ResultsError
 from tractive_sam.store.opening import results_file
-from tractive_sam.store.replacement import open_in_place, replacement
-from tractive_sam.store.room import make_room
+from tractive_sam.store.reader import open_history, state_of
+from tractive_sam.store.replacement import replacement
+from tractive_sam.store.texts import set_text
 
 RUN = "run"
 """Attribute of a file: the run that writes it."""
 
-FIRST_ROWS = 64
-"""Rows laid out at first; doubled whenever they are full, so that copying costs little."""
-
 
 class HistoryWriter:
-    """Writes the records of one computation, each on disk when `append` returns.
+    """Writes the records of one computation.
 
     Parameters
     ----------
     path : path-like
-        The file.
+        The file; `sole_writer` holds it for one run.
     scene_toml : str
         What is computed.
     grid : Grid
@@ -46,6 +47,8 @@ class HistoryWriter:
         Unworn contact by Hertz: "a0", "b0" in mm, "p0" in MPa; what is missing becomes nan.
     overwrite : bool
         Whether a results file there may be replaced. A file of any other kind never is.
+    checkpoints : Checkpoints, optional
+        When records are put on disk.
 
     Raises
     ------
@@ -60,19 +63,22 @@ class HistoryWriter:
         grid: "Grid",
         reference: Mapping[str, float] | None = None,
         overwrite: bool = False,
+        checkpoints: Checkpoints | None = None,
     ) -> None:
-        self.path = Path(path)
-        check_results(self.path, overwrite)
-        self._run = uuid4().hex
-        try:
-            with replacement(self.path, empty=True) as file:
-                layout.create(file, scene_toml, grid, reference or {})
-                file.attrs[RUN] = self._run
-        except OSError as error:
-            raise ResultsError(f"{self.path} cannot be written: {error}") from error
+        check_results(Path(path), overwrite)
+        self._begin(path, (len(grid.x), len(grid.y)), checkpoints)
+        with replacement(self.path, empty=True) as file:
+            layout.create(file, scene_toml, grid, reference or {})
+            set_text(file, RUN, self._run)
 
     @classmethod
-    def reopen(cls, path: str | Path, scene_toml: str | None = None) -> Self:
+    def reopen(
+        cls,
+        path: str | Path,
+        scene_toml: str | None = None,
+        records: int | None = None,
+        checkpoints: Checkpoints | None = None,
+    ) -> Self:
         """Go on after the last record of an existing results file whose contact was solved.
 
         Parameters
@@ -81,27 +87,51 @@ class HistoryWriter:
             The file.
         scene_toml : str, optional
             The scene as it is to be rolled on; by default as it was.
+        records : int, optional
+            Number of records that it held when it was read to be rolled on.
+        checkpoints : Checkpoints, optional
+            When records are put on disk.
 
         Raises
         ------
         ResultsError
-            If there is no such file, or it cannot be read or written.
+            If there is no such file, it is damaged anywhere, it holds other records by now, or
+            cannot be written.
         """
+        with results_file(Path(path)) as stored:
+            stored.verify()
+            version = stored.version
+        history = open_history(path)
+        if records is not None and len(history) != records:
+            raise ResultsError(
+                f"{path} held {records} records when it was read, and now holds {len(history)}: "
+                "another run writes it; wait for it, and resume then"
+            )
         writer = cls.__new__(cls)
-        writer.path = Path(path)
-        with results_file(writer.path):  # says what is wrong with it
-            pass
-        writer._run = uuid4().hex
-        try:
-            with replacement(writer.path) as file:
-                if scene_toml is not None:
-                    layout.set_scene(file, scene_toml)
+        writer._begin(path, (len(history.x), len(history.y)), checkpoints)
+        text = history.scene_toml if scene_toml is None else scene_toml
+        with replacement(writer.path, empty=version == 1) as file:
+            if version == 1:
+                solved = np.flatnonzero(history["converged"] > 0.0)
+                count = int(solved[-1]) + 1 if solved.size else 0
+                state = state_of(path, count - 1) if count else {}
+                former.rewrite(history, count, state, text, file)
+            else:
+                layout.set_scene(file, text)
                 rows.drop_unsolved(file)
-                layout.set_status(file, *layout.RUNNING)
-                file.attrs[RUN] = writer._run
-        except OSError as error:
-            raise ResultsError(f"{path} cannot be written: {error}") from error
+            layout.set_status(file, *layout.RUNNING)
+            layout.set_versions(file, history.provenance)
+            set_text(file, RUN, writer._run)
         return writer
+
+    def _begin(
+        self, path: str | Path, mesh: tuple[int, int], checkpoints: Checkpoints | None
+    ) -> None:
+        self.path, self._mesh, self._run = Path(path), mesh, uuid4().hex
+        self._checkpoints = checkpoints or Checkpoints()
+        self._pending: list[Record] = []  # not on disk yet
+        self._grid: Grid | None = None  # the last mesh, and the last state from which to go on
+        self._state: Mapping[str, np.ndarray] | None = None
 
     def __enter__(self) -> Self:
         return self
@@ -115,7 +145,7 @@ class HistoryWriter:
         """Say in the file what stopped the computation, if anything did."""
         if error is not None:
             # A full disk may be what stopped it; then the error at hand says more than the next.
-            with suppress(OSError, ResultsError):
+            with suppress(ResultsError):
                 self.finish("stopped early", f"{kind.__name__}: {error}".removesuffix(": "))
 
     def append(
@@ -124,7 +154,7 @@ class HistoryWriter:
         grid: "Grid | None" = None,
         state: Mapping[str, np.ndarray] | None = None,
     ) -> None:
-        """Store a record; one that fails or is interrupted leaves no trace.
+        """Add a record; on disk at the next checkpoint.
 
         Parameters
         ----------
@@ -134,51 +164,92 @@ class HistoryWriter:
             Its mesh, where that may be a wider one of the same elements than the one before; what
             is stored is padded.
         state : mapping of str to ndarray, optional
-            Fields from which to go on after it, by the names of `STATE`.
+            Fields from which to go on after it, by the names of `STATE`; taken where its contact
+            was solved.
 
         Raises
         ------
+        StorageError
+            If the disk does not take it. The file is as it was at the last checkpoint.
         ResultsError
             If another run has taken over the file.
         ValueError
-            If the mesh does not have the same number of elements more on either side.
+            If the mesh does not have the same number of elements more on either side, or the record
+            is of another mesh; then it is not added.
         """
-        with open_in_place(self.path) as file:
-            self._check_own(file)
-            wider = grid is not None and rows.differs(file, grid)
-            fits = not (record.fields or wider or rows.full(file) or layout.lacks(file, record))
-            if fits:
-                rows.fill(file, record, state)
-        if not fits:
-            with replacement(self.path) as file:
-                self._check_own(file)
-                if wider:
-                    rows.widen(file, grid)
-                layout.add_columns(file, record)
-                if rows.full(file):
-                    rows.lay_out(file, max(FIRST_ROWS, 2 * rows.committed(file)))
-                if record.fields:
-                    rows.append_fields(file, record)
-                rows.fill(file, record, state)
+        mesh = self._mesh if grid is None else (len(grid.x), len(grid.y))
+        _check_fits(record, self._mesh, mesh)
+        self._mesh = mesh
+        self._grid = grid or self._grid
+        self._pending.append(record)
+        if state is not None and record.scalars["converged"]:
+            self._state = len(self._pending), dict(state)
+        if record.fields or self._checkpoints.due:
+            with self._checkpoints.taken():
+                self._write()
 
     def finish(self, status: str, message: str = "") -> None:
-        """Say how the computation ended and drop the rows that it did not need.
+        """Put all records on disk, and say how the computation ended.
 
         Parameters
         ----------
         status, message : str
             As of `History`.
+
+        Raises
+        ------
+        ResultsError
+            As of `append`.
         """
+        self._write((status, message))
+
+    def _write(self, ended: tuple[str, str] | None = None) -> None:
+        """Have a copy with all that is pending take the place of the file."""
         with replacement(self.path) as file:
             self._check_own(file)
-            rows.lay_out(file, rows.committed(file))
-            layout.set_status(file, status, message)
+            if self._grid is not None:
+                rows.widen(file, self._grid)
+            for record in self._pending:
+                layout.add_columns(file, record)
+            before = len(file["history/record"])
+            if self._pending:
+                rows.append(file, self._pending)
+            if self._state is not None:
+                count, state = self._state
+                rows.put_state(file, before + count - 1, state)
+            if ended is not None:
+                layout.set_status(file, *ended)
+        self._pending, self._state = [], None
 
     def _check_own(self, file: "File") -> None:
         """Two runs that were given one file must not mix their records."""
-        if file.attrs.get(RUN) != self._run:
+        if file.attrs.get(RUN) != self._run.encode():
             cure = "give each run a file of its own"
             raise ResultsError(f"{self.path} was taken over by another run; {cure}")
+
+
+def _check_fits(record: Record, before: tuple[int, int], mesh: tuple[int, int]) -> None:
+    """See that a record is of a mesh that is the one before, or that one with a margin."""
+    padded(np.empty(before), mesh)
+    for values in record.profiles.values():
+        padded(values, mesh[1:])
+    for values in record.fields.values():
+        padded(values, mesh)
+
+
+@contextmanager
+def results_writer(path: Path, overwrite: bool = False) -> Iterator[None]:
+    """Hold a results file for one run, from the first reading to the last record.
+
+    Raises
+    ------
+    HeldError
+        If another process writes it.
+    ResultsError
+        As by `check_results`.
+    """
+    with room.sole_writer(path, overwrite, _check_kind):
+        yield
 
 
 def check_results(path: Path, overwrite: bool = False) -> None:
@@ -189,7 +260,7 @@ def check_results(path: Path, overwrite: bool = False) -> None:
     ResultsError
         As by `make_room`.
     """
-    make_room(path, overwrite, _check_kind)
+    room.make_room(path, overwrite, _check_kind)
 
 
 def _check_kind(path: Path) -> None:

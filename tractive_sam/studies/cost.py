@@ -10,7 +10,6 @@ from tractive_sam.results.quantities import FIELDS, PROFILES, SCALARS, STATE, ST
 from tractive_sam.run import explain, memory
 from tractive_sam.run.pipeline import measured_gap
 from tractive_sam.store import read_gap
-from tractive_sam.store.rows import SLOTS
 from tractive_sam.studies.case import Case, cases
 from tractive_sam.studies.design import Study
 
@@ -132,7 +131,7 @@ def _bytes(model: Model) -> float:
     """Size of a results file, if nothing in it could be compressed."""
     scene, (nx, ny) = model.scene, model.grid.elements
     kept = 1 if scene.wear is None else len(scene.wear.save)
-    numbers = (kept * len(FIELDS) + SLOTS * len(STATE)) * nx * ny
+    numbers = (kept * len(FIELDS) + len(STATE)) * nx * ny
     numbers += explain.records(scene) * (len(SCALARS) + len(PROFILES) * ny)
     if scene.subsurface is not None:
         below = scene.subsurface

@@ -20,10 +20,9 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
-from tractive_sam.store import ResultsError
+from tractive_sam.store import HeldError, ResultsError, locked
 from tractive_sam.studies.case import DIGEST, Case
 from tractive_sam.studies.design import Study
-from tractive_sam.studies.lock import HeldError, locked
 from tractive_sam.studies.task import Outcome, Task
 
 _DIGEST = re.compile(rf"[0-9a-f]{{{DIGEST}}}")

@@ -15,12 +15,11 @@ from tractive_sam import interrupt
 from tractive_sam.results.history import History
 from tractive_sam.results.quantities import BODY_SCALARS, Quantity, scalars
 from tractive_sam.scene import Scene
-from tractive_sam.store import ResultsError, open_history
+from tractive_sam.store import ResultsError, is_written, open_history
 from tractive_sam.studies.case import Case, cases
 from tractive_sam.studies.design import Study
 from tractive_sam.studies.folder import Folder
-from tractive_sam.studies.lock import is_locked
-from tractive_sam.studies.task import COMPLETE, FAILED, lock_of, summary
+from tractive_sam.studies.task import COMPLETE, FAILED, summary
 
 if TYPE_CHECKING:
     import xarray
@@ -284,7 +283,7 @@ def title_of(key: str) -> str:
 
 def _row(case: Case, file: Path, failure: str) -> Row:
     """What the results file of a case says."""
-    running = is_locked(lock_of(file))
+    running = is_written(file)
     if not file.exists():
         status = RUNNING if running else FAILED if failure else WAITING
         return Row(case, status, "" if running else failure)

@@ -63,11 +63,6 @@ class Outcome:
     traceback: str = ""
 
 
-def lock_of(file: Path) -> Path:
-    """The lock of a results file."""
-    return file.with_name(f".{file.stem}.lock")
-
-
 def summary(history: History) -> dict[str, Any]:
     """The last record of a history as plain numbers, of bodies as ``von_mises_max A``."""
     if not len(history):

@@ -10,10 +10,9 @@ from traceback import format_exc
 from tractive_sam.results.history import History
 from tractive_sam.run.pipeline import roll
 from tractive_sam.scene import Scene
-from tractive_sam.store import DamagedError, open_history
+from tractive_sam.store import DamagedError, HeldError, lock_of, locked, open_history
 from tractive_sam.store.versions import versions
-from tractive_sam.studies.lock import HeldError, locked
-from tractive_sam.studies.task import COMPLETE, FAILED, HELD, Outcome, lock_of, summary
+from tractive_sam.studies.task import COMPLETE, FAILED, HELD, Outcome, summary
 
 ONE_THREAD = {
     "OMP_NUM_THREADS": "1",
@@ -42,8 +41,7 @@ def run_case(scene_toml: str, path: str) -> Outcome:
         cure = "the folder of a study must be on a file system that all its machines share"
         return Outcome(FAILED, f"{worker} finds no folder {file.parent}; {cure}", {}, worker)
     try:
-        with locked(lock_of(file)):
-            outcome = _rolled_or_again(Scene.from_toml_text(scene_toml), file)
+        outcome = _rolled_or_again(Scene.from_toml_text(scene_toml), file)
     except HeldError:
         outcome = Outcome(HELD, "another process computes it")
     except Exception as error:  # whatever it is, the other cases go on
@@ -58,7 +56,8 @@ def _rolled_or_again(scene: Scene, file: Path) -> Outcome:
         return _rolled(scene, file)
     except DamagedError as error:
         aside = file.with_suffix(".damaged")
-        os.replace(file, aside)
+        with locked(lock_of(file)):
+            os.replace(file, aside)
         note = f"{error}; it was set aside as {aside.name} and computed again"
         return replace(_rolled(scene, file), note=note)
 

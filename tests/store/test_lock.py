@@ -3,7 +3,7 @@ import sys
 
 import pytest
 
-from tractive_sam.studies.lock import HeldError, is_locked, locked
+from tractive_sam.store.lock import HeldError, is_locked, locked
 
 
 def test_one_holder_at_a_time(tmp_path):
@@ -20,7 +20,7 @@ def test_lock_ends_with_its_process(tmp_path):
     """However that ends; the file may stay and is taken over."""
     path = tmp_path / "lock"
     holds = (
-        "import sys, time, pathlib; from tractive_sam.studies.lock import locked\n"
+        "import sys, time, pathlib; from tractive_sam.store.lock import locked\n"
         "with locked(pathlib.Path(sys.argv[1])): print('held', flush=True); time.sleep(60)"
     )
     with subprocess.Popen([sys.executable, "-c", holds, path], stdout=subprocess.PIPE) as holder:
