@@ -60,6 +60,16 @@ def test_more_than_friction_can_carry_under_an_approach_is_said():
     assert contact.cost.applications < 40
 
 
+def test_more_than_friction_can_carry_between_unlike_bodies_is_said():
+    """Where pressure depends on tractions, only creepages without end show it."""
+    bodies = ("body.B.shear=8.0", "body.B.poisson=0.45")
+    contact = steady("spheres", *bodies, "load.approach=0.06", "load.traction_x=4.0", elements=15)
+    assert contact.status is Status.DIVERGED
+    assert contact.residual > 0.1
+    assert "load.traction_x" in contact.message
+    assert "load.traction_y" not in contact.message
+
+
 def test_what_friction_just_carries_is_found():
     """The limit is in the direction of the force: here between those of mu1 and mu2."""
     settings = ("friction.mu=[0.4, 0.2]", "friction.angle=30", "load.approach=0.06")

@@ -88,6 +88,7 @@ def bracketed(problem: Problem, tolerance: float, solve: Solve, first: Start) ->
         step = np.sign(missed) * FIRST
         while missed * sides > 0.0:
             if forces.lost(now.creepage, forces.others(now.slip, now.creepage)):
+                now = replace(now, status=Status.DIVERGED, residual=1.0)
                 raise _NotSolvedError
             before, here = here, here + step
             missed, step = beyond(here), GROWTH * step
@@ -97,6 +98,6 @@ def bracketed(problem: Problem, tolerance: float, solve: Solve, first: Start) ->
         taken += 1
         now = last.after(now)
     except _NotSolvedError:
-        now = replace(now, status=Status.DIVERGED if now.converged else now.status)
+        pass  # its outcome tells why
     told = f"newton between creepages: {now.status} after {taken} problems"
     return replace(now, trace=(told,))
