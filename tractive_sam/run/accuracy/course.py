@@ -1,7 +1,6 @@
 """The revolutions of a scene on coarser meshes, by which those on a finer one are judged."""
 
 from collections.abc import Mapping
-from functools import cached_property
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
@@ -22,11 +21,13 @@ class Course:
     def __init__(self) -> None:
         self._revolutions: list[int] = []
         self._samples: list[Sample] = []
+        self._interpolator: PchipInterpolator | None = None
 
     def add(self, revolution: int, sample: Sample) -> None:
         """Take up the next sample."""
         self._revolutions.append(revolution)
         self._samples.append(sample)
+        self._interpolator = None
 
     def at(self, revolution: int) -> Sample | None:
         """The sample of a revolution, interpolated over their logarithm; None beyond the last."""
@@ -43,10 +44,12 @@ class Course:
             float(between[-1]),
         )
 
-    @cached_property
-    def _between(self) -> PchipInterpolator:
-        rows = [[*one.values.values(), *one.scales.values(), one.residual] for one in self._samples]
-        return PchipInterpolator(np.log1p(self._revolutions), rows)
+    def _between(self, at: float) -> np.ndarray:
+        """Values, scales and residual, interpolated; fitted anew once samples were added."""
+        if self._interpolator is None:
+            rows = [[*s.values.values(), *s.scales.values(), s.residual] for s in self._samples]
+            self._interpolator = PchipInterpolator(np.log1p(self._revolutions), rows)
+        return self._interpolator(at)
 
 
 class Judge:
