@@ -137,3 +137,27 @@ def test_error_survives_another_process():
     with pytest.raises(SceneError) as caught:
         Body(young=-1)
     assert pickle.loads(pickle.dumps(caught.value)).faults == caught.value.faults
+
+
+def discs(radius_A, radius_B, **wear):
+    steel = {"young": 208e3, "poisson": 0.3, "radius_y": 30.0}
+    return Scene(
+        body={"A": steel | {"radius_x": radius_A}, "B": steel | {"radius_x": radius_B}},
+        load={"normal": 1.0},
+        friction={"mu": 0.3},
+        wear={"intensity": 1e-6, "revolutions": 3} | wear,
+    )
+
+
+@pytest.mark.parametrize("radii", [(10.0, 200.0), (-40.0, 10.0), (10.0, math.inf)])
+@pytest.mark.parametrize("wear", [{}, {"turns": "equal"}])
+def test_warns_of_bodies_that_come_round_unequally_often(radii, wear):
+    with pytest.warns(SceneWarning, match=r"wear\.turns"):
+        discs(*radii, **wear)
+    discs(*radii, turns="each")  # as is meant: no warning
+    discs(30.0, 31.0, **wear)  # nearly alike
+
+
+def test_turns_of_two_flat_bodies_cannot_be_counted():
+    with pytest.raises(SceneError, match=r"wear\.turns"):
+        discs(math.inf, math.inf)

@@ -23,7 +23,7 @@ class Quantity:
 
 
 SCALARS: dict[str, Quantity] = {
-    "revolution": Quantity("1", "revolutions rolled"),
+    "revolution": Quantity("1", "revolutions rolled by body A, by B where A is flat"),
     "P": Quantity("N", "normal load"),
     "Qx": Quantity("N", "longitudinal force on body A"),
     "Qy": Quantity("N", "lateral force on body A"),
@@ -43,7 +43,7 @@ SCALARS: dict[str, Quantity] = {
     "residual": Quantity("1", "relative residual of the contact conditions"),
     "dissipation": Quantity("N", "frictional work per distance rolled, from traction and slip"),
     "work_supplied": Quantity("N", "work per distance rolled of the forces that drive the bodies"),
-    "wear_rate": Quantity("mm2", "worn cross section of both bodies per revolution"),
+    "wear_rate": Quantity("mm2", "cross section worn off both bodies in a pass"),
     "operator_applications": Quantity("1", "applications of elastic operators"),
     "jump": Quantity("1", "revolutions that the next step is to take"),
     "converged": Quantity("1", "1 where the contact conditions hold to the tolerance"),
@@ -60,7 +60,7 @@ PER_LENGTH: dict[str, Quantity] = {
     "approach": Quantity("mm", "approach relative to the surface one radius R_x away"),
     "dissipation": Quantity("N/mm", "frictional work per distance rolled and length"),
     "work_supplied": Quantity("N/mm", "work of the driving forces per distance rolled and length"),
-    "wear_rate": Quantity("mm", "worn depth of both bodies per revolution"),
+    "wear_rate": Quantity("mm", "depth worn off both bodies in a pass"),
 }
 """What is another quantity in a line contact."""
 
@@ -95,10 +95,10 @@ PROFILES: dict[str, Quantity] = {
     "wear_profile": Quantity("mm", "wear depth behind the contact, both bodies together"),
     "entering_profile": Quantity("mm", "wear depth before the contact, both bodies together"),
     "wear_per_revolution": Quantity(
-        "mm", "depth worn in a revolution, or after a jump its rate per revolution, both bodies"
+        "mm", "depth by which the entering profile deepens in a revolution, both bodies together"
     ),
-    "wear_profile_A": Quantity("mm", "wear depth of body A"),
-    "wear_profile_B": Quantity("mm", "wear depth of body B"),
+    "wear_profile_A": Quantity("mm", "wear depth of body A; of a flat one that of a single pass"),
+    "wear_profile_B": Quantity("mm", "wear depth of body B; of a flat one that of a single pass"),
 }
 """A function of y a record."""
 

@@ -74,9 +74,8 @@ def record(
     stress : iterable of PlaneStress, optional
         Stress on planes.
     profile, rate : ndarray, shape (n_y,), optional
-        Depth with which material enters, mm, and its derivative, mm per revolution, as the
-        adaptive stepping has them; by default the depth that enters the contact and the one that
-        is worn in it.
+        Depth with which material enters and by which that deepens in this revolution, mm, as the
+        adaptive stepping has corrected them; by default those of the contact.
     jump : int
         Revolutions that the next step is to take.
     solves : int
@@ -84,7 +83,10 @@ def record(
     seconds : float
         Time that took.
     """
-    share = contact.scene.body.wear_share
+    entering = contact.wear[-1] if profile is None else profile
+    shift = entering - contact.wear[-1]
+    leaving, turns = contact.wear[0] + shift, contact.scene.turns
+    lasting = turns.gain * (contact.wear[0] - contact.wear[-1])
     bars = {} if contact.scene.accuracy is None else _bars(contact, ERROR_BARS)
     return Record(
         revolution,
@@ -101,7 +103,7 @@ def record(
             "p_95": contact.p_95,
             "half_width_x": contact.half_width_x,
             "half_width_y": contact.half_width_y,
-            "wear_max": float(contact.wear.max()),
+            "wear_max": float((contact.wear + shift).max()),
             "stick_fraction": contact.stick_fraction,
             "xi_x": contact.xi_x,
             "xi_y": contact.xi_y,
@@ -119,11 +121,11 @@ def record(
         },
         points={"p_max_at": contact.p_max_at},
         profiles={
-            "wear_profile": contact.wear[0],
-            "entering_profile": contact.wear[-1] if profile is None else profile,
-            "wear_per_revolution": contact.wear[0] - contact.wear[-1] if rate is None else rate,
-            "wear_profile_A": share["A"] * contact.wear[0],
-            "wear_profile_B": share["B"] * contact.wear[0],
+            "wear_profile": leaving,
+            "entering_profile": entering,
+            "wear_per_revolution": lasting if rate is None else rate,
+            "wear_profile_A": turns.of_body("A", entering, leaving),
+            "wear_profile_B": turns.of_body("B", entering, leaving),
         },
         fields=_fields(contact) if with_fields else {},
         bodies={name: _of_body(contact, name, largest) for name, largest in (maxima or {}).items()},

@@ -1,19 +1,28 @@
 """Jumps over many revolutions, with the error held and no limit by stability.
 
-The profile with which material enters obeys E(n + 1) = E(n) + R(E(n)), R the wear of a pass. Taken
-as dE/dn = R(E), it is stiff: short waves of the profile decay within tens of revolutions, which
-limits every explicit jump to 40-75 of them on the paper's mesh, while the profile itself evolves
+The profile with which material enters obeys E(n + 1) = E(n) + R(E(n)), R what lasts of the wear of
+a pass. Over many revolutions that is stiff: short waves of the profile decay within tens of them,
+which limits every explicit jump to 40-75 on the paper's mesh, while the profile itself evolves
 over thousands. The two-step backward differentiation formula damps the shortest waves in a jump of
-any length. Made linearly implicit in the response J of `rolling.response`,
+any length.
 
-    c_0 E_n + c_1 E_(n-1) + c_2 E_(n-2) = R* + J (E_n - E*),
+A sum is no integral. In the profile halfway through a revolution, F = E + R/2, it nearly is one:
+by Euler and Maclaurin, F(m) - F(n) = integral of R dn + (R'(m) - R'(n))/12, and the last term is
+small against the error of any jump longer than one revolution. A jump of one is the pass itself,
+which needs no formula. Made linearly implicit in the response J of `rolling.response`,
+
+    c_0 F_n + c_1 F_(n-1) + c_2 F_(n-2) = R* + J (E_n - E*),
 
 with rate and profile extrapolated, R* and E*, from the two revolutions before, it keeps its second
 order for any approximation of J (as IMEX methods do: Ascher, Ruuth & Wetton 1995, SIAM J. Numer.
 Anal. 32, 797-823), and a jump costs one contact. The rate found there, against the one expected,
 gives the error and corrects the profile from which the next jump starts: one Newton step of the
-implicit formula, free of charge. The rate is R - J R / 2, with which the differential equation goes
-through the revolutions that the sum over them meets, to the second order.
+implicit formula, free of charge.
+
+The formula misses dF/dn by a third of what the rate R differs from its extrapolation. That third is
+taken back where waves are long, which makes the order three; it is left where they are short, by
+the factor (1 - J/c_0)^-1, with which the formula stays stable at any length and at any growth of
+the jumps up to 2.
 """
 
 from collections.abc import Iterator
@@ -22,31 +31,27 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tractive_sam.contact import Model
-from tractive_sam.rolling.passage import Milestone, Passage, next_passage, off_grid, passage_at
+from tractive_sam.rolling.control import ErrorControl, Stops
+from tractive_sam.rolling.passage import Milestone, Passage, off_grid, passage_at
 from tractive_sam.rolling.response import wear_response
 
-SAFETY, SHORTEST_CUT, LONGEST_GROWTH = 0.8, 0.2, 2.0
-"""Of the step control; with variable steps the formula is stable up to a growth by 2.4."""
+ALLOWED, POWER = 34.0, 1.3
+"""Correction of a profile that a tolerance allows, over its depth: ALLOWED tolerance^POWER.
 
-LAG = 0.3
-"""Residual that the wear within a pass may leave, over the tolerance of the stepping."""
-
-PESSIMISM = 15.0
-"""What the correction of the profile, the estimate of the error, overstates.
-
-With it, the profile of the scene `twin-discs` after 15,000 revolutions is within half of the
-tolerance (benchmarks/wear.py)."""
+Errors of the jumps in which rows come into contact add up, and a strict tolerance takes more jumps.
+With these, the error of the profile of `twin-discs` goes in proportion to the tolerance, and is up
+to three times as large (benchmarks/wear.py)."""
 
 LARGEST = 0.02
 """Correction of the profile, over its depth, that no tolerance allows: from further away one Newton
 step does not lead to the profile, and longer jumps cost more contacts than they spare."""
 
-REPEATS, ROUGHNESS = 2, 0.1
+REPEATS, ROUGHNESS = 2, 0.3
 """A jump is solved again at the corrected profile, at most so often, while the correction changes
 the wear rate of a row, and with it its pressure, by more than a share of the largest: a row that
 came into contact during the jump carries far too much or too little at first."""
 
-SETTLING, SETTLED = 0.2, 0.3
+SETTLING, SETTLED = 0.25, 0.3
 """Longest jump over the distance to the next revolution that is saved, and the jump that is short
 enough at last, over the time in which the shortest waves decay.
 
@@ -68,40 +73,30 @@ def adaptive_passages(model: Model, start: Passage) -> Iterator[Passage]:
         Where to go on.
     """
     wear = model.scene.wear
-    stops = sorted({*wear.save, wear.revolutions})
+    stops = tuple(sorted({*wear.save, wear.revolutions}))
+    control = Stops(ErrorControl(order=3), stops, SETTLING)
     last = start
     while last.contact.converged and last.revolution < wear.revolutions:
-        if last.revolution == 0:
-            last = next_passage(model, last)
-        else:
-            stop = next(stop for stop in stops if stop > last.revolution)
-            last = _next_jump(model, last, stop)
+        last = _next_jump(model, last, control)
         yield last
 
 
-def _next_jump(model: Model, last: Passage, stop: int) -> Passage:
-    """The longest jump towards the stop that keeps the error within the tolerance."""
+def _next_jump(model: Model, last: Passage, control: Stops) -> Passage:
+    """The longest jump towards the next stop that keeps the error within the tolerance."""
     # While the rows in contact wear down, the bodies close in on the rows beside them.
-    closing = last.jump * last.worn.sum() / max(np.count_nonzero(last.worn), 1)
-    response = wear_response(model, last.contact, closing)
-    jump = _towards(stop - last.revolution, last.jump, response)
+    closing = last.jump * last.gained.sum() / max(np.count_nonzero(last.gained), 1)
+    response = last.gain * wear_response(model, last.contact, closing)
+    fastest = np.abs(np.diag(response)).max()
+    settled = int(SETTLED / max(fastest, 1e-12))
+    step = control.first(last.revolution, last.jump, settled)
     solves = 0
     while True:
-        now, error = _jump(model, last, jump, response)
+        jump = _one if step.length == 1 else _many
+        now, error = jump(model, last, step.length, response)
         solves += now.solves
-        change = np.clip(SAFETY / np.cbrt(max(error, 1e-6)), SHORTEST_CUT, LONGEST_GROWTH)
-        if error <= 1.0 or jump == 1 or (off_grid(now) and model.scene.grid is None):
-            # A jump cut short to meet a stop says little about the next one.
-            after = max(jump * change, last.jump if jump < last.jump else 0.0)
-            return replace(now, solves=solves, jump=max(1, int(after)))
-        jump = max(1, int(jump * change))
-
-
-def _towards(distance: int, jump: int, response: np.ndarray) -> int:
-    """The jump, shortened on the way to a stop at some distance."""
-    fastest = np.abs(np.diag(response)).max()
-    settled = int(SETTLED / fastest) if fastest * distance > SETTLED else distance
-    return min(jump, distance, max(1, settled, int(np.ceil(SETTLING * distance))))
+        if error <= 1.0 or step.length == 1 or (off_grid(now) and model.scene.grid is None):
+            return replace(now, solves=solves, jump=control.next(step, error))
+        step = control.shorter(step, error)
 
 
 @dataclass(frozen=True)
@@ -109,58 +104,110 @@ class _Formula:
     """The two-step formula of a jump; with one milestone, that of Euler."""
 
     known: np.ndarray
-    """c_1 E_(n-1) + c_2 E_(n-2), per revolution."""
+    """c_1 F_(n-1) + c_2 F_(n-2), per revolution."""
     profile: np.ndarray
     """E*, extrapolated."""
     rate: np.ndarray
     """R*, extrapolated."""
     leading: float
     """c_0, 1/revolution."""
+    worn_before: np.ndarray
+    """Rows that have a course to extrapolate: those that were worn two milestones ago."""
+    third: float
+    """What the formula misses of dF/dn, over what the rate differs from R*."""
 
     @classmethod
     def of(cls, course: tuple[Milestone, ...], jump: int) -> "_Formula":
-        last = course[-1]
+        last, worn_before = course[-1], course[0].rate > 0.0
         if len(course) == 1:
-            return cls(-last.profile / jump, last.profile, last.rate, 1.0 / jump)
+            known = -last.halfway / jump
+            return cls(known, last.profile, last.rate, 1.0 / jump, worn_before, 0.0)
         before = course[-2]
         ratio = jump / (last.revolution - before.revolution)
         leading = (1.0 + 2.0 * ratio) / (1.0 + ratio) / jump
-        known = (ratio**2 / (1.0 + ratio) * before.profile - (1.0 + ratio) * last.profile) / jump
+        known = (ratio**2 / (1.0 + ratio) * before.halfway - (1.0 + ratio) * last.halfway) / jump
         profile = last.profile + ratio * (last.profile - before.profile)
         rate = last.rate + ratio * (last.rate - before.rate)
-        return cls(known, profile, rate, leading)
+        return cls(known, profile, rate, leading, worn_before, 1.0 / 3.0)
+
+    @property
+    def _share(self) -> float:
+        """Of the rate, on its side of the formula: the rest is in F."""
+        return 1.0 - 0.5 * self.leading
+
+    def _solved(self, response: np.ndarray, rate: np.ndarray) -> np.ndarray:
+        system = self.leading * np.eye(rate.size) - self._share * response
+        return np.linalg.solve(system, rate)
+
+    def predicted(self, response: np.ndarray, offset: np.ndarray) -> np.ndarray:
+        """The profile E with the rate R = offset + J E."""
+        return self._solved(response, self._share * offset - self.known)
+
+    def correction(self, response: np.ndarray, profile: np.ndarray, rate: np.ndarray) -> np.ndarray:
+        """What a profile misses, by the rate found there."""
+        missed = self._share * rate - self.leading * profile - self.known
+        return self._solved(response, np.where(rate > 0.0, missed, 0.0))
+
+    def of_third_order(self, response: np.ndarray, rate: np.ndarray) -> np.ndarray:
+        """What the formula itself misses of the profile where it has this rate."""
+        known = self.worn_before & (rate > 0.0)
+        missed = np.where(known, self.third * (self.rate - rate), 0.0)
+        return self.leading * self._solved(response, self._solved(response, missed))
 
 
-def _jump(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple[Passage, float]:
+def _lag(model: Model) -> float:
+    """Residual that the wear within a pass may leave."""
+    return max(model.scene.wear.tolerance, model.scene.solver.tolerance)
+
+
+def _error(model: Model, correction: np.ndarray, profile: np.ndarray) -> float:
+    """A correction over the one that the tolerance allows."""
+    allowed = min(ALLOWED * model.scene.wear.tolerance**POWER, LARGEST)
+    return float(np.abs(correction).max() / max(profile.max(), 1e-300) / allowed)
+
+
+def _one(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple[Passage, float]:
+    """The next revolution, and the error over the tolerance that the formula would have had."""
+    here, formula = last.course[-1], _Formula.of(last.course, jump)
+    predicted, expected, response = _predicted(last, formula, response)
+    profile = here.profile + here.rate if last.revolution else here.profile
+    revolution = last.revolution + 1
+    now = passage_at(model, revolution, profile, last.contact, _lag(model), expected / last.gain)
+    if not now.contact.converged:
+        return now, np.inf
+    rate = now.gained + response @ (predicted - profile)
+    error = _error(model, formula.correction(response, predicted, rate), profile)
+    # The new bodies are no milestone: nothing is worn in their contact.
+    course = (here, *now.course) if last.revolution else now.course
+    return replace(now, course=course), error
+
+
+def _many(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple[Passage, float]:
     """One step of the formula and its error over the tolerance."""
-    tolerance = model.scene.wear.tolerance
-    lag = max(LAG * tolerance, model.scene.solver.tolerance)
-    revolution, entering = last.revolution + jump, last.course[-1].profile
+    revolution, here = last.revolution + jump, last.course[-1]
     formula = _Formula.of(last.course, jump)
     profile, expected, response = _predicted(last, formula, response)
-    now = passage_at(model, revolution, profile, last.contact, lag, expected)
+    lag, gain = _lag(model), last.gain
+    now = passage_at(model, revolution, profile, last.contact, lag, expected / gain)
     solves, error = 0, np.inf
     for repeats in range(1 + REPEATS):
         solves += now.solves
         if not now.contact.converged:
             return replace(now, solves=solves), np.inf
-        rate = now.worn - 0.5 * response @ now.worn
-        missed = np.where(rate > 0.0, rate - formula.leading * profile - formula.known, 0.0)
-        system = formula.leading * np.eye(entering.size) - response
-        correction = np.linalg.solve(system, missed)
-        corrected = np.maximum(profile + correction, entering)
-        change = response @ correction
+        correction = formula.correction(response, profile, now.gained)
         if repeats == 0:
-            allowed = min(PESSIMISM * tolerance, LARGEST)
-            error = np.abs(correction).max() / max(profile.max(), 1e-300) / allowed
-        smooth = np.abs(change).max() <= ROUGHNESS * now.worn.max()
+            error = _error(model, correction, profile)
+        correction += formula.of_third_order(response, now.gained + response @ correction)
+        corrected = np.maximum(profile + correction, here.profile)
+        change = response @ correction
+        smooth = np.abs(change).max() <= ROUGHNESS * now.gained.max()
         if error > 1.0 or smooth or repeats == REPEATS:
             break
-        profile, expected = corrected, np.maximum(now.worn + change, 0.0)
-        now = passage_at(model, revolution, profile, now.contact, lag, expected)
-        response = wear_response(model, now.contact)
-    reached = Milestone(revolution, corrected, rate + change)
-    return replace(now, solves=solves, course=(last.course[-1], reached)), error
+        profile, expected = corrected, np.maximum(now.gained + change, 0.0)
+        now = passage_at(model, revolution, profile, now.contact, lag, expected / gain)
+        response = gain * wear_response(model, now.contact)
+    reached = Milestone(revolution, corrected, now.gained + change)
+    return replace(now, solves=solves, course=(here, reached)), error
 
 
 def _predicted(
@@ -173,7 +220,7 @@ def _predicted(
     close stay out of contact.
     """
     here = last.course[-1]
-    new = last.course[0].rate <= 0.0
+    new = ~formula.worn_before
     stiffness = np.diag(response)
     near = stiffness < 0.0
     opened = np.where(near, stiffness * np.where(near, last.contact.gap.min(axis=0), 0.0), 0.0)
@@ -184,8 +231,7 @@ def _predicted(
     )
     response = response.copy()
     while True:
-        system = formula.leading * np.eye(offset.size) - response
-        profile = np.linalg.solve(system, offset - formula.known)
+        profile = formula.predicted(response, offset)
         expected = offset + response @ profile
         apart = new & (expected < 0.0)
         if not apart.any():

@@ -23,13 +23,17 @@ class Milestone:
     profile : ndarray, shape (n_y,)
         Depth with which material enters, mm.
     rate : ndarray, shape (n_y,)
-        Rate at which the profile deepens there, mm per revolution: what the revolution wears or,
-        where jumps are made, the derivative that goes through it (`rolling.adaptive`).
+        Depth by which the profile deepens in this revolution, mm.
     """
 
     revolution: int
     profile: np.ndarray
     rate: np.ndarray
+
+    @property
+    def halfway(self) -> np.ndarray:
+        """Profile in the middle of the revolution, shape (n_y,), mm."""
+        return self.profile + 0.5 * self.rate
 
     def on(self, elements: int) -> "Milestone":
         """The same on a mesh of more elements in y."""
@@ -63,7 +67,7 @@ class Passage:
 
     def __post_init__(self) -> None:
         if not self.course:
-            here = Milestone(self.revolution, self.entering, self.worn)
+            here = Milestone(self.revolution, self.contact.wear[-1], self.gained)
             object.__setattr__(self, "course", (here,))
 
     def on(self, grid: Grid) -> "Passage":
@@ -73,18 +77,31 @@ class Passage:
 
     @property
     def entering(self) -> np.ndarray:
-        """Depth with which material enters the contact, shape (n_y,), mm."""
-        return self.contact.wear[-1]
+        """Depth with which material enters the contact, shape (n_y,), mm.
+
+        After a jump it is corrected by what the contact told; `contact` is the one before.
+        """
+        return self.course[-1].profile
 
     @property
     def leaving(self) -> np.ndarray:
-        """Depth behind the contact, with which the next revolution begins, shape (n_y,), mm."""
-        return self.contact.wear[0]
+        """Depth behind the contact, shape (n_y,), mm."""
+        return self.contact.wear[0] + (self.entering - self.contact.wear[-1])
 
     @property
     def worn(self) -> np.ndarray:
-        """Depth that this revolution added, shape (n_y,), mm."""
-        return self.leaving - self.entering
+        """Depth that the pass wears off both bodies, shape (n_y,), mm."""
+        return self.contact.wear[0] - self.contact.wear[-1]
+
+    @property
+    def gain(self) -> float:
+        """Part of it that is in the way again, as the bodies come round (see `Turns`)."""
+        return self.contact.scene.turns.gain
+
+    @property
+    def gained(self) -> np.ndarray:
+        """Depth by which this revolution deepens the entering profile, shape (n_y,), mm."""
+        return self.gain * self.worn
 
 
 def unworn(model: Model) -> Passage:
@@ -94,9 +111,9 @@ def unworn(model: Model) -> Passage:
 
 def next_passage(model: Model, last: Passage) -> Passage:
     """Roll one more revolution (paper, section 7)."""
-    return passage_at(
-        model, last.revolution + 1, last.leaving, last.contact, model.scene.solver.tolerance
-    )
+    entering = model.scene.turns.next(last.entering, last.leaving)
+    tolerance = model.scene.solver.tolerance
+    return passage_at(model, last.revolution + 1, entering, last.contact, tolerance)
 
 
 def passage_at(

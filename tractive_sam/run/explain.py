@@ -18,8 +18,8 @@ from tractive_sam.scene import Scene
 # is solved more than once.
 COLD_APPLICATIONS = 50
 WARM_APPLICATIONS = 40
-JUMP_APPLICATIONS = 70
-JUMPS = 10  # while the revolutions rolled grow e-fold
+JUMP_APPLICATIONS = 50
+JUMPS = 14  # while the revolutions rolled grow e-fold
 STRESS_APPLICATIONS = 75  # as long as the largest stress of one body takes
 DEPTH_APPLICATIONS = 0.5  # as long as a depth of a plane takes, of both bodies
 
@@ -183,10 +183,27 @@ def _wear(model: Model) -> Section:
     ]
     share = model.scene.body.wear_share
     told = f"{share['A']:.0%} from body A, {share['B']:.0%} from B, by hardness"
-    rows.append(("of the depth", told))
+    rows += [("of the depth", told), ("turns", _turns(model.scene))]
     if model.scene.solver.slip == "upwind":
         rows.append(("slip", "the paper's upwind difference: frictional work comes out too small"))
     return Section("Wear", rows)
+
+
+def _turns(scene: Scene) -> str:
+    if scene.wear.turns == "equal":
+        return "equal: N counts those of body A, and what both wore comes round as one"
+    turns = scene.turns.per_count
+    counted, other = "AB" if turns["A"] else "BA"
+    told = f"N counts those of body {counted}"
+    if turns[other] == 0.0:
+        return (
+            f"{told}; {other} is flat and never comes round: it enters unworn, and its depth is "
+            "that of a single pass"
+        )
+    return (
+        f"{told}, {other} turns {turns[other]:.6g} times in each; each meets its own wear again, "
+        "averaged over the phase, with no slip counted"
+    )
 
 
 def _stepping(wear) -> str:

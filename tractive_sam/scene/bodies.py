@@ -8,6 +8,7 @@ from typing import ClassVar
 from tractive_sam.mechanics.hertz import HertzContact, combined_radius, hertz
 from tractive_sam.mechanics.hertz_line import HertzLine, hertz_line
 from tractive_sam.mechanics.material import CombinedMaterial, Material, combine
+from tractive_sam.mechanics.turns import Turns
 
 from .alternatives import exactly_one
 from .quantities import Positive, Radius, Real, entry, positive
@@ -79,6 +80,11 @@ class Bodies(Table):
         """Share of each body in the depth worn: inverse to its hardness (paper, eq. 34)."""
         total = self.A.hardness + self.B.hardness
         return {"A": self.B.hardness / total, "B": self.A.hardness / total}
+
+    @property
+    def turns(self) -> Turns:
+        """How often each body comes round while the other does."""
+        return Turns.of(self.wear_share, self.A.radius_x, self.B.radius_x)
 
     @property
     def endless(self) -> bool:

@@ -15,13 +15,16 @@ from .bodies import Bodies
 from .faults import Fault, SceneWarning, shown
 from .line import LINE_CHECKS, is_line
 from .table import Check, Known
-from .tables import Mesh
+from .tables import Mesh, Wear
 
 FEWEST_ELEMENTS = 8
 """Elements across a contact, or its Hertz ellipse, below which a grid resolves no slip zone."""
 
 MOST_SLENDER = 1000.0
 """Ratio of the semi-axes up to which a grid is chosen: beyond it takes millions of elements."""
+
+UNEQUAL = 0.05
+"""Part by which circumferences may differ that are taken for equal without a word."""
 
 LARGEST_CONTACT = 0.3
 """Semi-axis over radius up to which the bodies are taken for half-spaces without a word."""
@@ -125,6 +128,13 @@ def _grid_is_given_to_slender_contacts(known: Known) -> Iterator[Fault]:
         yield Fault(radii, given, cure)
 
 
+def _a_body_comes_round(known: Known) -> Iterator[Fault]:
+    wear, radii = known["wear"], (known["body.A.radius_x"], known["body.B.radius_x"])
+    if wear is not None and wear.turns == "each" and radii == (math.inf, math.inf):
+        cure = 'a finite radius_x of the body whose turns are counted, or "equal"'
+        yield Fault("wear.turns", '"each" with two bodies that are flat in x', cure)
+
+
 SCENE_CHECKS: tuple[Check, ...] = (
     not_both("load.traction_x", "creepage.longitudinal"),
     not_both("load.traction_y", "creepage.lateral"),
@@ -136,6 +146,7 @@ SCENE_CHECKS: tuple[Check, ...] = (
     _bodies_can_touch,
     _grid_holds_the_contact,
     _grid_is_given_to_slender_contacts,
+    _a_body_comes_round,
     *LINE_CHECKS,
 )
 """All checks of a valid scene."""
@@ -192,6 +203,32 @@ def warn_if_large(bodies: Bodies, contact: HertzContact | HertzLine, stacklevel:
             f"stand for bodies up to about {LARGEST_CONTACT:g}. Lower load.normal or load.approach"
         )
         warnings.warn(text, SceneWarning, stacklevel=stacklevel + 1)
+
+
+def warn_if_unequal(bodies: Bodies, wear: Wear, stacklevel: int) -> None:
+    """Warn of bodies that wear and come round unequally often, unless that was asked for.
+
+    Parameters
+    ----------
+    bodies : Bodies
+        The bodies.
+    wear : Wear
+        Their wear; ``turns = "each"``, written down, tells that unequal turns are meant.
+    stacklevel : int
+        Of the caller's caller, as in `warnings.warn`.
+    """
+    radii = {name: abs(getattr(bodies, name).radius_x) for name in "AB"}
+    alike = max(radii.values()) <= (1.0 + UNEQUAL) * min(radii.values())
+    if alike or (wear.turns == "each" and "turns" in wear.model_fields_set):
+        return
+    counted = "A" if math.isfinite(radii["A"]) else "B"
+    text = (
+        f"wear.turns: radius_x of A is {radii['A']:g} and of B {radii['B']:g}, so the bodies do "
+        f"not come round equally often, a flat one never; wear.revolutions counts those of "
+        f'{counted}. Say wear.turns = "each" where each body is to meet its own wear again, '
+        "averaged over the phase"
+    )
+    warnings.warn(text, SceneWarning, stacklevel=stacklevel + 1)
 
 
 def _directions(

@@ -42,10 +42,6 @@ class Fault:
         return replace(self, key=self.key.replace(array, f"{array}[{place}]", 1))
 
 
-MOST_TOLD = 20
-"""Faults that are told, and misspelt names whose like is sought; of others the number is."""
-
-
 class SceneError(Exception):
     """A scene that cannot be modelled, with every fault that was found.
 
@@ -74,8 +70,7 @@ class SceneError(Exception):
         head = f"1 fault in the {self.subject}"
         if count > 1:
             head = f"{count} faults in the {self.subject}"
-        more = [f"and {count - MOST_TOLD} more"] if count > MOST_TOLD else []
-        return "\n  ".join([f"{head}:", *map(str, self.faults[:MOST_TOLD]), *more])
+        return "\n  ".join([f"{head}:", *map(str, self.faults)])
 
 
 class SceneWarning(UserWarning):

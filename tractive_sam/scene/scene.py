@@ -10,11 +10,12 @@ from typing import Any, ClassVar
 from tractive_sam.mechanics.hertz import HertzContact
 from tractive_sam.mechanics.hertz_line import HertzLine
 from tractive_sam.mechanics.material import CombinedMaterial, Material
+from tractive_sam.mechanics.turns import Turns
 
 from . import toml
 from .bodies import Bodies
 from .catalogue import builtin_text
-from .checks import SCENE_CHECKS, warn_if_coarse, warn_if_large
+from .checks import SCENE_CHECKS, warn_if_coarse, warn_if_large, warn_if_unequal
 from .gap import Gap
 from .override import override, parse_settings
 from .quantities import entry
@@ -36,7 +37,8 @@ class Scene(Table):
     Warns
     -----
     SceneWarning
-        If the grid is too coarse for the contact, or the contact large against the radii.
+        If the grid is too coarse for the contact, the contact large against the radii, or bodies
+        that wear come round unequally often without ``wear.turns = "each"``.
 
     Examples
     --------
@@ -60,6 +62,8 @@ class Scene(Table):
 
     def __init__(self, /, **tables: Any) -> None:
         super().__init__(**tables)
+        if self.wear:
+            warn_if_unequal(self.body, self.wear, stacklevel=2)
         if self.gap:  # the Hertz ellipse is not the contact
             return
         warn_if_large(self.body, self.hertz, stacklevel=2)
@@ -136,6 +140,13 @@ class Scene(Table):
     def material(self) -> CombinedMaterial:
         """Elastic constants of the pair of bodies."""
         return self.body.material
+
+    @property
+    def turns(self) -> Turns:
+        """How often each body comes round in a revolution that [wear] counts."""
+        if self.wear is None or self.wear.turns == "equal":
+            return Turns.equal(self.body.wear_share)
+        return self.body.turns
 
     @property
     def line(self) -> bool:

@@ -125,7 +125,10 @@ class Wear(Table):
         "wear intensities along the axes e1, e2, 1/MPa", "a number of at least 0, or a pair of them"
     )
     revolutions: int = entry(
-        "number of revolutions", "a whole number from 1 to 1e12", ge=1, le=10**12
+        "number of revolutions of body A, of B where A is flat",
+        "a whole number from 1 to 1e12",
+        ge=1,
+        le=10**12,
     )
     save: Annotated[tuple[Annotated[int, Field(ge=0)], ...], AfterValidator(_ascending)] = entry(
         "revolutions whose fields are stored",
@@ -135,6 +138,11 @@ class Wear(Table):
     )
     stepping: Literal["adaptive", "every-revolution"] = entry(
         "stepping through the revolutions", '"adaptive" or "every-revolution"', "adaptive"
+    )
+    turns: Literal["each", "equal"] = entry(
+        "whether each body meets its wear again at its own turns, or both at those of A",
+        '"each" or "equal" (the paper\'s, for bodies of equal circumference)',
+        "each",
     )
     tolerance: Real = entry(
         "error of the adaptive stepping, relative to the wear depth",
