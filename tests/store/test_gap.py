@@ -1,3 +1,5 @@
+import tracemalloc
+
 import h5py
 import numpy as np
 import pytest
@@ -127,3 +129,17 @@ def test_other_units_are_refused(tmp_path):
         file["separation"].attrs["units"] = "um"
     with pytest.raises(GapError, match="separation in um"):
         read_gap(path)
+
+
+def test_scattered_points_are_refused_without_their_grid(tmp_path):
+    """Of 30,000 points it would have 9e8 numbers, 7 GB; what is refused takes a few MB."""
+    rng = np.random.default_rng(5)
+    path = tmp_path / "scattered.npy"
+    np.save(path, rng.random((30_000, 3)))
+    tracemalloc.start()
+    with pytest.raises(GapError, match="30000 points"):
+        read_gap(path)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    # The points, their order and their places: some ten numbers a point, sorted in copies.
+    assert peak < 50 * 8 * 30_000

@@ -92,3 +92,29 @@ def test_bad_axes(given, told):
 def test_bad_samples(variable, told):
     with pytest.raises(SceneError, match=told):
         Latin(number=2, variable=variable)
+
+
+@pytest.mark.parametrize(
+    "values",
+    [[1, 2, 1], [1, 1.0], [[1, 2], [1, 2]], ["a", "a"], [{"mu": 0.3}, {"mu": 0.3}]],
+)
+def test_values_are_distinct(values):
+    with pytest.raises(SceneError, match="each value once"):
+        Axis(key="friction.mu", values=values)
+
+
+def test_many_values_are_compared_at_once():
+    """Each with each, 200,000 would take minutes."""
+
+    class Counted(float):
+        compared = 0
+
+        def __eq__(self, other):
+            Counted.compared += 1
+            return float(self) == float(other)
+
+        __hash__ = float.__hash__
+
+    values = [Counted(k) for k in range(200_000)]
+    assert len(Axis(key="load.normal", values=values).column()) == len(values)
+    assert Counted.compared <= len(values)

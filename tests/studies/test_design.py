@@ -179,3 +179,11 @@ def test_faults_are_told_together():
 def test_a_scene_is_no_study(written):
     assert not is_study(written(Scene.builtin("spheres").to_toml()))
     assert not is_study("spheres")
+
+
+def test_a_table_and_an_entry_of_it_do_not_vary_together():
+    """The second would undo the first."""
+    tables = {"key": "friction", "values": [{"mu": 0.2}, {"mu": 0.3, "angle": 30.0}]}
+    entries = {"key": "friction.mu", "values": [0.4, 0.5]}
+    with pytest.raises(StudyError, match=r"friction and friction\.mu"):
+        Study(scene="spheres", axis=[tables, entries])

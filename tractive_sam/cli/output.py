@@ -1,16 +1,20 @@
 """What the program says: tables on the standard output, notes and errors beside it."""
 
+import codecs
 import os
 import sys
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from enum import IntEnum
+from io import TextIOWrapper
 from typing import TYPE_CHECKING, TextIO
 
 import typer
 from rich.console import Console
 from rich.text import Text
+
+from tractive_sam.plain import plain
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -28,11 +32,36 @@ class Status(IntEnum):
 
 
 class _Console(Console):
-    """A console that falls silent when its reader leaves, like `head` after the first lines."""
+    """A console that falls silent when its reader leaves, like `head` after the first lines.
+
+    What titles, messages and names hold that would command the terminal does not get there.
+    """
+
+    def render_str(self, text: str, **options) -> Text:
+        """A cell or a line as it is printed."""
+        return super().render_str(plain(text), **options)
 
     def on_broken_pipe(self) -> None:
         """Write what is left to nowhere; the exit status is that of the command."""
         silence(sys.stderr if self.stderr else sys.stdout)
+
+
+def spell_what_has_no_sign() -> None:
+    """Have streams whose encoding lacks a sign write it in other ones, as um for µm."""
+
+    def spelt(error: UnicodeError) -> tuple[str, int]:
+        if not isinstance(error, UnicodeEncodeError):
+            raise error
+        lacking = error.object[error.start : error.end]
+        return "".join(_SPELT.get(sign, "?") for sign in lacking), error.end
+
+    codecs.register_error("spelt", spelt)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="spelt")
+
+
+_SPELT = {"µ": "u", "±": "+-", "²": "2", "³": "3", "…": "...", "°": "deg", "–": "-", "’": "'"}
 
 
 def silence(stream: TextIO) -> None:
@@ -56,14 +85,16 @@ def say(*parts: str | tuple[str, str]) -> None:
     Where that is full, or its terminal is gone, there is nobody to tell it to.
     """
     try:
-        console(stderr=True).print(Text.assemble(*parts), soft_wrap=True)
+        pairs = ((one, "") if isinstance(one, str) else one for one in parts)
+        line = Text.assemble(*((plain(text), style) for text, style in pairs))
+        console(stderr=True).print(line, soft_wrap=True)
     except OSError:
         silence(sys.stderr)
 
 
 def tell(text: object) -> None:
-    """Print a line on the standard output, as it is."""
-    console().out(str(text), highlight=False)
+    """Print a line on the standard output, whole and without styles."""
+    console().out(plain(str(text), most=None), highlight=False)
 
 
 @contextmanager
@@ -119,15 +150,24 @@ def bad_input_told() -> Iterator[None]:
         raise stop(Status.INCOMPLETE, str(error)) from None
     except ResultsError as error:
         raise stop(Status.INVALID, str(error)) from None
+    except OSError as error:
+        if error.filename is None:
+            raise  # of the output itself
+        told = f"{error.filename} cannot be used: {error.strerror}; choose another, or ask for it"
+        raise stop(Status.INVALID, told) from None
     except MemoryError:
         cure = "a coarser [grid]; tractive-sam explain tells what a scene takes"
         raise stop(Status.INVALID, f"the memory does not suffice; choose {cure}") from None
 
 
-def _faults(faults, subject: str = "scene") -> typer.Exit:
+def _faults(faults: Sequence, subject: str = "scene") -> typer.Exit:
     """List faults: anything with key, given and allowed."""
+    from tractive_sam.scene.faults import MOST_TOLD
+
     count = f"{len(faults)} faults" if len(faults) > 1 else "1 fault"
     leave = stop(Status.INVALID, f"{count} in the {subject}")
-    for fault in faults:
+    for fault in faults[:MOST_TOLD]:
         say("  ", (fault.key, "bold"), f": given {fault.given}; allowed: {fault.allowed}")
+    if len(faults) > MOST_TOLD:
+        say(f"  and {len(faults) - MOST_TOLD} more")
     return leave

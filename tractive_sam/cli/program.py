@@ -11,7 +11,7 @@ from typer.core import TyperGroup
 from tractive_sam import interrupt
 from tractive_sam.cli.explain import explain
 from tractive_sam.cli.export import export
-from tractive_sam.cli.output import Status, silence, stop, tell
+from tractive_sam.cli.output import Status, silence, spell_what_has_no_sign, stop, tell
 from tractive_sam.cli.plot import plot
 from tractive_sam.cli.reproduce import reproduce
 from tractive_sam.cli.run import run
@@ -19,6 +19,7 @@ from tractive_sam.cli.scenes import scenes
 from tractive_sam.cli.show import show
 from tractive_sam.cli.study import study
 from tractive_sam.cli.study_show import study_show
+from tractive_sam.plain import plain
 
 
 @contextmanager
@@ -29,9 +30,15 @@ def _ended_well() -> Iterator[None]:
         yield
     except KeyboardInterrupt:
         raise stop(Status.INCOMPLETE, "interrupted") from None
-    except BrokenPipeError:
+    except (BrokenPipeError, SystemExit):  # which rich makes of it while it prints help
         silence(sys.stdout)
         raise typer.Exit(Status.DONE) from None
+    except Exception as error:
+        # What the library of commands has to say, it says with arguments as they were given.
+        message = getattr(error, "message", None)
+        if isinstance(message, str):
+            vars(error)["message"] = plain(message)
+        raise
 
 
 class _Program(TyperGroup):
@@ -62,6 +69,7 @@ for command in (run, show, plot, export, explain, scenes, reproduce, study, stud
 
 def run_program() -> None:
     """Run the program on the arguments of the process."""
+    spell_what_has_no_sign()
     try:
         app()
     except OSError as error:  # of the output itself: commands tell of all others

@@ -7,7 +7,15 @@ from typing import Annotated
 
 import typer
 
-from tractive_sam.cli.output import Status, bad_input_told, progress_bar, say, stop, warnings_told
+from tractive_sam.cli.output import (
+    Status,
+    bad_input_told,
+    progress_bar,
+    say,
+    stop,
+    tell,
+    warnings_told,
+)
 from tractive_sam.cli.plot import Format
 
 
@@ -38,8 +46,8 @@ def reproduce(
     size = paper.REDUCED if reduced else paper.FULL
     with bad_input_told():
         try:
-            with _progress(len(paper.CHAPTERS)) as tell, warnings_told():
-                page = paper.reproduce(output, size=size, format=format, tell=tell)
+            with _progress(len(paper.CHAPTERS)) as advance, warnings_told():
+                page = paper.reproduce(output, size=size, format=format, tell=advance)
         except KeyboardInterrupt:
             told = "interrupted; the page was not written"
             raise stop(Status.INCOMPLETE, told) from None
@@ -50,7 +58,7 @@ def reproduce(
         except OSError as error:
             raise stop(Status.INVALID, f"{output} cannot be written: {error}") from None
     say(f"{page} needs no network and no other file: open it in any browser, or print it")
-    typer.echo(page)
+    tell(page)
 
 
 @contextmanager

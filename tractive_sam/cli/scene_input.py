@@ -34,11 +34,11 @@ def read_scene(name: str, settings: list[str] | None) -> "Scene":
         With every fault.
     """
     from tractive_sam.scene import Scene
+    from tractive_sam.scene.catalogue import names_file
 
     path = Path(name)
-    is_file = path.suffix == ".toml" or path.is_file()
     with warnings_told() as notes:
-        scene = Scene.from_toml(path) if is_file else Scene.builtin(name)
+        scene = Scene.from_toml(path) if names_file(path) else Scene.builtin(name)
         if settings:
             notes.clear()  # the settings may have cured what was warned of
             scene = scene.with_set(settings)

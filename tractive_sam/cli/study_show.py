@@ -7,7 +7,7 @@ import typer
 from rich import box
 from rich.table import Table
 
-from tractive_sam.cli.output import Status, bad_input_told, console, say, stop
+from tractive_sam.cli.output import Status, bad_input_told, console, say, stop, tell
 from tractive_sam.cli.plot import Format
 from tractive_sam.cli.tables import COURSE
 
@@ -75,7 +75,7 @@ def study_show(
     mixed_versions(results)
     say(_standing(results))
     for path in written:
-        typer.echo(path)
+        tell(path)
 
 
 def failures(results: "StudyResults") -> None:

@@ -8,11 +8,16 @@ from typing import ParamSpec, TypeVar
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
+from tractive_sam.plain import plain
+
 P = ParamSpec("P")
 Drawn = TypeVar("Drawn")
 
 WIDTH = 4.8
 """Of a figure with one panel, inches."""
+
+LONGEST_TITLE = 300
+"""Characters of a title; what is longer is cut."""
 
 MICRON = 1e3
 """Micrometres in a millimetre."""
@@ -63,6 +68,7 @@ _RC = {
 
 def wrapped(text: str, width: float) -> list[str]:
     """Lines of a title that is to be no wider, inches."""
+    text = plain(text, LONGEST_TITLE)
     return [part for line in text.split("\n") for part in wrap(line, int(11 * width)) or [""]]
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from importlib import resources
+from os import PathLike
+from pathlib import Path
 
 from .faults import Fault, SceneError, shown, suggestion
 
@@ -17,6 +19,12 @@ def builtin_names() -> tuple[str, ...]:
     """
     files = (resources.files(__package__) / "builtin").iterdir()
     return tuple(sorted(f.name.removesuffix(".toml") for f in files if f.name.endswith(".toml")))
+
+
+def names_file(name: str | PathLike[str]) -> bool:
+    """Whether a scene is asked for by the path of a file, be it there or not, or by its name."""
+    path = Path(name)
+    return path.suffix == ".toml" or len(path.parts) > 1 or path.exists()
 
 
 def builtin_text(name: str) -> str:

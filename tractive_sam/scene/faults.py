@@ -42,6 +42,10 @@ class Fault:
         return replace(self, key=self.key.replace(array, f"{array}[{place}]", 1))
 
 
+MOST_TOLD = 20
+"""Faults that are told, and misspelt names whose like is sought; of others the number is."""
+
+
 class SceneError(Exception):
     """A scene that cannot be modelled, with every fault that was found.
 
@@ -70,7 +74,8 @@ class SceneError(Exception):
         head = f"1 fault in the {self.subject}"
         if count > 1:
             head = f"{count} faults in the {self.subject}"
-        return "\n  ".join([f"{head}:", *map(str, self.faults)])
+        more = [f"and {count - MOST_TOLD} more"] if count > MOST_TOLD else []
+        return "\n  ".join([f"{head}:", *map(str, self.faults[:MOST_TOLD]), *more])
 
 
 class SceneWarning(UserWarning):

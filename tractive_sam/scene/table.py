@@ -16,7 +16,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 
-from .faults import Fault, SceneError, shown, suggestion
+from .faults import MOST_TOLD, Fault, SceneError, shown, suggestion
 
 _CONFIG = ConfigDict(strict=True, arbitrary_types_allowed=True)
 
@@ -116,7 +116,8 @@ def _read(table: type[Table], given: Mapping[Any, Any]) -> _Reading:
         if key in table.model_fields:
             reading.known.given.add(key)
         else:
-            allowed = suggestion(str(key), table.model_fields)
+            many = len(reading.faults) >= MOST_TOLD
+            allowed = "no such entry" if many else suggestion(str(key), table.model_fields)
             reading.faults.append(Fault(str(key), shown(given[key]), allowed))
     for key, info in table.model_fields.items():
         if key not in reading.given:

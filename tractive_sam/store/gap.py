@@ -109,12 +109,13 @@ def _gridded(path: Path, points: np.ndarray) -> Gap:
         raise GapError(path, f"an array of shape {points.shape}", "columns x, y, separation")
     x, i = np.unique(points[:, 0], return_inverse=True)
     y, j = np.unique(points[:, 1], return_inverse=True)
-    separation = np.full((len(x), len(y)), np.nan)
-    separation[i, j] = points[:, 2]
+    size = len(x) * len(y)  # of scattered points as many as their square: not to be laid out
     filled = len(np.unique(np.stack((i, j)), axis=1).T)
-    if not len(points) == filled == separation.size:
+    if not len(points) == filled == size:
         found = f"{len(points)} points ({filled} distinct) of {len(x)} x and {len(y)} y"
-        raise GapError(path, found, f"each of the {separation.size} points of the grid once")
+        raise GapError(path, found, f"each of the {size} points of the grid once")
+    separation = np.empty((len(x), len(y)))
+    separation[i, j] = points[:, 2]
     return x, y, separation
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal, get_args
 
@@ -52,8 +52,22 @@ def _one_way_to_give_values(known: Known) -> Iterator[Fault]:
 
 def _distinct(known: Known) -> Iterator[Fault]:
     values = known["values"] or ()
-    if any(value in values[:k] for k, value in enumerate(values)):
+    if len({_frozen(value) for value in values}) < len(values):
         yield Fault("values", shown(values), "each value once")
+
+
+def _frozen(value: Any) -> Any:
+    """A value of a scene as one that can be told from many others at once."""
+    match value:
+        case Mapping():
+            return frozenset((key, _frozen(item)) for key, item in value.items())
+        case list() | tuple():
+            return tuple(map(_frozen, value))
+        case np.ndarray():
+            return _frozen(value.tolist())
+        case Hashable():
+            return value
+    return repr(value)
 
 
 def _logarithm_exists(known: Known) -> Iterator[Fault]:

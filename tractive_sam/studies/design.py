@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from tractive_sam.scene import Fault, Scene, SceneError, builtin_names, toml
+from tractive_sam.scene.catalogue import names_file
 from tractive_sam.scene.faults import shown, suggestion
 from tractive_sam.scene.quantities import entry
 from tractive_sam.scene.table import Check, Known, Table
@@ -43,6 +44,9 @@ def _each_entry_once(known: Known) -> Iterator[Fault]:
     for key, count in keys.items():
         if count > 1:
             yield Fault("axis", f"{key} varies {count} times", "each entry of the scene once")
+        within = [other for other in keys if other.startswith(f"{key}.")]
+        if within:
+            yield Fault("axis", f"{key} and {', '.join(within)}", "a table, or entries within it")
 
 
 def _not_too_many(known: Known) -> Iterator[Fault]:
@@ -255,5 +259,4 @@ def _named(scene: Scene | Mapping[str, Any] | str) -> Scene:
     if not isinstance(scene, str):
         return Scene(**scene)
     path = Path(scene)
-    is_file = path.suffix == ".toml" or path.is_file()
-    return Scene.from_toml(path) if is_file else Scene.builtin(scene)
+    return Scene.from_toml(path) if names_file(path) else Scene.builtin(scene)
