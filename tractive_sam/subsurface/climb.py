@@ -11,8 +11,11 @@ Function = Callable[[np.ndarray], np.ndarray]
 STEPS = 12
 """Largest number of Newton steps."""
 
-SETTLED = 1e-3
-"""A step shorter than this share of the depth is the last."""
+SETTLED = 1e-2
+"""A step shorter than this share of the depth is the last but that of `polish`."""
+
+NEAR = 0.1
+"""After a step shorter than this share of the depth the second derivatives are kept."""
 
 _AXES = np.concatenate((np.eye(3), -np.eye(3)))
 _PAIRS = np.array([e + s * f for e, f in combinations(np.eye(3), 2) for s in (1.0, -1.0)])
@@ -40,16 +43,16 @@ def climb(function: Function, start: np.ndarray, floor: float) -> tuple[np.ndarr
     hessian : ndarray, shape (3, 3)
         Second derivatives there, with positive eigenvalues turned negative.
     """
-    at = np.array(start)
+    at, near = np.array(start), False
     for _ in range(STEPS):
         unit = _unit(at)
-        values = function(at + unit * _STENCIL)
-        gradient = _gradient(values, unit)
-        hessian = _hessian(values, unit)
-        moved = _step(at, gradient, hessian, floor)
-        settled = np.linalg.norm(moved - at) < SETTLED * at[2]
-        at = moved
-        if settled:
+        values = function(at + unit * (_STENCIL[:7] if near else _STENCIL))
+        if not near:
+            hessian = _hessian(values, unit)
+        moved = _step(at, _gradient(values, unit), hessian, floor)
+        length = np.linalg.norm(moved - at) / at[2]
+        at, near = moved, length < NEAR
+        if length < SETTLED:
             break
     return at, hessian
 

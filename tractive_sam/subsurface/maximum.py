@@ -20,6 +20,10 @@ DEEPEST = 1.25
 CANDIDATES = 3
 """Local maxima of the search that are looked at more closely."""
 
+BETWEEN = 1.1
+"""By what a maximum between the points of the search is higher than these, at most: half a layer and
+a quarter of the depth aside of that of Hertz, 4 %."""
+
 _NOWHERE: Point = (np.nan, np.nan, np.nan)
 
 
@@ -99,7 +103,10 @@ def _interior(
     """Climb from the largest local maxima of the layers below the surface."""
     floor = depths[1]
     tops = []
+    best = 0.0
     for k, i, j in _local_maxima(pyramid, layers):
+        if layers[k][i, j] * BETWEEN < best:
+            break  # the others are lower still
         level = pyramid.level(0.5 * depths[k])
         start = np.array([level.x[i], level.y[j], depths[k]])
         blocks = pyramid.level(0.25 * depths[k])
@@ -108,6 +115,7 @@ def _interior(
         # A way that ends at the floor leads on to the surface, unless that is lower.
         if at[2] > floor or value > surface:
             tops.append((value, at, hessian))
+            best = max(best, value)
     if not tops:
         return np.nan, _NOWHERE
     _, at, hessian = max(tops, key=lambda top: top[0])
