@@ -19,7 +19,7 @@ class VonMisesMaximum:
         falls from the surface down. One element deep it is a bound: a maximum nearer to the
         surface than that.
     surface, surface_at : float, tuple of float
-        The largest value at the surface, in the contact and on its edge; see `largest_at_surface`.
+        The largest value at the surface; see `subsurface.surface.largest_at_surface`.
 
     Examples
     --------

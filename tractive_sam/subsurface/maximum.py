@@ -21,8 +21,8 @@ CANDIDATES = 3
 """Local maxima of the search that are looked at more closely."""
 
 BETWEEN = 1.1
-"""By what a maximum between the points of the search is higher than these, at most: half a layer and
-a quarter of the depth aside of that of Hertz, 4 %."""
+"""By what a maximum between the points of the search may be higher than these. Half a layer and a
+quarter of the depth aside of that of Hertz it is 2 %."""
 
 _NOWHERE: Point = (np.nan, np.nan, np.nan)
 
@@ -35,10 +35,10 @@ def von_mises_maximum(contact: Contact, body: str = "A") -> VonMisesMaximum:
     blocks of at most a quarter of the depth; the last step and the value are exact for the
     tractions on the elements.
 
-    At the surface it is taken between the elements and at the edge of the contact, from differences
-    of displacements: on a mesh, the stress itself is infinite on every edge across which the
-    tangential traction jumps (`subsurface.surface`). From there down to one element deep nothing is
-    looked at.
+    At the surface it is taken between the elements, at the edge of the contact and where stick
+    ends, from differences of displacements: on a mesh, the stress itself is infinite on every edge
+    across which the tangential traction jumps (`subsurface.surface`). From there down to one
+    element deep nothing is looked at.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def von_mises_maximum(contact: Contact, body: str = "A") -> VonMisesMaximum:
     pyramid = levels(contact.grid, load.tractions[0], load.poisson[0], von_mises)
     depths = _search_depths(contact)
     layers = [pyramid.level(0.5 * depth).layer(depth) for depth in depths]
-    surface, surface_at = pyramid.level(0.0).surface()
+    surface, surface_at = pyramid.surface(contact.sliding)
     interior, interior_at = _interior(pyramid, depths, layers, surface)
     value, at = (interior, interior_at) if interior > surface else (surface, surface_at)
     return VonMisesMaximum(value, at, interior, interior_at, surface, surface_at)

@@ -67,12 +67,6 @@ class Level:
         """Equivalent stress (n,) at points (n, 3), MPa."""
         return self.criterion(self._patches.stress(points).T)
 
-    def surface(self) -> tuple[float, tuple[float, float, float]]:
-        """Largest equivalent stress at the surface, MPa, and where, (x, y, 0), mm."""
-        value, i, j = largest_at_surface(self._mesh, self.tractions, self.poisson, self.criterion)
-        x, y = self.x[0] + i * self.sides[0], self.y[0] + j * self.sides[1]
-        return value, (float(x), float(y), 0.0)
-
 
 @dataclass(frozen=True)
 class _Side:
@@ -148,6 +142,27 @@ class Pyramid:
         if block not in self._levels:
             self._levels[block] = self._made(*block)
         return self._levels[block]
+
+    def surface(self, sliding: np.ndarray) -> tuple[float, tuple[float, float, float]]:
+        """Largest equivalent stress at the surface, MPa, and where, (x, y, 0), mm.
+
+        Parameters
+        ----------
+        sliding : ndarray of bool, shape (n_x, n_y)
+            Elements of the grid that slip.
+        """
+        x, y = self._x, self._y
+        slips = np.zeros(self._tractions.shape[1:], dtype=bool)
+        slips[x.inside, y.inside] = sliding[x.loaded, y.loaded]
+        mesh = Mesh(slips.shape, x.step, y.step)
+        value, i, j = largest_at_surface(
+            mesh, self._tractions, slips, self._poisson, self._criterion
+        )
+        return value, (
+            float(x.centres(1)[0] + i * x.step),
+            float(y.centres(1)[0] + j * y.step),
+            0.0,
+        )
 
     def _made(self, bx: int, by: int) -> Level:
         x, y = self._x.centres(bx), self._y.centres(by)

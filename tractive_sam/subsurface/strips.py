@@ -98,10 +98,18 @@ class StripLevels:
         """Equivalent stress (n,) at points (n, 3), MPa."""
         return self._criterion(self._strips.stress(points).T)
 
-    def surface(self) -> tuple[float, tuple[float, float, float]]:
-        """Largest equivalent stress at the surface, MPa, and where, (x, 0, 0), mm."""
+    def surface(self, sliding: np.ndarray) -> tuple[float, tuple[float, float, float]]:
+        """Largest equivalent stress at the surface, MPa, and where, (x, 0, 0), mm.
+
+        Parameters
+        ----------
+        sliding : ndarray of bool, shape (n_x, 1)
+            Strips of the grid that slip.
+        """
         strips = self._strips
         # Strain does not depend on where displacement is zero.
         mesh = Mesh(self.blocks, strips.width, 1.0, datum=strips.width)
-        value, i, _ = largest_at_surface(mesh, self._tractions, strips.poisson, self._criterion)
+        value, i, _ = largest_at_surface(
+            mesh, self._tractions, sliding, strips.poisson, self._criterion
+        )
         return value, (float(self.x[0] + i * strips.width), 0.0, 0.0)

@@ -1,4 +1,8 @@
-"""Where a surface is stressed most, between the elements and at the rim of the contact."""
+"""Where a surface is stressed most: between elements, at the edge of the contact, where stick ends.
+
+Friction and pressure have roots of the distance on either side of the last two, which no mesh
+follows; but each stress has its root on one side only, and is smooth on the other.
+"""
 
 from collections.abc import Callable
 
@@ -16,19 +20,28 @@ FARTHEST = 1.5
 EVEN = 2.0
 """Most by which the slope of the square of the pressure may change from that corner to the next."""
 
+WIDEST = 3
+"""Most elements from a corner that slips to one that sticks."""
+
 _IN_PLANE = [0, 1, 3]
-"""Components xx, yy, xy; the others vanish at the edge, as the tractions do."""
+"""Components xx, yy, xy; the others are the tractions."""
 
 
 def largest_at_surface(
-    mesh: Mesh, tractions: np.ndarray, poisson: float, criterion: Criterion
+    mesh: Mesh,
+    tractions: np.ndarray,
+    sliding: np.ndarray,
+    poisson: float,
+    criterion: Criterion,
 ) -> tuple[float, float, float]:
     """The largest equivalent stress at a loaded surface, and where.
 
-    Of the corners at which four loaded elements meet, and of the edge of the contact. Towards the
-    edge the pressure falls with the root of the distance, and so does the stress that it makes
-    right below itself, -p across the edge and -2 nu p along it (plane strain). The rest is smooth:
-    it is taken on to the edge along a straight line.
+    Of the corners at which four loaded elements meet, of the edge of the contact, and of the border
+    between stick and slip. Towards the edge the pressure falls with the root of the distance, and
+    so does the stress that it makes right below itself, -p across the edge and -2 nu p along it
+    (plane strain). The rest is smooth: it is taken on to the edge along a straight line. Towards
+    the border the traction has a root on the side that sticks, the stress in the plane one on the
+    side that slips (as in Carter's solution): each is taken on to it from its smooth side.
 
     Parameters
     ----------
@@ -36,6 +49,8 @@ def largest_at_surface(
         Elements, or strips; lengths in mm.
     tractions : ndarray, shape (3, n_x, n_y)
         (p_x, p_y, p_n) on the half-space, MPa.
+    sliding : ndarray of bool, shape (n_x, n_y)
+        Loaded elements that slip.
     poisson : float
         Poisson's ratio.
     criterion : callable
@@ -47,19 +62,52 @@ def largest_at_surface(
         The stress, MPa, and its place from the centre of the first element, in elements.
     """
     stress = surface_stress(mesh, tractions, poisson)
-    loaded = between((tractions[2] > 0.0).astype(float)) == 1.0
+    touching = tractions[2] > 0.0
+    loaded = _whole(touching)
     if not loaded.any():  # nowhere wider than an element
         loaded[:] = True
-    values = np.where(loaded, criterion(stress), 0.0)
-    i, j = np.unravel_index(np.argmax(values), values.shape)
-    half = 0.5 if tractions.shape[-1] > 1 else 0.0
-    best = float(values[i, j]), i + 0.5, j + half
-    at, place = _at_edge(mesh, tractions[2], stress, loaded, poisson)
-    if place.size:
-        k = np.argmax(criterion(at))
-        if criterion(at)[k] > best[0]:
-            return float(criterion(at)[k]), place[0, k] + 0.5, place[1, k] + half
-    return best
+    found = (
+        (stress[:, loaded], np.array(np.nonzero(loaded), dtype=float)),
+        _at_edge(mesh, tractions[2], stress, loaded, poisson),
+        _at_border(stress, _whole(touching & sliding), _whole(touching & ~sliding)),
+    )
+    stress, places = (np.concatenate(parts, axis=1) for parts in zip(*found, strict=True))
+    values = criterion(stress)
+    k = np.argmax(values)
+    i, j = places[:, k] + (0.5, 0.5 if tractions.shape[-1] > 1 else 0.0)
+    return float(values[k]), float(i), float(j)
+
+
+def _whole(elements: np.ndarray) -> np.ndarray:
+    """Corners all of whose elements are among these."""
+    return between(elements.astype(float)) == 1.0
+
+
+def _at_border(
+    stress: np.ndarray, slips: np.ndarray, sticks: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Stresses (6, n) where stick ends, and the points (2, n), in corners.
+
+    Midway between a corner that slips and the next one that sticks, in x or in y, where there are
+    at most `WIDEST` steps between them and another one of the same kind behind each.
+    """
+    found, places = [np.zeros((6, 0))], [np.zeros((2, 0))]
+    for axis in (0, 1) if slips.shape[1] > 1 else (0,):
+        for sign in (1, -1):
+            ends = slips & _shifted(slips, -sign, axis)
+            for steps in range(1, WIDEST + 1):
+                there, beyond = (_shifted(sticks, sign * k, axis) for k in (steps, steps + 1))
+                i = np.stack(np.nonzero(ends & there & beyond))
+                ends &= ~_shifted(sticks | slips, sign * steps, axis)
+                on = np.zeros_like(i)
+                on[axis] = sign
+                slip, behind = stress[:, *i], stress[:, *(i - on)]
+                stick, further = (stress[:, *(i + k * on)] for k in (steps, steps + 1))
+                at = slip + 0.5 * steps * (slip - behind)
+                at[_IN_PLANE] = (stick + 0.5 * steps * (stick - further))[_IN_PLANE]
+                found.append(at)
+                places.append(i + 0.5 * steps * on)
+    return np.concatenate(found, axis=1), np.concatenate(places, axis=1)
 
 
 def _at_edge(
@@ -112,9 +160,9 @@ def _at_edge(
     return edge, np.concatenate(places, axis=1)
 
 
-def _shifted(loaded: np.ndarray, steps: int, axis: int) -> np.ndarray:
+def _shifted(corners: np.ndarray, steps: int, axis: int) -> np.ndarray:
     """What is so many corners further along an axis; nothing beyond the last."""
-    moved = np.roll(loaded, -steps, axis)
+    moved = np.roll(corners, -steps, axis)
     end = np.moveaxis(moved, axis, 0)
-    end[-1 if steps > 0 else 0] = False
+    end[slice(-steps, None) if steps > 0 else slice(None, -steps)] = False
     return moved
