@@ -158,11 +158,8 @@ class Pyramid:
         value, i, j = largest_at_surface(
             mesh, self._tractions, slips, self._poisson, self._criterion
         )
-        return value, (
-            float(x.centres(1)[0] + i * x.step),
-            float(y.centres(1)[0] + j * y.step),
-            0.0,
-        )
+        at = x.centres(1)[0] + i * x.step, y.centres(1)[0] + j * y.step
+        return value, (float(at[0]), float(at[1]), 0.0)
 
     def _made(self, bx: int, by: int) -> Level:
         x, y = self._x.centres(bx), self._y.centres(by)

@@ -7,8 +7,8 @@ the edges of contact and of stick fall within their elements scatters the result
 so that a small difference may be mere chance: the difference before is looked at as well, and what
 is seen of one force is taken for all, since one traction causes them.
 
-The largest stress at a surface comes closer by less. Where stick ends it is a cusp, of the root of
-the distance, and so it may be where slip turns about its pole: its error falls with the root of h.
+The largest stress at a surface may come closer by less. Where slip turns about its pole, and where
+no elements resolve the end of stick, it is a cusp: its error falls with the root of h.
 
 A peak that grows on two refinements as much as no such error does may have no limit at all, as the
 pressure at the edge of a step: it gets no bar, but an infinite one.
