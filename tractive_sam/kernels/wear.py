@@ -16,7 +16,7 @@ def sweep(entering, rate, dx):
     entering : ndarray, shape (n_y,)
         Depth with which the material enters, mm.
     rate : ndarray, shape (n_x, n_y)
-        Wear per distance rolled, p_n |s|_i / V, dimensionless.
+        Wear per distance rolled, dimensionless.
     dx : float
         Side of an element in the rolling direction, mm.
 

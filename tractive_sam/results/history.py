@@ -196,10 +196,10 @@ class History:
     def energy_balance(self) -> np.ndarray:
         """Work that friction dissipates over the work supplied, one number a record.
 
-        Unity, whatever the friction law, the profile and the mesh; the paper's upwind slip misses
-        some per cent. What it misses, the wear misses as well. nan where nothing is driven, or no
-        more than the rounding of what the pressure does on the slopes of the bodies; and without
-        friction.
+        Unity, whatever the friction law, the profile and the mesh. The paper's upwind slip misses
+        some per cent, at small creepage most of it, and the wear misses as much. nan where nothing
+        is driven, or no more than the rounding of what the pressure does on the slopes of the
+        bodies; and without friction.
         """
         supplied = self["work_supplied"]
         rounding = ROUNDING * self["P"] * np.abs(self["approach"]) / self.half_length[0]

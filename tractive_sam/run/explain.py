@@ -176,15 +176,17 @@ def _wear(model: Model) -> Section:
         return Section("Wear", [("wear", "left out: the scene has no [wear]")])
     i1, i2 = wear.intensity
     law = f"i = {i1:g} /MPa" if i1 == i2 else f"i = ({i1:g}, {i2:g}) /MPa"
+    upwind = model.scene.solver.slip == "upwind"
+    by = "pressure and slip" if upwind else "the work of friction"
     rows = [
-        ("law", f"Holm-Archard, {law}"),
+        ("law", f"Holm-Archard by {by}, {law}"),
         ("revolutions", f"{wear.revolutions}, {_stepping(wear)}"),
         ("fields kept at", ", ".join(map(str, wear.save))),
     ]
     share = model.scene.body.wear_share
     told = f"{share['A']:.0%} from body A, {share['B']:.0%} from B, by hardness"
     rows += [("of the depth", told), ("turns", _turns(model.scene))]
-    if model.scene.solver.slip == "upwind":
+    if upwind:
         rows.append(("slip", "the paper's upwind difference: frictional work comes out too small"))
     return Section("Wear", rows)
 
