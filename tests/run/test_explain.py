@@ -6,11 +6,11 @@ import pytest
 
 import tractive_sam as ts
 from tractive_sam.contact import Model
+from tractive_sam.run import memory
 from tractive_sam.run.explain import (
     applications,
     duration,
     explain,
-    memory,
     records,
     seconds_per_application,
 )
@@ -91,7 +91,7 @@ def test_symmetry_in_y(setting, symmetric):
 
 
 def test_memory_follows_the_elements():
-    room = [memory(Model(spheres(f"grid.elements=[{n}, {n}]"))) for n in (128, 256, 512)]
+    room = [memory.of_contact(Model(spheres(f"grid.elements=[{n}, {n}]"))) for n in (128, 256, 512)]
     for coarse, fine in pairwise(room):
         assert fine / coarse == pytest.approx(4.0, rel=0.1)  # sizes of transforms are rounded up
 
