@@ -63,7 +63,7 @@ def errors(history: ts.History, reference: ts.History, revolution: int) -> dict[
     i, k = (int(np.flatnonzero(h["revolution"] == revolution)[0]) for h in (history, reference))
     found = {
         name: float(history[name][i] / reference[name][k] - 1)
-        for name in ("wear_max", "Qx_over_P", "p_max")
+        for name in ("wear_max", "Qx_over_P", "p_max", "p_95")
     }
     missed = history["wear_profile"][i] - reference["wear_profile"][k]
     return found | {"profile": float(np.abs(missed).max() / reference["wear_max"][k])}

@@ -123,8 +123,7 @@ def _table(contacts: dict[float, Contact], maxima: dict[float, VonMisesMaximum])
             )
         )
     return Table(
-        "Forces on body A, and the maxima of its equivalent stress over p_0; places in a_0. Values "
-        "at the surface depend on the mesh.",
+        "Forces on body A, and the maxima of its equivalent stress over p_0; places in a_0.",
         ("β", "Q_x/P", "Q_y/P", "sticks", "inside", "at x, depth", "surface", "at x, y"),
         rows,
     )
