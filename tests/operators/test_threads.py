@@ -1,14 +1,17 @@
 """Operators may be used by several threads at once; large ones use several themselves."""
 
 import os
+import signal
 from concurrent.futures import ThreadPoolExecutor
+from threading import Event, Thread
+from time import sleep
 
 import numpy as np
 import pytest
 from threadpoolctl import threadpool_info
 
 from tractive_sam.mechanics.material import Material, combine
-from tractive_sam.operators import HalfSpace, Mesh, StressLayers, threads
+from tractive_sam.operators import HalfSpace, Mesh, StressLayers, fft, threads
 
 
 def test_threads_do_not_disturb_each_other():
@@ -73,3 +76,30 @@ def test_blas_is_held_and_let_go():
     with threads.one_blas_thread():
         assert set(counts()) <= {1}
     assert counts() == before
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no such processes on this system")
+@pytest.mark.filterwarnings("ignore:.*multi-threaded, use of fork:DeprecationWarning")
+def test_process_forked_while_another_thread_plans_can_plan():
+    """The fork waits for the plan; in the child, nobody is left who would give the planner back."""
+    planning = Event()
+
+    def make(number):
+        planning.set()
+        while number == 0 and not fft._QUEUE.locked():  # until the fork waits
+            sleep(1e-3)
+        return number
+
+    recalled = fft.planned(make, 4)
+    other = Thread(target=recalled, args=(0,))
+    other.start()
+    planning.wait()
+    child = os.fork()
+    if child == 0:
+        # Where it cannot plan, it ends by itself: nothing else would end it.
+        signal.alarm(60)
+        recalled(1)
+        os._exit(0)
+    _, status = os.waitpid(child, 0)
+    other.join()
+    assert os.waitstatus_to_exitcode(status) == 0

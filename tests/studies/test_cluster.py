@@ -11,6 +11,7 @@ from contextlib import suppress
 import numpy as np
 import pytest
 
+from tractive_sam.store import ResultsError
 from tractive_sam.studies import SchedulerLostError, Study, cluster, open_study, study
 
 psutil = pytest.importorskip("psutil", reason="psutil comes with dask.distributed")
@@ -242,6 +243,31 @@ def test_processes_listen_to_this_machine_alone():
         ours = {os.getpid(), *(one.pid for one in psutil.Process().children(recursive=True))}
         heard = {one.laddr.ip for one in listening if one.pid in ours}
     assert heard == {"127.0.0.1"}
+
+
+def test_processes_speak_tls_where_asked_to(tmp_path):
+    pytest.importorskip("cryptography", reason="it makes the keys, and is asked for by nobody else")
+    friction = {"key": "friction.mu", "values": [0.2, 0.4]}
+    asked = Study(scene="spheres", set=["grid.elements=[21, 21]"], axis=[friction])
+    assert study(asked, tmp_path, workers=1, encrypted=True).complete
+    with cluster.local_cluster(1, encrypted=True) as (address, security):
+        assert address.startswith("tls://127.0.0.1:")
+        with distributed.Client(address, security=security, set_as_default=False) as client:
+            assert client.submit(abs, -1).result() == 1
+        # Without the keys, nobody is let in.
+        with pytest.raises((OSError, TypeError, ValueError)):
+            distributed.Client(address, timeout=2, set_as_default=False)
+
+
+def test_keys_that_cannot_be_made_are_asked_for(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "cryptography", None)
+    with (
+        pytest.raises(ResultsError, match="pip install cryptography"),
+        cluster.local_cluster(1, True),
+    ):
+        pass
+    with pytest.raises(ValueError, match="tls://"):
+        study(ASKED, tmp_path, scheduler="tcp://127.0.0.1:9", encrypted=True)
 
 
 def test_local_cluster(tmp_path):

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.studies.conftest import MU, small
+from tests.studies.conftest import CREEPAGE, MU, small
 from tractive_sam.run.pipeline import roll
 from tractive_sam.store import ResultsError, open_history, results_writer
 from tractive_sam.studies import (
@@ -290,6 +290,15 @@ def test_nothing_is_run_where_a_scene_is_not_valid(tmp_path):
     with pytest.raises(StudyError, match=r"load\.normal"):
         study(small({"key": "load.normal", "values": [0.4, -1]}), tmp_path / "new", workers=0)
     assert not (tmp_path / "new").exists()
+
+
+def test_more_processes_than_the_memory_holds_are_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(cost, "available", lambda: 700 * 2**20)  # as if; a process takes 250
+    found = cases(small(MU, CREEPAGE))
+    cost.check_memory(found, 2)
+    with pytest.raises(StudyError, match="here at most 2"):
+        study(small(MU, CREEPAGE), tmp_path, workers=4)
+    assert not list(tmp_path.glob("*.h5"))
 
 
 def test_long_cases_first(tmp_path):

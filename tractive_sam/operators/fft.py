@@ -1,6 +1,7 @@
 """Zero-padded real transforms through FFTW (pyfftw is imported in this room only)."""
 
 import atexit
+import os
 from collections.abc import Callable
 from functools import cache, lru_cache
 from threading import Lock, get_ident
@@ -120,8 +121,33 @@ def _recall_wisdom() -> None:
     atexit.register(wisdom.save)
 
 
-_PLANNING = Lock()
-"""FFTW's planner is not safe for threads."""
+_PLANNING, _QUEUE = Lock(), Lock()
+"""FFTW's planner is not safe for threads. Who waits for it does so in the queue."""
+
+
+def _wait_for_planner() -> None:
+    with _QUEUE:
+        _PLANNING.acquire()
+
+
+def _keep_planner_for_fork() -> None:
+    # A lock that another thread holds while the process forks stays held in the child for good.
+    # With the queue, the fork waits for one plan, and not for all that threads still ask for.
+    _QUEUE.acquire()
+    _PLANNING.acquire()
+
+
+def _give_planner_back() -> None:
+    _PLANNING.release()
+    _QUEUE.release()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(
+        before=_keep_planner_for_fork,
+        after_in_parent=_give_planner_back,
+        after_in_child=_give_planner_back,
+    )
 
 
 def planned(make: Callable[..., Plan], most: int) -> Callable[..., Plan]:
@@ -145,9 +171,12 @@ def planned(make: Callable[..., Plan], most: int) -> Callable[..., Plan]:
 
     @lru_cache(maxsize=most)
     def of_thread(_thread: int, *arguments) -> Plan:
-        with _PLANNING:
+        _wait_for_planner()
+        try:
             _recall_wisdom()
             return make(*arguments)
+        finally:
+            _PLANNING.release()
 
     def recalled(*arguments) -> Plan:
         interrupt.heed()

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 from uuid import uuid4
 
 from tractive_sam import interrupt
-from tractive_sam.operators.threads import cores
 from tractive_sam.store import ResultsError
 from tractive_sam.studies.task import FAILED, HELD, Outcome, Task
 from tractive_sam.studies.worker import ONE_THREAD, run_case
@@ -63,16 +62,14 @@ NO_CRYPTOGRAPHY = "encrypted: the package cryptography makes the keys; pip insta
 
 
 @contextmanager
-def local_cluster(
-    workers: int | None, encrypted: bool = False
-) -> Iterator[tuple[str, "Security | None"]]:
-    """Processes on this machine, one for each core unless told otherwise.
+def local_cluster(workers: int, encrypted: bool = False) -> Iterator[tuple[str, "Security | None"]]:
+    """Processes on this machine.
 
     They listen to this machine alone, and nothing shows a dashboard.
 
     Parameters
     ----------
-    workers : int, optional
+    workers : int
         Their number.
     encrypted : bool
         Whether they speak TLS, with keys made for this cluster and kept in memory.
@@ -96,7 +93,7 @@ def local_cluster(
         raise ResultsError(NO_CRYPTOGRAPHY) from None
     with _signals_kept_from_threads():
         cluster = LocalCluster(
-            n_workers=workers or cores(),
+            n_workers=workers,
             threads_per_worker=1,
             processes=True,
             host="127.0.0.1",

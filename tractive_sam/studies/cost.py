@@ -6,12 +6,14 @@ from functools import cache
 import numpy as np
 
 from tractive_sam.contact import Model
+from tractive_sam.operators.memory import available
 from tractive_sam.results.quantities import FIELDS, PROFILES, SCALARS, STATE, STRESS
 from tractive_sam.run import explain, memory
 from tractive_sam.run.pipeline import measured_gap
+from tractive_sam.scene import Fault
 from tractive_sam.store import read_gap
 from tractive_sam.studies.case import Case, cases
-from tractive_sam.studies.design import Study
+from tractive_sam.studies.design import Study, StudyError
 
 EMPTY_FILE = 2e5
 """Size of a results file without anything in it, bytes."""
@@ -74,6 +76,24 @@ def explain_study(study: Study, workers: int) -> list[explain.Section]:
 def estimates(found: list[Case]) -> list[float]:
     """Time that each case is expected to take on a core like this one, s."""
     return _times(_models(found))
+
+
+def check_memory(found: list[Case], workers: int) -> None:
+    """See that so many processes at once fit into the memory of this machine.
+
+    Raises
+    ------
+    StudyError
+        With the number that does.
+    """
+    each = max(map(memory.of_scene, _models(found)), default=0.0) + explain.OF_PROGRAMS * 2**20
+    free, workers = available(), min(workers, len(found))
+    if workers * each > free:
+        mebi = 2**20
+        told = f"{workers} of about {each / mebi:.0f} MiB each, and {free / mebi:.0f} are free"
+        fits = int(free / each)
+        allowed = f"here at most {fits}" if fits else "coarser scenes, or more memory"
+        raise StudyError([Fault("workers", told, allowed)])
 
 
 def _axes(study: Study) -> list[tuple[str, str]]:

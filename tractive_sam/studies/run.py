@@ -9,10 +9,11 @@ from pathlib import Path
 from time import sleep
 
 from tractive_sam import interrupt
+from tractive_sam.operators.threads import cores
 from tractive_sam.store import ResultsError, open_history
 from tractive_sam.studies import cluster
 from tractive_sam.studies.case import Case, cases
-from tractive_sam.studies.cost import estimates
+from tractive_sam.studies.cost import check_memory, estimates
 from tractive_sam.studies.design import Study
 from tractive_sam.studies.folder import Folder
 from tractive_sam.studies.results import StudyResults, open_study
@@ -106,7 +107,8 @@ def study(
     Raises
     ------
     StudyError
-        With the faults of the study and of all its scenes; nothing has been run then.
+        With the faults of the study and of all its scenes, or where so many processes do not fit
+        into the memory; nothing has been run then.
     ValueError
         If encryption is asked of a scheduler, which has its own.
     ResultsError
@@ -183,6 +185,9 @@ def _ended(
         return
     if find_spec("distributed") is None:
         raise ResultsError(cluster.MISSING)
+    if scheduler is None:
+        workers = workers or cores()
+        check_memory([task.case for task in tasks], workers)
     local = cluster.local_cluster(workers, encrypted)
     with nullcontext((scheduler, None)) if scheduler else local as (address, security):
         yield from cluster.on_cluster(tasks, address, _reached, say, security)
