@@ -1,7 +1,7 @@
 """Runs a study: hands out what is not complete, and keeps what comes back."""
 
 from collections.abc import Callable, Iterator
-from contextlib import nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from importlib.util import find_spec
 from os import PathLike
@@ -185,11 +185,13 @@ def _ended(
         return
     if find_spec("distributed") is None:
         raise ResultsError(cluster.MISSING)
-    if scheduler is None:
-        workers = workers or cores()
-        check_memory([task.case for task in tasks], workers)
-    local = cluster.local_cluster(workers, encrypted)
-    with nullcontext((scheduler, None)) if scheduler else local as (address, security):
+    if scheduler is not None:
+        chosen: AbstractContextManager = nullcontext((scheduler, None))
+    else:
+        count = workers or cores()
+        check_memory([task.case for task in tasks], count)
+        chosen = cluster.local_cluster(count, encrypted)
+    with chosen as (address, security):
         yield from cluster.on_cluster(tasks, address, _reached, say, security)
 
 
