@@ -5,13 +5,17 @@ import signal
 import subprocess
 import sys
 
+import h5py
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
+from tractive_sam.cli.program import app
 from tractive_sam.results.quantities import SCALARS
 from tractive_sam.run.pipeline import roll
 from tractive_sam.scene import Scene
 from tractive_sam.store import ResultsError, open_history
+from tractive_sam.store.layout import set_scene
 
 COARSE = (
     "grid.half_length=[0.35, 0.9]",
@@ -107,6 +111,53 @@ def test_another_scene_is_refused(tmp_path):
     with pytest.raises(ResultsError, match="must have the same elements"):
         roll(short.with_set(["grid.elements=[15, 27]"]), path, resume=True)
     assert open_history(path).to_dict() == before.to_dict()
+
+
+def test_what_holds_anyway_may_be_told(tmp_path):
+    path, short = tmp_path / "a.h5", coarse("wear.revolutions=1", "wear.save=[1]")
+    entries = short.entries()
+    del entries["friction"]["angle"]
+    straight = Scene(**entries)
+    roll(straight, path)
+    told = straight.replace(**{"friction.angle": 0.0, "creepage.lateral": 0.0})
+    assert roll(told, path, resume=True).finished
+
+
+@pytest.mark.parametrize(("name", "value"), [("jump", 0.5), ("jump", np.nan), ("approach", np.inf)])
+def test_a_record_that_cannot_be_is_told(tmp_path, name, value):
+    path, short = tmp_path / "a.h5", coarse("wear.revolutions=1", "wear.save=[1]")
+    roll(short, path)
+    with h5py.File(path, "r+") as file:
+        file["history"][name][-1] = value
+    with pytest.raises(ResultsError, match=f"damaged.*{name}"):
+        roll(short.with_set(["wear.revolutions=2"]), path, resume=True)
+
+
+def test_a_mesh_of_another_version_is_told(tmp_path):
+    path = tmp_path / "a.h5"
+    scene = coarse("wear.revolutions=1", "wear.save=[1]")
+    roll(scene, path)
+    asked = scene.replace(grid=None, accuracy={"tolerance": 0.1})
+    with h5py.File(path, "r+") as file:
+        set_scene(file, asked.to_toml())
+    with pytest.raises(ResultsError, match="mesh that this version does not choose"):
+        roll(asked, path, resume=True)
+
+
+def test_versions_that_rolled_are_told_with_where_they_began(tmp_path, monkeypatch):
+    path, short = tmp_path / "a.h5", coarse("wear.revolutions=1", "wear.save=[1]")
+    before = roll(short, path)
+    assert before.provenance == ((0, before.versions),)
+    longer = short.with_set(["wear.revolutions=2"])
+    other = dict(before.versions) | {"numpy": "99.0"}
+    monkeypatch.setattr("tractive_sam.store.layout.versions", lambda: other)
+    history = roll(longer, path, resume=True)
+    assert history.provenance == ((0, before.versions), (2, other))
+    again = roll(longer.with_set(["wear.revolutions=3"]), path, resume=True)
+    assert again.provenance == history.provenance
+    shown = CliRunner().invoke(app, ["show", str(path)])
+    assert "from revolution 2" in shown.stdout
+    assert "numpy 99.0" in shown.stdout
 
 
 def test_mesh_that_became_too_small_is_widened(tmp_path):

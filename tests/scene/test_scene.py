@@ -161,3 +161,31 @@ def test_warns_of_bodies_that_come_round_unequally_often(radii, wear):
 def test_turns_of_two_flat_bodies_cannot_be_counted():
     with pytest.raises(SceneError, match=r"wear\.turns"):
         discs(math.inf, math.inf)
+
+
+def test_what_is_given_and_what_holds_anyway_are_the_same_scene():
+    scene = Scene.builtin("spheres")
+    told = scene.replace(**{"friction.angle": 0.0, "solver.method": "auto"})
+    assert told.entries() != scene.entries()
+    assert told.settings() == scene.settings()
+    assert told == scene
+    assert told.fingerprint() == scene.fingerprint()
+    negative = scene.replace(**{"creepage.lateral": -0.0})
+    assert negative.fingerprint() == scene.fingerprint()
+
+
+def test_fingerprints_differ_as_scenes_do():
+    scene = Scene.builtin("spheres")
+    assert scene.replace(title="Others").fingerprint() == scene.fingerprint()
+    x = [-1.0, 0.0, 1.0]
+    flat = {"x": x, "y": x, "separation": np.zeros((3, 3))}
+    changes = [
+        {"friction.angle": 1.0},
+        {"creepage.lateral": -0.05},
+        {"creepage.lateral": 0.05},
+        {"gap": flat},
+        {"gap": flat | {"separation": np.eye(3)}},
+        {"gap": flat | {"x": [-1.0, 0.0, 2.0]}},
+    ]
+    found = {scene.replace(**change).fingerprint() for change in changes}
+    assert len(found | {scene.fingerprint()}) == len(changes) + 1

@@ -1,6 +1,7 @@
 """Results as tables for people."""
 
 import math
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -37,6 +38,8 @@ def about(history: "History") -> Table:
         unworn = f"a0 = {history.a0:.5g} mm, b0 = {history.b0:.5g} mm, p0 = {history.p0:.6g} MPa"
         rows["unworn contact"] = unworn
     rows["records"] = f"{len(history)}, {len(history.field_revolutions)} with fields"
+    if others := rolled_on_by(history):
+        rows["rolled on by"] = others
     rows |= balances(history)
     totals = history.totals
     if totals["contact_solves"]:
@@ -45,6 +48,16 @@ def about(history: "History") -> Table:
     for name, value in rows.items():
         table.add_row(name, value)
     return table
+
+
+def rolled_on_by(history: "History") -> str:
+    """Programs of other versions that a history was rolled on by, and from where; mostly none."""
+    told = []
+    for (_, before), (record, now) in pairwise(history.provenance):
+        others = ", ".join(f"{name} {now[name]}" for name in now if now[name] != before.get(name))
+        where = history["revolution"][record : record + 1]
+        told += [f"{others} from revolution {revolution} on" for revolution in where]
+    return "; ".join(told)
 
 
 def balances(history: "History", only_if_open: bool = False) -> dict[str, str]:

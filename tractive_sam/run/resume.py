@@ -11,7 +11,7 @@ from tractive_sam.results.state import Contact
 from tractive_sam.results.status import Cost, Status
 from tractive_sam.rolling import Milestone, Passage
 from tractive_sam.scene import Scene
-from tractive_sam.store import ResultsError, state_of
+from tractive_sam.store import DamagedError, ResultsError, state_of
 
 FREE = (
     "title",
@@ -23,6 +23,10 @@ FREE = (
     "grid",
 )
 """Entries of a scene that may change when it is rolled on."""
+
+
+COURSE = ("entering_profile", "wear_per_revolution")
+"""Profiles of the last two records that the stepping goes on from."""
 
 
 def last_passage(history: History, path: str | PathLike, scene: Scene) -> Passage | None:
@@ -58,6 +62,7 @@ def last_passage(history: History, path: str | PathLike, scene: Scene) -> Passag
             f"{path} is rolled to revolution {revolution} already, wear.revolutions = {last}: "
             "ask for more, or give the run a file of its own"
         )
+    _check_sound(history, path, row)
     contact = _contact(history, path, row, scene)
     course = tuple(
         Milestone(
@@ -73,13 +78,29 @@ def last_passage(history: History, path: str | PathLike, scene: Scene) -> Passag
 
 
 def _check_same(history: History, path: str | PathLike, scene: Scene) -> None:
-    before, now = Scene.from_toml_text(history.scene_toml).entries(), scene.entries()
+    before, now = Scene.from_toml_text(history.scene_toml).settings(), scene.settings()
     differ = sorted(_differing(before, now))
     if differ:
         told = "; ".join(f"{k}: {_shown(before, k)} there, {_shown(now, k)} now" for k in differ)
         raise ResultsError(
             f"{path} holds another scene ({told}); resume with the same one, or give this one a "
             "file of its own"
+        )
+
+
+def _check_sound(history: History, path: str | PathLike, row: int) -> None:
+    """See that a record is one from which rolling can go on."""
+    needed = ("approach", "Qx", "Qy", "Mz", "xi_x", "xi_y", "spin", "work_supplied", "residual")
+    profiles = [history[name][max(row - 1, 0) : row + 1] for name in COURSE]
+    lost = [name for name in needed if not np.isfinite(history[name][row])]
+    lost += [
+        name for name, values in zip(COURSE, profiles, strict=True) if not np.isfinite(values).all()
+    ]
+    if not history["jump"][row] >= 1.0:  # "not" rather than "<": nan must fail, too
+        lost.append("jump")
+    if lost:
+        raise DamagedError(
+            f"{path} is damaged: {', '.join(lost)} of record {row} cannot be; run its scene again"
         )
 
 

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 from collections.abc import Iterable
 from os import PathLike
 from pathlib import Path
 from typing import Any, ClassVar
+
+import numpy as np
 
 from tractive_sam.mechanics.hertz import HertzContact
 from tractive_sam.mechanics.hertz_line import HertzLine
@@ -108,6 +112,16 @@ class Scene(Table):
         """Write what was given, not the defaults, as TOML; `from_toml_text` gives it back."""
         return toml.emit(self.entries())
 
+    def fingerprint(self) -> str:
+        """Hash of all that is asked, defaults included: the same for the same scene.
+
+        The title does not count, and of a gap file its name.
+        """
+        settings = self.settings()
+        settings.pop("title")
+        text = json.dumps(_canonical(settings), sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()
+
     def replace(self, **changes: Any) -> Scene:
         """Return a new scene with entries changed by dotted key: ``**{"load.normal": 200.0}``.
 
@@ -172,3 +186,19 @@ class Scene(Table):
             case {"gap": {"file": str(file)}}:
                 tables["gap"]["file"] = str(folder / file)
         return cls(**tables)
+
+
+def _canonical(value: Any) -> Any:
+    """What equal settings have in common, as JSON knows it."""
+    match value:
+        case dict():
+            return {key: _canonical(item) for key, item in value.items()}
+        case list() | tuple():
+            return [_canonical(item) for item in value]
+        case np.ndarray():
+            return [value.shape, hashlib.sha256(value.tobytes()).hexdigest()]
+        case float():
+            return value + 0.0  # no negative zero
+        case bool() | int():
+            return value
+    return str(value)

@@ -10,6 +10,7 @@ import functools
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
+from operator import methodcaller
 from typing import Annotated, Any, ClassVar, get_args, get_origin
 
 import numpy as np
@@ -73,9 +74,18 @@ class Table(BaseModel):
         """Return what was given, not the defaults, nested as in TOML."""
         given = {key: getattr(self, key) for key in type(self).model_fields}
         return {
-            key: _entries(value)
+            key: _nested(value, methodcaller("entries"))
             for key, value in given.items()
             if key in self.model_fields_set and value is not None
+        }
+
+    def settings(self) -> dict[str, Any]:
+        """Return all that holds, defaults included, nested as in TOML."""
+        values = {key: getattr(self, key) for key in type(self).model_fields}
+        return {
+            key: _nested(value, methodcaller("settings"))
+            for key, value in values.items()
+            if value is not None
         }
 
     @classmethod
@@ -198,11 +208,12 @@ def _allowed(info: FieldInfo) -> str:
     return f"{words} ({info.title})" if info.title else str(words)
 
 
-def _entries(value: Any) -> Any:
+def _nested(value: Any, plain: Callable[[Any], dict[str, Any]]) -> Any:
+    """A value, of which tables are made plain."""
     if isinstance(value, Table):
-        return value.entries()
+        return plain(value)
     if isinstance(value, tuple) and any(isinstance(item, Table) for item in value):
-        return tuple(item.entries() for item in value)
+        return tuple(plain(item) for item in value)
     return value
 
 

@@ -12,8 +12,10 @@ from typing import Any
 import numpy as np
 
 from tractive_sam import interrupt
-from tractive_sam.scene import Fault, Scene, SceneError, toml
+from tractive_sam.scene import Fault, Scene, SceneError
 from tractive_sam.store import GapError, read_gap
+from tractive_sam.store.layout import FORMAT_VERSION
+from tractive_sam.store.versions import versions
 from tractive_sam.studies.design import Study, StudyError
 
 DIGEST = 16
@@ -121,13 +123,21 @@ def _told(same: list[tuple[Fault, Case]]) -> Fault:
 
 
 def _digest(scene: Scene, contents) -> str:
-    """Hash of all that a scene asks for: its entries and the content of its files."""
-    entries = scene.entries()
-    entries.pop("title", None)
-    hashed = hashlib.sha256(toml.emit(entries).encode())
+    """Hash of all that a scene asks for, with the content of its files, and of what computes it.
+
+    So results never mix of versions whose methods, or whose files, may differ.
+    """
+    hashed = hashlib.sha256(f"{scene.fingerprint()} {_generation()}".encode())
     if scene.gap is not None and scene.gap.file is not None:
         hashed.update(contents(str(scene.gap.file)))
     return hashed.hexdigest()[:DIGEST]
+
+
+@cache
+def _generation() -> str:
+    """The version that a change of what is computed raises, and that of results files."""
+    first, second, *_ = (*versions()["tractive-sam"].split("."), "")
+    return f"{first}.{second} {FORMAT_VERSION}"
 
 
 def _contents(file: str) -> bytes:
