@@ -25,16 +25,11 @@ import numpy as np
 from timing import show, write
 
 from tractive_sam.contact import Model, equilibrium
-from tractive_sam.contact.guess import Guess
-from tractive_sam.contact.in_sequence import solve_normal, solve_tangential
 from tractive_sam.results.status import Status
 from tractive_sam.run.pipeline import measured_gap
 from tractive_sam.scene import Scene
-from tractive_sam.solvers.anderson import anderson
-from tractive_sam.solvers.fixed_point import ANDERSON_STEP, UZAWA_STEP, CoupledMap
-from tractive_sam.solvers.load_control import under_load
-from tractive_sam.solvers.problem import CoupledProblem
-from tractive_sam.solvers.uzawa import uzawa
+from tractive_sam.solvers import Anderson, Solver, Uzawa
+from tractive_sam.solvers.ladder import METHODS as NAMED
 
 BUDGET = 2_000
 GAPS = ("smooth", "smooth", "rough", "worn", "steps")
@@ -230,7 +225,7 @@ def _gap(rng, kind: str, half_length, hertz) -> dict:
 
 def by_library(method: str, scene: Scene, model: Model):
     """What a user of `solver.method` gets."""
-    model.scene = scene.replace(**{"solver.method": method})
+    model = Model(scene.replace(**{"solver.method": method}), model.measured)
     contact = equilibrium(model)
     cost = contact.cost.applications + contact.cost.preconditioner
     # A contact that reaches the edge of the mesh is solved, for a body that ends there.
@@ -239,24 +234,14 @@ def by_library(method: str, scene: Scene, model: Model):
     return solved, contact.residual, cost, " > ".join(contact.trace), reason
 
 
-def _first(model: Model, gap: np.ndarray) -> Guess:
-    normal = solve_normal(model, gap, None, 1e-3)
-    return Guess(normal.pressure, np.zeros((2, *gap.shape)), normal.approach, np.zeros(0))
-
-
-def by_projection(method: Callable, step: float, scene: Scene, model: Model):
+def by_projection(solver: Solver, scene: Scene, model: Model):
     """Uzawa's or Anderson's method on pressure and tractions at once."""
-    if len(model.transmission):
+    if len(model.forces):
         return None  # solves for given creepages only
-    gap = model.undeformed_gap / model.units.gap
-    first = _first(model, gap)
-    problem = CoupledProblem(model.half_space, gap, model.scaled_rigid_slip, model.load)
-    mapping = CoupledMap(problem, first.pressure > 0.0, boldness=step)
-    solve = partial(method, iterations=BUDGET)
     try:
-        outcome = under_load(solve, mapping, 1e-8, first.state, first.approach)
+        outcome = solver.solve(model.problem(model.undeformed_gap / model.units.gap), 1e-8)
     except FloatingPointError:
-        return False, np.nan, mapping.applications, "", "not finite"
+        return False, np.nan, np.nan, "", "not finite"
     reason = "" if outcome.converged else str(outcome.status)
     return outcome.converged, outcome.residual, outcome.cost.applications, "", reason
 
@@ -268,25 +253,17 @@ def alternating(scene: Scene, model: Model):
     for _ in range(100):
         lift = 0.0
         if first is not None:
-            state = first.state.copy()
-            state[0] = 0.0
-            lift = model.half_space.coupled(state)[0]
-        normal = solve_normal(model, gap + lift, first, 1e-9)
-        if not (normal.converged and normal.pressure.any()):
-            return False, error, cost, "", "normal problem not solved"
-        drag = model.half_space.slip_by_pressure(normal.pressure)
-        tangential = solve_tangential(
-            model, normal.pressure, normal.gap, model.scaled_rigid_slip + drag, first, 1e-9
-        )
-        cost += normal.cost.applications + normal.cost.preconditioner
-        cost += tangential.cost.applications + tangential.cost.preconditioner
-        if not tangential.converged:
-            return False, error, cost, "", "tangential problem not solved"
-        now = Guess(normal.pressure, tangential.traction, normal.approach, tangential.creepage)
+            tractions = np.concatenate((np.zeros((1, *gap.shape)), first.traction))
+            lift = model.half_space.coupled(tractions)[0]
+        now = NAMED["auto"].alike.solve(model.problem(gap + lift), 1e-9, first)
+        cost += now.cost.applications + now.cost.preconditioner
+        if not now.converged:
+            return False, error, cost, "", "a problem by itself not solved"
         if not model.dissimilar:
-            return True, max(normal.residual, tangential.residual), cost, "", ""
+            return True, now.residual, cost, "", ""
         if first is not None:
-            error = np.linalg.norm(now.state - first.state) / np.linalg.norm(now.state)
+            here, before = (np.stack((o.pressure, *o.traction)) for o in (now, first))
+            error = np.linalg.norm(here - before) / np.linalg.norm(here)
         first = now
         if error <= 1e-8:
             return True, error, cost, "", ""
@@ -296,8 +273,8 @@ def alternating(scene: Scene, model: Model):
 
 
 METHODS: dict[str, Callable] = {
-    "uzawa": partial(by_projection, uzawa, UZAWA_STEP),
-    "anderson": partial(by_projection, anderson, ANDERSON_STEP),
+    "uzawa": partial(by_projection, Uzawa(iterations=BUDGET)),
+    "anderson": partial(by_projection, Anderson(iterations=BUDGET)),
     "alternating": alternating,
     "newton": partial(by_library, "newton"),
     "auto": partial(by_library, "auto"),

@@ -5,14 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from tractive_sam.contact.guess import Guess
-from tractive_sam.contact.in_sequence import in_sequence
 from tractive_sam.contact.message import message
 from tractive_sam.contact.model import Model
-from tractive_sam.contact.together import projected, together
 from tractive_sam.results.state import Contact
 from tractive_sam.results.status import Status
-from tractive_sam.solvers.outcome import Outcome
+from tractive_sam.solvers.ladder import ALONE
+from tractive_sam.solvers.outcome import Outcome, Start
+from tractive_sam.solvers.problem import Problem
 
 DepthInPass = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 """(p_n and p_t in MPa, s/V) -> depth of wear in mm below every element."""
@@ -40,24 +39,32 @@ def equilibrium(
     Contact
         Converged or not: see its status and message.
     """
-    first = None if start is None else Guess.of(model, start)
     gap, in_pass = model.undeformed_gap, None
     if callable(depth):
         in_pass = _dimensionless(model, depth)
     elif depth is not None:
         gap = gap + depth
-    gap = gap / model.units.gap
-    if model.load is None and gap.min() >= model.given_approach:
-        outcome = in_sequence(model, gap, None)  # worn until they do not touch: nothing to solve
+    problem = model.problem(gap / model.units.gap, in_pass)
+    first = None if start is None else start_of(model, start)
+    solver = model.method.dissimilar if model.dissimilar else model.method.alike
+    if model.load is None and problem.normal.gap.min() >= model.given_approach:
+        solver, first = ALONE, None  # worn until they do not touch: nothing to solve
     elif not model.transmits:
-        outcome = in_sequence(model, gap, first)
-    elif model.scene.solver.method == "uzawa":
-        outcome = projected(model, gap, first, in_pass)
-    elif model.dissimilar:
-        outcome = together(model, gap, first)
-    else:
-        outcome = in_sequence(model, gap, first)
-    return _contact(model, outcome, depth)
+        solver = ALONE
+    outcome = solver.solve(problem, model.scene.solver.tolerance, first)
+    return _contact(model, problem, outcome, depth)
+
+
+def start_of(model: Model, contact: Contact) -> Start:
+    """The solution of a contact nearby, dimensionless: the inverse of what makes a `Contact`."""
+    units = model.units
+    creepage = np.array([contact.xi_x, contact.xi_y])[list(model.free)]
+    return Start(
+        contact.pressure / units.pressure,
+        model.frame.to_scaled(contact.traction) / units.pressure,
+        contact.approach / units.gap,
+        creepage / units.slip,
+    )
 
 
 def _dimensionless(model: Model, depth: DepthInPass) -> DepthInPass:
@@ -101,7 +108,9 @@ def _rolling_resistance(
     return float((pressure * slope).sum() * model.grid.element_area)
 
 
-def _contact(model: Model, outcome: Outcome, depth: np.ndarray | DepthInPass | None) -> Contact:
+def _contact(
+    model: Model, problem: Problem, outcome: Outcome, depth: np.ndarray | DepthInPass | None
+) -> Contact:
     units = model.units
     touching = outcome.pressure > 0.0
     pressure = units.pressure * outcome.pressure
@@ -112,10 +121,9 @@ def _contact(model: Model, outcome: Outcome, depth: np.ndarray | DepthInPass | N
     elif depth is None:
         depth = np.zeros(model.grid.elements)
     sliding = touching
-    if model.scene.friction is not None:
-        friction_slip = model.half_space.friction_slip(outcome.pressure, outcome.gap)
-        opposed = friction_slip.opposed(outcome.slip, outcome.traction)
-        sliding = touching & (np.hypot(*(outcome.traction - opposed)) > outcome.pressure)
+    if model.laws.friction is not None:
+        fields = outcome.pressure, outcome.gap, outcome.traction, outcome.slip
+        sliding = problem.sliding(*fields)
     xi_x, xi_y, spin = model.creepages(outcome.creepage)
     contact = Contact(
         model.scene,
@@ -135,7 +143,7 @@ def _contact(model: Model, outcome: Outcome, depth: np.ndarray | DepthInPass | N
         message(outcome.status, outcome, model),
         outcome.residual,
         outcome.cost,
-        outcome.trace,
+        tuple(map(str, outcome.trace)),
     )
     if contact.converged and any(contact.at_edge):
         status = Status.OFF_GRID

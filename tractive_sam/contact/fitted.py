@@ -24,6 +24,6 @@ def fitted(model: Model) -> tuple[Model, Contact]:
         chosen = model.scene.grid is None and model.scene.hertz is not None
         if contact.status is not Status.OFF_GRID or not chosen:
             break
-        model = Model(model.scene, model.measured, grown(model.grid))
+        model = model.on(grown(model.grid))
         contact = equilibrium(model)
     return model, contact

@@ -12,8 +12,8 @@ def message(status: Status, outcome: Outcome, model: Model) -> str:
     solver = model.scene.solver
     if status is Status.CONVERGED:
         text = f"contact conditions hold to {outcome.residual:.1e}"
-        if any(str(Status.CONVERGED) not in step for step in outcome.trace):
-            text += f", by way of {', '.join(outcome.trace)}"
+        if any(note.status is not Status.CONVERGED for note in outcome.trace):
+            text += f", by way of {', '.join(map(str, outcome.trace))}"
         touching = outcome.pressure > 0.0
         if not touching.any():
             text += "; the bodies do not touch: load.approach is less than the depth worn off"
@@ -37,7 +37,7 @@ def message(status: Status, outcome: Outcome, model: Model) -> str:
         return text
     reached = (
         f"not converged: residual {outcome.residual:.1e} after {outcome.iterations} iterations "
-        f"({', '.join(outcome.trace)}), asked for {solver.tolerance:.1e}; "
+        f"({', '.join(map(str, outcome.trace))}), asked for {solver.tolerance:.1e}; "
     )
     load = model.scene.load
     forces = [f"load.{key}" for key in ("traction_x", "traction_y") if getattr(load, key)]
@@ -46,12 +46,7 @@ def message(status: Status, outcome: Outcome, model: Model) -> str:
             "the force to transmit may be more than friction can carry beside the other creepages "
             f"and the spin: lower {' or '.join(forces)}, or raise friction.mu"
         )
-    if solver.method in ("uzawa", "anderson"):
-        return reached + 'try solver.method = "auto"'
-    return reached + (
-        "raise solver.tolerance, or refine the mesh with grid.elements where the contact is only a "
-        "few elements wide"
-    )
+    return reached + model.method.cure
 
 
 def _half_length(grid: Grid) -> str:

@@ -7,13 +7,17 @@ from functools import cached_property
 import numpy as np
 from scipy.interpolate import Akima1DInterpolator
 
+from tractive_sam.contact.laws import Laws
 from tractive_sam.contact.mesh import choose_grid
-from tractive_sam.mechanics.friction import Frame
-from tractive_sam.mechanics.wear import Archard, ArchardByWork, WearLaw
+from tractive_sam.mechanics.frame import Frame
+from tractive_sam.mechanics.friction import Coulomb, Friction, FrictionLaw
+from tractive_sam.mechanics.wear import WearLaw
 from tractive_sam.operators import STAGGERED, UPWIND, HalfSpace, Mesh, Stencil
 from tractive_sam.results.grid import Grid
 from tractive_sam.scene import Scene, SceneWarning
-from tractive_sam.solvers.problem import Transmission
+from tractive_sam.solvers.ladder import METHODS, Method
+from tractive_sam.solvers.outcome import Solver
+from tractive_sam.solvers.problem import NormalProblem, PrescribedForces, Problem, WearInPass
 
 Gap = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Coordinates x (n,), y (m,) and separation (n, m) of a measured gap, mm."""
@@ -52,14 +56,31 @@ class Model:
         The measured separation that the scene's [gap] names; required where it names a file.
     grid : Grid, optional
         Mesh to use instead of the scene's.
+    laws : Laws, optional
+        Laws to use instead of the scene's.
+    solver : Solver, optional
+        Method to use instead of the scene's; it is given a `Problem` whose pressure is free.
     """
 
-    def __init__(self, scene: Scene, measured: Gap | None = None, grid: Grid | None = None):
+    def __init__(
+        self,
+        scene: Scene,
+        measured: Gap | None = None,
+        grid: Grid | None = None,
+        laws: Laws | None = None,
+        solver: Solver | None = None,
+    ):
         self.scene = scene
+        self.laws = laws or Laws.of(scene)
+        self.method = METHODS[scene.solver.method] if solver is None else Method.of(solver)
+        self._solver = solver
         self.material = scene.material
         self.measured = measured
         self.grid = grid or choose_grid(scene, measured)
-        self._boxes: dict[tuple[int, int], HalfSpace] = {}
+
+    def on(self, grid: Grid) -> "Model":
+        """The same on another mesh."""
+        return Model(self.scene, self.measured, grid, self.laws, self._solver)
 
     @cached_property
     def undeformed_gap(self) -> np.ndarray:
@@ -72,20 +93,19 @@ class Model:
         return gap - gap.min()
 
     @cached_property
-    def frame(self) -> Frame:
-        """Scaled tribological frame; unit coefficients where there is no friction."""
-        friction = self.scene.friction
-        return Frame() if friction is None else Frame(friction.mu, np.deg2rad(friction.angle))
+    def friction_law(self) -> FrictionLaw:
+        """The law of friction; with unit coefficients where there is none."""
+        return self.laws.friction or Coulomb()
 
     @cached_property
+    def frame(self) -> Frame:
+        """Scaled tribological frame."""
+        return self.friction_law.frame
+
+    @property
     def wear_law(self) -> WearLaw | None:
-        """The law of wear, where the scene has one; that of the paper with its slip."""
-        wear, frame = self.scene.wear, self.frame
-        if wear is None:
-            return None
-        if self.stencil.staggered:
-            return ArchardByWork(wear.intensity, frame.mu, frame.angle)
-        return Archard(wear.intensity, frame.angle)
+        """The law of wear, where there is one."""
+        return self.laws.wear
 
     @cached_property
     def units(self) -> Units:
@@ -107,10 +127,7 @@ class Model:
     @cached_property
     def half_space(self) -> HalfSpace:
         """Operators on the whole mesh."""
-        return self._operators(self.grid.elements)
-
-    def _operators(self, shape: tuple[int, int]) -> HalfSpace:
-        mesh = Mesh(shape, self.grid.dx, self.grid.dy, self._datum)
+        mesh = Mesh(self.grid.elements, self.grid.dx, self.grid.dy, self._datum)
         return HalfSpace(mesh, self.material, self.units.length, self.frame, stencil=self.stencil)
 
     @property
@@ -123,16 +140,6 @@ class Model:
         if not self.grid.line:
             return None
         return max(self.scene.body.radii[0], 4.0 * self.grid.half_length[0])
-
-    def half_space_of(self, shape: tuple[int, int]) -> HalfSpace:
-        """Operators on a part of the mesh, kept for the next contact of that shape."""
-        if shape == self.grid.elements:
-            return self.half_space
-        if shape not in self._boxes:
-            if len(self._boxes) >= 8:
-                self._boxes.pop(next(iter(self._boxes)))
-            self._boxes[shape] = self._operators(shape)
-        return self._boxes[shape]
 
     @cached_property
     def dissimilar(self) -> bool:
@@ -150,7 +157,7 @@ class Model:
         """Whether there is any cause for tangential traction."""
         creepage = self.scene.creepage
         moving = creepage.longitudinal or creepage.lateral or creepage.spin
-        return self.scene.friction is not None and bool(moving or any(self.free) or self.dissimilar)
+        return self.laws.friction is not None and bool(moving or any(self.free) or self.dissimilar)
 
     @property
     def stencil(self) -> Stencil:
@@ -188,15 +195,30 @@ class Model:
         return None if normal is None else normal / (self.units.pressure * self.grid.element_area)
 
     @cached_property
-    def transmission(self) -> Transmission:
+    def forces(self) -> PrescribedForces:
         """Forces given in place of creepages, dimensionless."""
         load = self.scene.load
         given = [(k, q) for k, q in enumerate((load.traction_x, load.traction_y)) if q is not None]
         if not given:
-            return Transmission()
+            return PrescribedForces()
         unit = self.units.pressure * self.grid.element_area
         vectors = np.stack([self.frame.matrix[:, k] for k, _ in given])
-        return Transmission(vectors, np.array([q / unit for _, q in given]))
+        return PrescribedForces(vectors, np.array([q / unit for _, q in given]))
+
+    def problem(self, gap: np.ndarray, wear: WearInPass | None = None) -> Problem:
+        """The contact problem under a separation of the undeformed bodies.
+
+        Parameters
+        ----------
+        gap : ndarray, shape (n_x, n_y)
+            In units of gap.
+        wear : callable, optional
+            Wear within the pass.
+        """
+        normal = NormalProblem(self.half_space, gap, self.load, self.given_approach)
+        x, y = self.grid.x[:, None], self.grid.y[None, :]
+        friction = Friction(self.friction_law, x, y, self.units.pressure)
+        return Problem(self.half_space, normal, self.scaled_rigid_slip, friction, self.forces, wear)
 
     def creepages(self, found: np.ndarray | None) -> tuple[float, float, float]:
         """(xi_x, xi_y, spin), those given and those found."""

@@ -1,7 +1,8 @@
 """Element by element: Coulomb's disc, its linearisation, and the upwind sweep.
 
 All in the scaled tribological frame, where friction is isotropic with unit coefficient: the scaled
-traction lies in a disc whose radius is the pressure. Fields are arrays of shape (2, n_x, n_y).
+traction lies in a disc, whose radius is the pressure or what another law (`mechanics.friction`) has
+in its place. Fields are arrays of shape (2, n_x, n_y).
 """
 
 from math import sqrt
@@ -57,7 +58,7 @@ def project(traction, bound, out, w0=1.0, w1=1.0):
 
 
 @njit(cache=True)
-def _centred(slip, bound, i, j):
+def _centred(slip, contact, i, j):
     """Slip at the centre of an element, from that of the leading faces.
 
     By a parabola through the faces ahead, its own and behind; its weights -1/8, 3/4, 3/8 damp
@@ -68,7 +69,7 @@ def _centred(slip, bound, i, j):
     if i == 0:
         return a0, a1
     m0, m1 = 0.5 * (a0 + slip[0, i - 1, j]), 0.5 * (a1 + slip[1, i - 1, j])
-    if i + 2 < bound.shape[0] and bound[i + 1, j] > 0.0 and bound[i + 2, j] > 0.0:
+    if i + 2 < contact.shape[0] and contact[i + 1, j] > 0.0 and contact[i + 2, j] > 0.0:
         m0 = 0.75 * m0 + 0.375 * a0 - 0.125 * slip[0, i + 1, j]
         m1 = 0.75 * m1 + 0.375 * a1 - 0.125 * slip[1, i + 1, j]
     return m0, m1
@@ -99,7 +100,7 @@ def _turned(a0, a1, m0, m1):
 
 
 @njit(cache=True)
-def turn(slip, bound, out):
+def turn(slip, contact, out):
     """Slip that the tractions oppose, from that of the leading faces.
 
     Its size is that of the slip a of the leading face, which decides between stick and slip, its
@@ -108,12 +109,12 @@ def turn(slip, bound, out):
     within a slip zone it is one): so the law is continuous, and an element sticks rather than slip
     the wrong way at its leading face.
     """
-    nx, ny = bound.shape
+    nx, ny = contact.shape
     for i in range(nx):
         for j in range(ny):
             a0, a1 = slip[0, i, j], slip[1, i, j]
-            if bound[i, j] > 0.0:
-                m0, m1 = _centred(slip, bound, i, j)
+            if contact[i, j] > 0.0:
+                m0, m1 = _centred(slip, contact, i, j)
                 a0, a1, _ = _turned(a0, a1, m0, m1)
             out[0, i, j], out[1, i, j] = a0, a1
 
@@ -147,15 +148,17 @@ def _respond(slip, m0, m1, staggered, s0, s1, ratio, t0, t1, i, j, across):
 
 
 @njit(cache=True)
-def linearise(traction, slip, bound, staggered, w0, w1, state, direction, kappa, across, defect):
+def linearise(
+    traction, slip, bound, contact, staggered, w0, w1, state, direction, kappa, across, defect
+):
     """State of every element and the defect of the friction law, disc(p - w s) - p.
 
     Parameters
     ----------
     traction, slip : ndarray, shape (2, nx, ny)
         Current iterate and the slip of its leading faces.
-    bound : ndarray, shape (nx, ny)
-        Radius of the disc.
+    bound, contact : ndarray, shape (nx, ny)
+        Radius of the disc, and what is positive in contact.
     staggered : bool
         Whether the slip opposed is turned to that at the centre (`turn`).
     w0, w1 : float
@@ -192,7 +195,7 @@ def linearise(traction, slip, bound, staggered, w0, w1, state, direction, kappa,
             s0, s1, ratio = slip[0, i, j], slip[1, i, j], 1.0
             m0, m1 = s0, s1
             if staggered and g > 0.0:
-                m0, m1 = _centred(slip, bound, i, j)
+                m0, m1 = _centred(slip, contact, i, j)
                 s0, s1, ratio = _turned(s0, s1, m0, m1)
             direction[0, i, j] = direction[1, i, j] = 0.0
             kappa[i, j] = 1.0
@@ -237,7 +240,7 @@ def linearise(traction, slip, bound, staggered, w0, w1, state, direction, kappa,
 
 
 @njit(cache=True)
-def tangent_row(state, direction, kappa, across, bound, step, slip, out):
+def tangent_row(state, direction, kappa, across, contact, step, slip, out):
     """Rows of the linearised friction law: s where it sticks, kappa t.s + (1 - kappa) t.p along t.
 
     ``step`` and ``slip`` are a change of traction and the change of slip of the leading faces it
@@ -253,7 +256,7 @@ def tangent_row(state, direction, kappa, across, bound, step, slip, out):
                 t0, t1, k = -direction[1, i, j], direction[0, i, j], kappa[i, j]
                 along = across[0, 0, i, j] * slip[0, i, j] + across[0, 1, i, j] * slip[1, i, j]
                 if across[1, 0, i, j] != 0.0 or across[1, 1, i, j] != 0.0:
-                    m0, m1 = _centred(slip, bound, i, j)
+                    m0, m1 = _centred(slip, contact, i, j)
                     along += across[1, 0, i, j] * m0 + across[1, 1, i, j] * m1
                 value = k * along + (1.0 - k) * (t0 * step[0, i, j] + t1 * step[1, i, j])
                 out[0, i, j], out[1, i, j] = value * t0, value * t1

@@ -1,14 +1,178 @@
-"""Orthotropic friction and the frame in which it is isotropic."""
+"""Friction laws: how much traction an element can bear, and the law linearised for Newton's method.
 
-from dataclasses import dataclass
-from functools import cached_property
+In the scaled frame (`mechanics.frame`) the traction lies in a disc and opposes the slip where it
+has reached the rim. What makes one law differ from another is the **bound**, the radius of the
+disc: Coulomb's is the pressure. A law of one's own is a subclass of `FrictionLaw` with another
+`bound`.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from tractive_sam.kernels import friction
+from tractive_sam.mechanics.frame import Frame
+
+Pair = tuple[float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Bound:
+    """Largest size of the scaled traction, element by element.
+
+    A bound that falls with the slip would come with its derivative by the size of the slip, as
+    another field: the row of an element that slips then has a part along the direction of slip as
+    well, n.dp - by_slip d.ds = n.(disc(p - s) - p) with d = s/|s|, where now the step normal to the
+    disc is known beforehand.
+
+    Attributes
+    ----------
+    radius : ndarray, shape (n_x, n_y)
+        Radius of the disc, in the unit of the pressure: ||p_t||_mu <= radius (`Frame.norm`).
+        Zero where the pressure is.
+    by_pressure : ndarray or float
+        Its derivative by the pressure.
+    """
+
+    radius: np.ndarray
+    by_pressure: np.ndarray | float
+
+
+class FrictionLaw(ABC):
+    """What friction does in every element; a subclass gives `frame` and `bound`.
+
+    Examples
+    --------
+    >>> @dataclasses.dataclass(frozen=True)
+    ... class Capped(ts.Coulomb):
+    ...     strength: float = 100.0  # MPa
+    ...
+    ...     def bound(self, pressure, x, y):
+    ...         most = self.strength / max(self.mu)
+    ...         return ts.Bound(np.minimum(pressure, most), np.where(pressure < most, 1.0, 0.0))
+    >>> bound = Capped(mu=(0.5, 0.5)).bound(np.array([[100.0, 300.0]]), 0.0, 0.0)
+    >>> bound.radius
+    array([[100., 200.]])
+    """
+
+    frame: Frame
+
+    @abstractmethod
+    def bound(self, pressure: np.ndarray, x: np.ndarray, y: np.ndarray) -> Bound:
+        """Radius of the disc in which the scaled traction lies.
+
+        Parameters
+        ----------
+        pressure : ndarray, shape (n_x, n_y)
+            p_n >= 0, MPa.
+        x, y : ndarray, shapes (n_x, 1) and (1, n_y)
+            Centres of the elements, mm.
+        """
+
+    def capacity(self, direction: Pair, carried: float) -> float:
+        """Largest force in a direction that friction can carry, N, whatever the force across it.
+
+        Parameters
+        ----------
+        direction : (float, float)
+            In x and y, of any length.
+        carried : float
+            Integral of the bound over the contact, N: of Coulomb's law the normal load.
+
+        Examples
+        --------
+        >>> round(ts.Coulomb(mu=(0.6, 0.3), angle=np.pi / 4).capacity((1.0, 0.0), 300.0), 2)
+        142.3
+        """
+        return float(carried * self.frame.dual_norm(np.asarray(direction)) / np.hypot(*direction))
+
+    def project(self, traction: np.ndarray, radius: np.ndarray, physical=False) -> np.ndarray:
+        """The nearest scaled traction that the bound allows.
+
+        Parameters
+        ----------
+        traction : ndarray, shape (2, n_x, n_y)
+            Scaled tractions.
+        radius : ndarray, shape (n_x, n_y)
+            Bound.
+        physical : bool
+            Whether distances are those of unscaled tractions. The scaled ones stretch the weaker
+            axis: a step along them is too bold where mu1 and mu2 are far apart.
+        """
+        out = np.empty_like(traction)
+        friction.project(traction, radius, out, *(self.frame.weights if physical else (1.0, 1.0)))
+        return out
+
+    @staticmethod
+    def opposed(slip: np.ndarray, contact: np.ndarray, staggered: bool) -> np.ndarray:
+        """The slip that the tractions oppose, from that of the leading faces.
+
+        Parameters
+        ----------
+        slip : ndarray, shape (2, n_x, n_y)
+            Slip of the leading faces.
+        contact : ndarray, shape (n_x, n_y)
+            Positive in contact.
+        staggered : bool
+            Whether it points where the slip at the centre does (`kernels.friction.turn`).
+        """
+        if not staggered:
+            return slip
+        out = np.empty_like(slip)
+        friction.turn(slip, contact, out)
+        return out
+
+    def linearise(
+        self,
+        traction: np.ndarray,
+        slip: np.ndarray,
+        radius: np.ndarray,
+        contact: np.ndarray,
+        staggered: bool,
+        active: np.ndarray | None = None,
+    ) -> "Linearisation":
+        """What the law says of a state, and its derivative there.
+
+        Parameters
+        ----------
+        traction, slip : ndarray, shape (2, n_x, n_y)
+            Scaled tractions, and slip of the leading faces (`operators.stencil`).
+        radius, contact : ndarray, shape (n_x, n_y)
+            Bound, and what is positive in contact.
+        staggered : bool
+            As for `opposed`.
+        active : ndarray of bool, optional
+            Elements that remain in contact after the step to come; those that leave it take their
+            traction along, whatever their slip.
+        """
+        shape = radius.shape
+        state, kappa = np.empty(shape, np.int8), np.empty(shape)
+        direction, across = np.empty((2, *shape)), np.empty((2, 2, *shape))
+        defect = np.empty((2, *shape))
+        squares, merit = friction.linearise(
+            traction,
+            slip,
+            radius,
+            contact,
+            staggered,
+            *self.frame.weights,
+            state,
+            direction,
+            kappa,
+            across,
+            defect,
+        )
+        if active is not None:
+            state[~active] = friction.OPEN
+            direction[:, ~active] = 0.0
+        return Linearisation(state, direction, kappa, across, defect, contact, squares, merit)
+
 
 @dataclass(frozen=True)
-class Frame:
-    """The scaled tribological frame of orthotropic friction.
+class Coulomb(FrictionLaw):
+    """Orthotropic Coulomb friction: ||p_t||_mu <= p_n (paper, eqs. 8-10).
 
     Parameters
     ----------
@@ -16,34 +180,146 @@ class Frame:
         Friction coefficients (mu1, mu2) along the tribological axes.
     angle : float
         Angle beta of the first axis, counter-clockwise from x, radians.
+
+    Examples
+    --------
+    >>> ts.Coulomb(mu=(0.6, 0.3)).frame.norm(np.array([60.0, 0.0]))
+    100.0
     """
 
-    mu: tuple[float, float] = (1.0, 1.0)
+    mu: Pair = (1.0, 1.0)
     angle: float = 0.0
 
-    @cached_property
-    def matrix(self) -> np.ndarray:
-        """F = M R: slip into the frame, s~ = F s; traction out of it, p_t = F^T p~."""
-        c, s = np.cos(self.angle), np.sin(self.angle)
-        return np.diag(self.mu) @ np.array([[c, s], [-s, c]])
+    @property
+    def frame(self) -> Frame:
+        """The frame in which the law is isotropic."""
+        return Frame(self.mu, self.angle)
 
-    def to_scaled(self, traction: np.ndarray) -> np.ndarray:
-        """p~ = F^-T p_t for a field of shape (2, ...)."""
-        return np.tensordot(np.linalg.inv(self.matrix).T, traction, axes=1)
+    def bound(self, pressure: np.ndarray, x: np.ndarray, y: np.ndarray) -> Bound:
+        """The pressure itself."""
+        return Bound(pressure, 1.0)
 
-    def to_physical(self, scaled: np.ndarray) -> np.ndarray:
-        """p_t = F^T p~ for a field of shape (2, ...)."""
-        return np.tensordot(self.matrix.T, scaled, axes=1)
 
-    def slip_to_scaled(self, slip: np.ndarray) -> np.ndarray:
-        """s~ = F s for a field of shape (2, ...)."""
-        return np.tensordot(self.matrix, slip, axes=1)
+@dataclass(frozen=True, eq=False)
+class Friction:
+    """A friction law on the elements of a mesh, in units of the pressure: what a solver sees of it.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        The law.
+    x, y : ndarray, shapes (n_x, 1) and (1, n_y)
+        Centres of the elements, mm.
+    unit : float
+        Unit of the pressure, MPa.
+    """
+
+    law: FrictionLaw = field(default_factory=Coulomb)
+    x: np.ndarray = field(default_factory=lambda: np.zeros((1, 1)))
+    y: np.ndarray = field(default_factory=lambda: np.zeros((1, 1)))
+    unit: float = 1.0
+
+    def bound(self, pressure: np.ndarray) -> Bound:
+        """Radius of the disc and its derivative by the pressure, dimensionless."""
+        bound = self.law.bound(self.unit * pressure, self.x, self.y)
+        radius = np.broadcast_to(bound.radius, pressure.shape) / self.unit
+        return replace(bound, radius=radius)
+
+    def on(self, x: np.ndarray, y: np.ndarray) -> "Friction":
+        """The same on other elements."""
+        return replace(self, x=x, y=y)
+
+
+@dataclass(frozen=True, eq=False)
+class Linearisation:
+    """A friction law linearised at a state, element by element; vectors in the scaled frame.
+
+    An element is open, sticks or slips. Newton's row asks of one that sticks that its slip vanish.
+    One that slips has its step along n, the direction of its traction, known beforehand, to the rim
+    of the disc; what its row asks along the tangent t is kappa t.s + (1 - kappa) t.p, between slip
+    (just at the bound) and traction (far beyond it, where only the direction is left to find).
+
+    Attributes
+    ----------
+    state : ndarray of int8, shape (n_x, n_y)
+        `kernels.friction.OPEN`, `STICK` or `SLIP`.
+    direction : ndarray, shape (2, n_x, n_y)
+        n, the unit vector of disc(p - s) where the element slips, else zero.
+    kappa : ndarray, shape (n_x, n_y)
+        Share of the slip in the row, above.
+    across : ndarray, shape (2, 2, n_x, n_y)
+        What t.s answers to the slip at the leading face (first index 0) and at the centre (1).
+    defect : ndarray, shape (2, n_x, n_y)
+        disc(p - s) - p, along t scaled like the row; where it sticks, minus the slip.
+    contact : ndarray, shape (n_x, n_y)
+        What is positive in contact.
+    squares : float
+        Sum of squares of disc(p - s) - p.
+    merit : float
+        The same with the weights of the frame, which Newton's steps lessen.
+    """
+
+    state: np.ndarray
+    direction: np.ndarray
+    kappa: np.ndarray
+    across: np.ndarray
+    defect: np.ndarray
+    contact: np.ndarray
+    squares: float
+    merit: float
 
     @property
-    def weights(self) -> tuple[float, float]:
-        """(max mu / mu)² of both axes: what squares of unscaled tractions have less of."""
-        return tuple((max(self.mu) / mu) ** 2 for mu in self.mu)
+    def known(self) -> np.ndarray:
+        """The part of the step that is known beforehand: along n, where an element slips."""
+        return (self.defect * self.direction).sum(axis=0) * self.direction
 
-    def slip_to_physical(self, scaled: np.ndarray) -> np.ndarray:
-        """s = F^-1 s~ for a field of shape (2, ...)."""
-        return np.tensordot(np.linalg.inv(self.matrix), scaled, axes=1)
+    @property
+    def asked(self) -> np.ndarray:
+        """What the rows of the step that is left to find are to be, before `known` has acted."""
+        return np.where(self.state == friction.OPEN, 0.0, self.defect - self.known)
+
+    def rows(self, step: np.ndarray, slip: np.ndarray, out: np.ndarray) -> None:
+        """Set `out` to the rows of a change of traction and the change of slip it causes.
+
+        Parameters
+        ----------
+        step, slip, out : ndarray, shape (2, n_x, n_y)
+            The slip is that of the leading faces, as for `FrictionLaw.linearise`. Of elements that
+            are open the rows are zero, of those that slip they have a part along t only.
+        """
+        friction.tangent_row(
+            self.state, self.direction, self.kappa, self.across, self.contact, step, slip, out
+        )
+
+    def approximate_inverse(
+        self,
+        rows: np.ndarray,
+        inverse: Callable[[np.ndarray], np.ndarray],
+        own: tuple[float, float, float],
+        stiffness: np.ndarray,
+    ) -> np.ndarray:
+        """Step whose rows are nearly those given: the upwind sweep.
+
+        D = -dA/dx, so that with the circulant inverse of A the elastic slip is inverted by a sum
+        from the leading edge, where the traction is zero. That is all where the element sticks.
+        Where it slips, its row has a local term gamma = 1/kappa - 1 of the traction as well, which
+        may be far the larger one: the row is divided between both in proportion, and the sum
+        includes gamma, implicitly.
+
+        Parameters
+        ----------
+        rows : ndarray, shape (2, n_x, n_y)
+            As of `rows`.
+        inverse : callable
+            Circulant inverse of the displacement A per length of an element.
+        own : tuple of float
+            Entries (11, 12, 22) of the slip of an element by its own traction.
+        stiffness : ndarray, shape (n_x, n_y)
+            Local term of leading elements that stick (`FrictionSlip.stiffness`).
+        """
+        here = self.state, self.direction, self.kappa, stiffness, own
+        smooth, rough = np.empty_like(rows), np.empty(self.kappa.shape)
+        friction.split(*here, rows, smooth, rough)
+        out = np.empty_like(rows)
+        friction.sweep(*here, inverse(smooth), rough, out)
+        return out

@@ -11,7 +11,8 @@ Isotropic friction drops out of D_tt altogether. The scaled frame turns orthotro
 isotropic friction of unit coefficient.
 """
 
-from functools import cached_property
+from collections.abc import Callable
+from functools import cached_property, lru_cache, partial
 
 import numpy as np
 
@@ -64,6 +65,17 @@ class HalfSpace:
     def coarsened(self) -> "HalfSpace":
         """The same bodies and units on elements of twice the size."""
         return self.on(self.mesh.coarsened())
+
+    @cached_property
+    def part(self) -> Callable[[tuple[int, int]], "HalfSpace"]:
+        """Operators on fewer elements of the mesh, by their numbers; the last eight are kept."""
+        whole = (self.mesh, self.material, self.length, self.frame, self.stencil)
+        return lru_cache(8)(partial(_on_part, *whole))
+
+    @property
+    def dissimilar(self) -> bool:
+        """Whether pressure makes the surfaces slip and tractions make them lift (K != 0)."""
+        return self.material.coupling != 0.0
 
     @property
     def _per_gap(self) -> float:
@@ -125,7 +137,7 @@ class HalfSpace:
         return self._convolution(self._slip_spectra, spectral.symmetric_2x2, 2)
 
     @cached_property
-    def slip_of_itself(self) -> tuple[float, float, float]:
+    def self_influence(self) -> tuple[float, float, float]:
         """Entries (11, 12, 22) of D_tt of an element on itself."""
         alone = self.mesh.of((1, 1))
         tables = (influence.slip(alone, self.material, k) for k in ("xx", "xy", "yy"))
@@ -192,3 +204,7 @@ class HalfSpace:
         """D_tn pi_n, shape (2, n_x, n_y), of a pressure of shape (n_x, n_y)."""
         none = np.zeros((2, *pressure.shape))
         return self.coupled(np.concatenate((pressure[None], none)))[1:]
+
+
+def _on_part(mesh, material, length, frame, stencil, shape: tuple[int, int]) -> HalfSpace:
+    return HalfSpace(mesh.of(shape), material, length, frame, stencil)

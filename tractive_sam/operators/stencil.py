@@ -36,8 +36,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tractive_sam.kernels import friction
-
 
 @dataclass(frozen=True)
 class Stencil:
@@ -178,15 +176,6 @@ class FrictionSlip:
         slip = slip.copy()
         slip[:, *self._here] = (slip[:, *self._here] + opening) / (1.0 + self._stiffness)
         return slip
-
-    def opposed(self, slip: np.ndarray, traction: np.ndarray) -> np.ndarray:
-        """The slip that the tractions oppose (`kernels.friction.turn`); arguments of `sticking`."""
-        sticking = self.sticking(slip, traction)
-        if not self.staggered:
-            return sticking
-        opposed = np.empty_like(sticking)
-        friction.turn(sticking, self.bound, opposed)
-        return opposed
 
     @property
     def stiffness(self) -> np.ndarray:

@@ -152,7 +152,7 @@ def passage_at(
     def depth(pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
         return law.depth(entering, pressure, traction, slip, dx)
 
-    if model.scene.solver.method == "uzawa":
+    if model.method.wears_in_pass:
         return Passage(revolution, equilibrium(model, depth, start), 1)
 
     # The first guess: within the pass, material gains as it gained in the one before.

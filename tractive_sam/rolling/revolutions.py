@@ -40,7 +40,7 @@ def passages(model: Model, start: Passage | None = None) -> Iterator[Passage]:
             if off_grid(passage) and model.scene.grid is None and growths < GROWTHS:
                 growths += 1
                 grid = grown(model.grid, passage.contact.at_edge)
-                model = Model(model.scene, model.measured, grid)
+                model = model.on(grid)
                 last = last.on(grid)
                 break
             last = passage

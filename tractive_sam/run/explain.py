@@ -136,7 +136,7 @@ def _contact(model: Model) -> Section:
         if mu1 != mu2:
             law = f"orthotropic, mu = ({mu1:g}, {mu2:g}) at {scene.friction.angle:g} degrees"
         rows.append(("friction", law))
-    rows.append(("method", f"{_method(model)}, to a residual of {scene.solver.tolerance:g}"))
+    rows.append(("method", f"{model.method.told}, to a residual of {scene.solver.tolerance:g}"))
     if model.transmits:
         staggered = model.stencil.staggered
         scheme = "staggered, second order" if staggered else "upwind, first order (the paper's)"
@@ -145,14 +145,6 @@ def _contact(model: Model) -> Section:
         ("left out", "inertia, speed, lubricant, heat, plasticity; thin or conforming bodies")
     )
     return Section("Contact", rows)
-
-
-def _method(model: Model) -> str:
-    if model.scene.solver.method != "auto" or not model.transmits:
-        return model.scene.solver.method
-    if any(model.free):
-        return "auto: newton; where that fails, by creepages in place of a force"
-    return "auto: newton; where that fails, continued in the creepage from full slip; then anderson"
 
 
 def _drive(model: Model) -> str:
@@ -268,7 +260,7 @@ def _symmetric(scene: Scene) -> bool:
 
 
 def _work(model: Model) -> Section:
-    if model.scene.solver.method == "uzawa":
+    if not model.method.predictable:
         time = "not estimated: the iterations of Uzawa's method are not known beforehand"
     else:
         count = applications(model)

@@ -1,6 +1,47 @@
-"""Methods that see nothing but a dimensionless problem and return an outcome."""
+"""Methods that see nothing but a dimensionless problem and return an outcome.
+
+Each is a frozen record of its settings with a method `solve(problem, tolerance, start)`, and so may
+be one of your own: `solve(scene, solver=...)` takes any object that has it. They combine: on nested
+meshes, one after the other, by way of easier problems.
+
+    >>> plain = ts.solvers.InSequence(ts.solvers.ConjugateGradients(), ts.solvers.Newton())
+    >>> alike = ts.solve(scene, solver=plain)
+    >>> round(alike.Qx / contact.Qx, 6)
+    1.0
+"""
 
 from tractive_sam.results.status import Cost, Status
-from tractive_sam.solvers.outcome import Outcome
+from tractive_sam.solvers.anderson import Anderson
+from tractive_sam.solvers.bracketing import Bracketing
+from tractive_sam.solvers.conjugate_gradients import ConjugateGradients
+from tractive_sam.solvers.continuation import Continuation
+from tractive_sam.solvers.in_sequence import InSequence, OneAfterTheOther
+from tractive_sam.solvers.ladder import Ladder
+from tractive_sam.solvers.nested import Nested
+from tractive_sam.solvers.newton import Newton
+from tractive_sam.solvers.outcome import Note, Outcome, Solver, Start
+from tractive_sam.solvers.problem import Held, NormalProblem, PrescribedForces, Problem
+from tractive_sam.solvers.uzawa import Uzawa
 
-__all__ = ["Cost", "Outcome", "Status"]
+__all__ = [
+    "Anderson",
+    "Bracketing",
+    "ConjugateGradients",
+    "Continuation",
+    "Cost",
+    "Held",
+    "InSequence",
+    "Ladder",
+    "Nested",
+    "Newton",
+    "NormalProblem",
+    "Note",
+    "OneAfterTheOther",
+    "Outcome",
+    "PrescribedForces",
+    "Problem",
+    "Solver",
+    "Start",
+    "Status",
+    "Uzawa",
+]

@@ -1,59 +1,71 @@
 """Anderson acceleration of the projected iterations."""
 
+from dataclasses import dataclass
+from typing import ClassVar
+
 import numpy as np
 
-from tractive_sam.results.status import Cost, Status
-from tractive_sam.solvers.fixed_point import CoupledMap, TangentialMap
+from tractive_sam.results.status import Status
 from tractive_sam.solvers.outcome import Outcome
-
-MEMORY = 12
-ITERATIONS = 5_000
+from tractive_sam.solvers.projection import ProjectedMap, Projection
 
 
-def anderson(
-    mapping: TangentialMap | CoupledMap,
-    tolerance: float,
-    start: np.ndarray,
-    memory: int = MEMORY,
-    iterations: int = ITERATIONS,
-) -> Outcome:
-    """Combine the last images so that their combined change is least.
+@dataclass(frozen=True)
+class Anderson(Projection):
+    """Combines the last images so that their combined change is least.
 
     Anderson (1965), J. ACM 12, 547-560; Walker & Ni (2011), SIAM J. Numer. Anal. 49, 1715-1735.
 
     A state that makes the residual ten times the best one so far starts the memory anew from the
     best state.
+
+    Attributes
+    ----------
+    boldness : float
+        Step of the slip over its bound; acceleration tolerates and profits from longer ones than
+        Uzawa's method.
+    memory : int
+        Images that are combined with the last one.
+    iterations : int
+        Most iterations.
     """
-    before = mapping.applications
-    state = mapping.admissible(start)
-    images: list[np.ndarray] = []
-    changes: list[np.ndarray] = []
-    best, best_residual = state, np.inf
-    status = Status.OUT_OF_ITERATIONS
-    taken = 0
-    for taken in range(iterations + 1):
-        now = mapping(state)
-        if now.residual <= tolerance:
-            status = Status.CONVERGED
-            break
-        if taken == iterations:
-            break
-        if not np.isfinite(now.residual) or now.residual > 10.0 * best_residual:
-            if not images:
-                status = Status.DIVERGED
+
+    boldness: float = 16.0
+    memory: int = 12
+    iterations: int = 5_000
+
+    name: ClassVar[str] = "anderson"
+
+    def _iterated(
+        self, mapping: ProjectedMap, tolerance: float, state: np.ndarray
+    ) -> tuple[Outcome, ProjectedMap]:
+        state = mapping.admissible(state)
+        images: list[np.ndarray] = []
+        changes: list[np.ndarray] = []
+        best, best_residual = state, np.inf
+        status, taken = Status.OUT_OF_ITERATIONS, 0
+        for taken in range(self.iterations + 1):
+            now = mapping(state)
+            if now.residual <= tolerance:
+                status = Status.CONVERGED
                 break
-            images, changes = [], []
-            state = best
-            best_residual = np.inf
-            continue
-        if now.residual < best_residual:
-            best, best_residual = state, now.residual
-        images.append(now.image.ravel())
-        changes.append((now.image - state).ravel())
-        del images[: -memory - 1], changes[: -memory - 1]
-        state = mapping.admissible(_combined(images, changes).reshape(state.shape))
-    cost = Cost(mapping.applications - before)
-    return Outcome(status, now.residual, taken, cost, **now.fields)
+            if taken == self.iterations:
+                break
+            if not np.isfinite(now.residual) or now.residual > 10.0 * best_residual:
+                if not images:
+                    status = Status.DIVERGED
+                    break
+                images, changes = [], []
+                state = best
+                best_residual = np.inf
+                continue
+            if now.residual < best_residual:
+                best, best_residual = state, now.residual
+            images.append(now.image.ravel())
+            changes.append((now.image - state).ravel())
+            del images[: -self.memory - 1], changes[: -self.memory - 1]
+            state = mapping.admissible(_combined(images, changes).reshape(state.shape))
+        return self._outcome(status, mapping, state, now, taken), mapping
 
 
 def _combined(images: list[np.ndarray], changes: list[np.ndarray]) -> np.ndarray:

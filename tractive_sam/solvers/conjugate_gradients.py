@@ -5,85 +5,111 @@ operator as preconditioner: on a contact area that no longer changes it converge
 iterations on any mesh.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from tractive_sam.results.status import Cost, Status
-from tractive_sam.solvers.outcome import Outcome
+from tractive_sam.solvers.outcome import Note, Outcome, Start
 from tractive_sam.solvers.problem import NormalProblem
 
-ITERATIONS = 500
 
+@dataclass(frozen=True)
+class ConjugateGradients:
+    """The normal problem without tractions, under given load or approach.
 
-def conjugate_gradients(
-    problem: NormalProblem,
-    tolerance: float,
-    pressure: np.ndarray | None = None,
-    iterations: int = ITERATIONS,
-) -> Outcome:
-    """Solve the normal problem under given load or approach.
-
-    Parameters
+    Attributes
     ----------
-    problem : NormalProblem
-        The problem.
-    tolerance : float
-        Natural residual, relative, at which to stop.
-    pressure : ndarray, shape (n_x, n_y), optional
-        First guess; where it is zero no contact is assumed at first.
     iterations : int
         Most iterations.
     """
-    normal, inverse = problem.half_space.normal, problem.half_space.normal_inverse
-    before = normal.applications, inverse.applications
-    apply = lambda field: normal(field[None])[0]  # noqa: E731
-    precondition = lambda field: inverse(field[None])[0]  # noqa: E731
 
-    p = _first_guess(problem) if pressure is None else np.maximum(pressure, 0.0)
-    p = _loaded(problem, p)
-    lift = apply(p)
-    response = active = direction = gap_before = None
-    product_before = 0.0
-    status = Status.OUT_OF_ITERATIONS
-    taken = 0
-    for taken in range(iterations + 1):
-        gap = problem.gap + lift
-        contact = p > 0.0
-        delta = problem.approach if problem.load is None else _mean(gap, contact)
-        gap = gap - delta
-        residual = natural_residual(p, gap)
-        if residual <= tolerance:
-            status = Status.CONVERGED
-            break
-        if taken == iterations:
-            break
-        was, active = active, contact | (gap < 0.0)
-        unchanged = was is not None and np.array_equal(was, active)
-        step = np.where(active, precondition(np.where(active, gap, 0.0)), 0.0)
-        if problem.load is not None:
-            # The part of the step that would change the load belongs to the approach.
-            if not unchanged:
-                response = np.where(active, precondition(active.astype(float)), 0.0)
-            step -= response * (step.sum() / response.sum())
-        product = np.vdot(gap, step)
-        if direction is None:
-            direction = step
-        else:
-            # Polak-Ribiere: forgets directions of a contact area that has changed.
-            beta = max(0.0, (product - np.vdot(gap_before, step)) / product_before)
-            direction = step + beta * np.where(active, direction, 0.0)
-            if problem.load is not None and not unchanged:
-                direction -= response * (direction.sum() / response.sum())
-        change = apply(direction)
-        length = np.vdot(gap, direction) / np.vdot(direction, change)
-        p = p - length * direction
-        if p.min() < 0.0:
-            p = _loaded(problem, np.maximum(p, 0.0))
-            lift = apply(p)
-        else:
-            lift = lift - length * change
-        product_before, gap_before = product, gap
-    cost = Cost(normal.applications - before[0], inverse.applications - before[1])
-    return Outcome(status, float(residual), taken, cost, pressure=p, gap=gap, approach=float(delta))
+    iterations: int = 500
+
+    def solve(
+        self, problem: NormalProblem, tolerance: float, start: Start | Outcome | None = None
+    ) -> Outcome:
+        """Solve the normal problem.
+
+        Parameters
+        ----------
+        problem : NormalProblem
+            The problem.
+        tolerance : float
+            Natural residual, relative, at which to stop.
+        start : Start or Outcome, optional
+            First guess; where its pressure is zero no contact is assumed at first.
+        """
+        applications = preconditionings = 0
+
+        def apply(field: np.ndarray) -> np.ndarray:
+            nonlocal applications
+            applications += 1
+            return problem.operators.normal(field[None])[0]
+
+        def precondition(field: np.ndarray) -> np.ndarray:
+            nonlocal preconditionings
+            preconditionings += 1
+            return problem.operators.normal_inverse(field[None])[0]
+
+        under_load = problem.load is not None
+        p = _first_guess(problem) if start is None else np.maximum(start.pressure, 0.0)
+        p = _loaded(problem, p)
+        lift = apply(p)
+        response = active = direction = gap_before = None
+        product_before = 0.0
+        status = Status.OUT_OF_ITERATIONS
+        for taken in range(self.iterations + 1):
+            gap = problem.gap + lift
+            contact = p > 0.0
+            # Under a load the approach is the one that the elements in contact have on average.
+            delta = _mean(gap, contact) if under_load else problem.approach
+            gap = gap - delta
+            residual = natural_residual(p, gap)
+            if residual <= tolerance:
+                status = Status.CONVERGED
+                break
+            if taken == self.iterations:
+                break
+            was, active = active, contact | (gap < 0.0)
+            unchanged = was is not None and np.array_equal(was, active)
+            # The gap of the elements in contact, and of those that overlap, is the gradient.
+            step = np.where(active, precondition(np.where(active, gap, 0.0)), 0.0)
+            if under_load:
+                # The part of the step that would change the load belongs to the approach.
+                if not unchanged:
+                    response = np.where(active, precondition(active.astype(float)), 0.0)
+                step -= response * (step.sum() / response.sum())
+            product = np.vdot(gap, step)
+            if direction is None:
+                direction = step
+            else:
+                # Polak-Ribiere: forgets directions of a contact area that has changed.
+                beta = max(0.0, (product - np.vdot(gap_before, step)) / product_before)
+                direction = step + beta * np.where(active, direction, 0.0)
+                if under_load and not unchanged:
+                    # Those of the former area must not change the load on this one.
+                    direction -= response * (direction.sum() / response.sum())
+            change = apply(direction)
+            length = np.vdot(gap, direction) / np.vdot(direction, change)
+            p = p - length * direction
+            if p.min() < 0.0:
+                # Elements that would pull leave; then what was summed up no longer is the lift.
+                p = _loaded(problem, np.maximum(p, 0.0))
+                lift = apply(p)
+            else:
+                lift = lift - length * change
+            product_before, gap_before = product, gap
+        return Outcome(
+            status,
+            float(residual),
+            taken,
+            Cost(applications, preconditionings),
+            pressure=p,
+            gap=gap,
+            approach=float(delta),
+            trace=(Note("conjugate gradients", status),),
+        )
 
 
 def natural_residual(pressure: np.ndarray, gap: np.ndarray) -> float:

@@ -4,20 +4,13 @@ A coarse mesh finds the contact, its stick and slip zones and its smooth fields 
 the cost; the finest mesh then needs a few steps only, however fine it is.
 """
 
-from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import distance_transform_edt
 
-from tractive_sam.solvers.outcome import Outcome
-from tractive_sam.solvers.problem import CoupledProblem, NormalProblem, TangentialProblem
-
-COARSEST = 24
-"""A mesh is coarsened as long as its shorter side has more elements than this."""
-
-COARSE_TOLERANCE = 1e-3
-"""Residual asked for on coarser meshes: below their own discretisation error."""
+from tractive_sam.solvers.outcome import Outcome, Solver, Start
+from tractive_sam.solvers.problem import NormalProblem, Problem
 
 
 def refine(values: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
@@ -55,62 +48,79 @@ def refine_pressure(pressure: np.ndarray, gap: np.ndarray, shape: tuple[int, int
     return peak * np.sqrt(np.maximum(refine(continued, shape), 0.0))
 
 
-def _shorter_side(problem: NormalProblem | TangentialProblem | CoupledProblem) -> int:
-    """Elements of a mesh along its shorter side, of those along which it can be coarsened."""
-    mesh = problem.half_space.mesh
-    return min(n for n, block in zip(mesh.shape, mesh.block, strict=True) if block > 1)
+@dataclass(frozen=True)
+class Nested:
+    """Solves on successively finer meshes, each started from the one before; with a start at once.
 
-
-Solve = Callable[..., Outcome]
-
-
-def nested_tangential(problem: TangentialProblem, tolerance: float, solve: Solve) -> Outcome:
-    """Solve on successively finer meshes, each started from the one before."""
-    if _shorter_side(problem) <= COARSEST:
-        return solve(problem, tolerance)
-    coarse_problem = problem.coarsened()
-    coarse = nested_tangential(coarse_problem, max(tolerance, COARSE_TOLERANCE), solve)
-    if np.isfinite(coarse.residual):
-        traction = refine_traction(coarse.traction, coarse_problem.bound, problem.bound)
-        fine = solve(problem, tolerance, traction=traction, creepage=coarse.creepage)
-    else:
-        fine = solve(problem, tolerance)
-    return fine.after(coarse, coarse_problem.bound.size / problem.bound.size)
-
-
-def nested_normal(problem: NormalProblem, tolerance: float, solve: Solve) -> Outcome:
-    """Solve on successively finer meshes, each started from the one before."""
-    if _shorter_side(problem) <= COARSEST:
-        return solve(problem, tolerance)
-    coarse_problem = problem.coarsened()
-    coarse = nested_normal(coarse_problem, max(tolerance, COARSE_TOLERANCE), solve)
-    pressure = refine_pressure(coarse.pressure, coarse.gap, problem.gap.shape)
-    fine = solve(problem, tolerance, pressure=pressure)
-    return fine.after(coarse, coarse_problem.gap.size / problem.gap.size)
-
-
-def nested_coupled(
-    problem: CoupledProblem,
-    tolerance: float,
-    solve: Callable[[CoupledProblem, float, Outcome], Outcome],
-    begin: Callable[[CoupledProblem], Outcome],
-) -> Outcome:
-    """Solve on successively finer meshes, each started from the one before.
-
-    The coarsest one, or the one above a coarser one that was not solved, starts from what `begin`
-    finds.
+    Attributes
+    ----------
+    solver : Solver
+        Method on each mesh.
+    begin : Solver, optional
+        Finds the start on the coarsest mesh, or above a mesh that was not solved; without it
+        `solver` starts from nothing there.
+    coarsest : int
+        A mesh is coarsened as long as its shorter side has more elements than this.
+    coarse_tolerance : float
+        Residual asked for on coarser meshes: below their own discretisation error.
     """
-    coarse, share = None, 1.0
-    if _shorter_side(problem) > COARSEST:
-        coarse_problem = problem.coarsened()
-        coarse = nested_coupled(coarse_problem, max(tolerance, COARSE_TOLERANCE), solve, begin)
-        share = coarse_problem.gap.size / problem.gap.size
-    if coarse is not None and coarse.converged and coarse.pressure.any():
+
+    solver: Solver
+    begin: Solver | None = None
+    coarsest: int = 24
+    coarse_tolerance: float = 1e-3
+
+    def solve(
+        self,
+        problem: NormalProblem | Problem,
+        tolerance: float,
+        start: Start | Outcome | None = None,
+    ) -> Outcome:
+        """Solve a problem of either kind; see `Solver`."""
+        if start is not None:
+            return self.solver.solve(problem, tolerance, start)
+        earlier, share = [], 1.0
+        if _shorter_side(problem) > self.coarsest:
+            coarse_problem = problem.coarsened()
+            coarse = self.solve(coarse_problem, max(tolerance, self.coarse_tolerance))
+            sizes = (np.prod(p.operators.mesh.shape) for p in (coarse_problem, problem))
+            share = float(next(sizes) / next(sizes))
+            earlier.append((coarse, share))
+            start = refined(coarse, coarse_problem, problem)
+        if start is None and self.begin is not None:
+            start = self.begin.solve(problem, tolerance)
+            earlier.append((start, 1.0))
+        fine = self.solver.solve(problem, tolerance, start)
+        for outcome, share in earlier:
+            fine = fine.costing(outcome, share)
+        return fine
+
+
+def refined(
+    coarse: Outcome, coarse_problem: NormalProblem | Problem, problem: NormalProblem | Problem
+) -> Start | Outcome | None:
+    """Where to start from what was found on a coarser mesh, if that is any good.
+
+    Tractions that were not solved for still show where the contact sticks. Pressure and tractions
+    of dissimilar bodies that were not lead nowhere.
+    """
+    if isinstance(problem, NormalProblem):
         pressure = refine_pressure(coarse.pressure, coarse.gap, problem.gap.shape)
-        traction = refine_traction(coarse.traction, coarse.pressure, pressure)
-        return solve(
-            problem, tolerance, replace(coarse, pressure=pressure, traction=traction)
-        ).after(coarse, share)
-    first = begin(problem)
-    fine = solve(problem, tolerance, first).after(first)
-    return fine if coarse is None else fine.after(coarse, share)
+        return Start(pressure, approach=coarse.approach)
+    if problem.held:
+        if not np.isfinite(coarse.residual):
+            return None
+        pressure = problem.normal.pressure
+    else:
+        if not (coarse.converged and coarse.pressure.any()):
+            return None
+        pressure = refine_pressure(coarse.pressure, coarse.gap, problem.normal.gap.shape)
+    bound, fine_bound = coarse_problem.bound(coarse.pressure), problem.bound(pressure)
+    traction = refine_traction(coarse.traction, bound.radius, fine_bound.radius)
+    return replace(coarse, pressure=pressure, traction=traction)
+
+
+def _shorter_side(problem: NormalProblem | Problem) -> int:
+    """Elements of a mesh along its shorter side, of those along which it can be coarsened."""
+    mesh = problem.operators.mesh
+    return min(n for n, block in zip(mesh.shape, mesh.block, strict=True) if block > 1)

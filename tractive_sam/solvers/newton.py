@@ -1,226 +1,210 @@
-"""Preconditioned semismooth Newton-Krylov method for the tangential problem.
+"""Preconditioned semismooth Newton-Krylov method.
 
-The friction law is the root of F(p) = p - disc(p - s(p)). Where an element sticks a Newton step
-asks that its slip vanish; where it slips the traction moves along the disc. The linear systems are
-solved by GMRES, preconditioned by the **upwind sweep**: on the contact, D = -dA/dx is inverted by
-the circulant inverse of A followed by a sum from the leading edge, where the traction is zero, and
-in the slip zone the sweep includes the local term of the friction law.
+The friction law is the root of F(p) = p - disc(p - s(p)), unilateral contact that of
+p - max(0, p - gap). Where an element sticks a step asks that its slip vanish; where it slips the
+traction moves along the disc. Of bodies of equal material the tractions are the only unknowns,
+under a pressure that is held; pressure makes dissimilar surfaces slip and tractions make them lift,
+so that neither problem can be solved by itself, and alternating between them diverges for strong
+coupling: then both are unknowns of the same iteration.
+
+The linear systems are solved by GMRES, preconditioned by the circulant inverse for the pressure and
+the upwind sweep (`mechanics.friction.Linearisation`) for the tractions.
 """
+
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
-from tractive_sam.kernels import friction
-from tractive_sam.results.status import Cost
+from tractive_sam.results.status import Cost, Status
+from tractive_sam.solvers.conjugate_gradients import ConjugateGradients
 from tractive_sam.solvers.gmres import gmres
-from tractive_sam.solvers.newton_steps import damped, newton_steps, precision
-from tractive_sam.solvers.outcome import Outcome
-from tractive_sam.solvers.problem import TangentialProblem
+from tractive_sam.solvers.newton_system import Iterate, System
+from tractive_sam.solvers.outcome import Note, Outcome, Start
+from tractive_sam.solvers.problem import Problem
 
-STEPS = 60
-KRYLOV = 120
-
-
-class _Iterate:
-    """Traction, creepages and what the friction law says of them."""
-
-    def __init__(self, problem: TangentialProblem, traction: np.ndarray, creepage: np.ndarray):
-        shape = problem.bound.shape
-        self.traction = traction
-        self.creepage = creepage
-        self.slip = (
-            problem.rigid + problem.transmission.slip(creepage) + problem.half_space.slip(traction)
-        )
-        self.others = problem.transmission.others(self.slip, creepage)
-        self.state = np.empty(shape, np.int8)
-        self.direction = np.empty((2, *shape))
-        self.kappa = np.empty(shape)
-        self.across = np.empty((2, 2, *shape))
-        self.defect = np.empty((2, *shape))
-        weights = problem.half_space.frame.weights
-        squares, merit = friction.linearise(
-            traction,
-            problem.friction_slip.sticking(self.slip, traction),
-            problem.bound,
-            problem.half_space.stencil.staggered,
-            *weights,
-            self.state,
-            self.direction,
-            self.kappa,
-            self.across,
-            self.defect,
-        )
-        self.shortfall = problem.transmission.target - problem.transmission.force(traction)
-        # Forces, given and missed, count as if spread evenly over the contact.
-        elements = max(np.count_nonzero(problem.bound > 0.0), 1)
-        missed = np.sum(self.shortfall**2) / elements
-        squares += missed
-        size = np.linalg.norm(traction + self.defect)
-        size = max(size, np.linalg.norm(problem.transmission.target) / np.sqrt(elements))
-        self.residual = np.sqrt(squares) / size if size > 0.0 else 0.0
-        self.merit = np.sqrt(merit + missed)
+GOLDEN = 0.5 * (1.0 + 5.0**0.5)
 
 
-class _Linearised:
-    """The Newton system at an iterate; vectors are [traction change, creepage change].
+@dataclass(frozen=True)
+class Newton:
+    """Semismooth Newton steps, solved for inexactly and damped.
 
-    `kind` is the type of their numbers.
-    """
-
-    def __init__(self, problem: TangentialProblem, at: _Iterate, kind: type):
-        self.at = at
-        self.half_space = problem.half_space
-        self.bound = problem.bound
-        self.friction_slip = problem.friction_slip
-        self.stiffness = problem.friction_slip.stiffness
-        self.vectors = problem.transmission.vectors
-        self.shape = problem.rigid.shape
-        self.size = problem.rigid.size
-        self.weight = 1.0 / np.sqrt(max(np.count_nonzero(problem.bound > 0.0), 1))
-        self._row = np.empty(self.shape, kind)
-        self._rough = np.empty(problem.bound.shape)
-        self._smooth = np.empty(self.shape, kind)
-        self._out = np.empty(self.size + len(self.vectors), kind)
-        self.preconditionings = 0
-        if len(self.vectors):
-            self._border()
-
-    def _rows(self, step, slip):
-        at = self.at
-        slip = self.friction_slip.sticking(slip, step)
-        friction.tangent_row(
-            at.state, at.direction, at.kappa, at.across, self.bound, step, slip, self._row
-        )
-        return self._row
-
-    def right_hand_side(self) -> tuple[np.ndarray, np.ndarray]:
-        """Right-hand side and the part of the step that is known beforehand.
-
-        Where an element slips, its step normal to the disc is the defect's; only the step along
-        the disc is unknown.
-        """
-        at = self.at
-        n = np.where(at.state == friction.SLIP, at.direction, 0.0)
-        known = (at.defect * n).sum(axis=0) * n
-        rhs = np.zeros_like(self._out)
-        field = rhs[: self.size].reshape(self.shape)
-        if known.any():
-            field -= self._rows(known, self.half_space.slip(known.astype(field.dtype)))
-        # disc(p - s) - p is already scaled like the rows: -s in stick, kappa-weighted in slip.
-        field += np.where(at.state == friction.OPEN, 0.0, at.defect - known)
-        rhs[self.size :] = self.weight * (at.shortfall - self.vectors @ known.sum(axis=(1, 2)))
-        return rhs, known
-
-    def operator(self, vector: np.ndarray) -> np.ndarray:
-        """Apply the Newton matrix."""
-        step = vector[: self.size].reshape(self.shape)
-        slip = self.half_space.slip(step)
-        if len(self.vectors):
-            slip += (vector[self.size :] @ self.vectors)[:, None, None]
-            self._out[self.size :] = self.weight * (self.vectors @ step.sum(axis=(1, 2)))
-        self._out[: self.size] = self._rows(step, slip).ravel()
-        return self._out
-
-    def _sweep(self, rows: np.ndarray) -> np.ndarray:
-        at = self.at
-        own = self.half_space.slip_of_itself
-        friction.split(
-            at.state, at.direction, at.kappa, self.stiffness, own, rows, self._smooth, self._rough
-        )
-        increments = self.half_space.tangential_inverse(self._smooth)
-        self.preconditionings += 1
-        out = np.empty_like(self._smooth)
-        friction.sweep(
-            at.state, at.direction, at.kappa, self.stiffness, own, increments, self._rough, out
-        )
-        return out
-
-    def _border(self):
-        """Response of the traction to each creepage, and of the forces to it (bordering)."""
-        zero = np.zeros_like(self._row)
-        self._response = [
-            self._sweep(self._rows(zero, np.broadcast_to(v[:, None, None], self.shape)).copy())
-            for v in self.vectors
-        ]
-        self._schur = np.array(
-            [[v @ r.sum(axis=(1, 2)) for r in self._response] for v in self.vectors]
-        )
-
-    def preconditioner(self, vector: np.ndarray) -> np.ndarray:
-        """Apply the upwind sweep, bordered by the forces."""
-        step = self._sweep(vector[: self.size].reshape(self.shape))
-        out = np.empty_like(vector)
-        if len(self.vectors):
-            missed = self.vectors @ step.sum(axis=(1, 2)) - vector[self.size :] / self.weight
-            # Least squares: in full slip the forces do not answer the creepages.
-            creepage = np.linalg.lstsq(self._schur, missed, rcond=1e-12)[0]
-            for c, response in zip(creepage, self._response, strict=True):
-                step -= c * response
-            out[self.size :] = creepage
-        out[: self.size] = step.ravel()
-        return out
-
-
-def newton(
-    problem: TangentialProblem,
-    tolerance: float,
-    traction: np.ndarray | None = None,
-    creepage: np.ndarray | None = None,
-    steps: int = STEPS,
-) -> Outcome:
-    """Solve the tangential problem by semismooth Newton steps.
-
-    Parameters
+    Attributes
     ----------
-    problem : TangentialProblem
-        The problem.
-    tolerance : float
-        Natural residual, relative, at which to stop.
-    traction : ndarray, shape (2, n_x, n_y), optional
-        First guess; zero by default.
-    creepage : ndarray, shape (m,), optional
-        First guess of the creepages to be found.
     steps : int
-        Most Newton steps.
+        Most steps.
+    krylov : int
+        Most iterations of GMRES in a step.
+    halvings : int
+        Most lengths of a step that are tried.
+    patience : int
+        Steps without a smaller residual after which one is taken as far only as it helps.
+    hopeless : int
+        Steps without a smaller residual after which no more are taken.
+    loosest : float
+        Loosest relative residual of the linear system of a step.
+    sharp : float
+        That of a step which is taken only as far as it helps: where the residual has stalled, only
+        a sharp step is sure to lead down.
+    rough : float
+        Relative residual down to which a linear system may be solved in single precision.
+    large : int
+        Elements from which single precision pays: below, memory does not bound the time.
     """
-    first = np.zeros_like(problem.rigid) if traction is None else traction
-    first_creepage = np.zeros(len(problem.transmission)) if creepage is None else creepage
-    before = problem.half_space.slip.applications
-    preconditionings = 0
-    projected = np.empty_like(first)
-    weights = problem.half_space.frame.weights
-    friction.project(first, problem.bound, projected)
 
-    def advance(at: _Iterate, goal: float, stalled: bool) -> _Iterate:
-        nonlocal preconditionings
-        system = _Linearised(problem, at, precision(goal, problem.bound.size))
+    steps: int = 60
+    krylov: int = 150
+    halvings: int = 6
+    patience: int = 3
+    hopeless: int = 20
+    loosest: float = 0.3
+    sharp: float = 1e-5
+    rough: float = 1e-4
+    large: int = 10_000
+
+    def solve(
+        self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
+    ) -> Outcome:
+        """Solve a problem, with its pressure free or held.
+
+        Parameters
+        ----------
+        problem : Problem
+            The problem.
+        tolerance : float
+            Natural residual, relative, at which to stop.
+        start : Start or Outcome, optional
+            First guess; by default of the pressure that without tractions, roughly, and zero of the
+            rest.
+
+        Raises
+        ------
+        ValueError
+            If the problem has wear within the pass.
+        """
+        if problem.wear is not None:
+            raise ValueError("problem.wear: Newton's method takes wear as part of the gap only")
+        at, cost = self._first(problem, start)
+        least, since, before = np.inf, 0, np.inf
+        status, taken = Status.OUT_OF_ITERATIONS, 0
+        for taken in range(self.steps + 1):
+            if at.residual <= tolerance:
+                status = Status.CONVERGED
+                break
+            if not np.isfinite(at.residual) or problem.forces.diverged(
+                at.creepage, at.elastic_slip
+            ):
+                status = Status.DIVERGED
+                break
+            if at.residual < 0.9 * least:
+                least, since = at.residual, taken
+            if taken - since > self.hopeless or taken == self.steps:
+                break
+            stalled = taken - since >= self.patience
+            goal = self.sharp if stalled else self.forcing(at.residual, before, tolerance)
+            before = at.residual
+            at, spent = self._advanced(problem, at, goal, stalled)
+            cost = cost + spent
+        return Outcome(
+            status,
+            float(at.residual),
+            taken,
+            cost,
+            pressure=at.pressure,
+            gap=at.gap,
+            traction=at.traction,
+            slip=at.slip,
+            approach=float(at.approach),
+            creepage=at.creepage,
+            trace=(Note("newton" if problem.held else "coupled newton", status),),
+        )
+
+    def _first(self, problem: Problem, start: Start | Outcome | None) -> tuple[Iterate, Cost]:
+        cost, normal = Cost(1.0), problem.normal
+        if start is None and not problem.held:
+            found = ConjugateGradients().solve(normal, 1e-3)
+            start, cost = Start(found.pressure, approach=found.approach), cost + found.cost
+        start = start or Start()
+        traction = np.zeros_like(problem.rigid) if start.traction is None else start.traction
+        creepage = start.creepage
+        if creepage is None or not len(problem.forces):
+            creepage = np.zeros(len(problem.forces))
+        if problem.held:
+            return Iterate(problem, normal.pressure, traction, 0.0, creepage), cost
+        approach = normal.approach if problem.load is None else start.approach
+        return Iterate(problem, start.pressure, traction, approach, creepage), cost
+
+    def _advanced(
+        self, problem: Problem, at: Iterate, goal: float, stalled: bool
+    ) -> tuple[Iterate, Cost]:
+        """The iterate after a step whose linear system is solved to a relative residual."""
+        system = System(problem, at, self.precision(goal, at.pressure.size))
         rhs, known = system.right_hand_side()
-        vector, _ = gmres(system.operator, system.preconditioner, rhs, goal, KRYLOV)
+        vector, _ = gmres(system.operator, system.preconditioner, rhs, goal, self.krylov)
+        # What the step leads to is evaluated in double precision.
         vector = vector.astype(float)
-        preconditionings += system.preconditionings
-        step = known + vector[: system.size].reshape(system.shape)
-        creepage = vector[system.size :]
+        step = known + system.completed(system.fields(vector))
+        extra = vector[system.size :]
+        closer, faster = extra[: system.under_load].sum(), extra[int(system.under_load) :]
+        trials = 0
 
-        def trial(length: float) -> _Iterate:
-            projected = np.empty_like(step)
-            friction.project(at.traction + length * step, problem.bound, projected, *weights)
-            return _Iterate(problem, projected, at.creepage + length * creepage)
+        def trial(length: float) -> Iterate:
+            nonlocal trials
+            trials += 1
+            return Iterate(
+                problem,
+                at.pressure if problem.held else at.pressure + length * step[0],
+                at.traction + length * step[-2:],
+                at.approach + length * closer,
+                at.creepage + length * faster,
+                at.ratio,
+            )
 
-        length = problem.transmission.reach(at.creepage, creepage, at.others)
-        return damped(trial, at.merit, length, stalled)
+        length = problem.forces.trust_fraction(at.creepage, faster, at.elastic_slip)
+        ahead = self.damped(trial, at.merit_by(at.ratio), length, stalled)
+        return ahead, Cost(system.applications + trials, system.preconditionings)
 
-    at, taken, status = newton_steps(
-        _Iterate(problem, projected, first_creepage),
-        advance,
-        problem.transmission,
-        tolerance,
-        steps,
-    )
-    return Outcome(
-        status,
-        float(at.residual),
-        taken,
-        Cost(problem.half_space.slip.applications - before, preconditionings),
-        traction=at.traction,
-        slip=at.slip,
-        creepage=at.creepage,
-    )
+    def forcing(self, residual: float, before: float, tolerance: float) -> float:
+        """Relative residual to which a linear system is worth solving (inexact Newton).
+
+        By how much the step before has gained (Eisenstat & Walker 1996, SIAM J. Sci. Comput. 17,
+        16-32, choice 2): loose while the stick and slip zones still move, sharp towards the end,
+        and never beyond what the tolerance needs.
+
+        Parameters
+        ----------
+        residual, before : float
+            Natural residuals now and before the last step; infinite before the first one.
+        tolerance : float
+            That of the problem.
+        """
+        gained = min(1.0, residual / before) ** GOLDEN if before < np.inf else 1.0
+        loosest = min(self.loosest, residual**0.25)  # the sharper, the nearer the first guess
+        wanted = max(min(loosest, 0.9 * gained), 1e-3, 0.3 * tolerance / residual)
+        return float(min(wanted, 0.5))
+
+    def precision(self, goal: float, elements: int) -> type:
+        """Type of numbers in which to solve a linear system to a relative residual.
+
+        Rounding in single precision, 6e-8 of each number, is far below a `rough` residual, even
+        summed over a Krylov space: half the memory is moved for the same step.
+        """
+        return np.float32 if goal >= self.rough and elements >= self.large else np.float64
+
+    def damped(
+        self, trial: Callable[[float], Iterate], merit: float, length: float, stalled: bool
+    ) -> Iterate:
+        """The trial of the length given, or of the longest halving that does not raise the merit.
+
+        The active sets of a step may be worse for a while on the way to a better solution, so a
+        rise by half is allowed; where none is that good, the best one is taken. Where the residual
+        has stalled, full steps swing between two states: then the best one is taken as well.
+        """
+        trials = []
+        for _ in range(self.halvings):
+            trials.append(trial(length))
+            if not stalled and trials[-1].merit <= 1.5 * merit:
+                return trials[-1]
+            length *= 0.5
+        return min(trials, key=lambda one: one.merit)

@@ -1,6 +1,7 @@
-"""What a solver returns: a solution with its residual, its cost and how it ended."""
+"""What a solver takes and returns: a start, and a solution with its residual, cost and course."""
 
 from dataclasses import dataclass, replace
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -13,6 +14,41 @@ def relative(distance: float, size: float) -> float:
 
 
 @dataclass(frozen=True)
+class Note:
+    """One step of a solve: what was done, and how it ended.
+
+    Attributes
+    ----------
+    what : str
+        The method, and on what.
+    status : Status
+        How it ended.
+    more : str
+        How far it came.
+    """
+
+    what: str
+    status: Status
+    more: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.what}: {self.status}{self.more}"
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """What a solve may start from, on the whole mesh; names and units of `Outcome`.
+
+    An `Outcome` will do as well.
+    """
+
+    pressure: np.ndarray | None = None
+    traction: np.ndarray | None = None
+    approach: float = 0.0
+    creepage: np.ndarray | None = None
+
+
+@dataclass(frozen=True, eq=False)
 class Outcome:
     """Result of a solver, dimensionless; fields of a problem it did not solve are None.
 
@@ -36,8 +72,8 @@ class Outcome:
         delta.
     creepage : ndarray, shape (m,), optional
         The creepages found where forces were given.
-    trace : tuple of str
-        What was done, step by step: methods tried, meshes, fallbacks.
+    trace : tuple of Note
+        What was done, step by step: methods tried, and fallbacks.
     """
 
     status: Status
@@ -50,17 +86,35 @@ class Outcome:
     slip: np.ndarray | None = None
     approach: float | None = None
     creepage: np.ndarray | None = None
-    trace: tuple[str, ...] = ()
+    trace: tuple[Note, ...] = ()
 
     @property
     def converged(self) -> bool:
         """Whether the contact conditions hold to the tolerance asked for."""
         return self.status is Status.CONVERGED
 
-    def after(self, earlier: "Outcome", share: float = 1.0) -> "Outcome":
+    def costing(self, earlier: "Outcome", share: float = 1.0) -> "Outcome":
+        """This outcome with the cost of work that led to it, on a share of the elements."""
+        return replace(self, cost=self.cost + earlier.cost.scaled(share))
+
+    def after(self, earlier: "Outcome") -> "Outcome":
         """This outcome with the cost and trace of the work that led to it."""
-        return replace(
-            self,
-            cost=self.cost + earlier.cost.scaled(share),
-            trace=earlier.trace + self.trace,
-        )
+        return replace(self.costing(earlier), trace=earlier.trace + self.trace)
+
+
+class Solver(Protocol):
+    """A method with its settings: any object with this method, such as a frozen dataclass."""
+
+    def solve(self, problem: Any, tolerance: float, start: Any = None) -> Outcome:
+        """Solve a problem.
+
+        Parameters
+        ----------
+        problem : Problem or NormalProblem
+            What the method takes.
+        tolerance : float
+            Natural residual, relative, at which to stop.
+        start : Start or Outcome, optional
+            First guess.
+        """
+        ...

@@ -1,13 +1,25 @@
-"""What a solver is given: dimensionless contact problems (units: `operators.half_space`)."""
+"""What a solver is given: dimensionless contact problems (units: `operators.half_space`).
+
+The pressure is an unknown of a `Problem`, or it is **held**: of bodies of equal material it does
+not feel the tractions and is solved for beforehand. Problems are never changed, other ones are
+made.
+"""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
+from tractive_sam.mechanics.friction import Bound, Friction, Linearisation
 from tractive_sam.operators import HalfSpace
 from tractive_sam.operators.stencil import FrictionSlip
+
+WearInPass = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
+"""(pi_n, pi_t, sigma) -> depth worn within the pass, in units of gap, shape (n_x, n_y)."""
+
+Box = tuple[slice, slice]
 
 
 def block_mean(values: np.ndarray, block: tuple[int, int], mode: str) -> np.ndarray:
@@ -19,14 +31,14 @@ def block_mean(values: np.ndarray, block: tuple[int, int], mode: str) -> np.ndar
     return sum(parts) / len(parts)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class NormalProblem:
     """Find pi_n >= 0 with eta = gap + A_nn pi_n - delta >= 0 and pi_n eta = 0.
 
     Parameters
     ----------
-    half_space : HalfSpace
-        The operators.
+    operators : HalfSpace
+        The elastic operators.
     gap : ndarray, shape (n_x, n_y)
         Separation of the undeformed surfaces.
     load : float or None
@@ -35,25 +47,25 @@ class NormalProblem:
         delta; where the load is given, a first guess that is not used.
     """
 
-    half_space: HalfSpace
+    operators: HalfSpace
     gap: np.ndarray
     load: float | None
     approach: float = 0.0
 
     def coarsened(self) -> "NormalProblem":
         """The same problem on elements of twice the size."""
-        block = self.half_space.mesh.block
+        block = self.operators.mesh.block
         return replace(
             self,
-            half_space=self.half_space.coarsened,
+            operators=self.operators.coarsened,
             gap=block_mean(self.gap, block, "edge"),
             load=None if self.load is None else self.load / math.prod(block),
         )
 
 
-@dataclass(frozen=True)
-class Transmission:
-    """Forces to transmit, and the creepages that become unknowns instead.
+@dataclass(frozen=True, eq=False)
+class PrescribedForces:
+    """Prescribed tangential forces, and the creepages that become unknowns instead.
 
     A unit of the unknown zeta_k adds the constant slip v_k to every element, and the force k is the
     sum of v_k . pi_t over the elements: work per revolution is force times creepage.
@@ -63,7 +75,7 @@ class Transmission:
     vectors : ndarray, shape (m, 2)
         v_k, in the scaled frame.
     target : ndarray, shape (m,)
-        Forces to transmit.
+        The forces.
     """
 
     vectors: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
@@ -73,7 +85,7 @@ class Transmission:
         return len(self.target)
 
     @property
-    def least(self) -> float:
+    def minimum(self) -> float:
         """Smallest size of the sum of all tractions that has the forces.
 
         No more than the sum of the bound can be had, in any direction.
@@ -82,25 +94,25 @@ class Transmission:
             return 0.0
         return float(np.linalg.norm(np.linalg.pinv(self.vectors) @ self.target))
 
-    def others(self, slip: np.ndarray, creepage: np.ndarray) -> float:
+    def elastic_slip(self, slip: np.ndarray, creepage: np.ndarray) -> float:
         """Largest slip but for the creepages sought; the size of those that matter beside it."""
         if not len(self):
             return 0.0
         return float(np.abs(slip - self.slip(creepage)).max())
 
-    def reach(self, creepage: np.ndarray, change: np.ndarray, others: float) -> float:
+    def trust_fraction(self, creepage: np.ndarray, change: np.ndarray, beside: float) -> float:
         """Longest part of a change that trusts its linearisation, at most 1.
 
         Where nearly everything slips the forces hardly answer the creepages, and a Newton step
-        would run away. Full slip begins at a slip of order one, or of that of `others`.
+        would run away. Full slip begins at a slip of order one, or of that `beside` them.
         """
         size = np.abs(change).max(initial=0.0)
-        trusted = 3.0 + np.abs(creepage).max(initial=0.0) + others
+        trusted = 3.0 + np.abs(creepage).max(initial=0.0) + beside
         return float(min(1.0, trusted / size)) if size > 0.0 else 1.0
 
-    def lost(self, creepage: np.ndarray, others: float) -> bool:
+    def diverged(self, creepage: np.ndarray, beside: float) -> bool:
         """Whether the creepages have run away: the forces are beyond what friction can carry."""
-        return bool(np.abs(creepage).max(initial=0.0) > 1e4 * (1.0 + others))
+        return bool(np.abs(creepage).max(initial=0.0) > 1e4 * (1.0 + beside))
 
     def slip(self, creepage: np.ndarray) -> np.ndarray:
         """Constant slip of the unknown creepages, shape (2, 1, 1)."""
@@ -110,88 +122,169 @@ class Transmission:
         """Forces of a field of tractions, shape (m,)."""
         return self.vectors @ traction.sum(axis=(1, 2))
 
-    def coarsened(self, block: tuple[int, int]) -> "Transmission":
+    def coarsened(self, block: tuple[int, int]) -> "PrescribedForces":
         """The same forces on elements each of which stands for a block."""
         return replace(self, target=self.target / math.prod(block))
 
 
-@dataclass(frozen=True)
-class TangentialProblem:
-    """Find |pi_t| <= bound with sigma = rigid + D pi_t and pi_t = -bound sigma/|sigma| in slip.
-
-    Which sigma an element answers for is the stencil's (`operators.stencil`).
+@dataclass(frozen=True, eq=False)
+class Held:
+    """A normal problem that is solved already.
 
     Parameters
     ----------
-    half_space : HalfSpace
-        The operators.
-    rigid : ndarray, shape (2, n_x, n_y)
-        Slip of the undeformed bodies (and, of dissimilar bodies, the slip by the pressure).
-    bound : ndarray, shape (n_x, n_y)
-        The pressure pi_n; zero outside the contact.
-    gap : ndarray, shape (n_x, n_y)
-        Gap eta of the normal problem; it tells where within their elements the edges lie.
-    transmission : Transmission
-        Forces given in place of creepages.
+    pressure, gap : ndarray, shape (n_x, n_y)
+        pi_n and eta; the gap tells where within their elements the edges lie.
     """
 
-    half_space: HalfSpace
-    rigid: np.ndarray
-    bound: np.ndarray
+    pressure: np.ndarray
     gap: np.ndarray
-    transmission: Transmission = field(default_factory=Transmission)
 
-    @cached_property
-    def friction_slip(self) -> FrictionSlip:
-        """The slip that the friction law sees."""
-        return self.half_space.friction_slip(self.bound, self.gap)
-
-    def coarsened(self) -> "TangentialProblem":
-        """The same problem on elements of twice the size."""
-        block = self.half_space.mesh.block
-        return replace(
-            self,
-            half_space=self.half_space.coarsened,
-            rigid=block_mean(self.rigid, block, "edge"),
-            bound=block_mean(self.bound, block, "constant"),
-            gap=block_mean(self.gap, block, "edge"),
-            transmission=self.transmission.coarsened(block),
+    def coarsened(self, block: tuple[int, int]) -> "Held":
+        """The same on elements each of which stands for a block."""
+        return Held(
+            block_mean(self.pressure, block, "constant"), block_mean(self.gap, block, "edge")
         )
 
 
-@dataclass(frozen=True)
-class CoupledProblem:
-    """Both problems at once, for bodies whose pressure slips and whose tractions lift.
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """Find pi_n and pi_t, in the disc of the friction law, and with it the slip sigma.
 
-    Fields as in `NormalProblem` and `TangentialProblem`; the bound is the unknown pressure.
+    The normal conditions are those of `NormalProblem`, with the lift by tractions; in slip
+    pi_t = -radius sigma/|sigma|, sigma = rigid + creepages + D_tn pi_n + D_tt pi_t. Which sigma an
+    element answers for is the stencil's (`operators.stencil`).
+
+    Unknowns and the response to them are **fields** of shape (3, n_x, n_y): pressure and tractions,
+    gap and slip; where the pressure is held, of shape (2, n_x, n_y): tractions, and slip. So
+    `fields[-2:]` are always the tangential ones.
+
+    Parameters
+    ----------
+    operators : HalfSpace
+        The elastic operators.
+    normal : NormalProblem or Held
+        The normal block, free or held.
+    rigid : ndarray, shape (2, n_x, n_y)
+        Slip of the undeformed bodies; where the pressure is held, with the slip by it.
+    friction : Friction
+        The friction law on the mesh.
+    forces : PrescribedForces
+        Forces given in place of creepages.
+    wear : callable, optional
+        Wear within the pass, added to the gap. Only iterations that evaluate the gap itself can
+        have it (`Uzawa`).
     """
 
-    half_space: HalfSpace
-    gap: np.ndarray
+    operators: HalfSpace
+    normal: NormalProblem | Held
     rigid: np.ndarray
-    load: float | None
-    approach: float = 0.0
-    transmission: Transmission = field(default_factory=Transmission)
+    friction: Friction = field(default_factory=Friction)
+    forces: PrescribedForces = field(default_factory=PrescribedForces)
+    wear: WearInPass | None = None
 
     @property
-    def normal(self) -> NormalProblem:
-        """The normal problem without the lift by tractions."""
-        return NormalProblem(self.half_space, self.gap, self.load, self.approach)
+    def held(self) -> bool:
+        """Whether the pressure is held."""
+        return isinstance(self.normal, Held)
 
-    def tangential(self, pressure: np.ndarray, gap: np.ndarray) -> TangentialProblem:
+    @property
+    def load(self) -> float | None:
+        """Sum of the pressure that is asked for; None where approach or pressure are given."""
+        return None if isinstance(self.normal, Held) else self.normal.load
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Shape of the fields."""
+        return (2 if self.held else 3, *self.rigid.shape[1:])
+
+    def holding(self, pressure: np.ndarray, gap: np.ndarray) -> "Problem":
         """The tangential problem under a pressure and the gap that goes with it."""
-        rigid = self.rigid + self.half_space.slip_by_pressure(pressure)
-        return TangentialProblem(self.half_space, rigid, pressure, gap, self.transmission)
+        rigid = self.rigid
+        if self.operators.dissimilar:
+            rigid = rigid + self.operators.slip_by_pressure(pressure)
+        return replace(self, normal=Held(pressure, gap), rigid=rigid, wear=None)
 
-    def coarsened(self) -> "CoupledProblem":
-        """The same problem on elements of twice the size."""
-        normal = self.normal.coarsened()
-        block = self.half_space.mesh.block
+    def within(self, box: Box) -> "Problem":
+        """The tangential problem, of a pressure that is held, on a rectangle around the contact."""
+        friction, held = self.friction, Held(self.normal.pressure[box], self.normal.gap[box])
+        x = friction.x[box[0]] if len(friction.x) > 1 else friction.x
+        y = friction.y[:, box[1]] if friction.y.shape[1] > 1 else friction.y
         return replace(
             self,
-            half_space=normal.half_space,
-            gap=normal.gap,
-            rigid=block_mean(self.rigid, block, "edge"),
-            load=normal.load,
-            transmission=self.transmission.coarsened(block),
+            operators=self.operators.part(held.pressure.shape),
+            normal=held,
+            rigid=self.rigid[:, *box],
+            friction=friction.on(x, y),
         )
+
+    def coarsened(self) -> "Problem":
+        """The same problem on elements of twice the size."""
+        block = self.operators.mesh.block
+        normal = self.normal.coarsened(block) if self.held else self.normal.coarsened()
+        friction = self.friction
+        return replace(
+            self,
+            operators=self.operators.coarsened,
+            normal=normal,
+            rigid=block_mean(self.rigid, block, "edge"),
+            friction=friction.on(
+                block_mean(friction.x, (block[0], 1), "edge"),
+                block_mean(friction.y, (1, block[1]), "edge"),
+            ),
+            forces=self.forces.coarsened(block),
+        )
+
+    def response(self, fields: np.ndarray) -> np.ndarray:
+        """Elastic part of gap and slip, of fields; counts as one application."""
+        if self.held:
+            return self.operators.slip(fields)
+        if self.operators.dissimilar:
+            return self.operators.coupled(fields)
+        return np.concatenate((self.operators.normal(fields[:1]), self.operators.slip(fields[1:])))
+
+    def bound(self, pressure: np.ndarray) -> Bound:
+        """Bound of the friction law under a pressure."""
+        return self._bound_held if self.held else self.friction.bound(pressure)
+
+    def friction_slip(self, pressure: np.ndarray, gap: np.ndarray) -> FrictionSlip:
+        """The slip that the friction law sees under a pressure and a gap."""
+        return self._slip_held if self.held else self.operators.friction_slip(pressure, gap)
+
+    @cached_property
+    def _bound_held(self) -> Bound:
+        return self.friction.bound(self.normal.pressure)
+
+    @cached_property
+    def _slip_held(self) -> FrictionSlip:
+        return self.operators.friction_slip(self.normal.pressure, self.normal.gap)
+
+    def project(self, traction: np.ndarray, radius: np.ndarray, physical: bool) -> np.ndarray:
+        """The nearest tractions within the bound (`FrictionLaw.project`)."""
+        return self.friction.law.project(traction, radius, physical)
+
+    def opposed(self, traction: np.ndarray, slip: np.ndarray, seen: FrictionSlip) -> np.ndarray:
+        """The slip that the tractions oppose, from that of the leading faces."""
+        sticking = seen.sticking(slip, traction)
+        return self.friction.law.opposed(sticking, seen.bound, seen.staggered)
+
+    def linearise(
+        self,
+        traction: np.ndarray,
+        slip: np.ndarray,
+        radius: np.ndarray,
+        seen: FrictionSlip,
+        active: np.ndarray | None,
+    ) -> Linearisation:
+        """The friction law linearised at tractions and the slip of the leading faces."""
+        sticking = seen.sticking(slip, traction)
+        return self.friction.law.linearise(
+            traction, sticking, radius, seen.bound, seen.staggered, active
+        )
+
+    def sliding(
+        self, pressure: np.ndarray, gap: np.ndarray, traction: np.ndarray, slip: np.ndarray
+    ) -> np.ndarray:
+        """Elements in contact whose traction is at its bound and opposes the slip, bool."""
+        opposed = self.opposed(traction, slip, self.friction_slip(pressure, gap))
+        return (pressure > 0.0) & (np.hypot(*(traction - opposed)) > self.bound(pressure).radius)

@@ -133,7 +133,7 @@ def _times(models: list[Model]) -> list[float]:
         + pace[memory.fields_together(model), model.grid.line]
         * _size(model)
         * explain.applications(model)
-        * (UZAWA if model.scene.solver.method == "uzawa" else 1.0)
+        * (1.0 if model.method.predictable else UZAWA)
         for model in models
     ]
 

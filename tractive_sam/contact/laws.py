@@ -1,0 +1,60 @@
+"""The laws of mechanics that a scene names: the one place where its tables become laws."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from tractive_sam.mechanics.friction import Coulomb, FrictionLaw
+from tractive_sam.mechanics.wear import Archard, ArchardByWork, WearLaw
+from tractive_sam.scene import Scene
+
+
+@dataclass(frozen=True)
+class Laws:
+    """The mechanics of a contact.
+
+    Attributes
+    ----------
+    friction : FrictionLaw or None
+        What friction does; None without.
+    wear : WearLaw or None
+        How a pass wears; None without.
+
+    Examples
+    --------
+    >>> laws = ts.Laws.of(scene)
+    >>> laws.friction
+    Coulomb(mu=(0.5, 0.5), angle=0.0)
+    >>> weaker = laws.replace(friction=ts.Coulomb(mu=(0.4, 0.4)))
+    >>> ts.solve(scene, laws=weaker).Qx < contact.Qx
+    True
+    """
+
+    friction: FrictionLaw | None = None
+    wear: WearLaw | None = None
+
+    @classmethod
+    def of(cls, scene: Scene) -> "Laws":
+        """The laws that the tables of a scene name."""
+        return cls(_friction(scene), _wear(scene))
+
+    def replace(self, **laws: Any) -> "Laws":
+        """These laws, with others in place of some."""
+        return replace(self, **laws)
+
+
+def _friction(scene: Scene) -> FrictionLaw | None:
+    table = scene.friction
+    return None if table is None else Coulomb(table.mu, float(np.deg2rad(table.angle)))
+
+
+def _wear(scene: Scene) -> WearLaw | None:
+    """That of the paper with its slip."""
+    table, friction = scene.wear, _friction(scene)
+    if table is None:
+        return None
+    mu, angle = ((1.0, 1.0), 0.0) if friction is None else (friction.mu, friction.angle)
+    if scene.solver.slip == "upwind":
+        return Archard(table.intensity, angle)
+    return ArchardByWork(table.intensity, mu, angle)

@@ -1,0 +1,75 @@
+"""The scaled tribological frame, in which orthotropic friction is isotropic.
+
+Friction coefficients mu1, mu2 belong to the tribological axes e1, e2, which are turned by an angle
+counter-clockwise from x, y. With F = M R, M = diag(mu1, mu2) and R the rotation, tractions and slip
+become p~ = F^-T p_t and s~ = F s. They do the same work, p~ . s~ = p_t . s, and the ellipse of
+tractions that friction allows becomes a disc.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The scaled tribological frame of orthotropic friction.
+
+    Parameters
+    ----------
+    mu : tuple of float
+        Friction coefficients (mu1, mu2) along the tribological axes.
+    angle : float
+        Angle beta of the first axis, counter-clockwise from x, radians.
+    """
+
+    mu: tuple[float, float] = (1.0, 1.0)
+    angle: float = 0.0
+
+    @cached_property
+    def matrix(self) -> np.ndarray:
+        """F = M R: slip into the frame, s~ = F s; traction out of it, p_t = F^T p~."""
+        c, s = np.cos(self.angle), np.sin(self.angle)
+        return np.diag(self.mu) @ np.array([[c, s], [-s, c]])
+
+    @cached_property
+    def inverse(self) -> np.ndarray:
+        """F^-1 = R^T M^-1."""
+        c, s = np.cos(self.angle), np.sin(self.angle)
+        return np.array([[c, -s], [s, c]]) / np.asarray(self.mu)
+
+    @property
+    def weights(self) -> tuple[float, float]:
+        """(max mu / mu)² of both axes: what squares of unscaled tractions have less of."""
+        return tuple((max(self.mu) / mu) ** 2 for mu in self.mu)
+
+    def to_scaled(self, traction: np.ndarray) -> np.ndarray:
+        """p~ = F^-T p_t for a field of shape (2, ...)."""
+        return np.tensordot(self.inverse.T, traction, axes=1)
+
+    def to_physical(self, scaled: np.ndarray) -> np.ndarray:
+        """p_t = F^T p~ for a field of shape (2, ...)."""
+        return np.tensordot(self.matrix.T, scaled, axes=1)
+
+    def slip_to_scaled(self, slip: np.ndarray) -> np.ndarray:
+        """s~ = F s for a field of shape (2, ...)."""
+        return np.tensordot(self.matrix, slip, axes=1)
+
+    def slip_to_physical(self, scaled: np.ndarray) -> np.ndarray:
+        """s = F^-1 s~ for a field of shape (2, ...)."""
+        return np.tensordot(self.inverse, scaled, axes=1)
+
+    def norm(self, traction: np.ndarray) -> np.ndarray:
+        """||p_t||_mu = |p~|, what a traction, or a force, takes of the pressure, or the load.
+
+        The elliptic norm sqrt((p_e1/mu1)² + (p_e2/mu2)²) (paper, eq. 10); shape (2, ...) to (...).
+        """
+        return np.hypot(*self.to_scaled(traction))
+
+    def dual_norm(self, direction: np.ndarray) -> np.ndarray:
+        """|F d|: the largest component along d of a traction, or force, of ||p_t||_mu = 1.
+
+        Of a slip it is ||s||* = sqrt((mu1 s_e1)² + (mu2 s_e2)²), the work of friction on it.
+        """
+        return np.hypot(*self.slip_to_scaled(direction))

@@ -1,0 +1,206 @@
+"""One step of Newton's method: an iterate, and the linear system at it.
+
+Vectors of the system are [fields, approach (under load), creepages]; see `Problem` for the fields.
+Everything tangential is written once, for fields[-2:], whether or not there is a pressure before.
+"""
+
+import numpy as np
+
+from tractive_sam.solvers.outcome import relative
+from tractive_sam.solvers.problem import Problem
+
+
+ROUNDING = 1e-13
+"""Relative size of a step that has no effect but on digits that rounding has spoilt."""
+
+
+class Iterate:
+    """Pressure, tractions, approach, creepages, and what the contact conditions say of them.
+
+    Tractions may be tiny beside the pressure: they and their slip count `ratio` times, the size of
+    the pressure over theirs. The merit counts them as many times as asked for.
+    """
+
+    def __init__(self, problem: Problem, pressure, traction, approach, creepage, ratio=1.0):
+        held, normal, forces = problem.held, problem.normal, problem.forces
+        self.pressure = pressure if held else np.maximum(pressure, 0.0)
+        self.bound = problem.bound(self.pressure)
+        self.traction = problem.project(traction, self.bound.radius, physical=True)
+        self.approach, self.creepage = approach, creepage
+        response = problem.response(self.fields(held))
+        self.slip = problem.rigid + forces.slip(creepage) + response[-2:]
+        self.gap = normal.gap if held else normal.gap + response[0] - approach
+        self.seen = problem.friction_slip(self.pressure, self.gap)
+        self.active = self.pressure > (0.0 if held else self.gap)
+        # An element about to leave takes its traction along.
+        self.leaving = ~self.active & (self.pressure > 0.0)
+        self.law = problem.linearise(
+            self.traction, self.slip, self.bound.radius, self.seen, None if held else self.active
+        )
+        self.elastic_slip = forces.elastic_slip(self.slip, creepage)
+
+        # Resultants, given and missed, count as if spread evenly over the contact.
+        elements = max(np.count_nonzero(self.active), 1)
+        self.load_missed = 0.0 if problem.load is None else problem.load - self.pressure.sum()
+        self.force_missed = forces.target - forces.force(self.traction)
+        missed = np.sum(self.force_missed**2) / elements
+        asked = np.linalg.norm(forces.target) / np.sqrt(elements)
+        drag = max(np.linalg.norm(self.traction + self.law.defect), asked)
+        self._tangential = self.law.merit + missed
+        self._normal = 0.0
+        self.residual = relative(np.sqrt(self.law.squares + missed), drag)
+        self.ratio = 1.0
+        if not held:
+            self._normal = np.sum(np.minimum(self.pressure, self.gap) ** 2)
+            self._normal += self.load_missed**2 / elements
+            size = np.linalg.norm(self.pressure)
+            self.residual = max(relative(np.sqrt(self._normal), size), self.residual)
+            self.ratio = float(max(size / drag, 1.0)) if drag > 0.0 else 1.0
+        self.merit = self.merit_by(ratio)
+
+    def fields(self, held: bool) -> np.ndarray:
+        """The unknown fields."""
+        return self.traction if held else np.concatenate((self.pressure[None], self.traction))
+
+    def merit_by(self, ratio: float) -> float:
+        """Size of what the conditions miss, where those of the tractions count `ratio` times."""
+        return float(np.sqrt(self._normal + ratio**2 * self._tangential))
+
+
+class System:
+    """The Newton system at an iterate; `kind` is the type of its numbers.
+
+    An element in contact asks that its gap close, one that has left that its pressure vanish, and
+    the friction law for what `Linearisation` says. The step of a slipping traction along its
+    direction follows the bound, and with it the pressure: it is no unknown, but part of a step
+    that is `completed`.
+
+    Attributes
+    ----------
+    applications, preconditionings : int
+        Work done.
+    """
+
+    def __init__(self, problem: Problem, at: Iterate, kind: type):
+        self.problem, self.at, self.kind = problem, at, kind
+        self.operators, self.vectors = problem.operators, problem.forces.vectors
+        self.free, self.under_load = not problem.held, problem.load is not None
+        self.shape = problem.shape
+        self.size = int(np.prod(self.shape))
+        self.length = self.size + self.under_load + len(self.vectors)
+        self.weight = 1.0 / np.sqrt(max(np.count_nonzero(at.active), 1))
+        self.stiffness = at.seen.stiffness
+        self.applications = self.preconditionings = 0
+        # The traction of an element that slips, per pressure that its bound rises with.
+        self._following = at.law.direction * at.bound.by_pressure if self.free else None
+        self._rows_made = np.empty(self.shape, kind)
+        self._out = np.empty(self.length, kind)
+        self._border()
+
+    def fields(self, vector: np.ndarray) -> np.ndarray:
+        """The fields of a vector."""
+        return vector[: self.size].reshape(self.shape)
+
+    def _response(self, step: np.ndarray) -> np.ndarray:
+        self.applications += 1
+        return self.problem.response(step)
+
+    def _rows(self, step: np.ndarray, response: np.ndarray) -> np.ndarray:
+        """Linearised conditions of a completed step and the change of gap and slip by it."""
+        at, rows = self.at, self._rows_made
+        if self.free:
+            rows[0] = np.where(at.active, response[0], 0.0)
+            slip = at.seen.sticking_change(response[1:], at.traction, step, response[0])
+        else:
+            slip = at.seen.sticking(response, step)
+        at.law.rows(step[-2:], slip, rows[-2:])
+        if at.ratio != 1.0:
+            rows[-2:] *= at.ratio
+        return rows
+
+    def _resultants(self, step: np.ndarray) -> np.ndarray:
+        sums = self.at.ratio * self.vectors @ step[-2:].sum(axis=(1, 2))
+        return np.concatenate(([step[0].sum()], sums)) if self.under_load else sums
+
+    def _extended(self, response: np.ndarray, extra: np.ndarray) -> np.ndarray:
+        """Add the change of approach and creepages to a change of gap and slip."""
+        if self.under_load:
+            response[0] -= extra[0]
+        if len(self.vectors):
+            response[-2:] += (extra[int(self.under_load) :] @ self.vectors)[:, None, None]
+        return response
+
+    def completed(self, step: np.ndarray) -> np.ndarray:
+        """A step with the change of slipping tractions that follow their changing bound."""
+        if not self.free:
+            return step
+        step = step.copy()
+        step[1:] += self._following * step[0]
+        return step
+
+    def right_hand_side(self) -> tuple[np.ndarray, np.ndarray]:
+        """Right-hand side, and the fields of the step that are known beforehand."""
+        at, law = self.at, self.at.law
+        known = np.zeros(self.shape)
+        known[:-2] = np.where(at.leaving, -at.pressure, 0.0)
+        known[-2:] = np.where(at.active, law.known, -at.traction)
+        rhs = np.zeros(self.length, self.kind)
+        field = self.fields(rhs)
+        # Where no element changes between stick and slip, known is what rounding has left.
+        if np.abs(known).max() > ROUNDING * np.abs(at.traction).max():
+            step = known.astype(self.kind)
+            field -= self._rows(step, self._response(step))
+        field[:-2] -= np.where(at.active, at.gap, 0.0)
+        field[-2:] += at.ratio * law.asked
+        missed = at.ratio * at.force_missed
+        if self.under_load:
+            missed = np.concatenate(([at.load_missed], missed))
+        rhs[self.size :] = self.weight * (missed - self._resultants(known))
+        return rhs, known
+
+    def operator(self, vector: np.ndarray) -> np.ndarray:
+        """Apply the Newton matrix; the result is overwritten by the next one."""
+        step = self.completed(self.fields(vector))
+        response = self._extended(self._response(step), vector[self.size :])
+        self._out[: self.size] = self._rows(step, response).ravel()
+        if self.length > self.size:
+            self._out[self.size :] = self.weight * self._resultants(step)
+        return self._out
+
+    def _approximate_inverse(self, rows: np.ndarray) -> np.ndarray:
+        """The circulant inverse for the pressure, and the upwind sweep for the tractions."""
+        at, operators = self.at, self.operators
+        tangential = rows[-2:] if at.ratio == 1.0 else rows[-2:] / at.ratio
+        step = at.law.approximate_inverse(
+            tangential, operators.tangential_inverse, operators.self_influence, self.stiffness
+        )
+        self.preconditionings += 1
+        if not self.free:
+            return step
+        normal = np.where(at.active, operators.normal_inverse(rows[:1])[0], 0.0)
+        return np.concatenate((normal[None], step))
+
+    def _border(self) -> None:
+        """Responses to the unknown approach and creepages, and of the resultants to them."""
+        count = self.length - self.size
+        zero = np.zeros(self.shape if count else (), self.kind)
+        self._responses = [
+            self._approximate_inverse(self._rows(zero, self._extended(zero.copy(), unit)).copy())
+            for unit in np.eye(count)
+        ]
+        sums = [self._resultants(self.completed(response)) for response in self._responses]
+        self._schur = np.array(sums).T.reshape(count, count)
+
+    def preconditioner(self, vector: np.ndarray) -> np.ndarray:
+        """Apply the approximate inverse, bordered by the resultants."""
+        step = self._approximate_inverse(self.fields(vector))
+        out = np.empty(self.length, self.kind)
+        if self._responses:
+            missed = self._resultants(self.completed(step)) - vector[self.size :] / self.weight
+            # Least squares: in full slip the forces do not answer the creepages.
+            extra = np.linalg.lstsq(self._schur, missed, rcond=1e-12)[0]
+            for c, response in zip(extra, self._responses, strict=True):
+                step -= c * response
+            out[self.size :] = extra
+        out[: self.size] = step.ravel()
+        return out

@@ -1,0 +1,238 @@
+"""The paper's projected iterations: project(fields - step * residual), by Uzawa or accelerated.
+
+The smooth modes of the slip operator have almost imaginary eigenvalues A(k) (1 - exp(i k_x dx))/dx,
+for which |1 - r lambda| < 1 holds up to r = dx/A(k): the usable step of the slip shrinks with the
+mesh. The bound with the largest A(k) of the contact is safe, but no mode that long fits into it;
+what works best is a fixed multiple.
+"""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tractive_sam.operators import HalfSpace
+from tractive_sam.results.status import Cost, Status
+from tractive_sam.solvers.conjugate_gradients import ConjugateGradients
+from tractive_sam.solvers.nested import Nested
+from tractive_sam.solvers.outcome import Note, Outcome, Start, relative
+from tractive_sam.solvers.problem import Problem
+
+Array = np.ndarray
+
+
+def slip_step(operators: HalfSpace, contact: Array) -> float:
+    """Bound on the step of the slip on a contact area (see the module)."""
+    ones = np.where(contact, 1.0, 0.0)
+    zero = np.zeros_like(ones)
+    rows = (
+        np.abs(operators.tangential(np.stack(unit))).sum(axis=0).max()
+        for unit in ((ones, zero), (zero, ones))
+    )
+    return 1.0 / max(rows)
+
+
+def gap_step(operators: HalfSpace, contact: Array) -> float:
+    """Step of the gap: the inverse of a bound on the largest eigenvalue of A_nn on the contact."""
+    return 1.0 / operators.normal(np.where(contact, 1.0, 0.0)[None]).max()
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluation:
+    """A map applied once.
+
+    Attributes
+    ----------
+    image : ndarray
+        The projected state.
+    residual : float
+        Natural residual of the state, relative.
+    gap, slip : ndarray, shapes (n_x, n_y) and (2, n_x, n_y)
+        Of the state.
+    """
+
+    image: Array
+    residual: float
+    gap: Array
+    slip: Array
+
+
+@dataclass(frozen=True, eq=False)
+class ProjectedMap:
+    """(pi_n, pi_t) -> both projections at once (paper, eq. 13 and section 7.5, steps II-V).
+
+    States are fields of the problem, whose approach is taken as given.
+
+    Parameters
+    ----------
+    problem : Problem
+        The problem.
+    steps : ndarray, shape of the fields (..., 1, 1)
+        Steps of gap and slip.
+    """
+
+    problem: Problem
+    steps: Array
+
+    @classmethod
+    def of(cls, problem: Problem, contact: Array, boldness: float) -> "ProjectedMap":
+        """With steps that are right for a contact area, that of the slip over its bound given."""
+        slip = boldness * slip_step(problem.operators, contact)
+        gap = [] if problem.held else [gap_step(problem.operators, contact)]
+        return cls(problem, np.array([*gap, slip, slip])[:, None, None])
+
+    def shortened(self, factor: float) -> "ProjectedMap":
+        """The same with steps multiplied by a factor below one."""
+        return replace(self, steps=factor * self.steps)
+
+    def _pressure(self, state: Array) -> Array:
+        return self.problem.normal.pressure if self.problem.held else state[0]
+
+    def admissible(self, state: Array) -> Array:
+        """Pressure not negative, tractions within the bound it gives."""
+        out = np.empty_like(state)
+        out[:-2] = np.maximum(state[:-2], 0.0)
+        radius = self.problem.bound(self._pressure(out)).radius
+        out[-2:] = self.problem.project(state[-2:], radius, physical=False)
+        return out
+
+    def __call__(self, state: Array) -> Evaluation:
+        """Evaluate the map once, at the cost of one application."""
+        problem, normal, pressure = self.problem, self.problem.normal, self._pressure(state)
+        response = problem.response(state)
+        slip = problem.rigid + response[-2:]
+        gap = normal.gap if problem.held else normal.gap + response[0] - normal.approach
+        if problem.wear is not None:
+            gap = gap + problem.wear(pressure, state[-2:], slip)
+        seen = problem.friction_slip(pressure, gap)
+        opposed = problem.opposed(state[-2:], slip, seen)
+        target = np.empty_like(state)
+        target[:-2] = np.maximum(state[:-2] - gap, 0.0)
+        radius = problem.bound(pressure).radius
+        target[-2:] = problem.project(state[-2:] - opposed, radius, physical=False)
+        missed = target - state
+        # A pressure that is held misses nothing.
+        residual = max(
+            relative(np.linalg.norm(missed[k]), np.linalg.norm(target[k]))
+            for k in (slice(None, -2), slice(-2, None))
+        )
+        misses = opposed if problem.held else np.concatenate((gap[None], opposed))
+        return Evaluation(self.admissible(state - self.steps * misses), residual, gap, slip)
+
+
+@dataclass(frozen=True)
+class Projection(ABC):
+    """What the projected iterations share: where they start, and how they meet a load.
+
+    Attributes
+    ----------
+    corrections : int
+        Most corrections of the approach.
+    beginning : float
+        Residual of the pressure without tractions from which they start.
+    """
+
+    corrections: int = 60
+    beginning: float = 1e-3
+
+    name = ""
+    boldness = 1.0
+
+    @abstractmethod
+    def _iterated(
+        self, mapping: ProjectedMap, tolerance: float, state: Array
+    ) -> tuple[Outcome, ProjectedMap]:
+        """Solve under given approach; and the map, whose steps may have been shortened."""
+
+    def solve(
+        self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
+    ) -> Outcome:
+        """Solve a problem, with its pressure free or held.
+
+        Parameters
+        ----------
+        problem : Problem
+            The problem, without prescribed tangential forces.
+        tolerance : float
+            Natural residual, and relative error of the load, at which to stop.
+        start : Start or Outcome, optional
+            First guess; by default of the pressure that without tractions, roughly, and zero of the
+            rest.
+
+        Raises
+        ------
+        ValueError
+            If the problem prescribes tangential forces.
+        """
+        if len(problem.forces):
+            raise ValueError("problem.forces: projected iterations are for given creepages only")
+        cost = Cost()
+        start = start or Start()
+        traction = start.traction
+        if traction is None or not np.isfinite(traction).all():
+            traction = np.zeros_like(problem.rigid)
+        if problem.held:
+            mapping = ProjectedMap.of(problem, problem.normal.pressure > 0.0, self.boldness)
+            outcome, _ = self._iterated(mapping, tolerance, traction)
+        else:
+            pressure, approach = start.pressure, start.approach
+            if pressure is None:
+                normal = Nested(ConjugateGradients()).solve(problem.normal, self.beginning)
+                pressure, approach, cost = normal.pressure, normal.approach, normal.cost
+            mapping = ProjectedMap.of(problem, pressure > 0.0, self.boldness)
+            state = np.concatenate((pressure[None], traction))
+            if problem.load is None:
+                outcome, _ = self._iterated(mapping, tolerance, state)
+            else:
+                outcome = self._under_load(mapping, tolerance, state, approach)
+        trace = (Note(self.name, outcome.status),)
+        return replace(outcome, cost=outcome.cost + cost, trace=trace)
+
+    def _under_load(
+        self, mapping: ProjectedMap, tolerance: float, state: Array, approach: float
+    ) -> Outcome:
+        """Correct the approach until the load is met (paper, section 7.5, steps a.1 and a.2)."""
+        problem = mapping.problem
+        outcome = last = None
+        for _ in range(self.corrections):
+            normal = replace(problem.normal, approach=approach)
+            mapping = replace(mapping, problem=replace(problem, normal=normal))
+            missed = np.inf if last is None else abs(last[1])
+            # The load can be no better than the contact from which it is summed.
+            inner = max(0.1 * tolerance, min(1e-3, 0.1 * missed))
+            now, mapping = self._iterated(mapping, inner, state)
+            outcome = now if outcome is None else now.costing(outcome)
+            if not now.converged:
+                return outcome
+            state = np.concatenate((now.pressure[None], now.traction))
+            error = now.pressure.sum() / problem.load - 1.0
+            if abs(error) <= tolerance and now.residual <= tolerance:
+                return outcome
+            # Secants, within reason of Hertz's load ~ approach^3/2: a load from a contact that is
+            # not solved sharply does not bear an extrapolation.
+            slope = hertz = 1.5 / approach
+            if last is not None and approach != last[0]:
+                slope = (error - last[1]) / (approach - last[0])
+                slope = min(max(slope, 0.3 * hertz), 3.0 * hertz)
+            last = (approach, error)
+            approach -= error / slope
+        return replace(outcome, status=Status.OUT_OF_ITERATIONS)
+
+    @staticmethod
+    def _outcome(
+        status: Status, mapping: ProjectedMap, state: Array, now: Evaluation, taken: int
+    ) -> Outcome:
+        """What came of iterations, each of which has evaluated the map once."""
+        problem = mapping.problem
+        return Outcome(
+            status,
+            now.residual,
+            taken,
+            Cost(taken + 1.0),
+            pressure=problem.normal.pressure if problem.held else state[0],
+            gap=now.gap,
+            traction=state[-2:],
+            slip=now.slip,
+            approach=None if problem.held else problem.normal.approach,
+            creepage=np.zeros(0),
+        )
