@@ -10,9 +10,9 @@ from timing import seconds, show, write
 from tractive_sam.contact import Model
 from tractive_sam.operators.fft import transform
 from tractive_sam.scene import Scene
-from tractive_sam.solvers.conjugate_gradients import conjugate_gradients, natural_residual
-from tractive_sam.solvers.nested import nested_normal
-from tractive_sam.solvers.problem import NormalProblem
+from tractive_sam.solvers import NormalProblem
+from tractive_sam.solvers.conjugate_gradients import natural_residual
+from tractive_sam.solvers.ladder import NORMAL
 
 TOLERANCE = 1e-8
 MESHES = (91, 128, 181, 256, 361, 512, 1024)
@@ -71,10 +71,10 @@ def main():
     rows = []
     for n in MESHES:
         model, problem = problem_on(n)
-        outcome = nested_normal(problem, TOLERANCE, conjugate_gradients)
+        outcome = NORMAL.solve(problem, TOLERANCE)
         assert outcome.converged
-        took = seconds(lambda p=problem: nested_normal(p, TOLERANCE, conjugate_gradients))
-        plan, fields = transform(1, (n, n), problem.half_space.mesh.padded), np.ones((1, n, n))
+        took = seconds(lambda p=problem: NORMAL.solve(p, TOLERANCE))
+        plan, fields = transform(1, (n, n), problem.operators.mesh.padded), np.ones((1, n, n))
 
         def pair(plan=plan, fields=fields):
             plan.forward(fields)

@@ -11,15 +11,11 @@ from matplotlib.figure import Figure
 from timing import RESULTS, seconds, show, write
 
 from tractive_sam.contact import Model, equilibrium
-from tractive_sam.contact.in_sequence import solve_normal
 from tractive_sam.operators.fft import transform
 from tractive_sam.scene import Scene
-from tractive_sam.solvers.anderson import anderson
-from tractive_sam.solvers.fixed_point import ANDERSON_STEP, UZAWA_STEP, TangentialMap
-from tractive_sam.solvers.nested import nested_tangential
-from tractive_sam.solvers.newton import newton
-from tractive_sam.solvers.problem import TangentialProblem
-from tractive_sam.solvers.uzawa import uzawa
+from tractive_sam.solvers import Anderson, Nested, Problem, Uzawa
+from tractive_sam.solvers.in_sequence import rectangle
+from tractive_sam.solvers.ladder import HELD, NORMAL
 
 TOLERANCE = 1e-8
 MESHES = (31, 45, 61, 91, 127, 181, 255, 361)
@@ -28,61 +24,40 @@ UZAWA_UP_TO = 181
 CONTACT_SECONDS = {91: 0.6, 181: 5.4, 361: 48.0}
 
 
-def problem_on(n: int, slip: str = "auto") -> TangentialProblem:
+def problem_on(n: int, slip: str = "auto") -> Problem:
     """The tangential problem on n x n elements."""
     scene = Scene.builtin("spheres").with_set(
         [f"grid.elements=[{n}, {n}]", f'solver.slip="{slip}"']
     )
     model = Model(scene)
-    normal = solve_normal(model, model.undeformed_gap / model.units.gap, None, 1e-10)
-    pressure = normal.pressure
-    i = np.flatnonzero(pressure.any(axis=1))
-    box = slice(i[0] - 1, i[-1] + 2), slice(i[0], i[-1] + 1)
-    half_space = model.half_space_of(pressure[box].shape)
-    return TangentialProblem(
-        half_space, model.scaled_rigid_slip[:, *box], pressure[box], normal.gap[box]
-    )
-
-
-def by_newton(problem):
-    return nested_tangential(problem, TOLERANCE, newton)
-
-
-def by_newton_cold(problem):
-    return newton(problem, TOLERANCE)
-
-
-def by_anderson(problem):
-    return anderson(TangentialMap(problem, ANDERSON_STEP), TOLERANCE, np.zeros_like(problem.rigid))
-
-
-def by_uzawa(problem):
-    return uzawa(TangentialMap(problem, UZAWA_STEP), TOLERANCE, np.zeros_like(problem.rigid))
+    problem = model.problem(model.undeformed_gap / model.units.gap)
+    normal = NORMAL.solve(problem.normal, 1e-10)
+    return problem.holding(normal.pressure, normal.gap).within(rectangle(normal.pressure > 0.0))
 
 
 METHODS = {
-    "newton": (by_newton, "auto"),
-    "newton, upwind": (by_newton, "upwind"),
-    "newton, one mesh": (by_newton_cold, "auto"),
-    "anderson": (by_anderson, "auto"),
-    "uzawa": (by_uzawa, "upwind"),
+    "newton": (Nested(HELD), "auto"),
+    "newton, upwind": (Nested(HELD), "upwind"),
+    "newton, one mesh": (HELD, "auto"),
+    "anderson": (Anderson(), "auto"),
+    "uzawa": (Uzawa(), "upwind"),
 }
 
 
 def raw_applications(problem) -> int:
     """Applications on all meshes of the nested method, each counted as one."""
-    spaces, space = [problem.half_space], problem.half_space
+    spaces, space = [problem.operators], problem.operators
     while min(space.mesh.shape) > 24:
         space = space.coarsened
         spaces.append(space)
     before = sum(s.slip.applications for s in spaces)
-    by_newton(problem)
+    Nested(HELD).solve(problem, TOLERANCE)
     return sum(s.slip.applications for s in spaces) - before
 
 
 def transform_pair(problem) -> float:
     """Seconds of the bare forward and backward FFT of one application."""
-    plan = transform(2, problem.bound.shape, problem.half_space.mesh.padded)
+    plan = transform(2, problem.normal.pressure.shape, problem.operators.mesh.padded)
     fields = np.ones(problem.rigid.shape)
 
     def pair():
@@ -97,14 +72,14 @@ def main():
     for n in MESHES:
         problems = {slip: problem_on(n, slip) for slip in ("auto", "upwind")}
         pair = transform_pair(problems["auto"])
-        for name, (solve, slip) in METHODS.items():
+        for name, (solver, slip) in METHODS.items():
             problem = problems[slip]
             if (name == "uzawa" and n > UZAWA_UP_TO) or (name == "newton, one mesh" and n > 181):
                 continue
-            outcome = solve(problem)
+            outcome = solver.solve(problem, TOLERANCE)
             assert outcome.converged, (name, n, outcome.status)
             cost = outcome.cost
-            took = seconds(lambda s=solve, p=problem: s(p))
+            took = seconds(lambda s=solver, p=problem: s.solve(p, TOLERANCE))
             rows.append(
                 {
                     "n": n,
@@ -116,7 +91,7 @@ def main():
                     "seconds": took,
                     "over its FFTs": took / (pair * (cost.applications + cost.preconditioner)),
                     "CONTACT/this": CONTACT_SECONDS[n] / took if n in CONTACT_SECONDS else "",
-                    "Qx/muP": outcome.traction[0].sum() / problem.bound.sum(),
+                    "Qx/muP": outcome.traction[0].sum() / problem.normal.pressure.sum(),
                 }
             )
     show("Tangential problem of `spheres`, cold, to 1e-8", rows)

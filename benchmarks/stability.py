@@ -14,20 +14,19 @@ import sys
 import warnings
 
 import numpy as np
-from hard_scenes import alternating, by_library, by_projection
+from hard_scenes import BUDGET, alternating, by_library, by_projection
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from timing import RESULTS, show, write
 
 from tractive_sam.contact import Model, equilibrium
-from tractive_sam.contact.in_sequence import solve_normal
 from tractive_sam.kernels.rectangle import integrals
 from tractive_sam.rolling.passage import passage_at, unworn
 from tractive_sam.rolling.response import wear_response
 from tractive_sam.scene import Scene
-from tractive_sam.solvers.anderson import anderson
-from tractive_sam.solvers.fixed_point import ANDERSON_STEP, TangentialMap, slip_step
-from tractive_sam.solvers.problem import TangentialProblem
+from tractive_sam.solvers import Anderson, Problem
+from tractive_sam.solvers.ladder import NORMAL
+from tractive_sam.solvers.projection import ProjectedMap, slip_step
 
 STEEL = {"young": 2e5, "poisson": 0.3}
 FLAT = {"radius_x": np.inf, "radius_y": np.inf}
@@ -74,14 +73,14 @@ def finished(name: str, title: str, rows: list[dict], drawn: Figure) -> None:
 # Uzawa's step
 
 
-def longest_step(problem: TangentialProblem, over: float) -> float:
+def longest_step(problem: Problem, over: float) -> float:
     """The longest step of Uzawa's iteration that does not diverge from the solution, bisected."""
-    solved = anderson(TangentialMap(problem, ANDERSON_STEP), 1e-9, np.zeros_like(problem.rigid))
+    solved = Anderson().solve(problem, 1e-9)
     nudge = 1e-6 * np.random.default_rng(0).normal(size=solved.traction.shape)
     low, high = 0.1 * over, 10.0 * over
     while high > 1.02 * low:
-        mapping = TangentialMap(problem)
-        mapping.step = np.sqrt(low * high)
+        step = np.sqrt(low * high)
+        mapping = ProjectedMap(problem, np.full((2, 1, 1), step))
         state = mapping.admissible(solved.traction + nudge)
         for _ in range(600):
             now = mapping(state)
@@ -90,7 +89,7 @@ def longest_step(problem: TangentialProblem, over: float) -> float:
         grown = apart > np.linalg.norm(
             mapping.admissible(solved.traction + nudge) - solved.traction
         )
-        low, high = (low, mapping.step) if grown else (mapping.step, high)
+        low, high = (low, step) if grown else (step, high)
     return low
 
 
@@ -103,11 +102,10 @@ def uzawa_step():
     for aspect in (0.2, 1.0, 5.0):
         for n in (11, 15, 21, 29, 41):
             model = Model(ball(n, aspect))
-            normal = solve_normal(model, model.undeformed_gap / model.units.gap, None, 1e-10)
+            problem = model.problem(model.undeformed_gap / model.units.gap)
+            normal = NORMAL.solve(problem.normal, 1e-10)
             touching = normal.pressure > 0.0
-            problem = TangentialProblem(
-                model.half_space, model.scaled_rigid_slip, normal.pressure, normal.gap
-            )
+            problem = problem.holding(normal.pressure, normal.gap)
             bound = slip_step(model.half_space, touching)
             row = {"n": n, "a/b": aspect, "estimate": bound}
             contact = equilibrium(model)
@@ -154,7 +152,7 @@ def coupling():
     rows = []
     methods = {
         "alternating": alternating,
-        "anderson": lambda s, m: by_projection(anderson, ANDERSON_STEP, s, m),
+        "anderson": lambda s, m: by_projection(Anderson(iterations=BUDGET), s, m),
         "coupled": lambda s, m: by_library("newton", s, m),
     }
     betas, coefficients = (0.1, 0.2, 0.3, 0.4, 0.5), (0.03, 0.3, 1.0, 3.0, 10.0)

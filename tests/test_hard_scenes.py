@@ -96,7 +96,8 @@ def residual(contact):
     slip = frame.slip_to_scaled(slip) / units.slip
     pressure = contact.pressure / units.pressure
     traction = frame.to_scaled(contact.traction) / units.pressure
-    opposed = model.half_space.friction_slip(pressure, gap).opposed(slip, traction)
+    problem = model.problem(gap)
+    opposed = problem.opposed(traction, slip, problem.friction_slip(pressure, gap))
     nearest = np.empty_like(traction)
     friction.project(traction - opposed, pressure, nearest)
     normal, tangential = size(np.minimum(pressure, gap)), size(nearest - traction)

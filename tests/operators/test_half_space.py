@@ -96,7 +96,7 @@ def test_reciprocity(displacement):
 
 def test_slip_of_an_element_on_itself(half_space):
     matrix = half_space.slip.as_matrix().reshape(2, 35, 2, 35)
-    d11, d12, d22 = half_space.slip_of_itself
+    d11, d12, d22 = half_space.self_influence
     np.testing.assert_allclose(matrix[:, 17, :, 17], [[d11, d12], [d12, d22]], rtol=1e-12)
 
 

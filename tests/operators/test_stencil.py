@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 
-from tractive_sam.mechanics.friction import Frame
+from tractive_sam.mechanics.friction import Coulomb, Frame
 from tractive_sam.mechanics.material import Material, combine
 from tractive_sam.operators import STAGGERED, UPWIND, HalfSpace, Mesh
 from tractive_sam.operators.stencil import edge_normals
-from tractive_sam.solvers.conjugate_gradients import conjugate_gradients
-from tractive_sam.solvers.problem import NormalProblem
+from tractive_sam.solvers import ConjugateGradients, NormalProblem
 
 N, SIDE = 24, 2.3
 X = SIDE * ((np.arange(N) + 0.5) / N - 0.5)
@@ -25,7 +24,7 @@ def half_space(poisson=0.3, stencil=STAGGERED, frame=FRAME):
 def normal():
     """Undeformed gap, pressure and gap of a ball, dimensionless."""
     shape = 0.5 * (X[:, None] ** 2 + 0.64 * X[None, :] ** 2)
-    outcome = conjugate_gradients(NormalProblem(half_space(), shape, None, 0.3), 1e-12)
+    outcome = ConjugateGradients().solve(NormalProblem(half_space(), shape, None, 0.3), 1e-12)
     assert outcome.converged
     return shape, outcome.pressure, outcome.gap
 
@@ -115,7 +114,8 @@ def test_upwind_leaves_the_slip_alone(normal):
     _, pressure, gap = normal
     slip = np.random.default_rng(0).normal(size=(2, N, N))
     upwind = half_space(stencil=UPWIND)
-    assert upwind.friction_slip(pressure, gap).opposed(slip, slip) is slip
+    assert upwind.friction_slip(pressure, gap).sticking(slip, slip) is slip
+    assert Coulomb.opposed(slip, pressure, staggered=False) is slip
     assert UPWIND.at_centres(slip) is slip
     assert upwind.coarsened.stencil is UPWIND
 

@@ -98,7 +98,7 @@ def test_circulant_inverses_precondition(name, n):
 def test_slip_of_an_element_on_itself():
     half_space = of_strips(frame=Frame((0.5, 0.2), 0.7))
     matrix = half_space.slip.as_matrix().reshape(2, N, 2, N)
-    d11, d12, d22 = half_space.slip_of_itself
+    d11, d12, d22 = half_space.self_influence
     np.testing.assert_allclose(matrix[:, 12, :, 12], [[d11, d12], [d12, d22]], rtol=1e-12)
 
 

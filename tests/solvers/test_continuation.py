@@ -1,92 +1,111 @@
 """The fallbacks of `auto`: Newton's method by way of easier problems, then Anderson's."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 
 from tests.conftest import size, steady
-from tractive_sam.contact import in_sequence, together
-from tractive_sam.results.status import Cost, Status
-from tractive_sam.solvers.continuation import eased
-from tractive_sam.solvers.newton import newton
-from tractive_sam.solvers.outcome import Outcome
+from tests.solvers.small import tangential_problem
+from tractive_sam.results.status import Status
+from tractive_sam.solvers import Continuation, Newton, Outcome, Solver
+from tractive_sam.solvers.ladder import METHODS
 
 SMALL = ("grid.half_length=[4.08, 4.08]", "grid.elements=[19, 19]")
 DISSIMILAR = (*SMALL, "body.B.shear=8.0", "body.B.poisson=0.45")
 FORCES = ("load.traction_x=0.1", "load.traction_y=0.03")
+ALIKE, OTHERS = METHODS["auto"].alike, METHODS["auto"].dissimilar
+NEWTON = Newton()
 
 
-def failing_once(solve):
-    """A method whose first attempt counts as failed."""
-    attempts = []
+@dataclass(frozen=True)
+class Failing:
+    """A method whose outcomes count as failed."""
 
-    def tried(*arguments):
-        outcome = solve(*arguments)
-        attempts.append(outcome)
-        return outcome if len(attempts) > 1 else replace(outcome, status=Status.DIVERGED)
+    solver: Solver
 
-    return tried
+    def solve(self, problem, tolerance, start=None) -> Outcome:
+        outcome = self.solver.solve(problem, tolerance, start)
+        notes = tuple(replace(note, status=Status.DIVERGED) for note in outcome.trace)
+        return replace(outcome, status=Status.DIVERGED, trace=notes)
+
+
+def without_first(ladder, failing=1):
+    """The ladder with rungs that count as failed."""
+    rungs = tuple(Failing(rung) for rung in ladder.rungs[:failing])
+    return replace(ladder, rungs=rungs + ladder.rungs[failing:])
 
 
 @pytest.mark.parametrize("settings", [SMALL, (*SMALL, *FORCES)])
-def test_continued_where_newton_fails(settings, monkeypatch):
+def test_continued_where_newton_fails(settings):
     reference = steady("spheres", *settings)
-    monkeypatch.setattr(in_sequence, "nested_tangential", failing_once(newton_alone))
-    contact = steady("spheres", *settings)
+    ladder = replace(ALIKE, tangential=without_first(ALIKE.tangential))
+    contact = steady("spheres", *settings, solver=ladder)
     assert contact.converged
     assert contact.trace[-1].startswith(("newton continued in", "newton between creepages"))
-    assert "by way of" in contact.message
     assert "newton: diverged" in contact.message
     assert contact.cost.applications > reference.cost.applications
     # Two solves to 1e-8.
     assert size(contact.traction - reference.traction) < 1e-6 * size(reference.traction)
 
 
-def newton_alone(problem, tolerance, solve):
-    return solve(problem, tolerance)
-
-
 @pytest.mark.parametrize("settings", [DISSIMILAR, (*DISSIMILAR, *FORCES)])
-def test_continued_where_the_coupled_newton_fails(settings, monkeypatch):
+def test_continued_where_the_coupled_newton_fails(settings):
     reference = steady("spheres", *settings)
-    monkeypatch.setattr(together, "_newton_from", failing_once(together._newton_from))
-    contact = steady("spheres", *settings)
+    contact = steady("spheres", *settings, solver=without_first(OTHERS))
     assert contact.converged
     assert "coupled newton: diverged" in contact.trace
     assert contact.trace[-1].startswith(("newton continued in", "newton between creepages"))
     assert size(contact.traction - reference.traction) < 1e-6 * size(reference.traction)
 
 
-def test_anderson_where_nothing_else_helps(monkeypatch):
-    def fails(problem, *_):
-        nothing = np.zeros_like(problem.rigid)
-        return Outcome(
-            Status.DIVERGED, 1.0, 0, Cost(), traction=nothing, slip=nothing, creepage=np.zeros(0)
-        )
-
-    monkeypatch.setattr(in_sequence, "nested_tangential", fails)
-    monkeypatch.setattr(in_sequence, "newton", fails)
-    contact = steady("spheres", *SMALL)
+def test_anderson_where_nothing_else_helps():
+    ladder = replace(ALIKE, tangential=without_first(ALIKE.tangential, failing=2))
+    contact = steady("spheres", *SMALL, solver=ladder)
     assert contact.converged
-    assert contact.trace[1:] == (
-        "newton: diverged",
-        "newton continued in creepage: diverged after 1 problems, 0% of the way",
-        "anderson: converged",
-    )
-    failed = steady("spheres", *SMALL, *FORCES)
+    assert [step.split(":")[1].split()[0] for step in contact.trace[1:]] == [
+        "diverged",
+        "diverged",
+        "converged",
+    ]
+    assert contact.trace[-1].startswith("anderson")
+    failed = steady("spheres", *SMALL, *FORCES, solver=ladder)
     assert failed.status is Status.DIVERGED
     assert "newton between creepages: diverged" in failed.message
-    assert steady("spheres", *SMALL, 'solver.method="newton"').status is Status.DIVERGED
+    # Dissimilar bodies, too, have Anderson's method at the end.
+    assert steady("spheres", *DISSIMILAR, solver=without_first(OTHERS, failing=2)).converged
 
 
 def test_the_way_begins_in_full_slip_and_ends_at_the_problem():
-    from tests.solvers.test_methods import tangential_problem  # noqa: PLC0415
-
     problem = tangential_problem()
-    full = newton(eased(problem, 0.0), 1e-8)
+    way = Continuation(NEWTON)
+    full = NEWTON.solve(way.eased(problem, 0.0), 1e-8)
     assert full.converged
     # All of the traction opposes the rigid slip: closed form, but for the elastic slip beside it.
-    opposed = -problem.bound * np.sign(problem.rigid[0])
-    assert size(full.traction[0] - opposed) < 1e-2 * size(problem.bound)
-    np.testing.assert_array_equal(eased(problem, 1.0).rigid, problem.rigid)
+    opposed = -problem.normal.pressure * np.sign(problem.rigid[0])
+    assert size(full.traction[0] - opposed) < 1e-2 * size(problem.normal.pressure)
+    np.testing.assert_array_equal(way.eased(problem, 1.0).rigid, problem.rigid)
+
+
+def test_a_stretch_that_fails_is_halved():
+    """Where only short stretches succeed the way takes more problems, and tells them all."""
+
+    @dataclass(frozen=True)
+    class Timid:
+        """Solves only what is no more than four times easier or harder than the problem before."""
+
+        def solve(self, problem, tolerance, start=None):
+            outcome = NEWTON.solve(problem, tolerance, start)
+            strength = np.abs(problem.rigid).max()
+            told = replace(outcome, approach=strength)
+            near = start is None or max(strength / start.approach, start.approach / strength) < 4.0
+            return told if near else replace(told, status=Status.DIVERGED)
+
+    problem = tangential_problem()
+    outcome = Continuation(Timid()).solve(problem, 1e-8)
+    assert outcome.converged
+    # 1000 = 4^5: five stretches at least, and those that failed.
+    assert int(outcome.trace[-1].more.split()[1]) > 6
+    direct = NEWTON.solve(problem, 1e-8)
+    assert size(outcome.traction - direct.traction) < 1e-6 * size(direct.traction)
+    assert outcome.cost.applications > direct.cost.applications

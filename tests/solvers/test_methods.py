@@ -1,10 +1,12 @@
 """All methods find the same contact, and report its true residual and cost."""
 
-import numpy as np
 import pytest
 
 from tests.conftest import size, steady
+from tractive_sam.contact import Model
+from tractive_sam.contact.message import message
 from tractive_sam.results.status import Status
+from tractive_sam.solvers import Uzawa
 
 METHODS = ("uzawa", "anderson", "newton", "auto")
 
@@ -62,36 +64,14 @@ def test_cost_hardly_grows_with_the_mesh():
     assert fine / coarse < (181 / 31) ** 0.4
 
 
-def test_out_of_iterations_is_said(monkeypatch):
-    monkeypatch.setattr("tractive_sam.solvers.uzawa.uzawa.__defaults__", (5,))
-    contact = steady("spheres", 'solver.method="uzawa"', elements=21)
+def test_out_of_iterations_is_said():
+    contact = steady("spheres", elements=21, solver=Uzawa(iterations=5))
     assert contact.status is Status.OUT_OF_ITERATIONS
     assert not contact.converged
-    assert 'solver.method = "auto"' in contact.message
-
-
-def test_a_step_too_bold_is_shortened():
-    from tractive_sam.solvers.fixed_point import TangentialMap  # noqa: PLC0415
-    from tractive_sam.solvers.uzawa import uzawa  # noqa: PLC0415
-
-    problem = tangential_problem()
-    mapping = TangentialMap(problem, 12.0)
-    bold = mapping.step
-    outcome = uzawa(mapping, 1e-6, np.zeros_like(problem.rigid))
-    assert outcome.converged
-    assert mapping.step < bold
-
-
-def tangential_problem():
-    from tractive_sam.contact import Model  # noqa: PLC0415
-    from tractive_sam.scene import Scene  # noqa: PLC0415
-    from tractive_sam.solvers.problem import TangentialProblem  # noqa: PLC0415
-
-    settings = ["grid.half_length=[4.08, 4.08]", "grid.elements=[21, 21]"]
-    model = Model(Scene.builtin("spheres").with_set(settings))
-    contact = steady("spheres", elements=21)
-    pressure, gap = contact.pressure / model.units.pressure, contact.gap / model.units.gap
-    return TangentialProblem(model.half_space, model.scaled_rigid_slip, pressure, gap)
+    model = Model(contact.scene.with_set(['solver.method="uzawa"']))
+    problem = model.problem(model.undeformed_gap / model.units.gap)
+    outcome = Uzawa(iterations=5).solve(problem, 1e-8)
+    assert 'solver.method = "auto"' in message(outcome.status, outcome, model)
 
 
 @pytest.mark.parametrize("angle", [0, 30, 45, 90])

@@ -9,7 +9,6 @@ import numpy as np
 from tractive_sam.solvers.outcome import relative
 from tractive_sam.solvers.problem import Problem
 
-
 ROUNDING = 1e-13
 """Relative size of a step that has no effect but on digits that rounding has spoilt."""
 
