@@ -44,7 +44,7 @@ class Laws:
         return replace(self, **laws)
 
 
-def _friction(scene: Scene) -> FrictionLaw | None:
+def _friction(scene: Scene) -> Coulomb | None:
     table = scene.friction
     return None if table is None else Coulomb(table.mu, float(np.deg2rad(table.angle)))
 

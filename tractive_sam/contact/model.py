@@ -218,7 +218,7 @@ class Model:
         normal = NormalProblem(self.half_space, gap, self.load, self.given_approach)
         x, y = self.grid.x[:, None], self.grid.y[None, :]
         friction = Friction(self.friction_law, x, y, self.units.pressure)
-        return Problem(self.half_space, normal, self.scaled_rigid_slip, friction, self.forces, wear)
+        return Problem(normal, self.scaled_rigid_slip, friction, self.forces, wear)
 
     def creepages(self, found: np.ndarray | None) -> tuple[float, float, float]:
         """(xi_x, xi_y, spin), those given and those found."""

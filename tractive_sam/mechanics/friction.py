@@ -57,7 +57,10 @@ class FrictionLaw(ABC):
     array([[100., 200.]])
     """
 
-    frame: Frame
+    @property
+    @abstractmethod
+    def frame(self) -> Frame:
+        """The frame in which the law is isotropic."""
 
     @abstractmethod
     def bound(self, pressure: np.ndarray, x: np.ndarray, y: np.ndarray) -> Bound:

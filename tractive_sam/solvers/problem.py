@@ -133,17 +133,23 @@ class Held:
 
     Parameters
     ----------
+    operators : HalfSpace
+        The elastic operators.
     pressure, gap : ndarray, shape (n_x, n_y)
         pi_n and eta; the gap tells where within their elements the edges lie.
     """
 
+    operators: HalfSpace
     pressure: np.ndarray
     gap: np.ndarray
 
-    def coarsened(self, block: tuple[int, int]) -> "Held":
-        """The same on elements each of which stands for a block."""
+    def coarsened(self) -> "Held":
+        """The same on elements of twice the size."""
+        block = self.operators.mesh.block
         return Held(
-            block_mean(self.pressure, block, "constant"), block_mean(self.gap, block, "edge")
+            self.operators.coarsened,
+            block_mean(self.pressure, block, "constant"),
+            block_mean(self.gap, block, "edge"),
         )
 
 
@@ -161,10 +167,8 @@ class Problem:
 
     Parameters
     ----------
-    operators : HalfSpace
-        The elastic operators.
     normal : NormalProblem or Held
-        The normal block, free or held.
+        The normal block, free or held; it has the operators.
     rigid : ndarray, shape (2, n_x, n_y)
         Slip of the undeformed bodies; where the pressure is held, with the slip by it.
     friction : Friction
@@ -176,12 +180,16 @@ class Problem:
         have it (`Uzawa`).
     """
 
-    operators: HalfSpace
     normal: NormalProblem | Held
     rigid: np.ndarray
     friction: Friction = field(default_factory=Friction)
     forces: PrescribedForces = field(default_factory=PrescribedForces)
     wear: WearInPass | None = None
+
+    @property
+    def operators(self) -> HalfSpace:
+        """The elastic operators."""
+        return self.normal.operators
 
     @property
     def held(self) -> bool:
@@ -203,30 +211,23 @@ class Problem:
         rigid = self.rigid
         if self.operators.dissimilar:
             rigid = rigid + self.operators.slip_by_pressure(pressure)
-        return replace(self, normal=Held(pressure, gap), rigid=rigid, wear=None)
+        return replace(self, normal=Held(self.operators, pressure, gap), rigid=rigid, wear=None)
 
     def within(self, box: Box) -> "Problem":
         """The tangential problem, of a pressure that is held, on a rectangle around the contact."""
-        friction, held = self.friction, Held(self.normal.pressure[box], self.normal.gap[box])
+        friction, pressure = self.friction, self.normal.pressure[box]
+        held = Held(self.operators.part(pressure.shape), pressure, self.normal.gap[box])
         x = friction.x[box[0]] if len(friction.x) > 1 else friction.x
         y = friction.y[:, box[1]] if friction.y.shape[1] > 1 else friction.y
-        return replace(
-            self,
-            operators=self.operators.part(held.pressure.shape),
-            normal=held,
-            rigid=self.rigid[:, *box],
-            friction=friction.on(x, y),
-        )
+        return replace(self, normal=held, rigid=self.rigid[:, *box], friction=friction.on(x, y))
 
     def coarsened(self) -> "Problem":
         """The same problem on elements of twice the size."""
         block = self.operators.mesh.block
-        normal = self.normal.coarsened(block) if self.held else self.normal.coarsened()
         friction = self.friction
         return replace(
             self,
-            operators=self.operators.coarsened,
-            normal=normal,
+            normal=self.normal.coarsened(),
             rigid=block_mean(self.rigid, block, "edge"),
             friction=friction.on(
                 block_mean(friction.x, (block[0], 1), "edge"),
