@@ -94,7 +94,7 @@ def say(*parts: str | tuple[str, str]) -> None:
 
 def tell(text: object) -> None:
     """Print a line on the standard output, whole and without styles."""
-    console().out(plain(str(text), most=None), highlight=False)
+    console().print(Text(plain(str(text), most=None)), soft_wrap=True)
 
 
 @contextmanager
