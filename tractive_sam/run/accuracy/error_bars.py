@@ -10,8 +10,8 @@ is seen of one force is taken for all, since one traction causes them.
 The largest stress at a surface may come closer by less. Where slip turns about its pole, and where
 no elements resolve the end of stick, it is a cusp: its error falls with the root of h.
 
-A peak that grows on two refinements as much as no such error does may have no limit at all, as the
-pressure at the edge of a step: it gets no bar, but an infinite one.
+A largest pressure that grows on two refinements as no such error does may have no limit at all, as
+at the edge of a step, nor has the stress below it then: their bars are infinite.
 """
 
 import math
@@ -34,7 +34,7 @@ SURFACE_SAFETY, SURFACE_FORMER = 6.0, 0.84
 """The same two of the largest stress at a surface: 1/(2^(1/4) - 1) = 5.3, and 2^(-1/4)."""
 
 GROWING = 0.9
-"""Last growth of a peak over the one before, above which it does not come closer to a limit."""
+"""Last growth of the largest pressure over the one before, above which it nears no limit."""
 
 GROWN = 0.02
 """Least relative growth that is no chance."""
@@ -123,6 +123,8 @@ def relative_error_bars(coarse: Sample, middle: Sample, fine: Sample) -> dict[st
         else 0.0
         for name, scale in fine.scales.items()
     }
+    if math.isinf(seen["p_max"]):
+        seen |= {name: math.inf for name in seen if name.startswith("surface")}
     shared = SHARED * max(seen[name] for name in FORCES)
     for name, scale in fine.scales.items():
         if scale > 0.0:
@@ -137,8 +139,7 @@ def _seen(name: str, coarse: float, middle: float, fine: float) -> float:
         return 0.0  # there was no maximum; where there comes to be one, it is well resolved
     early, late = middle - coarse, fine - middle
     surface = name.startswith("surface")
-    grown = late > GROWN * fine and late > GROWING * early > 0.0
-    if grown and (surface or name == "p_max"):
+    if name == "p_max" and late > GROWN * fine and late > GROWING * early > 0.0:
         return math.inf
     safety, former = (SURFACE_SAFETY, SURFACE_FORMER) if surface else (SAFETY, FORMER)
     return safety * max(abs(late), former * abs(early))
