@@ -37,7 +37,7 @@ ANYTHING = st.one_of(
 CHANGES = st.dictionaries(st.sampled_from(ENTRIES), ANYTHING, min_size=1, max_size=3)
 quick = settings(
     max_examples=30,
-    deadline=20_000,  # a hang; the first contact compiles
+    deadline=None,  # machines differ, and the first contact compiles
     suppress_health_check=[HealthCheck.function_scoped_fixture],
 )
 
