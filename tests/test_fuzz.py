@@ -17,6 +17,8 @@ from tractive_sam.cli import app
 from tractive_sam.scene.catalogue import builtin_text
 from tractive_sam.store import HistoryWriter, open_history
 
+pytestmark = pytest.mark.slow  # many scenes
+
 SMALL = (
     "grid.elements=[9, 9]",
     "wear.revolutions=2",

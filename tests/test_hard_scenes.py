@@ -14,7 +14,10 @@ from tractive_sam.contact import Model
 from tractive_sam.kernels import friction
 from tractive_sam.operators import Mesh
 
-pytestmark = pytest.mark.filterwarnings("ignore::tractive_sam.scene.SceneWarning")  # few elements
+pytestmark = [
+    pytest.mark.slow,  # many scenes
+    pytest.mark.filterwarnings("ignore::tractive_sam.scene.SceneWarning"),  # few elements
+]
 
 TOLERANCE = 1e-8
 ELEMENTS = 11

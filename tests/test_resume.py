@@ -225,6 +225,7 @@ ts.roll(ts.Scene.from_toml("scene.toml"), "a.h5", resume=True, progress=progress
 """
 
 
+@pytest.mark.slow
 def test_killed_runs_go_on(tmp_path, whole):
     """Real runs that end without a word: each file opens, holds a true history, and goes on."""
     (tmp_path / "scene.toml").write_text(coarse().to_toml())

@@ -13,6 +13,8 @@ from tractive_sam.run.accuracy import Levels
 from tractive_sam.run.accuracy.error_bars import Sample, error_bars, relative_error_bars
 from tractive_sam.subsurface import von_mises_maxima
 
+pytestmark = pytest.mark.slow  # meshes far finer than asked for
+
 NAMES = ("P", "Qx", "Qy", "Mz", "xi_x", "xi_y", "approach", "p_max", "wear_max")
 
 

@@ -5,6 +5,8 @@ import pytest
 
 import tractive_sam as ts
 
+pytestmark = pytest.mark.slow  # scenes are rolled on several meshes
+
 
 @pytest.fixture(scope="module")
 def scene():

@@ -124,6 +124,7 @@ def ended(folder, module, one, times=1):
         signal.signal(one, before)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("module", "one"),
     [
@@ -140,6 +141,7 @@ def test_while_loading(folder, module, one):
     assert not (folder / "spheres.h5").exists()
 
 
+@pytest.mark.slow
 def test_a_second_signal_ends_at_once(folder):
     result = ended(folder, "typer", signal.SIGINT, times=2)
     assert result.returncode == 3

@@ -66,6 +66,7 @@ def test_plot_elsewhere_in_another_format(call, stored, monkeypatch):
     assert asked == [(Path("here"), "svg")]
 
 
+@pytest.mark.slow
 def test_plot_with_an_animation(call, stored, folder):
     assert call("plot", stored, "--animate").exit_code == 0
     assert (folder / "stored-figures" / "evolution.gif").stat().st_size

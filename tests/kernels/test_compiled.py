@@ -11,6 +11,8 @@ import numba
 import numpy as np
 import pytest
 
+pytestmark = pytest.mark.slow  # kernels are compiled anew
+
 INNER = """
 from {room}.compiled import compiled
 

@@ -14,6 +14,8 @@ from tractive_sam.paper import CHAPTERS, FULL, Chapter, Picture, Statement, Verd
 from tractive_sam.paper.page import text
 from tractive_sam.store import open_history
 
+pytestmark = pytest.mark.slow  # every figure of the paper
+
 FIGURES = ("5", "6", "7", "8", "15", "16", "17", "18")
 """Those that the text at hand describes."""
 

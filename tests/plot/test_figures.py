@@ -148,6 +148,7 @@ def test_settings_of_the_session_stay_as_they_are():
 
 
 class TestSaveAll:
+    @pytest.mark.slow
     def test_history(self, tmp_path):
         paths = plot.save_all(strips.history(), tmp_path / "new" / "folder")
         assert all(path.stat().st_size for path in paths)

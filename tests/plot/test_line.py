@@ -50,6 +50,7 @@ def test_numbers_are_labelled_per_length(history):
         plot.compared(both, "Qx")
 
 
+@pytest.mark.slow
 def test_save_all_draws_no_maps(history, tmp_path):
     names = {path.stem for path in plot.save_all(history, tmp_path)}
     drawn = ("pressure", "traction", "slip", "von-mises-y0")

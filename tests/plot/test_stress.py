@@ -199,6 +199,7 @@ def test_stored_stress_is_drawn_as_that_of_the_contact(contact, history):
     assert told(plot.von_mises(history, "A", "z=0.5a"))
 
 
+@pytest.mark.slow
 def test_save_all_draws_each_plane_with_the_bodies_it_was_kept_for(history, tmp_path, monkeypatch):
     drawn = []
     sections = gallery.von_mises_sections

@@ -19,6 +19,8 @@ from tractive_sam.store import HistoryWriter, open_history, results_writer
 from tractive_sam.store.checkpoints import Checkpoints
 from tractive_sam.store.replacement import replacement
 
+pytestmark = pytest.mark.slow  # writers are killed, again and again
+
 KILLS = 10
 
 

@@ -17,6 +17,8 @@ from tractive_sam.studies import SchedulerLostError, Study, cluster, open_study,
 psutil = pytest.importorskip("psutil", reason="psutil comes with dask.distributed")
 distributed = pytest.importorskip("distributed", reason="dask.distributed is of the extra study")
 
+pytestmark = pytest.mark.slow  # processes that start, are killed and start again
+
 LONGEST = 120.0
 """Wait for anything, s; only a test that fails waits so long."""
 
