@@ -10,6 +10,7 @@ from pkgutil import iter_modules
 import pytest
 
 import tractive_sam
+import tractive_sam.solvers
 import tractive_sam.studies
 
 STUDIES = sorted(one.name for one in iter_modules(tractive_sam.studies.__path__))
@@ -50,6 +51,13 @@ def test_example(room, name, package, tmp_path, monkeypatch):
     runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS)
     attempted = sum(runner.run(test).attempted for test in tests)
     assert attempted > 0, "a public name needs an example"
+    assert runner.summarize(verbose=False).failed == 0
+
+
+def test_example_of_solvers(package):
+    finder, runner = doctest.DocTestFinder(recurse=False), doctest.DocTestRunner()
+    (test,) = finder.find(tractive_sam.solvers, "solvers", globs=package)
+    assert runner.run(test).attempted > 0
     assert runner.summarize(verbose=False).failed == 0
 
 

@@ -48,7 +48,7 @@ def test_loads_no_more_than_it_needs(code, without):
 
 
 def test_rooms_are_attributes():
-    for room in ("plot", "reference", "studies", "subsurface"):
+    for room in ("plot", "reference", "solvers", "studies", "subsurface"):
         assert getattr(ts, room).__name__ == f"tractive_sam.{room}"
 
 

@@ -2,8 +2,13 @@
 
 from . import plot as plot
 from . import reference as reference
+from . import solvers as solvers
 from . import studies as studies
 from . import subsurface as subsurface
+from .contact.laws import Laws as Laws
+from .mechanics.friction import Bound as Bound
+from .mechanics.friction import Coulomb as Coulomb
+from .mechanics.friction import FrictionLaw as FrictionLaw
 from .results.history import History as History
 from .results.maximum import VonMisesMaximum as VonMisesMaximum
 from .results.plane_stress import PlaneStress as PlaneStress

@@ -1,7 +1,8 @@
-"""States equilibrium and friction of two bodies, and has it solved."""
+"""Sets up and solves steady rolling contact."""
 
 from tractive_sam.contact.equilibrium import equilibrium
 from tractive_sam.contact.fitted import fitted
+from tractive_sam.contact.laws import Laws
 from tractive_sam.contact.mesh import choose_grid, grown
 from tractive_sam.contact.model import Gap, Model
 from tractive_sam.results.state import Contact, NotConverged
@@ -9,6 +10,7 @@ from tractive_sam.results.state import Contact, NotConverged
 __all__ = [
     "Contact",
     "Gap",
+    "Laws",
     "Model",
     "NotConverged",
     "choose_grid",

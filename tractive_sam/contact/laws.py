@@ -25,8 +25,8 @@ class Laws:
     --------
     >>> laws = ts.Laws.of(scene)
     >>> laws.friction
-    Coulomb(mu=(0.5, 0.5), angle=0.0)
-    >>> weaker = laws.replace(friction=ts.Coulomb(mu=(0.4, 0.4)))
+    Coulomb(mu=(0.4013, 0.4013), angle=0.0)
+    >>> weaker = laws.replace(friction=ts.Coulomb(mu=(0.3, 0.3)))
     >>> ts.solve(scene, laws=weaker).Qx < contact.Qx
     True
     """

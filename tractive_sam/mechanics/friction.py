@@ -34,6 +34,12 @@ class Bound:
         Zero where the pressure is.
     by_pressure : ndarray or float
         Its derivative by the pressure.
+
+    Examples
+    --------
+    >>> pressure = np.array([[100.0, 300.0]])
+    >>> ts.Bound(radius=0.5 * pressure, by_pressure=0.5).radius
+    array([[ 50., 150.]])
     """
 
     radius: np.ndarray
@@ -45,6 +51,7 @@ class FrictionLaw(ABC):
 
     Examples
     --------
+    >>> import dataclasses
     >>> @dataclasses.dataclass(frozen=True)
     ... class Capped(ts.Coulomb):
     ...     strength: float = 100.0  # MPa
@@ -186,7 +193,7 @@ class Coulomb(FrictionLaw):
 
     Examples
     --------
-    >>> ts.Coulomb(mu=(0.6, 0.3)).frame.norm(np.array([60.0, 0.0]))
+    >>> float(ts.Coulomb(mu=(0.6, 0.3)).frame.norm(np.array([60.0, 0.0])))
     100.0
     """
 

@@ -4,9 +4,9 @@ Friction coefficients mu1, mu2 belong to the tribological axes e1, e2, which are
 `angle` counter-clockwise from x, y. Angles in radians.
 """
 
-from __future__ import annotations
+import numpy as np
 
-import math
+from tractive_sam.mechanics.frame import Frame
 
 Pair = tuple[float, float]
 
@@ -46,12 +46,12 @@ def full_slip_force(load: float, mu: Pair, angle: float, slip: Pair) -> Pair:
     >>> round(Q_x, 2), round(Q_y, 2)
     (142.3, 85.38)
     """
-    along = _turn(slip, angle)
-    norm = math.hypot(mu[0] * along[0], mu[1] * along[1])
+    frame = Frame(mu, angle)
+    norm = float(frame.dual_norm(np.array(slip)))
     if not norm > 0:
         raise ValueError("the slip must not be zero: it gives the direction of sliding")
-    force = (-load * mu[0] ** 2 * along[0] / norm, -load * mu[1] ** 2 * along[1] / norm)
-    return _turn(force, -angle)
+    Q_x, Q_y = frame.to_physical(-load / norm * frame.slip_to_scaled(np.array(slip)))
+    return float(Q_x), float(Q_y)
 
 
 def load_to_carry(force: Pair, mu: Pair, angle: float) -> float:
@@ -64,11 +64,4 @@ def load_to_carry(force: Pair, mu: Pair, angle: float) -> float:
     >>> round(load_to_carry((90.0, 0.0), (0.6, 0.3), angle=0.0), 9)
     150.0
     """
-    along = _turn(force, angle)
-    return math.hypot(along[0] / mu[0], along[1] / mu[1])
-
-
-def _turn(vector: Pair, angle: float) -> Pair:
-    """Components of a vector in axes turned counter-clockwise by the angle."""
-    cos, sin = math.cos(angle), math.sin(angle)
-    return cos * vector[0] + sin * vector[1], cos * vector[1] - sin * vector[0]
+    return float(Frame(mu, angle).norm(np.array(force)))

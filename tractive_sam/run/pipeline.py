@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import chain
 from os import PathLike
 from pathlib import Path
@@ -12,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tractive_sam import interrupt
-from tractive_sam.contact import Gap, Model, equilibrium, fitted
+from tractive_sam.contact import Gap, Laws, Model, equilibrium, fitted
 from tractive_sam.operators.threads import one_blas_thread
 from tractive_sam.results.grid import Grid
 from tractive_sam.results.history import History
@@ -33,6 +34,7 @@ from tractive_sam.run.accuracy import (
 from tractive_sam.run.resume import last_passage
 from tractive_sam.scene import Scene
 from tractive_sam.scene.quantities import LARGEST
+from tractive_sam.solvers import Solver
 from tractive_sam.store import (
     HistoryWriter,
     ResultsError,
@@ -59,6 +61,8 @@ def solve(
     wear: ArrayLike | None = None,
     start: Contact | None = None,
     throw: bool = True,
+    laws: Laws | None = None,
+    solver: Solver | None = None,
 ) -> Contact:
     """Solve one steady state of a scene.
 
@@ -72,6 +76,11 @@ def solve(
         Contact of a similar scene on the same mesh, as first guess.
     throw : bool
         Whether to raise where the solve did not converge.
+    laws : Laws, optional
+        Laws of friction and wear in place of the scene's.
+    solver : Solver, optional
+        Method in place of the scene's: any object with `solve(problem, tolerance, start)`, see
+        `solvers`.
 
     Returns
     -------
@@ -82,7 +91,8 @@ def solve(
     Raises
     ------
     TypeError
-        If `scene` is no Scene, or `start` no Contact.
+        If `scene` is no Scene, `start` no Contact, `laws` no Laws, or `solver` has no method
+        `solve`.
     ValueError
         If `wear` or `start` do not fit the mesh, or are not finite.
     SceneError
@@ -102,11 +112,12 @@ def solve(
     True
     """
     _check_scene(scene)
+    model_of = _model_of(laws, solver)
     measured = measured_gap(scene)
-    model = Model(scene, measured)
+    model = model_of(scene, measured)
     memory.check_solve(model)
     if scene.accuracy is not None and wear is None and start is None:
-        return _checked(_accurate(scene, measured), throw)
+        return _checked(_accurate(scene, measured, model_of), throw)
     if wear is not None:
         wear = _depths(wear, model.grid)
     if start is not None:
@@ -128,6 +139,17 @@ def _check_scene(scene: Scene) -> None:
     if not isinstance(scene, Scene):
         cure = "Scene.builtin(name), Scene.from_toml(path) or Scene(...) makes one"
         raise TypeError(f"scene: a Scene is needed, not {type(scene).__name__}; {cure}")
+
+
+def _model_of(laws: Laws | None, solver: Solver | None) -> Callable[..., Model]:
+    """Makes models with laws and a method of one's own, if there are any."""
+    if not isinstance(laws, Laws | None):
+        cure = "Laws.of(scene).replace(friction=...) makes them"
+        raise TypeError(f"laws: Laws are needed, not {type(laws).__name__}; {cure}")
+    if solver is not None and not callable(getattr(solver, "solve", None)):
+        needed = "an object with solve(problem, tolerance, start), such as solvers.Newton()"
+        raise TypeError(f"solver: {needed} is needed, not {type(solver).__name__}")
+    return partial(Model, laws=laws, solver=solver)
 
 
 def _depths(wear: ArrayLike, grid: Grid) -> np.ndarray:
@@ -168,9 +190,9 @@ def _check_start(start: Contact, grid: Grid) -> None:
             raise ValueError(f"start: its {name} are to be finite numbers of the shape {wanted}")
 
 
-def _accurate(scene: Scene, measured: Gap | None) -> Contact:
+def _accurate(scene: Scene, measured: Gap | None, model_of: Callable[..., Model]) -> Contact:
     """New bodies on the mesh that their accuracy takes."""
-    found = refined(with_tolerances(scene), measured)
+    found = refined(with_tolerances(scene), measured, model_of)
     if not found.contact.converged or not found.missed:
         return found.contact
     return replace(found.contact, status=Status.INACCURATE, message=found.missed)
@@ -184,6 +206,8 @@ def roll(
     overwrite: bool = False,
     resume: bool = False,
     progress: Callable[[Record], None] | None = None,
+    laws: Laws | None = None,
+    solver: Solver | None = None,
 ) -> History:
     """Roll a scene through its revolutions; without [wear] that is revolution 0, the new bodies.
 
@@ -202,6 +226,8 @@ def roll(
         that of an uninterrupted run.
     progress : callable, optional
         Called with each record.
+    laws, solver : Laws and Solver, optional
+        As of `solve`.
 
     Returns
     -------
@@ -212,7 +238,7 @@ def roll(
     Raises
     ------
     TypeError
-        If `scene` is no Scene.
+        If `scene` is no Scene, `laws` no Laws, or `solver` has no method `solve`.
     ValueError
         If there is no file to resume from.
     SceneError
@@ -237,7 +263,7 @@ def roll(
     _check_scene(scene)
     if resume and path is None:
         raise ValueError("resume: the path of a results file is needed to go on from")
-    run = _Run(scene, path, overwrite or resume, progress, began)
+    run = _Run(scene, path, overwrite or resume, progress, began, _model_of(laws, solver))
     if path is None:
         return _rolled(run)
     with results_writer(Path(path), overwrite or resume):  # before what may take long
@@ -250,7 +276,7 @@ def roll(
 def _rolled(run: "_Run", last: Passage | None = None, before: History | None = None) -> History:
     """Roll from new bodies on, or from the last passage of a file that holds what was before."""
     scene = run.scene
-    model = Model(scene, measured_gap(scene), None if last is None else last.contact.grid)
+    model = run.model_of(scene, measured_gap(scene), None if last is None else last.contact.grid)
     memory.check_roll(model, in_memory=run.path is None)
     if last is None or before is None:
         if scene.accuracy is not None:
@@ -265,10 +291,10 @@ def _rolled(run: "_Run", last: Passage | None = None, before: History | None = N
 def _rolled_accurately(run: "_Run") -> History:
     """Roll on finer and finer meshes, until the error bars are within the tolerance."""
     scene, measured = with_tolerances(run.scene), measured_gap(run.scene)
-    new = refined(scene, measured)
+    new = refined(scene, measured, run.model_of)
     if scene.wear is None or not new.contact.converged:
         return run.begun(new.model, Passage(0, new.contact, 1), missed=new.missed)
-    return _rolled_from(run, scene, measured, *judge_of(scene, measured, new.level))
+    return _rolled_from(run, scene, measured, *judge_of(scene, measured, new.level, run.model_of))
 
 
 def _rolled_from(
@@ -277,7 +303,7 @@ def _rolled_from(
     """Roll on the mesh of a level, and on finer ones while its error bars are too wide."""
     levels = Levels(scene, measured)
     while True:
-        history = run.begun(*_new(scene, measured, levels.grid(level)), judge)
+        history = run.begun(*_new(run.model_of(scene, measured, levels.grid(level))), judge)
         if history.status != Status.INACCURATE or not levels.allowed(level + 1):
             return history
         run, judge, level = replace(run, overwrite=True), judge.followed(), level + 1
@@ -287,7 +313,7 @@ def _resumed_accurately(run: "_Run", last: Passage, before: History) -> History:
     """Roll on on the mesh of a file, and from new bodies on finer ones where that takes it."""
     scene, measured = with_tolerances(run.scene), measured_gap(run.scene)
     levels, missed = Levels(scene, measured), missed_before(before, scene)
-    model = Model(scene, measured, last.contact.grid)
+    model = run.model_of(scene, measured, last.contact.grid)
     try:
         level = levels.of(last.contact.grid)
     except LookupError:
@@ -296,16 +322,17 @@ def _resumed_accurately(run: "_Run", last: Passage, before: History) -> History:
             "with the version that wrote it, or give the run a file of its own"
         ) from None
     complete = scene.wear is None or last.revolution == scene.wear.revolutions
-    judge = None if complete else judge_on(scene, measured, level, missed)
+    judge = None if complete else judge_on(scene, measured, level, missed, run.model_of)
     history = run.resumed(model, last, len(before), judge, missed)
     finer = scene.wear is not None and levels.allowed(level + 1)
     if history.status != Status.INACCURATE or not finer:
         return history
-    return _rolled_from(run, scene, measured, judge_on(scene, measured, level + 1), level + 1)
+    judge = judge_on(scene, measured, level + 1, model_of=run.model_of)
+    return _rolled_from(run, scene, measured, judge, level + 1)
 
 
-def _new(scene: Scene, measured: Gap | None, grid: Grid) -> tuple[Model, Passage]:
-    model, contact = fitted(Model(scene, measured, grid))
+def _new(model: Model) -> tuple[Model, Passage]:
+    model, contact = fitted(model)
     return model, Passage(0, contact, 1)
 
 
@@ -313,7 +340,7 @@ def _new(scene: Scene, measured: Gap | None, grid: Grid) -> tuple[Model, Passage
 class _Run:
     """Rolls a scene and keeps the records, in a file or in memory; arguments as of `roll`.
 
-    `began` is when that began, by `time.perf_counter`.
+    `began` is when that began, by `time.perf_counter`; `model_of` makes the models.
     """
 
     scene: Scene
@@ -321,6 +348,7 @@ class _Run:
     overwrite: bool
     progress: Callable[[Record], None] | None
     began: float
+    model_of: Callable[..., Model]
 
     def begun(
         self, model: Model, start: Passage, judge: Judge | None = None, missed: str = ""

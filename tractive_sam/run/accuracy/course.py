@@ -1,6 +1,6 @@
 """The revolutions of a scene on coarser meshes, by which those on a finer one are judged."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
@@ -96,7 +96,13 @@ class Judge:
         return Judge(self.middle, self.course)
 
 
-def judge_on(scene: Scene, measured: Gap | None, level: int, missed: str = "") -> Judge:
+def judge_on(
+    scene: Scene,
+    measured: Gap | None,
+    level: int,
+    missed: str = "",
+    model_of: Callable[..., Model] = Model,
+) -> Judge:
     """Roll a scene on the two meshes that are coarser than that of a level.
 
     Parameters
@@ -109,11 +115,15 @@ def judge_on(scene: Scene, measured: Gap | None, level: int, missed: str = "") -
         The level to judge.
     missed : str
         As of `Judge`.
+    model_of : callable
+        As of `refined`.
     """
-    return Judge(*_coarser(scene, measured, level), missed)
+    return Judge(*_coarser(scene, measured, level, model_of), missed)
 
 
-def judge_of(scene: Scene, measured: Gap | None, level: int) -> tuple[Judge, int]:
+def judge_of(
+    scene: Scene, measured: Gap | None, level: int, model_of: Callable[..., Model] = Model
+) -> tuple[Judge, int]:
     """Roll a scene on coarser meshes than the one that its accuracy takes.
 
     Parameters
@@ -124,6 +134,8 @@ def judge_of(scene: Scene, measured: Gap | None, level: int) -> tuple[Judge, int
         Its measured separation.
     level : int
         Level of the mesh on which the new bodies are accurate enough.
+    model_of : callable
+        As of `refined`.
 
     Returns
     -------
@@ -132,22 +144,24 @@ def judge_of(scene: Scene, measured: Gap | None, level: int) -> tuple[Judge, int
         the difference between the two before it.
     """
     levels, last = Levels(scene, measured), scene.wear.revolutions
-    coarse, middle = _coarser(scene, measured, level)
+    coarse, middle = _coarser(scene, measured, level, model_of)
     while levels.allowed(level + 1):
         before, now = coarse.at(last), middle.at(last)
         if before is not None and now is not None:
             least, _ = worst_of(relative_error_bars(before, now, now), peak=False)
             if least <= scene.accuracy.tolerance:
                 break
-        coarse, middle = middle, _rolled(Model(scene, measured, levels.grid(level)))
+        coarse, middle = middle, _rolled(model_of(scene, measured, levels.grid(level)))
         level += 1
     return Judge(coarse, middle), level
 
 
-def _coarser(scene: Scene, measured: Gap | None, level: int) -> tuple[Course, Course]:
+def _coarser(
+    scene: Scene, measured: Gap | None, level: int, model_of: Callable[..., Model]
+) -> tuple[Course, Course]:
     """The courses on the meshes of a quarter and of half the elements of a level."""
     levels = Levels(scene, measured)
-    coarse, middle = (_rolled(Model(scene, measured, levels.grid(level - k))) for k in (2, 1))
+    coarse, middle = (_rolled(model_of(scene, measured, levels.grid(level - k))) for k in (2, 1))
     return coarse, middle
 
 

@@ -1,6 +1,7 @@
 """New bodies on finer and finer meshes."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from tractive_sam.contact import Gap, Model, fitted
@@ -35,7 +36,7 @@ class Refined:
     missed: str
 
 
-def refined(scene: Scene, measured: Gap | None) -> Refined:
+def refined(scene: Scene, measured: Gap | None, model_of: Callable[..., Model] = Model) -> Refined:
     """Solve new bodies on finer and finer meshes, until the error bars are within the tolerance.
 
     Parameters
@@ -44,12 +45,14 @@ def refined(scene: Scene, measured: Gap | None) -> Refined:
         With [accuracy] and the tolerances of `with_tolerances`.
     measured : Gap, optional
         Its measured separation.
+    model_of : callable
+        Makes the model of a scene, a measured separation and a mesh.
     """
     levels = Levels(scene, measured)
     samples: list[Sample | None] = []
     cost, elements, level = Cost(), 1, FIRST
     while True:
-        model, contact = fitted(Model(scene, measured, levels.grid(level)))
+        model, contact = fitted(model_of(scene, measured, levels.grid(level)))
         before, elements = elements, math.prod(model.grid.elements)
         cost = contact.cost + cost.scaled(before / elements)
         # A contact of a few elements may fail where a finer one does not.
