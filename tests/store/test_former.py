@@ -5,6 +5,8 @@ twin discs with 15 x 25 for 12 revolutions, once to the end and once until the p
 """
 
 import gzip
+import subprocess
+import sys
 from pathlib import Path
 
 import h5py
@@ -18,6 +20,14 @@ from tractive_sam.run.pipeline import roll
 from tractive_sam.scene import Scene
 from tractive_sam.store import open_history
 from tractive_sam.store.layout import FORMAT_VERSION
+
+AS_WRITTEN = (
+    "grid.half_length=[0.35, 0.9]",
+    "grid.elements=[15, 25]",
+    "wear.revolutions=12",
+    "wear.save=[0, 3, 12]",
+    "subsurface.elements=4",
+)
 
 DATA = Path(__file__).parents[1] / "data"
 
@@ -42,6 +52,40 @@ def test_opens_and_shows(tmp_path, name):
     shown = CliRunner().invoke(app, ["show", str(path)])
     assert shown.exit_code == 0
     assert history.title in shown.stdout
+
+
+def test_a_scene_means_what_it_meant(tmp_path):
+    """Today, bodies of unequal radii would come round unequally often."""
+    path = former("twin-discs", tmp_path)
+    assert Scene.from_toml_text(open_history(path).scene_toml).wear.turns == "equal"
+    same = Scene.builtin("twin-discs").with_set(AS_WRITTEN)
+    assert roll(same, path, resume=True).finished
+
+
+OPENS = """
+import sys
+from tractive_sam.store import DamagedError, open_history
+for path in sys.argv[1:]:
+    try:
+        open_history(path)
+    except DamagedError:
+        print("told")
+"""
+
+
+def test_a_damaged_heap_of_texts_is_told(tmp_path):
+    """HDF5 itself does not come back from it, so that a process of its own is asked."""
+    path = former("spheres", tmp_path)
+    content, files = path.read_bytes(), []
+    at = content.find(b"GCOL")
+    while at >= 0:
+        files.append(tmp_path / f"{at}.h5")
+        files[-1].write_bytes(content[: at + 16] + bytes(4080) + content[at + 4096 :])
+        at = content.find(b"GCOL", at + 1)
+    command = [sys.executable, "-c", OPENS, *files]
+    asked = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
+    assert asked.stdout.split() == ["told"] * len(files)
+    assert files
 
 
 @pytest.mark.parametrize(("name", "kept"), [("twin-discs", 7), ("twin-discs-killed", 5)])

@@ -9,12 +9,34 @@ import h5py
 import numpy as np
 
 from tractive_sam.results import STATE, History, Record
+from tractive_sam.scene import toml
 from tractive_sam.store import layout, rows
 from tractive_sam.store.errors import ResultsError
 from tractive_sam.store.opening import Results
 
 SLOTS = 2
 VERSION_PREFIX = "version_"
+
+
+DEFAULTS = {("wear", "turns"): "equal"}
+"""What was computed where a scene of those files does not say, and would be another thing now."""
+
+
+def scene(text: str) -> str:
+    """The text of a scene, with what it meant when it was written.
+
+    Raises
+    ------
+    SceneError
+        If it is no TOML.
+    """
+    tables = toml.parse(text)
+    lacking = [
+        (table, key) for table, key in DEFAULTS if table in tables and key not in tables[table]
+    ]
+    for table, key in lacking:
+        tables[table][key] = DEFAULTS[table, key]
+    return toml.emit(tables) if lacking else text
 
 
 def state(file: Results, row: int) -> dict[str, np.ndarray]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from tractive_sam.store import layout
 from tractive_sam.store.errors import DamagedError, ResultsError, reason
+from tractive_sam.store.heaps import has_endless_heap
 from tractive_sam.store.texts import text_of
 
 GROUPS = ("grid", "history", "fields", "stress", "state")
@@ -40,6 +41,8 @@ def results_file(path: Path) -> Iterator["Results"]:
 
 
 def _open(path: Path) -> h5py.File:
+    if has_endless_heap(path):
+        raise _damaged(path, "its texts")
     try:
         return h5py.File(path, "r", locking=False)
     except Exception as error:  # h5py has no one kind of error for what is damaged

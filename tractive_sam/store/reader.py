@@ -139,7 +139,7 @@ def _scene(file: Results) -> str:
         tomllib.loads(text)
     except ValueError as error:
         raise file.damaged(f"scene: {error}") from None
-    return text
+    return former.scene(text) if file.version == 1 else text
 
 
 def _bodies(file: Results) -> tuple[str, ...]:

@@ -96,7 +96,7 @@ What holds when something dies
 The state of a study is in its files (see `folder`), not in the scheduler. A case is complete when
 its results file says so, and is then never run again; to run the study again is to go on with it,
 also with other axes: cases are known by the hash of their scenes. A case whose worker died is
-handed to another one and goes on from its last record; whoever computes a case holds a lock on it.
+handed to another one and goes on from what its file holds; one process at a time writes a file.
 A client that loses its scheduler waits for it, or for another one at that address, for ten minutes;
 the workers of a scheduler end with it, and have to be started again as well.
 Where the client itself goes, cases begun end on their workers, and the next client finds them.
