@@ -1,7 +1,8 @@
 """Contact solves and time of the twin discs' wear over the tolerance, for each way of stepping.
 
 The profile E with which material enters obeys E(n + 1) = E(n) + R(E(n)). Every stepping here
-integrates dE/dn = R - J R / 2, as the package's does (`tractive_sam.rolling.adaptive`), under the
+goes through the sum over the revolutions to second order: the package's in the profile halfway
+through a revolution (`tractive_sam.rolling.adaptive`), the others in dE/dn = R - J R / 2, under the
 same step control, to 15,000 revolutions of `twin-discs` at beta = 0 on the paper's mesh:
 
 - Heun: explicit, second order, error by Euler;

@@ -8,6 +8,7 @@ import pytest
 import tractive_sam as ts
 from tractive_sam.contact import Model
 from tractive_sam.rolling import passages
+from tractive_sam.run.explain import explain
 
 STEEL = {"young": 208e3, "poisson": 0.3}
 COARSE = {"half_length": (0.45, 0.8), "elements": (21, 25)}
@@ -111,3 +112,12 @@ def test_resumed(tmp_path):
     resumed = ts.roll(whole, path, resume=True)
     for name in ("wear_profile", "wear_profile_B", "Qx", "jump"):
         np.testing.assert_array_equal(resumed[name], roll[name])
+
+
+def test_explain_tells_whose_revolutions_are_counted():
+    """And how often the other body turns."""
+    for radii, known in (((30.0, 12.0), ("A", "2.5")), ((math.inf, 40.0), ("B", "never"))):
+        scene = discs(*radii, 3).replace(grid=None)
+        (wear,) = (section for section in explain(scene) if section.title == "Wear")
+        told = dict(wear.rows)["turns"]
+        assert all(word in told for word in known)
