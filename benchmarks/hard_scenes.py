@@ -254,12 +254,12 @@ def alternating(scene: Scene, model: Model):
         lift = 0.0
         if first is not None:
             tractions = np.concatenate((np.zeros((1, *gap.shape)), first.traction))
-            lift = model.half_space.coupled(tractions)[0]
+            lift = model.operators.coupled(tractions)[0]
         now = NAMED["auto"].alike.solve(model.problem(gap + lift), 1e-9, first)
         cost += now.cost.applications + now.cost.preconditioner
         if not now.converged:
             return False, error, cost, "", "a problem by itself not solved"
-        if not model.dissimilar:
+        if not model.elasticity.coupled:
             return True, now.residual, cost, "", ""
         if first is not None:
             here, before = (np.stack((o.pressure, *o.traction)) for o in (now, first))

@@ -23,7 +23,7 @@ CONTACT_SECONDS = {91: 0.016, 181: 0.066, 361: 0.79}
 def problem_on(n: int) -> tuple[Model, NormalProblem]:
     model = Model(Scene.builtin("spheres").with_set([f"grid.elements=[{n}, {n}]"]))
     gap = model.undeformed_gap / model.units.gap
-    return model, NormalProblem(model.half_space, gap, model.load)
+    return model, NormalProblem(model.operators, gap, model.load)
 
 
 def tamaas_run(model: Model):
@@ -31,7 +31,7 @@ def tamaas_run(model: Model):
     import tamaas as tm  # noqa: PLC0415
 
     tm.set_log_level(tm.LogLevel.error)
-    grid, material = model.grid, model.material
+    grid, material = model.grid, model.scene.material
     size = [2 * h for h in grid.half_length]
     area = size[0] * size[1]
     surface = -model.undeformed_gap
@@ -52,7 +52,7 @@ def tamaas_run(model: Model):
 
         run()
         pressure = np.array(solver_model.traction).reshape(grid.elements) / model.units.pressure
-        lift = model.half_space.normal(pressure[None])[0]
+        lift = model.operators.normal(pressure[None])[0]
         gap = model.undeformed_gap / model.units.gap + lift
         residual = natural_residual(pressure, gap - gap[pressure > 0].mean())
         if residual <= TOLERANCE:

@@ -18,7 +18,7 @@ from timing import show, write
 import tractive_sam as ts
 from tractive_sam.contact import Contact, Model, equilibrium
 from tractive_sam.mechanics.invariants import von_mises
-from tractive_sam.operators import Mesh, surface_stress
+from tractive_sam.operators import Lattice, surface_stress
 from tractive_sam.reference import (
     circle_pressure_stress,
     circle_shear_stress,
@@ -52,9 +52,8 @@ def surfaces(contact: Contact, body: str) -> dict[str, float]:
     """The largest stress at a surface by each way."""
     ((_, at_centres),) = stress_volume(contact, [0.0], body)
     load, grid = LoadedBodies.of(contact, (body,)), contact.grid
-    datum = grid.dx if grid.line else None
-    mesh = Mesh(grid.elements, grid.dx, grid.dy, datum)
-    between = von_mises(surface_stress(mesh, load.tractions[0], load.poisson[0]))
+    lattice, alone = Lattice(grid.elements, grid.dx, grid.dy), load.bodies[0]
+    between = von_mises(surface_stress(lattice, alone, load.tractions[0]))
     touching = contact.touching[1:] & contact.touching[:-1]
     if not grid.line:
         touching = touching[:, 1:] & touching[:, :-1]

@@ -106,7 +106,7 @@ def uzawa_step():
             normal = NORMAL.solve(problem.normal, 1e-10)
             touching = normal.pressure > 0.0
             problem = problem.holding(normal.pressure, normal.gap)
-            bound = slip_step(model.half_space, touching)
+            bound = slip_step(model.operators, touching)
             row = {"n": n, "a/b": aspect, "estimate": bound}
             contact = equilibrium(model)
             for name, where in (
@@ -114,7 +114,7 @@ def uzawa_step():
                 ("eigenvalues, all", touching),
             ):
                 on = np.concatenate((where.ravel(), where.ravel()))
-                matrix = model.half_space.slip.as_matrix()[np.ix_(on, on)] if n <= 29 else None
+                matrix = model.operators.slip.as_matrix()[np.ix_(on, on)] if n <= 29 else None
                 values = np.array([np.nan]) if matrix is None else np.linalg.eigvals(matrix)
                 row[name] = float((2.0 * values.real / np.abs(values) ** 2).min())
             row["measured"] = longest_step(problem, 5.0 * bound)

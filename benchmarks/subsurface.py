@@ -23,7 +23,7 @@ import pyfftw
 from timing import seconds, show, write
 
 from tractive_sam.contact import Model, equilibrium
-from tractive_sam.operators import Mesh, StressLayers, StressPlane
+from tractive_sam.operators import Lattice, StressLayers, StressPlane
 from tractive_sam.operators.fft import padded_length
 from tractive_sam.operators.stress_fft import edge_transform, layer_transform
 from tractive_sam.results.grid import Grid
@@ -66,10 +66,10 @@ def peak(run: Callable[[], object]) -> int:
 def volume(contact: Contact) -> dict:
     n = contact.grid.elements[0]
     load = LoadedBodies.of(contact, "A")
-    layers = StressLayers(
-        Mesh(contact.grid.elements, contact.grid.dx, contact.grid.dy), load.tractions, load.poisson
-    )
-    transform = layer_transform(layers.mesh.shape, layers._padded)
+    lattice = Lattice(contact.grid.elements, contact.grid.dx, contact.grid.dy)
+    poisson = contact.scene.materials["A"].poisson
+    layers = StressLayers(lattice, load.tractions, (poisson,))
+    transform = layer_transform(lattice.shape, layers._padded)
     arrays = (transform.tables, transform.packs, transform.spectra, layers._loads)
     held = sum(array.nbytes for array in arrays) + 6 * n * layers._padded[1] * 8
     stream(contact, 1)
@@ -109,7 +109,8 @@ def plane(contact: Contact, text: str, count: int) -> dict:
     z = depths(contact, count)
     load = LoadedBodies.of(contact, "A")
     position = 0.0 if text == "y=0" else 0.75 * contact.scene.hertz.a
-    operator = StressPlane(contact.grid, "y", position, load.tractions, load.poisson)
+    poisson = contact.scene.materials["A"].poisson
+    operator = StressPlane(contact.grid, "y", position, load.tractions, (poisson,))
     transform = edge_transform(operator._distances.size, operator._padded)
     spectra = np.zeros((6, operator._padded // 2 + 1), dtype=complex)
     bare = seconds(lambda: (transform.forward(), np.fft.irfft(spectra, operator._padded)), 0.5, 200)

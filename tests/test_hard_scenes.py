@@ -9,10 +9,10 @@ from hypothesis import given, settings
 
 import tractive_sam as ts
 from tests.conftest import size
-from tests.operators.test_half_space import point_kernels
+from tests.operators.test_elastic import point_kernels
 from tractive_sam.contact import Model
 from tractive_sam.kernels import friction
-from tractive_sam.operators import Mesh
+from tractive_sam.operators import Lattice
 
 pytestmark = [
     pytest.mark.slow,  # many scenes
@@ -89,7 +89,7 @@ def residual(contact):
     """The natural residual of either problem, by plain sums over the fields reported."""
     model = Model(contact.scene, _gap(contact.scene), contact.grid)
     units, frame, grid = model.units, model.frame, contact.grid
-    mesh = Mesh(grid.elements, grid.dx, grid.dy)
+    mesh = Lattice(grid.elements, grid.dx, grid.dy)
     loads = np.concatenate((contact.traction, contact.pressure[None]))
     u, u_ahead = displaced(mesh, contact.scene.material, loads)
     gap = (model.undeformed_gap + contact.wear + u[2] - contact.approach) / units.gap

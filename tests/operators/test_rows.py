@@ -2,21 +2,23 @@
 
 import numpy as np
 
-from tests.operators.test_half_space import dense
-from tractive_sam.mechanics.material import Material, combine
-from tractive_sam.operators import Mesh
+from tests.operators.test_elastic import dense
+from tractive_sam.mechanics.elasticity import HalfSpaces
+from tractive_sam.mechanics.material import Material
+from tractive_sam.operators import Lattice
 from tractive_sam.operators.rows import row_compliance
 
 
 def test_row_compliance_is_a_galerkin_projection():
-    mesh, material = Mesh((7, 6), 0.3, 0.2), combine(Material(2.0, 0.1), Material(5.0, 0.4))
+    mesh = Lattice((7, 6), 0.3, 0.2)
+    bodies = HalfSpaces(Material(2.0, 0.1), Material(5.0, 0.4))
     rng = np.random.default_rng(0)
     contact = rng.random(mesh.shape) < 0.6
     contact[:, 2] = False
     share = contact / np.maximum(contact.sum(axis=0), 1)
-    A = dense(mesh, material)[2, :, 2].reshape(*mesh.shape, *mesh.shape)
+    A = dense(mesh, bodies.material)[2, :, 2].reshape(*mesh.shape, *mesh.shape)
     truth = np.einsum("ij,ijkl,kl->jl", share, A, share)
     rows = [0, 1, 3, 4, 5]
-    result = row_compliance(mesh, material, contact)
+    result = row_compliance(mesh, bodies, contact)
     np.testing.assert_allclose(result, truth[np.ix_(rows, rows)], rtol=1e-12)
     assert np.linalg.eigvalsh(result).min() > 0

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+from tractive_sam.mechanics.elasticity import HalfSpaces
 from tractive_sam.mechanics.friction import Coulomb, Frame
-from tractive_sam.mechanics.material import Material, combine
-from tractive_sam.operators import STAGGERED, UPWIND, HalfSpace, Mesh
+from tractive_sam.mechanics.material import Material
+from tractive_sam.operators import STAGGERED, UPWIND, Lattice, Operators
 from tractive_sam.operators.stencil import edge_normals
 from tractive_sam.solvers import ConjugateGradients, NormalProblem
 
@@ -16,8 +17,8 @@ FRAME = Frame((0.5, 0.2), 0.4)
 
 
 def half_space(poisson=0.3, stencil=STAGGERED, frame=FRAME):
-    material = combine(Material(1.0, poisson), Material(1.0, poisson))
-    return HalfSpace(Mesh((N, N), DX, DY), material, 1.0, frame, stencil=stencil)
+    bodies = HalfSpaces(Material(1.0, poisson), Material(1.0, poisson))
+    return Operators(Lattice((N, N), DX, DY), bodies, 1.0, frame, stencil=stencil)
 
 
 @pytest.fixture(scope="module")

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from tractive_sam.kernels.stress_sum import stress_at
-from tractive_sam.operators import Mesh, StressLayers, StressPlane
+from tractive_sam.operators import Lattice, StressLayers, StressPlane
 from tractive_sam.results.grid import Grid
 
 GRID = Grid((3.0, 2.0), (13, 10))
-MESH = Mesh(GRID.elements, GRID.dx, GRID.dy)
+MESH = Lattice(GRID.elements, GRID.dx, GRID.dy)
 POISSON = (0.28, 0.4)
 DEPTHS = [0.0, 1e-9, 0.1, 1.0, 4.0]
 ZZ, XZ, YZ = 2, 4, 5

@@ -1,21 +1,25 @@
 """Operators of line contact: strips endless in y."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from tractive_sam.kernels.strip import logarithm, step
+from tractive_sam.mechanics.elasticity import Strips
 from tractive_sam.mechanics.friction import Frame
-from tractive_sam.mechanics.material import Material, combine
-from tractive_sam.operators import HalfSpace, Mesh
+from tractive_sam.mechanics.material import Material
+from tractive_sam.operators import Lattice, Operators
 
-PAIR = combine(Material(2.0, 0.1), Material(5.0, 0.4))
 LENGTH = 1.7
 N, DX, DATUM = 24, 0.1, 30.0
+BODIES = Strips(Material(2.0, 0.1), Material(5.0, 0.4), DATUM)
+PAIR = BODIES.material
 ROUNDING = 1e-12
 
 
 def of_strips(n=N, dx=DX, frame=None, datum=DATUM):
-    return HalfSpace(Mesh((n, 1), dx, 1.0, datum), PAIR, LENGTH, frame)
+    return Operators(Lattice((n, 1), dx, 1.0), replace(BODIES, datum=datum), LENGTH, frame)
 
 
 def offsets(n=N, dx=DX):
@@ -103,5 +107,5 @@ def test_slip_of_an_element_on_itself():
 
 
 def test_coarser_meshes_stay_rows():
-    mesh = Mesh((25, 1), DX, 1.0, DATUM).coarsened()
-    assert mesh == Mesh((13, 1), 2 * DX, 1.0, DATUM)
+    mesh = Lattice((25, 1), DX, 1.0).coarsened()
+    assert mesh == Lattice((13, 1), 2 * DX, 1.0)

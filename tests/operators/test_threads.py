@@ -10,13 +10,14 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_info
 
-from tractive_sam.mechanics.material import Material, combine
-from tractive_sam.operators import HalfSpace, Mesh, StressLayers, fft, threads
+from tractive_sam.mechanics.elasticity import HalfSpaces
+from tractive_sam.mechanics.material import Material
+from tractive_sam.operators import Lattice, Operators, StressLayers, fft, threads
 
 
 def test_threads_do_not_disturb_each_other():
-    material = combine(Material(1.0, 0.3), Material(1.0, 0.3))
-    operator = HalfSpace(Mesh((96, 96), 0.1, 0.1), material, 1.0).slip
+    bodies = HalfSpaces(Material(1.0, 0.3), Material(1.0, 0.3))
+    operator = Operators(Lattice((96, 96), 0.1, 0.1), bodies, 1.0).slip
     fields = np.random.default_rng(0).normal(size=(8, 2, 96, 96))
     alone = [operator(f) for f in fields]
     with ThreadPoolExecutor(4) as pool:
@@ -27,7 +28,7 @@ def test_threads_do_not_disturb_each_other():
 
 def test_nor_below_the_surface():
     tractions = np.random.default_rng(0).normal(size=(4, 1, 3, 24, 20))
-    layers = [StressLayers(Mesh((24, 20), 0.1, 0.1), t, (0.3,), 1) for t in tractions]
+    layers = [StressLayers(Lattice((24, 20), 0.1, 0.1), t, (0.3,), 1) for t in tractions]
     alone = [layer.at(0.2) for layer in layers]
     with ThreadPoolExecutor(4) as pool:
         for _ in range(5):
@@ -57,12 +58,12 @@ def test_cores_where_the_system_does_not_tell_those_of_a_process(known, monkeypa
 
 
 def test_threads_of_a_transform_change_nothing_but_rounding(monkeypatch):
-    material = combine(Material(1.0, 0.3), Material(1.0, 0.3))
+    bodies = HalfSpaces(Material(1.0, 0.3), Material(1.0, 0.3))
     fields = np.random.default_rng(0).normal(size=(2, 90, 80))
-    one = HalfSpace(Mesh((90, 80), 0.1, 0.1), material, 1.0).slip(fields)
+    one = Operators(Lattice((90, 80), 0.1, 0.1), bodies, 1.0).slip(fields)
     monkeypatch.setattr(threads, "LARGE", 1)
     monkeypatch.setenv("OMP_NUM_THREADS", "2")
-    two = HalfSpace(Mesh((90, 81), 0.1, 0.1), material, 1.0).slip(
+    two = Operators(Lattice((90, 81), 0.1, 0.1), bodies, 1.0).slip(
         np.pad(fields, ((0, 0), (0, 0), (0, 1)))
     )
     np.testing.assert_allclose(two[..., :80], one, atol=1e-12 * np.abs(one).max())

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from tests.conftest import steady
-from tests.operators.test_half_space import dense
+from tests.operators.test_elastic import dense
 from tests.test_hard_scenes import residual
 from tractive_sam.contact import Model
-from tractive_sam.operators import STAGGERED, Mesh
+from tractive_sam.operators import STAGGERED, Lattice
 from tractive_sam.operators.stencil import edge_normals
 
 SCENES = [
@@ -28,7 +28,7 @@ def test_contact_conditions(settings, scheme):
     )
     assert contact.converged
     scene, grid, p = contact.scene, contact.grid, contact.pressure
-    mesh = Mesh(grid.elements, grid.dx, grid.dy)
+    mesh = Lattice(grid.elements, grid.dx, grid.dy)
     here, ahead = dense(mesh, scene.material), dense(mesh, scene.material, ahead=1)
     loads = np.concatenate((contact.traction, p[None])).reshape(3, -1)
     u, u_ahead = (np.einsum("injm,jm->in", A, loads) for A in (here, ahead))

@@ -10,7 +10,7 @@ from scipy.optimize import minimize_scalar
 from tests.conftest import steady
 from tests.subsurface.hertzian import cell_averages, tractions
 from tractive_sam.mechanics.invariants import von_mises
-from tractive_sam.operators import Mesh, StressLayers, StressPlane
+from tractive_sam.operators import Lattice, StressLayers, StressPlane
 from tractive_sam.reference import (
     circle_pressure_stress,
     circle_shear_stress,
@@ -57,7 +57,7 @@ def test_sliding_sphere_at_second_order():
     for elements in (24, 48):
         grid = Grid((1.15, 1.15), (elements, elements))
         loads = tractions(cell_averages(grid, 1.0, 1.0), mu=0.4)
-        layers = StressLayers(Mesh(grid.elements, grid.dx, grid.dy), loads, (NU,))
+        layers = StressLayers(Lattice(grid.elements, grid.dx, grid.dy), loads, (NU,))
         errors.append([np.abs(layers.at(z)[0] - sliding(grid, z, 0.4)).max() for z in DEPTHS])
     # 3.8 to 3.9 where the depth is several elements; 0.1 a is one element of the coarse mesh
     ratios = np.divide(*errors)

@@ -6,8 +6,10 @@ import pytest
 from tests.conftest import steady
 from tests.subsurface.hertzian import cell_averages
 from tractive_sam.contact import Model, equilibrium
+from tractive_sam.mechanics.elasticity import HalfSpaces, Strips
 from tractive_sam.mechanics.invariants import von_mises
-from tractive_sam.operators import Mesh, surface_stress
+from tractive_sam.mechanics.material import Material
+from tractive_sam.operators import Lattice, surface_stress
 from tractive_sam.reference import (
     circle_pressure_stress,
     circle_shear_stress,
@@ -20,6 +22,7 @@ from tractive_sam.subsurface import von_mises_maximum
 
 SHEAR = 0.4
 NU = 0.3
+BODY = HalfSpaces(Material(1.0, NU), Material(np.inf, NU))
 
 
 def sliding_circle(n):
@@ -27,7 +30,7 @@ def sliding_circle(n):
     grid = Grid((1.2, 1.2), (n, n))
     pressure = cell_averages(grid, 1.0, 1.0)
     tractions = np.stack((SHEAR * pressure, 0.0 * pressure, pressure))
-    stress = surface_stress(Mesh(grid.elements, grid.dx, grid.dy), tractions, NU)
+    stress = surface_stress(Lattice(grid.elements, grid.dx, grid.dy), BODY, tractions)
     x, y = (0.5 * (axis[1:] + axis[:-1]) for axis in (grid.x, grid.y))
     x, y = np.broadcast_arrays(x[:, None], y)
     inside = np.hypot(x, y) < 0.8  # the edge has errors of a lower order
@@ -49,8 +52,8 @@ def test_strips_are_those_of_plane_strain():
     x = np.linspace(-1.2, 1.2, 241)[:-1] + 0.005
     pressure = np.sqrt(np.maximum(0.0, 1.0 - x**2))
     tractions = np.stack((SHEAR * pressure, 0.1 * pressure, pressure))[..., None]
-    mesh = Mesh((x.size, 1), 0.01, 1.0, datum=1.0)
-    stress = surface_stress(mesh, tractions, NU)[..., 0]
+    body = Strips(BODY.A, BODY.B, datum=1.0)
+    stress = surface_stress(Lattice((x.size, 1), 0.01, 1.0), body, tractions)[..., 0]
     middle = 0.5 * (x[1:] + x[:-1])
     inside = np.abs(middle) < 0.8
     truth = line_pressure_stress(middle, 0.0 * middle, 1.0, 1.0, NU)

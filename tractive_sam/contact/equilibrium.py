@@ -46,7 +46,7 @@ def equilibrium(
         gap = gap + depth
     problem = model.problem(gap / model.units.gap, in_pass)
     first = None if start is None else start_of(model, start)
-    solver = model.method.dissimilar if model.dissimilar else model.method.alike
+    solver = model.method.dissimilar if model.elasticity.coupled else model.method.alike
     if model.load is None and problem.normal.gap.min() >= model.given_approach:
         solver, first = ALONE, None  # worn until they do not touch: nothing to solve
     elif not model.transmits:
@@ -102,7 +102,7 @@ def _rolling_resistance(
     the work of p_t on the slip by p_n; that by p_t itself does none. So resistance and creepages
     supply what the slip at the centres (`Stencil.at_centres`) dissipates.
     """
-    if not model.dissimilar:
+    if not model.elasticity.coupled:
         return 0.0
     slope = np.gradient(model.undeformed_gap + depth - gap, model.grid.dx, axis=0)
     return float((pressure * slope).sum() * model.grid.element_area)

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from tractive_sam.mechanics.elasticity import Elasticity, HalfSpaces, Strips
 from tractive_sam.mechanics.friction import Coulomb, FrictionLaw
 from tractive_sam.mechanics.wear import Archard, ArchardByWork, WearLaw
 from tractive_sam.scene import Scene
@@ -16,6 +17,8 @@ class Laws:
 
     Attributes
     ----------
+    elasticity : Elasticity
+        How the bodies give way.
     friction : FrictionLaw or None
         What friction does; None without.
     wear : WearLaw or None
@@ -31,17 +34,24 @@ class Laws:
     True
     """
 
+    elasticity: Elasticity
     friction: FrictionLaw | None = None
     wear: WearLaw | None = None
 
     @classmethod
     def of(cls, scene: Scene) -> "Laws":
         """The laws that the tables of a scene name."""
-        return cls(_friction(scene), _wear(scene))
+        return cls(_elasticity(scene), _friction(scene), _wear(scene))
 
     def replace(self, **laws: Any) -> "Laws":
         """These laws, with others in place of some."""
         return replace(self, **laws)
+
+
+def _elasticity(scene: Scene) -> HalfSpaces:
+    """Of line contact relative to the surface one combined radius away."""
+    A, B = scene.materials["A"], scene.materials["B"]
+    return Strips(A, B, scene.body.radii[0]) if scene.line else HalfSpaces(A, B)
 
 
 def _friction(scene: Scene) -> Coulomb | None:

@@ -56,7 +56,7 @@ def choose_grid(scene: Scene, measured=None, finer: float = 1.0) -> Grid:
     """
     if scene.grid is not None:
         return Grid.of(scene.grid.half_length, scene.grid.elements)
-    if scene.line:
+    if scene.hertz is not None and math.isinf(scene.hertz.b):
         elements = 2 * int(0.5 * MARGIN * ACROSS_LINE * finer) + 1
         return Grid.of((MARGIN * scene.hertz.a,), (elements,))
     if scene.hertz is None:

@@ -17,9 +17,9 @@ def message(status: Status, outcome: Outcome, model: Model) -> str:
         touching = outcome.pressure > 0.0
         if not touching.any():
             text += "; the bodies do not touch: load.approach is less than the depth worn off"
-        across = [int(touching.any(axis=1).sum()), int(touching.any(axis=0).sum())]
-        if model.grid.line:
-            del across[1]
+        across = [
+            int(touching.any(axis=1 - axis).sum()) for axis in (0, 1) if touching.shape[axis] > 1
+        ]
         if 0 < min(across) < FEWEST_ELEMENTS:
             text += (
                 f"; only {' x '.join(map(str, across))} elements are in contact: refine the mesh "
@@ -32,7 +32,7 @@ def message(status: Status, outcome: Outcome, model: Model) -> str:
             f"(now {_half_length(model.grid)} mm) and "
             "grid.elements with it"
         )
-        if model.scene.body.endless and not model.grid.line:
+        if model.scene.body.endless and model.measured is not None:
             text += "; with radius_y = inf only a [gap] that rises towards its sides ends it in y"
         return text
     reached = (
@@ -50,5 +50,5 @@ def message(status: Status, outcome: Outcome, model: Model) -> str:
 
 
 def _half_length(grid: Grid) -> str:
-    lengths = grid.half_length[:1] if grid.line else grid.half_length
-    return " x ".join(f"{length:g}" for length in lengths)
+    sides = zip(grid.half_length, grid.elements, strict=True)
+    return " x ".join(f"{length:g}" for length, elements in sides if elements > 1)

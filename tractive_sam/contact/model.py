@@ -12,7 +12,7 @@ from tractive_sam.contact.mesh import choose_grid
 from tractive_sam.mechanics.frame import Frame
 from tractive_sam.mechanics.friction import Coulomb, Friction, FrictionLaw
 from tractive_sam.mechanics.wear import WearLaw
-from tractive_sam.operators import STAGGERED, UPWIND, HalfSpace, Mesh, Stencil
+from tractive_sam.operators import STAGGERED, UPWIND, Lattice, Operators, Stencil
 from tractive_sam.results.grid import Grid
 from tractive_sam.scene import Scene, SceneWarning
 from tractive_sam.solvers.ladder import METHODS, Method
@@ -25,7 +25,7 @@ Gap = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 @dataclass(frozen=True)
 class Units:
-    """Units in which a problem is of order one (see `operators.half_space`).
+    """Units in which a problem is of order one (see `operators.elastic`).
 
     Attributes
     ----------
@@ -34,9 +34,9 @@ class Units:
     length : float
         l, mm.
     gap : float
-        g* = p* l / E*, mm.
+        g* = p* l / E*, mm; E* is the normal modulus of the bodies.
     slip : float
-        s* = max(mu1, mu2)² p* / G, dimensionless.
+        s* = max(mu1, mu2)² p* / G, dimensionless; G is their shear modulus.
     """
 
     pressure: float
@@ -74,9 +74,9 @@ class Model:
         self.laws = laws or Laws.of(scene)
         self.method = METHODS[scene.solver.method] if solver is None else Method.of(solver)
         self._solver = solver
-        self.material = scene.material
         self.measured = measured
         self.grid = grid or choose_grid(scene, measured)
+        self.elasticity = self.laws.elasticity.spanning(2.0 * self.grid.half_length[0])
 
     def on(self, grid: Grid) -> "Model":
         """The same on another mesh."""
@@ -110,10 +110,10 @@ class Model:
     @cached_property
     def units(self) -> Units:
         """Units taken from the Hertzian contact, or from the mesh where there is none."""
-        hertz, E = self.scene.hertz, self.material.E_star
+        hertz, E = self.scene.hertz, self.elasticity.normal_modulus
         if hertz is not None:
             pressure = hertz.p0
-            length = hertz.a if self.grid.line else float(np.sqrt(hertz.a * hertz.b))
+            length = hertz.mean_semi_axis
         else:
             length = 0.5 * float(np.sqrt(self.grid.half_length[0] * self.grid.half_length[1]))
             load = self.scene.load
@@ -121,30 +121,14 @@ class Model:
                 pressure = load.normal / (np.pi * length**2)
             else:
                 pressure = E * load.approach / length
-        slip = max(self.frame.mu) ** 2 * pressure / self.material.shear
+        slip = max(self.frame.mu) ** 2 * pressure / self.elasticity.shear_modulus
         return Units(pressure, length, pressure * length / E, slip)
 
     @cached_property
-    def half_space(self) -> HalfSpace:
+    def operators(self) -> Operators:
         """Operators on the whole mesh."""
-        mesh = Mesh(self.grid.elements, self.grid.dx, self.grid.dy, self._datum)
-        return HalfSpace(mesh, self.material, self.units.length, self.frame, stencil=self.stencil)
-
-    @property
-    def _datum(self) -> float | None:
-        """The datum of displacements in a line contact (see `operators.Mesh`), mm.
-
-        One combined radius; the normal operator is positive definite if it is at least as long as
-        the mesh, and with the circulant inverse twice as long.
-        """
-        if not self.grid.line:
-            return None
-        return max(self.scene.body.radii[0], 4.0 * self.grid.half_length[0])
-
-    @cached_property
-    def dissimilar(self) -> bool:
-        """Whether pressure makes the surfaces slip and tractions make them lift (K != 0)."""
-        return self.material.coupling != 0.0
+        lattice = Lattice(self.grid.elements, self.grid.dx, self.grid.dy)
+        return Operators(lattice, self.elasticity, self.units.length, self.frame, self.stencil)
 
     @cached_property
     def free(self) -> tuple[bool, bool]:
@@ -156,8 +140,9 @@ class Model:
     def transmits(self) -> bool:
         """Whether there is any cause for tangential traction."""
         creepage = self.scene.creepage
+        coupled = self.elasticity.coupled
         moving = creepage.longitudinal or creepage.lateral or creepage.spin
-        return self.laws.friction is not None and bool(moving or any(self.free) or self.dissimilar)
+        return self.laws.friction is not None and bool(moving or any(self.free) or coupled)
 
     @property
     def stencil(self) -> Stencil:
@@ -215,7 +200,7 @@ class Model:
         wear : callable, optional
             Wear within the pass.
         """
-        normal = NormalProblem(self.half_space, gap, self.load, self.given_approach)
+        normal = NormalProblem(self.operators, gap, self.load, self.given_approach)
         x, y = self.grid.x[:, None], self.grid.y[None, :]
         friction = Friction(self.friction_law, x, y, self.units.pressure)
         return Problem(normal, self.scaled_rigid_slip, friction, self.forces, wear)

@@ -42,6 +42,11 @@ class HertzContact:
     load: float
 
     @property
+    def mean_semi_axis(self) -> float:
+        """Geometric mean sqrt(a b), mm."""
+        return math.sqrt(self.a * self.b)
+
+    @property
     def area(self) -> float:
         """Contact area pi a b, mm²."""
         return math.pi * self.a * self.b

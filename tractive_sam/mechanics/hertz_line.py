@@ -42,6 +42,11 @@ class HertzLine:
         return math.inf
 
     @property
+    def mean_semi_axis(self) -> float:
+        """The half-width a, the only one that is finite, mm."""
+        return self.a
+
+    @property
     def approach(self) -> float:
         """Approach relative to the points of the surface one combined radius R away, mm.
 

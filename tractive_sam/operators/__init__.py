@@ -2,8 +2,8 @@
 
 from tractive_sam.mechanics.friction import Frame
 from tractive_sam.operators.convolution import Convolution
-from tractive_sam.operators.half_space import HalfSpace
-from tractive_sam.operators.influence import Mesh
+from tractive_sam.operators.elastic import Operators
+from tractive_sam.operators.influence import Lattice
 from tractive_sam.operators.stencil import STAGGERED, UPWIND, Stencil
 from tractive_sam.operators.stress_layers import StressLayers
 from tractive_sam.operators.stress_plane import StressPlane
@@ -16,8 +16,8 @@ __all__ = [
     "Convolution",
     "Frame",
     "Grid",
-    "HalfSpace",
-    "Mesh",
+    "Lattice",
+    "Operators",
     "Stencil",
     "StressLayers",
     "StressPlane",

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from tractive_sam.mechanics.material import CombinedMaterial
+from tractive_sam.mechanics.elasticity import Elasticity
 from tractive_sam.operators import influence
-from tractive_sam.operators.influence import Mesh
+from tractive_sam.operators.influence import Lattice
 
 
-def row_compliance(mesh: Mesh, material: CombinedMaterial, contact: np.ndarray) -> np.ndarray:
+def row_compliance(lattice: Lattice, elasticity: Elasticity, contact: np.ndarray) -> np.ndarray:
     """Mean normal displacement of each row in contact by a load on each other one.
 
     A row is what a ring of material meets: all elements of one y. The load of a row is spread
@@ -17,10 +17,10 @@ def row_compliance(mesh: Mesh, material: CombinedMaterial, contact: np.ndarray) 
 
     Parameters
     ----------
-    mesh : Mesh
-        The mesh.
-    material : CombinedMaterial
-        The pair of materials.
+    lattice : Lattice
+        The elements.
+    elasticity : Elasticity
+        The bodies.
     contact : ndarray of bool, shape (n_x, n_y)
         Elements in contact.
 
@@ -31,8 +31,8 @@ def row_compliance(mesh: Mesh, material: CombinedMaterial, contact: np.ndarray) 
     """
     rows = np.flatnonzero(contact.any(axis=0))
     share = contact[:, rows] / contact[:, rows].sum(axis=0)
-    px, py = mesh.padded
-    along = np.fft.rfft(influence.displacement(mesh, material, "zz"), axis=0)
+    px, py = lattice.padded
+    along = np.fft.rfft(influence.displacement(lattice, elasticity, "zz"), axis=0)
     share = np.fft.rfft(share, n=px, axis=0)
     offsets = (rows[:, None] - rows[None, :]) % py
     # Parseval over the half spectrum: inner frequencies count twice.

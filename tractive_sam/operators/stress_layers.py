@@ -10,7 +10,7 @@ from tractive_sam.kernels.stress_lattice import layer_table
 from tractive_sam.kernels.stress_spectral import layer_product
 from tractive_sam.operators.extent import reach
 from tractive_sam.operators.fft import padded_length
-from tractive_sam.operators.influence import Mesh
+from tractive_sam.operators.influence import Lattice
 from tractive_sam.operators.stress_fft import layer_transform
 
 
@@ -25,7 +25,7 @@ class StressLayers:
 
     Parameters
     ----------
-    mesh : Mesh
+    lattice : Lattice
         Elements; lengths in mm.
     tractions : ndarray, shape (bodies, 3, n_x, n_y)
         (p_x, p_y, p_n) acting on each half-space, MPa.
@@ -36,9 +36,9 @@ class StressLayers:
     """
 
     def __init__(
-        self, mesh: Mesh, tractions: np.ndarray, poisson: Sequence[float], threads: int = 1
+        self, lattice: Lattice, tractions: np.ndarray, poisson: Sequence[float], threads: int = 1
     ):
-        self.mesh = mesh
+        self.lattice = lattice
         self.poisson = tuple(poisson)
         self.threads = threads
         loaded = tractions.any(axis=(0, 1))
@@ -60,11 +60,11 @@ class StressLayers:
         ndarray, shape (bodies, 6, n_x, n_y)
             In the order of `kernels.stress.COMPONENTS`, MPa; a new array.
         """
-        transform = layer_transform(self.mesh.shape, self._padded, self.threads)
-        table = transform.tables, float(depth), self.mesh.dx, self.mesh.dy
+        transform = layer_transform(self.lattice.shape, self._padded, self.threads)
+        table = transform.tables, float(depth), self.lattice.dx, self.lattice.dy
         self._by_rows(partial(layer_table, *table))
         transform.forward()
-        out = np.empty((len(self.poisson), 6, *self.mesh.shape))
+        out = np.empty((len(self.poisson), 6, *self.lattice.shape))
         for stress, load, nu in zip(out, self._loads, self.poisson, strict=True):
             spectra = transform.spectra, transform.packs, load
             self._by_rows(partial(layer_product, *spectra, nu))

@@ -4,12 +4,12 @@ from functools import lru_cache
 
 import numpy as np
 
-from tractive_sam.mechanics.material import Material, combine
+from tractive_sam.mechanics.elasticity import HalfSpaces
 from tractive_sam.operators import influence
-from tractive_sam.operators.influence import Mesh
+from tractive_sam.operators.influence import Lattice
 
 
-def surface_stress(mesh: Mesh, tractions: np.ndarray, poisson: float) -> np.ndarray:
+def surface_stress(lattice: Lattice, body: HalfSpaces, tractions: np.ndarray) -> np.ndarray:
     """Stress at the corners of the elements: its means over rectangles from centre to centre.
 
     With tractions constant on elements the stress is infinite at every edge across which the
@@ -20,12 +20,12 @@ def surface_stress(mesh: Mesh, tractions: np.ndarray, poisson: float) -> np.ndar
 
     Parameters
     ----------
-    mesh : Mesh
+    lattice : Lattice
         Elements (n_x, n_y), or strips; lengths in mm.
+    body : HalfSpaces
+        The body, as `HalfSpaces.alone` gives it.
     tractions : ndarray, shape (3, n_x, n_y)
         (p_x, p_y, p_n) acting on the half-space z >= 0, MPa.
-    poisson : float
-        Poisson's ratio.
 
     Returns
     -------
@@ -34,7 +34,9 @@ def surface_stress(mesh: Mesh, tractions: np.ndarray, poisson: float) -> np.ndar
         of edges that two strips do.
     """
     p_x, p_y, p_n = between(tractions)
-    (xx, yx), (xy, yy) = _gradients(mesh, _displacements(mesh, tractions, poisson))
+    u = _displacements(lattice, body, tractions)
+    (xx, yx), (xy, yy) = slopes(u, lattice.dx, lattice.dy)
+    poisson = body.A.poisson
     # Displacements are those of unit shear modulus.
     plane, out = 2.0 / (1.0 - poisson), poisson / (1.0 - poisson) * p_n
     stress = (
@@ -68,28 +70,21 @@ def _mean(fields: np.ndarray, axis: int) -> np.ndarray:
     return np.moveaxis(0.5 * (along[..., 1:] + along[..., :-1]), -1, axis)
 
 
-def _gradients(mesh: Mesh, displacements: np.ndarray) -> np.ndarray:
-    """d/dx and d/dy of (u_x, u_y), shape (2, 2, ...)."""
-    return slopes(displacements, mesh.dx, mesh.dy)
-
-
-def _displacements(mesh: Mesh, tractions: np.ndarray, poisson: float) -> np.ndarray:
-    """(u_x, u_y) at the centres, of a half-space of unit shear modulus."""
-    xx, xy, yy, xz, yz = _spectra(mesh, poisson)
-    p_x, p_y, p_n = np.fft.rfft2(tractions, s=mesh.padded)
+def _displacements(lattice: Lattice, body: HalfSpaces, tractions: np.ndarray) -> np.ndarray:
+    """(u_x, u_y) at the centres."""
+    xx, xy, yy, xz, yz = _spectra(lattice, body)
+    p_x, p_y, p_n = np.fft.rfft2(tractions, s=lattice.padded)
     u = np.stack((xx * p_x + xy * p_y + 1j * xz * p_n, xy * p_x + yy * p_y + 1j * yz * p_n))
-    nx, ny = mesh.shape
-    return np.fft.irfft2(u, s=mesh.padded)[:, :nx, :ny]
+    nx, ny = lattice.shape
+    return np.fft.irfft2(u, s=lattice.padded)[:, :nx, :ny]
 
 
 @lru_cache(maxsize=2)
-def _spectra(mesh: Mesh, poisson: float) -> tuple[np.ndarray, ...]:
+def _spectra(lattice: Lattice, body: HalfSpaces) -> tuple[np.ndarray, ...]:
     """Of the kernels: the even ones have real spectra, the odd ones imaginary."""
-    # A pair in which the other body is rigid displaces by what the one does.
-    body = combine(Material(1.0, poisson), Material(np.inf, poisson))
 
     def of(component: str) -> np.ndarray:
-        return np.fft.rfft2(influence.displacement(mesh, body, component))
+        return np.fft.rfft2(influence.displacement(lattice, body, component))
 
     even = tuple(of(component).real for component in ("xx", "xy", "yy"))
     return even + tuple(of(component).imag for component in ("xz", "yz"))

@@ -130,7 +130,7 @@ class Contact:
     def at_edge(self) -> tuple[bool, bool]:
         """Whether the contact reaches the edge of the mesh in x, and in y: a line has none."""
         rows, columns = self.touching.any(axis=1), self.touching.any(axis=0)
-        sides = bool(columns[0] or columns[-1]) and not self.grid.line
+        sides = bool(columns[0] or columns[-1]) and columns.size > 1
         return bool(rows[0] or rows[-1]), sides
 
     def on(self, grid: Grid) -> "Contact":

@@ -36,7 +36,7 @@ def wear_response(model: Model, contact: Contact, closing: float = 0.0) -> np.nd
         return response
     touching = contact.touching | (contact.gap <= closing)
     rows = np.flatnonzero(touching.any(axis=0))
-    compliance = row_compliance(model.half_space.mesh, model.material, touching)
+    compliance = row_compliance(model.operators.lattice, model.elasticity, touching)
     stiffness = np.linalg.inv(compliance)
     if model.load is not None:
         # A uniform depth only moves the bodies closer.

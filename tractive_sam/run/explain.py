@@ -83,7 +83,7 @@ def _accuracy(found: Refined) -> Section:
 
 
 def _bodies(model: Model) -> Section:
-    material, hertz = model.material, model.scene.hertz
+    material, hertz = model.scene.material, model.scene.hertz
     radius_x, radius_y = model.scene.body.radii
     rows = [
         ("combined modulus", f"E* = {material.E_star:.6g} MPa, nu = {material.poisson:.4g}"),
@@ -110,15 +110,15 @@ def _plane_strain(model: Model) -> str:
 
 
 def _contact(model: Model) -> Section:
-    scene = model.scene
-    if model.dissimilar and model.transmits:
+    scene, K = model.scene, model.scene.material.coupling
+    if model.elasticity.coupled and model.transmits:
         coupling = (
-            f"K = {model.material.coupling:.4g}: pressure makes the surfaces slip and tractions "
+            f"K = {K:.4g}: pressure makes the surfaces slip and tractions "
             "lift them, so both are solved at once"
         )
-    elif model.dissimilar:
+    elif model.elasticity.coupled:
         coupling = (
-            f"K = {model.material.coupling:.4g}, but without friction there are no tractions to "
+            f"K = {K:.4g}, but without friction there are no tractions to "
             "lift the surfaces: the normal problem stands alone"
         )
     else:
@@ -308,10 +308,10 @@ def seconds_per_application(model: Model) -> float:
 
     Of a large mesh it is that of a part, in proportion to the work of the transforms.
     """
-    fields, half_space = memory.fields_together(model), model.half_space
+    fields, operators = memory.fields_together(model), model.operators
     shape = _timed(model.grid.elements)
-    half_space = half_space.on(half_space.mesh.of(shape))
-    operator = {1: half_space.normal, 2: half_space.slip}.get(fields) or half_space.coupled
+    operators = operators.on(operators.lattice.of(shape))
+    operator = {1: operators.normal, 2: operators.slip}.get(fields) or operators.coupled
     values = np.ones(operator.shape)
     operator(values)
     times = []

@@ -18,16 +18,16 @@ FITS = 0.9
 
 def fields_together(model: Model) -> int:
     """Fields that an elastic operator of a scene takes at once."""
-    return 3 if model.dissimilar and model.transmits else 2 if model.transmits else 1
+    return 3 if model.elasticity.coupled and model.transmits else 2 if model.transmits else 1
 
 
 def of_contact(model: Model) -> float:
     """Memory that a solve takes, bytes."""
-    fields, mesh = fields_together(model), model.half_space.mesh
+    fields, lattice = fields_together(model), model.operators.lattice
     # Of large meshes, in doubles: spectra and buffers of the transforms, both in double and single
     # precision, tables on the way to them, and a Krylov space in single precision.
     spectra = 1.5 * (9 if fields == 3 else 3)
-    padded, elements = math.prod(mesh.padded), math.prod(mesh.shape)
+    padded, elements = math.prod(lattice.padded), math.prod(lattice.shape)
     return 8.0 * (padded * (spectra + 3.75 * fields + 7) + 25 * fields * elements)
 
 
@@ -101,8 +101,8 @@ def _check_mesh(model: Model, needed: float) -> None:
         return
     nx, ny = model.grid.elements
     share = FITS * free / needed
-    most = (share * nx, 1) if model.grid.line else (math.sqrt(share) * n for n in (nx, ny))
-    fits = " x ".join(str(max(1, int(n))) for n in most)
+    per_side = share ** (1.0 / sum(n > 1 for n in (nx, ny)))
+    fits = " x ".join(str(max(1, int(per_side * n))) for n in (nx, ny))
     given = f"{nx} x {ny}, for which {_told(needed, free)}"
     raise SceneError([Fault("grid.elements", given, f"here at most about {fits}")])
 

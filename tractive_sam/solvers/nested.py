@@ -83,7 +83,7 @@ class Nested:
         if _shorter_side(problem) > self.coarsest:
             coarse_problem = problem.coarsened()
             coarse = self.solve(coarse_problem, max(tolerance, self.coarse_tolerance))
-            sizes = (np.prod(p.operators.mesh.shape) for p in (coarse_problem, problem))
+            sizes = (np.prod(p.operators.lattice.shape) for p in (coarse_problem, problem))
             share = float(next(sizes) / next(sizes))
             earlier.append((coarse, share))
             start = refined(coarse, coarse_problem, problem)
@@ -122,5 +122,5 @@ def refined(
 
 def _shorter_side(problem: NormalProblem | Problem) -> int:
     """Elements of a mesh along its shorter side, of those along which it can be coarsened."""
-    mesh = problem.operators.mesh
-    return min(n for n, block in zip(mesh.shape, mesh.block, strict=True) if block > 1)
+    lattice = problem.operators.lattice
+    return min(n for n, block in zip(lattice.shape, lattice.block, strict=True) if block > 1)

@@ -1,4 +1,4 @@
-"""What a solver is given: dimensionless contact problems (units: `operators.half_space`).
+"""What a solver is given: dimensionless contact problems (units: `operators.elastic`).
 
 The pressure is an unknown of a `Problem`, or it is **held**: of bodies of equal material it does
 not feel the tractions and is solved for beforehand. Problems are never changed, other ones are
@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from tractive_sam.mechanics.friction import Bound, Friction, Linearisation
-from tractive_sam.operators import HalfSpace
+from tractive_sam.operators import Operators
 from tractive_sam.operators.stencil import FrictionSlip
 
 WearInPass = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
@@ -37,7 +37,7 @@ class NormalProblem:
 
     Parameters
     ----------
-    operators : HalfSpace
+    operators : Operators
         The elastic operators.
     gap : ndarray, shape (n_x, n_y)
         Separation of the undeformed surfaces.
@@ -47,14 +47,14 @@ class NormalProblem:
         delta; where the load is given, a first guess that is not used.
     """
 
-    operators: HalfSpace
+    operators: Operators
     gap: np.ndarray
     load: float | None
     approach: float = 0.0
 
     def coarsened(self) -> "NormalProblem":
         """The same problem on elements of twice the size."""
-        block = self.operators.mesh.block
+        block = self.operators.lattice.block
         return replace(
             self,
             operators=self.operators.coarsened,
@@ -133,19 +133,19 @@ class Held:
 
     Parameters
     ----------
-    operators : HalfSpace
+    operators : Operators
         The elastic operators.
     pressure, gap : ndarray, shape (n_x, n_y)
         pi_n and eta; the gap tells where within their elements the edges lie.
     """
 
-    operators: HalfSpace
+    operators: Operators
     pressure: np.ndarray
     gap: np.ndarray
 
     def coarsened(self) -> "Held":
         """The same on elements of twice the size."""
-        block = self.operators.mesh.block
+        block = self.operators.lattice.block
         return Held(
             self.operators.coarsened,
             block_mean(self.pressure, block, "constant"),
@@ -187,7 +187,7 @@ class Problem:
     wear: WearInPass | None = None
 
     @property
-    def operators(self) -> HalfSpace:
+    def operators(self) -> Operators:
         """The elastic operators."""
         return self.normal.operators
 
@@ -209,7 +209,7 @@ class Problem:
     def holding(self, pressure: np.ndarray, gap: np.ndarray) -> "Problem":
         """The tangential problem under a pressure and the gap that goes with it."""
         rigid = self.rigid
-        if self.operators.dissimilar:
+        if self.operators.elasticity.coupled:
             rigid = rigid + self.operators.slip_by_pressure(pressure)
         return replace(self, normal=Held(self.operators, pressure, gap), rigid=rigid, wear=None)
 
@@ -223,7 +223,7 @@ class Problem:
 
     def coarsened(self) -> "Problem":
         """The same problem on elements of twice the size."""
-        block = self.operators.mesh.block
+        block = self.operators.lattice.block
         friction = self.friction
         return replace(
             self,
@@ -240,7 +240,7 @@ class Problem:
         """Elastic part of gap and slip, of fields; counts as one application."""
         if self.held:
             return self.operators.slip(fields)
-        if self.operators.dissimilar:
+        if self.operators.elasticity.coupled:
             return self.operators.coupled(fields)
         return np.concatenate((self.operators.normal(fields[:1]), self.operators.slip(fields[1:])))
 

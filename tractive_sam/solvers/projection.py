@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tractive_sam.operators import HalfSpace
+from tractive_sam.operators import Operators
 from tractive_sam.results.status import Cost, Status
 from tractive_sam.solvers.conjugate_gradients import ConjugateGradients
 from tractive_sam.solvers.nested import Nested
@@ -21,7 +21,7 @@ from tractive_sam.solvers.problem import Problem
 Array = np.ndarray
 
 
-def slip_step(operators: HalfSpace, contact: Array) -> float:
+def slip_step(operators: Operators, contact: Array) -> float:
     """Bound on the step of the slip on a contact area (see the module)."""
     ones = np.where(contact, 1.0, 0.0)
     zero = np.zeros_like(ones)
@@ -32,7 +32,7 @@ def slip_step(operators: HalfSpace, contact: Array) -> float:
     return 1.0 / max(rows)
 
 
-def gap_step(operators: HalfSpace, contact: Array) -> float:
+def gap_step(operators: Operators, contact: Array) -> float:
     """Step of the gap: the inverse of a bound on the largest eigenvalue of A_nn on the contact."""
     return 1.0 / operators.normal(np.where(contact, 1.0, 0.0)[None]).max()
 

@@ -126,11 +126,11 @@ def _times(models: list[Model]) -> list[float]:
     """Seconds of each; one mesh of a kind is timed, for others it follows from their size."""
     kinds = defaultdict(list)
     for model in models:
-        kinds[memory.fields_together(model), model.grid.line].append(model)
+        kinds[memory.fields_together(model), type(model.elasticity)].append(model)
     pace = {kind: _pace(alike) for kind, alike in kinds.items()}
     return [
         OF_A_FILE
-        + pace[memory.fields_together(model), model.grid.line]
+        + pace[memory.fields_together(model), type(model.elasticity)]
         * _size(model)
         * explain.applications(model)
         * (1.0 if model.method.predictable else UZAWA)

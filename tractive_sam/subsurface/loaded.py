@@ -6,8 +6,11 @@ from typing import Protocol
 
 import numpy as np
 
+from tractive_sam.contact.laws import Laws
+from tractive_sam.mechanics.elasticity import Elasticity
 from tractive_sam.results.grid import Grid
 from tractive_sam.scene import Scene
+from tractive_sam.subsurface.source import StressSource, stress_source
 
 SIGNS = {"A": 1.0, "B": -1.0}
 """Sign of z in each body, and of the tangential traction that acts on it."""
@@ -45,32 +48,37 @@ class LoadedBodies:
         "A" or "B".
     tractions : ndarray, shape (bodies, 3, n_x, n_y)
         (p_x, p_y, p_n) acting on each half-space, MPa.
-    poisson : tuple of float
-        Poisson's ratio of each.
+    bodies : tuple of Elasticity
+        What they are made of, as `Elasticity.alone` gives it.
+    source : StressSource
+        What finds the stress in them.
     """
 
     names: tuple[str, ...]
     tractions: np.ndarray
-    poisson: tuple[float, ...]
+    bodies: tuple[Elasticity, ...]
+    source: StressSource
 
     @classmethod
-    def of(cls, contact: Loading, names: Sequence[str]) -> "LoadedBodies":
-        """Take bodies of a contact.
+    def of(cls, contact: Loading, names: Sequence[str], laws: Laws | None = None) -> "LoadedBodies":
+        """Take bodies of a contact, by default with the laws of its scene.
 
         Raises
         ------
         ValueError
-            If a body is neither "A" nor "B".
+            If a body is neither "A" nor "B", or the stress in it is not known.
         """
         for name in names:
             if name not in SIGNS:
                 raise ValueError(f'a body is "A" or "B", not {name!r}')
         p_n = contact.pressure[None]
-        tractions = [np.concatenate((SIGNS[name] * contact.traction, p_n)) for name in names]
-        materials = contact.scene.materials
-        return cls(
-            tuple(names), np.stack(tractions), tuple(materials[name].poisson for name in names)
+        tractions = np.stack(
+            [np.concatenate((SIGNS[name] * contact.traction, p_n)) for name in names]
         )
+        elasticity = (laws or Laws.of(contact.scene)).elasticity
+        bodies = tuple(elasticity.alone(name) for name in names)
+        source = stress_source(bodies[0], bodies, contact.grid, tractions)
+        return cls(tuple(names), tractions, bodies, source)
 
     def in_contact_axes(self, stress: np.ndarray) -> np.ndarray:
         """Turn stresses (bodies, 6, ...) of the half-spaces into the axes of the contact."""

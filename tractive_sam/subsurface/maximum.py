@@ -9,7 +9,6 @@ from tractive_sam.results.state import Contact
 from tractive_sam.subsurface.climb import climb, polish
 from tractive_sam.subsurface.loaded import LoadedBodies
 from tractive_sam.subsurface.pyramid import Pyramid
-from tractive_sam.subsurface.strips import StripLevels
 
 GROWTH = 1.5
 """Ratio of the depths of successive layers of the search."""
@@ -66,9 +65,8 @@ def von_mises_maximum(contact: Contact, body: str = "A") -> VonMisesMaximum:
     load = LoadedBodies.of(contact, (body,))
     if not load.tractions.any():
         return VonMisesMaximum(0.0, _NOWHERE, np.nan, _NOWHERE, 0.0, _NOWHERE)
-    levels = StripLevels if contact.grid.line else Pyramid
-    pyramid = levels(contact.grid, load.tractions[0], load.poisson[0], von_mises)
-    depths = _search_depths(contact)
+    pyramid = load.source.levels(von_mises)
+    depths = _search_depths(contact, pyramid.side)
     layers = [pyramid.level(0.5 * depth).layer(depth) for depth in depths]
     surface, surface_at = pyramid.surface(contact.sliding)
     interior, interior_at = _interior(pyramid, depths, layers, surface)
@@ -89,9 +87,8 @@ def von_mises_maxima(contact: Contact) -> dict[str, VonMisesMaximum]:
     return {body: von_mises_maximum(contact, body) for body in bodies}
 
 
-def _search_depths(contact: Contact) -> np.ndarray:
+def _search_depths(contact: Contact, side: float) -> np.ndarray:
     """The surface, one element below it, and on until no maximum is to be expected any more, mm."""
-    side = contact.grid.dx if contact.grid.line else max(contact.grid.dx, contact.grid.dy)
     deepest = DEEPEST * min(contact.half_width_x, contact.half_width_y)
     count = max(3, int(np.ceil(np.log(deepest / side) / np.log(GROWTH))) + 1)
     return np.concatenate(([0.0], side * GROWTH ** np.arange(count)))

@@ -5,18 +5,21 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tractive_sam.contact.laws import Laws
 from tractive_sam.kernels.stress import COMPONENTS
-from tractive_sam.operators import Mesh, StressLayers, StressPlane
 from tractive_sam.results.plane_stress import PlaneStress
 from tractive_sam.results.state import Contact
 from tractive_sam.scene import Plane
 from tractive_sam.subsurface.depth import checked, default_depths, semi_axes
 from tractive_sam.subsurface.loaded import LoadedBodies
-from tractive_sam.subsurface.strips import stress_on
 
 
 def stress_on_plane(
-    contact: Contact, plane: Plane | str, body: str = "A", depths: ArrayLike | None = None
+    contact: Contact,
+    plane: Plane | str,
+    body: str = "A",
+    depths: ArrayLike | None = None,
+    laws: Laws | None = None,
 ) -> PlaneStress:
     """Stress of one body on one plane.
 
@@ -31,6 +34,8 @@ def stress_on_plane(
         The body concerned.
     depths : array_like, optional
         Depths of a vertical plane, mm; by default those of the scene's [subsurface].
+    laws : Laws, optional
+        Laws that the contact was solved with, where they are not those of its scene.
 
     Raises
     ------
@@ -44,7 +49,7 @@ def stress_on_plane(
     >>> stress.von_mises.shape
     (91, 64)
     """
-    return next(stress_on_planes(contact, (plane,), (body,), depths))
+    return next(stress_on_planes(contact, (plane,), (body,), depths, laws))
 
 
 def stress_on_planes(
@@ -52,6 +57,7 @@ def stress_on_planes(
     planes: Sequence[Plane | str] | None = None,
     bodies: Sequence[str] | None = None,
     depths: ArrayLike | None = None,
+    laws: Laws | None = None,
 ) -> Iterator[PlaneStress]:
     """Stress of several bodies on several planes: each plane, and on it each body.
 
@@ -65,7 +71,7 @@ def stress_on_planes(
         As for `stress_on_plane`; by default those of the scene's [subsurface].
     bodies : sequence of str, optional
         By default those of the scene's [subsurface].
-    depths : array_like, optional
+    depths, laws : optional
         As for `stress_on_plane`.
 
     Raises
@@ -82,7 +88,7 @@ def stress_on_planes(
     if asked is None and (planes is None or bodies is None):
         raise ValueError("the scene has no [subsurface]: say which planes and bodies")
     planes = tuple(Plane.parse(plane) for plane in (asked.planes if planes is None else planes))
-    load = LoadedBodies.of(contact, asked.bodies if bodies is None else bodies)
+    load = LoadedBodies.of(contact, asked.bodies if bodies is None else bodies, laws)
     depths = default_depths(contact) if depths is None else checked(depths)
     # Checked at the call, not at the first plane.
     placed = [(plane, _position(contact, plane)) for plane in planes]
@@ -105,15 +111,6 @@ def _on_plane(
     else:
         axes = {"y": grid.y} if plane.axis == "x" else {"x": grid.x}
         axes["depth"] = depths
-    if grid.line:
-        x = np.array([position]) if plane.axis == "x" else grid.x
-        at = np.array([position]) if plane.axis == "z" else depths
-        stress = stress_on(grid, load.tractions, load.poisson, x, at)
-    elif plane.axis == "z":
-        mesh = Mesh(grid.elements, grid.dx, grid.dy)
-        stress = StressLayers(mesh, load.tractions, load.poisson).at(position)
-    else:
-        operator = StressPlane(grid, plane.axis, position, load.tractions, load.poisson)
-        stress = np.stack([operator.at(depth) for depth in depths], axis=-1)
+    stress = load.source.on_plane(plane.axis, position, depths)
     for body, tensor in zip(load.names, load.in_contact_axes(stress), strict=True):
         yield PlaneStress(body, plane, position, axes, dict(zip(COMPONENTS, tensor, strict=True)))

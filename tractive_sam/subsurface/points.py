@@ -1,54 +1,16 @@
 """Stress at arbitrary points."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tractive_sam.kernels import stress_sum
+from tractive_sam.contact.laws import Laws
 from tractive_sam.results.state import Contact
 from tractive_sam.subsurface.loaded import LoadedBodies
-from tractive_sam.subsurface.strips import Strips
 
 
-@dataclass(frozen=True)
-class Patches:
-    """The loaded elements of one half-space.
-
-    Attributes
-    ----------
-    centres : ndarray, shape (m, 2)
-        (x, y), mm.
-    tractions : ndarray, shape (m, 3)
-        (p_x, p_y, p_n), MPa.
-    sides : tuple of float
-        (dx, dy), mm.
-    poisson : float
-        Poisson's ratio.
-    """
-
-    centres: np.ndarray
-    tractions: np.ndarray
-    sides: tuple[float, float]
-    poisson: float
-
-    @classmethod
-    def on_mesh(
-        cls, x: np.ndarray, y: np.ndarray, sides: tuple[float, float], tractions, poisson: float
-    ) -> "Patches":
-        """Take the loaded ones of a mesh with centres x, y and tractions (3, n_x, n_y)."""
-        i, j = np.nonzero(tractions.any(axis=0))
-        loads = np.ascontiguousarray(tractions[:, i, j].T)
-        return cls(np.stack((x[i], y[j]), axis=1), loads, sides, poisson)
-
-    def stress(self, points: np.ndarray) -> np.ndarray:
-        """Stresses (n, 6) at points (n, 3) of the half-space, MPa."""
-        out = np.empty((len(points), 6))
-        stress_sum.stress_at(out, points, self.centres, self.tractions, *self.sides, self.poisson)
-        return out
-
-
-def stress_at(contact: Contact, points: ArrayLike, body: str = "A") -> np.ndarray:
+def stress_at(
+    contact: Contact, points: ArrayLike, body: str = "A", laws: Laws | None = None
+) -> np.ndarray:
     """Stress at points, summed over the loaded elements; exact for their constant tractions.
 
     Some 0.1 microseconds a point and loaded element. At the surface, on the edge between two
@@ -63,6 +25,8 @@ def stress_at(contact: Contact, points: ArrayLike, body: str = "A") -> np.ndarra
         x, y and depth, mm.
     body : "A" or "B"
         The body concerned.
+    laws : Laws, optional
+        Laws that the contact was solved with, where they are not those of its scene.
 
     Returns
     -------
@@ -85,10 +49,5 @@ def stress_at(contact: Contact, points: ArrayLike, body: str = "A") -> np.ndarra
         raise ValueError(f"points must have the shape (n, 3), not {points.shape}")
     if not np.isfinite(points).all() or (points[:, 2] < 0.0).any():
         raise ValueError("points must be finite, with a depth of at least 0")
-    grid, load = contact.grid, LoadedBodies.of(contact, (body,))
-    tractions, nu = load.tractions[0], load.poisson[0]
-    if grid.line:
-        patches = Strips.on_grid(grid, tractions, nu)
-    else:
-        patches = Patches.on_mesh(grid.x, grid.y, (grid.dx, grid.dy), tractions, nu)
-    return load.in_contact_axes(patches.stress(points).T[None])[0].T
+    load = LoadedBodies.of(contact, (body,), laws)
+    return load.in_contact_axes(load.source.at(points))[0].T

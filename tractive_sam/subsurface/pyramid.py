@@ -5,10 +5,11 @@ from functools import cached_property
 
 import numpy as np
 
-from tractive_sam.operators import Mesh, StressLayers
+from tractive_sam.mechanics.elasticity import HalfSpaces
+from tractive_sam.operators import Lattice, StressLayers
 from tractive_sam.operators.extent import extent
 from tractive_sam.results.grid import Grid
-from tractive_sam.subsurface.points import Patches
+from tractive_sam.subsurface.patches import Patches
 from tractive_sam.subsurface.surface import Criterion, largest_at_surface
 
 FEWEST = 16
@@ -48,12 +49,12 @@ class Level:
     criterion: Criterion
 
     @property
-    def _mesh(self) -> Mesh:
-        return Mesh((self.x.size, self.y.size), *self.sides)
+    def _lattice(self) -> Lattice:
+        return Lattice((self.x.size, self.y.size), *self.sides)
 
     @cached_property
     def _layers(self) -> StressLayers:
-        return StressLayers(self._mesh, self.tractions[None], (self.poisson,))
+        return StressLayers(self._lattice, self.tractions[None], (self.poisson,))
 
     @cached_property
     def _patches(self) -> Patches:
@@ -115,22 +116,25 @@ class Pyramid:
         Elements; lengths in mm.
     tractions : ndarray, shape (3, n_x, n_y)
         (p_x, p_y, p_n) on one half-space, MPa.
-    poisson : float
-        Poisson's ratio.
+    body : HalfSpaces
+        That half-space, as `HalfSpaces.alone` gives it.
     criterion : callable
         Equivalent stress of stresses (6, ...).
 
     Attributes
     ----------
+    side : float
+        Longer side of an element, mm.
     blocks : tuple of int
         Number of blocks (m_x, m_y) of the coarsest level; all others divide these.
     """
 
-    def __init__(self, grid: Grid, tractions: np.ndarray, poisson: float, criterion: Criterion):
+    def __init__(self, grid: Grid, tractions: np.ndarray, body: HalfSpaces, criterion: Criterion):
         loaded = tractions.any(axis=0)
         x = self._x = _Side(extent(loaded.any(axis=1)), grid.x[0], grid.dx)
         y = self._y = _Side(extent(loaded.any(axis=0)), grid.y[0], grid.dy)
-        self._poisson, self._criterion = poisson, criterion
+        self.side = max(grid.dx, grid.dy)
+        self._body, self._criterion = body, criterion
         self._tractions = np.zeros((3, x.count, y.count))
         self._tractions[:, x.inside, y.inside] = tractions[:, x.loaded, y.loaded]
         self.blocks = (x.count // x.coarsest, y.count // y.coarsest)
@@ -154,9 +158,9 @@ class Pyramid:
         x, y = self._x, self._y
         slips = np.zeros(self._tractions.shape[1:], dtype=bool)
         slips[x.inside, y.inside] = sliding[x.loaded, y.loaded]
-        mesh = Mesh(slips.shape, x.step, y.step)
+        lattice = Lattice(slips.shape, x.step, y.step)
         value, i, j = largest_at_surface(
-            mesh, self._tractions, slips, self._poisson, self._criterion
+            lattice, self._body, self._tractions, slips, self._criterion
         )
         at = x.centres(1)[0] + i * x.step, y.centres(1)[0] + j * y.step
         return value, (float(at[0]), float(at[1]), 0.0)
@@ -165,7 +169,7 @@ class Pyramid:
         x, y = self._x.centres(bx), self._y.centres(by)
         sides = bx * self._x.step, by * self._y.step
         means = self._tractions.reshape(3, x.size, bx, y.size, by).mean(axis=(2, 4))
-        return Level(x, y, sides, means, self._poisson, self._criterion)
+        return Level(x, y, sides, means, self._body.A.poisson, self._criterion)
 
 
 def _power_of_two(most: float) -> int:

@@ -1,18 +1,18 @@
 """Stress below a line contact, summed over its strips."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from tractive_sam.kernels import strip_stress
-from tractive_sam.operators import Mesh
+from tractive_sam.mechanics.elasticity import Strips
+from tractive_sam.operators import Lattice
 from tractive_sam.results.grid import Grid
 from tractive_sam.subsurface.surface import Criterion, largest_at_surface
 
 
 @dataclass(frozen=True)
-class Strips:
+class StripLoads:
     """The strips of one half-space, by their edges.
 
     Attributes
@@ -33,7 +33,7 @@ class Strips:
     poisson: float
 
     @classmethod
-    def on_grid(cls, grid: Grid, tractions: np.ndarray, poisson: float) -> "Strips":
+    def on_grid(cls, grid: Grid, tractions: np.ndarray, poisson: float) -> "StripLoads":
         """Take those of the grid of a line contact with tractions (3, n_x, 1)."""
         jumps = np.diff(tractions[:, :, 0].T, axis=0, prepend=0.0, append=0.0)
         edges = np.append(grid.x - 0.5 * grid.dx, grid.x[-1] + 0.5 * grid.dx)
@@ -48,22 +48,6 @@ class Strips:
         return out
 
 
-def stress_on(
-    grid: Grid,
-    tractions: np.ndarray,
-    poisson: Sequence[float],
-    x: np.ndarray,
-    depths: np.ndarray,
-) -> np.ndarray:
-    """Stresses (bodies, 6, n, k) at n places and k depths; tractions (bodies, 3, n_x, 1)."""
-    points = np.stack(np.broadcast_arrays(x[:, None], 0.0, depths), axis=-1).reshape(-1, 3)
-    stresses = [
-        Strips.on_grid(grid, own, nu).stress(points)
-        for own, nu in zip(tractions, poisson, strict=True)
-    ]
-    return np.moveaxis(stresses, 2, 1).reshape(len(poisson), 6, x.size, depths.size)
-
-
 class StripLevels:
     """The loaded strips in place of a `Pyramid`: they are few, and need no coarser levels.
 
@@ -73,17 +57,17 @@ class StripLevels:
         That of a line contact.
     tractions : ndarray, shape (3, n_x, 1)
         (p_x, p_y, p_n) on one half-space, MPa.
-    poisson : float
-        Poisson's ratio.
+    body : Strips
+        That half-space, as `Strips.alone` gives it.
     criterion : callable
         Equivalent stress of stresses (6, ...).
     """
 
-    def __init__(self, grid: Grid, tractions: np.ndarray, poisson: float, criterion: Criterion):
-        self.x, self.y = grid.x, grid.y
+    def __init__(self, grid: Grid, tractions: np.ndarray, body: Strips, criterion: Criterion):
+        self.x, self.y, self.side = grid.x, grid.y, grid.dx
         self.blocks = grid.elements
-        self._tractions, self._criterion = tractions, criterion
-        self._strips = Strips.on_grid(grid, tractions, poisson)
+        self._tractions, self._body, self._criterion = tractions, body, criterion
+        self._strips = StripLoads.on_grid(grid, tractions, body.A.poisson)
 
     def level(self, longest: float) -> "StripLevels":
         """The strips, whatever the length."""
@@ -106,10 +90,8 @@ class StripLevels:
         sliding : ndarray of bool, shape (n_x, 1)
             Strips of the grid that slip.
         """
-        strips = self._strips
-        # Strain does not depend on where displacement is zero.
-        mesh = Mesh(self.blocks, strips.width, 1.0, datum=strips.width)
+        lattice = Lattice(self.blocks, self.side, 1.0)
         value, i, _ = largest_at_surface(
-            mesh, self._tractions, sliding, strips.poisson, self._criterion
+            lattice, self._body, self._tractions, sliding, self._criterion
         )
-        return value, (float(self.x[0] + i * strips.width), 0.0, 0.0)
+        return value, (float(self.x[0] + i * self.side), 0.0, 0.0)

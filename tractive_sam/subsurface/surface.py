@@ -8,7 +8,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from tractive_sam.operators import Mesh, surface_stress
+from tractive_sam.mechanics.elasticity import HalfSpaces
+from tractive_sam.operators import Lattice, surface_stress
 from tractive_sam.operators.surface import between, slopes
 
 Criterion = Callable[[np.ndarray], np.ndarray]
@@ -28,10 +29,10 @@ _IN_PLANE = [0, 1, 3]
 
 
 def largest_at_surface(
-    mesh: Mesh,
+    lattice: Lattice,
+    body: HalfSpaces,
     tractions: np.ndarray,
     sliding: np.ndarray,
-    poisson: float,
     criterion: Criterion,
 ) -> tuple[float, float, float]:
     """The largest equivalent stress at a loaded surface, and where.
@@ -45,14 +46,14 @@ def largest_at_surface(
 
     Parameters
     ----------
-    mesh : Mesh
+    lattice : Lattice
         Elements, or strips; lengths in mm.
+    body : HalfSpaces
+        The half-space, as `HalfSpaces.alone` gives it.
     tractions : ndarray, shape (3, n_x, n_y)
         (p_x, p_y, p_n) on the half-space, MPa.
     sliding : ndarray of bool, shape (n_x, n_y)
         Loaded elements that slip.
-    poisson : float
-        Poisson's ratio.
     criterion : callable
         Equivalent stress of stresses (6, ...).
 
@@ -61,14 +62,14 @@ def largest_at_surface(
     (float, float, float)
         The stress, MPa, and its place from the centre of the first element, in elements.
     """
-    stress = surface_stress(mesh, tractions, poisson)
+    stress = surface_stress(lattice, body, tractions)
     touching = tractions[2] > 0.0
     loaded = _whole(touching)
     if not loaded.any():  # nowhere wider than an element
         loaded[:] = True
     found = (
         (stress[:, loaded], np.array(np.nonzero(loaded), dtype=float)),
-        _at_edge(mesh, tractions[2], stress, loaded, poisson),
+        _at_edge(lattice, tractions[2], stress, loaded, body.A.poisson),
         _at_border(stress, _whole(touching & sliding), _whole(touching & ~sliding)),
     )
     stress, places = (np.concatenate(parts, axis=1) for parts in zip(*found, strict=True))
@@ -111,7 +112,7 @@ def _at_border(
 
 
 def _at_edge(
-    mesh: Mesh, pressure: np.ndarray, stress: np.ndarray, loaded: np.ndarray, poisson: float
+    lattice: Lattice, pressure: np.ndarray, stress: np.ndarray, loaded: np.ndarray, poisson: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Stresses (6, n) at points of the edge, and the points (2, n), in corners.
 
@@ -120,7 +121,7 @@ def _at_edge(
     there.
     """
     p, square = between(pressure), between(pressure**2)
-    slope = slopes(pressure**2, mesh.dx, mesh.dy)
+    slope = slopes(pressure**2, lattice.dx, lattice.dy)
     steep = np.hypot(*slope)
     normal = np.divide(slope, steep, out=np.zeros_like(slope), where=steep > 0.0)
     # sigma + p (n n + 2 nu t t), in the plane: t t = 1 - n n.
@@ -134,7 +135,7 @@ def _at_edge(
         )
     )
     found, places = [np.zeros((3, 0))], [np.zeros((2, 0))]
-    per_element = slope * np.array([mesh.dx, mesh.dy])[:, None, None]
+    per_element = slope * np.array([lattice.dx, lattice.dy])[:, None, None]
     for axis in (0, 1) if loaded.shape[1] > 1 else (0,):
         steeper = np.abs(per_element[axis]) >= np.abs(per_element[1 - axis])
         for sign in (1, -1):

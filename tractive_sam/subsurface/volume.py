@@ -5,14 +5,17 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tractive_sam.operators import Mesh, StressLayers
+from tractive_sam.contact.laws import Laws
 from tractive_sam.subsurface.depth import checked
 from tractive_sam.subsurface.loaded import LoadedBodies, Loading
-from tractive_sam.subsurface.strips import stress_on
 
 
 def stress_volume(
-    contact: Loading, depths: ArrayLike, body: str = "A", threads: int = 1
+    contact: Loading,
+    depths: ArrayLike,
+    body: str = "A",
+    threads: int = 1,
+    laws: Laws | None = None,
 ) -> Iterator[tuple[float, np.ndarray]]:
     """Stress at the centres of the contact's mesh, layer by layer; nothing is kept of a layer.
 
@@ -26,6 +29,8 @@ def stress_volume(
         The body concerned.
     threads : int
         Threads to use.
+    laws : Laws, optional
+        Laws that the contact was solved with, where they are not those of its scene.
 
     Yields
     ------
@@ -45,18 +50,9 @@ def stress_volume(
     1.0 (6, 91, 91)
     """
     # Checked at the call, not at the first layer.
-    return _layers(LoadedBodies.of(contact, (body,)), contact, checked(depths), threads)
+    return _layers(LoadedBodies.of(contact, (body,), laws), checked(depths), threads)
 
 
-def _layers(load: LoadedBodies, contact: Loading, depths: np.ndarray, threads: int):
-    grid = contact.grid
-    if grid.line:
-        for depth in depths:
-            at = np.array([depth])
-            stress = stress_on(grid, load.tractions, load.poisson, grid.x, at)
-            yield float(depth), load.in_contact_axes(stress)[0]
-        return
-    mesh = Mesh(grid.elements, grid.dx, grid.dy)
-    layers = StressLayers(mesh, load.tractions, load.poisson, threads)
-    for depth in depths:
-        yield float(depth), load.in_contact_axes(layers.at(depth))[0]
+def _layers(load: LoadedBodies, depths: np.ndarray, threads: int):
+    for depth, stress in zip(depths, load.source.layers(depths, threads), strict=True):
+        yield float(depth), load.in_contact_axes(stress)[0]

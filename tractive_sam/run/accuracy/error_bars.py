@@ -73,7 +73,7 @@ class Sample:
         values["wear_max"] = float(contact.wear.max())
         force = float(np.hypot(*contact.traction).sum() * contact.grid.element_area)
         arm = contact.half_width_x
-        if not contact.grid.line:
+        if math.isfinite(contact.half_width_y):
             arm = math.sqrt(arm * contact.half_width_y)
         creepage = math.hypot(contact.xi_x, contact.xi_y, contact.spin * arm)
         scales = {name: abs(value) for name, value in values.items()}

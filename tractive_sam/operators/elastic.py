@@ -1,8 +1,9 @@
 """The dimensionless operators of one contact problem.
 
-With a unit of pressure p*, of gap g* = p* l / E* and of slip s* = max(mu1, mu2)² p* / G, and with
-the tractions in the scaled tribological frame, p~ = M^-1 R p_t and s~ = M R s, every quantity that
-a solver meets is of order one and both penalty-like factors of the contact conditions are unity:
+With a unit of pressure p*, of gap g* = p* l / E* and of slip s* = max(mu1, mu2)² p* / G, E* and G
+the moduli of the bodies, and with the tractions in the scaled tribological frame, p~ = M^-1 R p_t
+and s~ = M R s, every quantity that a solver meets is of order one and both penalty-like factors of
+the contact conditions are unity:
 
     gap   eta   = h/g* - delta/g* + A_nn pi_n + A_nt pi_t,    pi_n = max(0, pi_n - eta)
     slip  sigma = s~_rigid/s*     + D_tn pi_n + D_tt pi_t,    pi_t = disc(pi_t - sigma; pi_n)
@@ -17,24 +18,24 @@ from functools import cached_property, lru_cache, partial
 import numpy as np
 
 from tractive_sam.kernels import spectral
+from tractive_sam.mechanics.elasticity import Elasticity
 from tractive_sam.mechanics.friction import Frame
-from tractive_sam.mechanics.material import CombinedMaterial
 from tractive_sam.operators import influence
 from tractive_sam.operators.convolution import Convolution
 from tractive_sam.operators.fft import spectrum
-from tractive_sam.operators.influence import Mesh
+from tractive_sam.operators.influence import Lattice
 from tractive_sam.operators.stencil import UPWIND, FrictionSlip, Stencil, edge_normals
 
 
-class HalfSpace:
-    """Operators of a pair of half-spaces on a mesh, dimensionless, each made on its first use.
+class Operators:
+    """Elastic operators on a mesh, dimensionless, each made on its first use.
 
     Parameters
     ----------
-    mesh : Mesh
+    lattice : Lattice
         Elements; lengths in mm.
-    material : CombinedMaterial
-        G, nu and K of the pair.
+    elasticity : Elasticity
+        The bodies.
     length : float
         The length l of the unit of gap, mm.
     frame : Frame
@@ -45,53 +46,48 @@ class HalfSpace:
 
     def __init__(
         self,
-        mesh: Mesh,
-        material: CombinedMaterial,
+        lattice: Lattice,
+        elasticity: Elasticity,
         length: float,
         frame: Frame | None = None,
         stencil: Stencil = UPWIND,
     ):
-        self.mesh = mesh
-        self.material = material
+        self.lattice = lattice
+        self.elasticity = elasticity
         self.length = length
         self.frame = frame or Frame()
         self.stencil = stencil
 
-    def on(self, mesh: Mesh) -> "HalfSpace":
+    def on(self, lattice: Lattice) -> "Operators":
         """The same bodies and units on another mesh."""
-        return HalfSpace(mesh, self.material, self.length, self.frame, self.stencil)
+        return Operators(lattice, self.elasticity, self.length, self.frame, self.stencil)
 
     @cached_property
-    def coarsened(self) -> "HalfSpace":
+    def coarsened(self) -> "Operators":
         """The same bodies and units on elements of twice the size."""
-        return self.on(self.mesh.coarsened())
+        return self.on(self.lattice.coarsened())
 
     @cached_property
-    def part(self) -> Callable[[tuple[int, int]], "HalfSpace"]:
+    def part(self) -> Callable[[tuple[int, int]], "Operators"]:
         """Operators on fewer elements of the mesh, by their numbers; the last eight are kept."""
-        whole = (self.mesh, self.material, self.length, self.frame, self.stencil)
+        whole = (self.lattice, self.elasticity, self.length, self.frame, self.stencil)
         return lru_cache(8)(partial(_on_part, *whole))
-
-    @property
-    def dissimilar(self) -> bool:
-        """Whether pressure makes the surfaces slip and tractions make them lift (K != 0)."""
-        return self.material.coupling != 0.0
 
     @property
     def _per_gap(self) -> float:
         """p*/g*, MPa/mm."""
-        return self.material.E_star / self.length
+        return self.elasticity.normal_modulus / self.length
 
     @property
     def _per_slip(self) -> float:
         """p*/s*, MPa."""
-        return self.material.shear / max(self.frame.mu) ** 2
+        return self.elasticity.shear_modulus / max(self.frame.mu) ** 2
 
     def _displacement(self, component: str, period: tuple[int, int] | None = None) -> np.ndarray:
-        return spectrum(influence.displacement(self.mesh, self.material, component, period))
+        return spectrum(influence.displacement(self.lattice, self.elasticity, component, period))
 
     def _slip(self, component: str) -> np.ndarray:
-        return spectrum(influence.slip(self.mesh, self.material, component))
+        return spectrum(influence.slip(self.lattice, self.elasticity, component))
 
     def _normal_spectrum(self, period: tuple[int, int] | None = None) -> np.ndarray:
         return self._per_gap * self._displacement("zz", period).real
@@ -104,13 +100,13 @@ class HalfSpace:
 
     def _convolution(self, spectra, product, fields: int) -> Convolution:
         spectra = np.ascontiguousarray(spectra)
-        return Convolution(spectra, product, fields, self.mesh.shape, self.mesh.padded)
+        return Convolution(spectra, product, fields, self.lattice.shape, self.lattice.padded)
 
     def _inverse(self, spectra, product, fields: int) -> Convolution:
         """Of inverted spectra, which still carry the size of their table twice."""
-        period = self.mesh.cyclic
+        period = self.lattice.cyclic
         spectra = np.stack(spectra) / np.prod(period) ** 2
-        return Convolution(spectra, product, fields, self.mesh.shape, period)
+        return Convolution(spectra, product, fields, self.lattice.shape, period)
 
     def _tangential(self, xx, xy, yy):
         """Entries (11, 12, 22) of F [[xx, xy], [xy, yy]] F^T, any kind of array."""
@@ -129,7 +125,7 @@ class HalfSpace:
     @cached_property
     def normal_inverse(self) -> Convolution:
         """Circulant inverse of `normal`, its preconditioner."""
-        return self._inverse([1.0 / self._normal_spectrum(self.mesh.cyclic)], spectral.scale, 1)
+        return self._inverse([1.0 / self._normal_spectrum(self.lattice.cyclic)], spectral.scale, 1)
 
     @cached_property
     def slip(self) -> Convolution:
@@ -139,23 +135,21 @@ class HalfSpace:
     @cached_property
     def self_influence(self) -> tuple[float, float, float]:
         """Entries (11, 12, 22) of D_tt of an element on itself."""
-        alone = self.mesh.of((1, 1))
-        tables = (influence.slip(alone, self.material, k) for k in ("xx", "xy", "yy"))
+        alone = self.lattice.of((1, 1))
+        tables = (influence.slip(alone, self.elasticity, k) for k in ("xx", "xy", "yy"))
         entries = self._tangential(*(table[0, 0] for table in tables))
         return tuple(float(self._per_slip * e) for e in entries)
 
     def friction_slip(self, bound: np.ndarray, gap: np.ndarray) -> FrictionSlip:
         """The slip that the friction law sees under dimensionless pressure and gap.
 
-        At an edge of normal n, tractions that are a share of the pressure displace the surface
-        ahead of it by (1 - nu n n^T)/(1 - nu) of what the pressure does: those of line loads.
+        What the tractions displace ahead of an edge is told by `Elasticity.opening`.
         """
         leading = self.stencil.leading(bound, gap)
-        n = edge_normals(bound, *leading, self.mesh.dx / self.mesh.dy)
-        nu, F = self.material.poisson, self.frame.matrix
-        ratio = (np.eye(2) - nu * np.einsum("am,bm->mab", n, n)) / (1.0 - nu)
-        per_gap = self._per_slip / (self._per_gap * self.mesh.dx)
-        opening = per_gap * F @ ratio @ F.T
+        n = edge_normals(bound, *leading, self.lattice.dx / self.lattice.dy)
+        per_gap = self._per_slip / (self._per_gap * self.lattice.dx)
+        F = self.frame.matrix
+        opening = per_gap * F @ self.elasticity.opening(n) @ F.T
         return FrictionSlip(self.stencil.staggered, bound, gap, leading, opening)
 
     @cached_property
@@ -166,7 +160,7 @@ class HalfSpace:
     @cached_property
     def tangential_inverse(self) -> Convolution:
         """Circulant inverse of `tangential`."""
-        a11, a12, a22 = self._displacement_per_dx(self.mesh.cyclic)
+        a11, a12, a22 = self._displacement_per_dx(self.lattice.cyclic)
         determinant = a11 * a22 - a12 * a12
         inverse = (a22 / determinant, -a12 / determinant, a11 / determinant)
         return self._inverse(inverse, spectral.symmetric_2x2, 2)
@@ -175,7 +169,7 @@ class HalfSpace:
         entries = self._tangential(
             *(self._displacement(k, period).real for k in ("xx", "xy", "yy"))
         )
-        return self._per_slip / self.mesh.dx * np.stack(entries)
+        return self._per_slip / self.lattice.dx * np.stack(entries)
 
     @cached_property
     def coupled(self) -> Convolution:
@@ -206,5 +200,5 @@ class HalfSpace:
         return self.coupled(np.concatenate((pressure[None], none)))[1:]
 
 
-def _on_part(mesh, material, length, frame, stencil, shape: tuple[int, int]) -> HalfSpace:
-    return HalfSpace(mesh.of(shape), material, length, frame, stencil)
+def _on_part(lattice, elasticity, length, frame, stencil, shape: tuple[int, int]) -> Operators:
+    return Operators(lattice.of(shape), elasticity, length, frame, stencil)

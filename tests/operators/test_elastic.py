@@ -4,13 +4,15 @@ import numpy as np
 import pytest
 
 from tractive_sam.kernels.rectangle import integrals
+from tractive_sam.mechanics.elasticity import HalfSpaces
 from tractive_sam.mechanics.friction import Frame
-from tractive_sam.mechanics.material import Material, combine
-from tractive_sam.operators import HalfSpace, Mesh
+from tractive_sam.mechanics.material import Material
+from tractive_sam.operators import Lattice, Operators
 from tractive_sam.operators.fft import padded_length
 
-MESH = Mesh((7, 5), 0.3, 0.2)
-PAIR = combine(Material(2.0, 0.1), Material(5.0, 0.4))
+MESH = Lattice((7, 5), 0.3, 0.2)
+BODIES = HalfSpaces(Material(2.0, 0.1), Material(5.0, 0.4))
+PAIR = BODIES.material
 FRAME = Frame((0.5, 0.2), 0.7)
 LENGTH = 1.7
 # A circular convolution of 200 numbers of order one, in doubles.
@@ -42,7 +44,7 @@ def dense(mesh, material, ahead=0):
 
 @pytest.fixture(scope="module")
 def half_space():
-    return HalfSpace(MESH, PAIR, LENGTH, FRAME)
+    return Operators(MESH, BODIES, LENGTH, FRAME)
 
 
 @pytest.fixture(scope="module")
@@ -101,7 +103,7 @@ def test_slip_of_an_element_on_itself(half_space):
 
 
 def test_equal_materials_do_not_couple():
-    same = HalfSpace(MESH, combine(Material(2.0, 0.3), Material(2.0, 0.3)), LENGTH)
+    same = Operators(MESH, HalfSpaces(Material(2.0, 0.3), Material(2.0, 0.3)), LENGTH)
     matrix = same.coupled.as_matrix()
     assert np.abs(matrix[:35, 35:]).max() < ROUNDING
     assert np.abs(matrix[35:, :35]).max() < ROUNDING
@@ -123,7 +125,7 @@ def test_slip_operator_dissipates(half_space):
 @pytest.mark.parametrize("name", ["normal", "tangential"])
 def test_circulant_inverses_precondition(shape, name):
     """The eigenvalues of inverse times operator cluster: a few iterations on any mesh."""
-    half_space = HalfSpace(Mesh(shape, 0.1, 0.1), PAIR, LENGTH)
+    half_space = Operators(Lattice(shape, 0.1, 0.1), BODIES, LENGTH)
     inverse = getattr(half_space, f"{name}_inverse").as_matrix()
     product = inverse @ getattr(half_space, name).as_matrix()
     values = np.linalg.eigvals(product).real

@@ -1,0 +1,44 @@
+"""Stress below the loaded elements of a mesh, summed over them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tractive_sam.kernels import stress_sum
+
+
+@dataclass(frozen=True)
+class Patches:
+    """The loaded elements of one half-space.
+
+    Attributes
+    ----------
+    centres : ndarray, shape (m, 2)
+        (x, y), mm.
+    tractions : ndarray, shape (m, 3)
+        (p_x, p_y, p_n), MPa.
+    sides : tuple of float
+        (dx, dy), mm.
+    poisson : float
+        Poisson's ratio.
+    """
+
+    centres: np.ndarray
+    tractions: np.ndarray
+    sides: tuple[float, float]
+    poisson: float
+
+    @classmethod
+    def on_mesh(
+        cls, x: np.ndarray, y: np.ndarray, sides: tuple[float, float], tractions, poisson: float
+    ) -> "Patches":
+        """Take the loaded ones of a mesh with centres x, y and tractions (3, n_x, n_y)."""
+        i, j = np.nonzero(tractions.any(axis=0))
+        loads = np.ascontiguousarray(tractions[:, i, j].T)
+        return cls(np.stack((x[i], y[j]), axis=1), loads, sides, poisson)
+
+    def stress(self, points: np.ndarray) -> np.ndarray:
+        """Stresses (n, 6) at points (n, 3) of the half-space, MPa."""
+        out = np.empty((len(points), 6))
+        stress_sum.stress_at(out, points, self.centres, self.tractions, *self.sides, self.poisson)
+        return out

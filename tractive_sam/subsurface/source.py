@@ -1,0 +1,138 @@
+"""Which machinery finds the stress in bodies: patches or strips of traction."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from functools import singledispatch
+from typing import Literal, Protocol
+
+import numpy as np
+
+from tractive_sam.mechanics.elasticity import Elasticity, HalfSpaces, Strips
+from tractive_sam.operators import Lattice, StressLayers, StressPlane
+from tractive_sam.results.grid import Grid
+from tractive_sam.subsurface.patches import Patches
+from tractive_sam.subsurface.pyramid import Pyramid
+from tractive_sam.subsurface.strips import StripLevels, StripLoads
+from tractive_sam.subsurface.surface import Criterion
+
+
+class StressSource(Protocol):
+    """Bodies z >= 0, z into the body, each under tractions on the elements of one grid.
+
+    Stresses are in the order of `results.plane_stress.COMPONENTS`, MPa.
+    """
+
+    def layers(self, depths: Iterable[float], threads: int = 1) -> Iterator[np.ndarray]:
+        """Stresses (bodies, 6, n_x, n_y) at the centres of the grid, depth by depth."""
+
+    def on_plane(
+        self, axis: Literal["x", "y", "z"], position: float, depths: np.ndarray
+    ) -> np.ndarray:
+        """Stresses on the plane axis = position at the centres along it.
+
+        Shape (bodies, 6, n, k) at k depths, or (bodies, 6, n_x, n_y) where the axis is z.
+        """
+
+    def at(self, points: np.ndarray) -> np.ndarray:
+        """Stresses (bodies, 6, n) at points (n, 3)."""
+
+    def levels(self, criterion: Criterion) -> Pyramid | StripLevels:
+        """What the largest equivalent stress of the first body is sought in."""
+
+
+@singledispatch
+def stress_source(
+    body: Elasticity, bodies: Sequence[Elasticity], grid: Grid, tractions: np.ndarray
+) -> StressSource:
+    """The machinery that goes with the elasticity of bodies.
+
+    Parameters
+    ----------
+    body : Elasticity
+        The first of the bodies, the kind of which decides.
+    bodies : sequence of Elasticity
+        As `Elasticity.alone` gives them.
+    grid : Grid
+        Elements; lengths in mm.
+    tractions : ndarray, shape (bodies, 3, n_x, n_y)
+        (p_x, p_y, p_n) acting on each, MPa.
+
+    Raises
+    ------
+    ValueError
+        If none is registered for this kind.
+    """
+    raise ValueError(f"the stress in bodies is not known of {body!r}")
+
+
+class PatchStress:
+    """Half-spaces under patches; arguments as of `stress_source`."""
+
+    def __init__(self, bodies: Sequence[HalfSpaces], grid: Grid, tractions: np.ndarray):
+        self._bodies, self._grid, self._tractions = bodies, grid, tractions
+        self._poisson = tuple(body.A.poisson for body in bodies)
+
+    def layers(self, depths: Iterable[float], threads: int = 1) -> Iterator[np.ndarray]:
+        """See `StressSource`."""
+        grid = self._grid
+        lattice = Lattice(grid.elements, grid.dx, grid.dy)
+        return map(StressLayers(lattice, self._tractions, self._poisson, threads).at, depths)
+
+    def on_plane(
+        self, axis: Literal["x", "y", "z"], position: float, depths: np.ndarray
+    ) -> np.ndarray:
+        """See `StressSource`."""
+        if axis == "z":
+            return next(self.layers([position]))
+        plane = StressPlane(self._grid, axis, position, self._tractions, self._poisson)
+        return np.stack([plane.at(depth) for depth in depths], axis=-1)
+
+    def at(self, points: np.ndarray) -> np.ndarray:
+        """See `StressSource`."""
+        grid, sides = self._grid, (self._grid.dx, self._grid.dy)
+        each = zip(self._tractions, self._poisson, strict=True)
+        patches = [Patches.on_mesh(grid.x, grid.y, sides, own, nu) for own, nu in each]
+        return np.stack([one.stress(points).T for one in patches])
+
+    def levels(self, criterion: Criterion) -> Pyramid:
+        """See `StressSource`."""
+        return Pyramid(self._grid, self._tractions[0], self._bodies[0], criterion)
+
+
+class StripStress:
+    """Half-spaces under strips; arguments as of `stress_source`."""
+
+    def __init__(self, bodies: Sequence[Strips], grid: Grid, tractions: np.ndarray):
+        self._bodies, self._grid, self._tractions = bodies, grid, tractions
+
+    def layers(self, depths: Iterable[float], threads: int = 1) -> Iterator[np.ndarray]:
+        """See `StressSource`."""
+        return (self.on_plane("z", depth, np.zeros(0)) for depth in depths)
+
+    def on_plane(
+        self, axis: Literal["x", "y", "z"], position: float, depths: np.ndarray
+    ) -> np.ndarray:
+        """See `StressSource`."""
+        x = np.array([position]) if axis == "x" else self._grid.x
+        z = np.array([position]) if axis == "z" else depths
+        points = np.stack(np.broadcast_arrays(x[:, None], 0.0, z), axis=-1).reshape(-1, 3)
+        return self.at(points).reshape(-1, 6, x.size, z.size)
+
+    def at(self, points: np.ndarray) -> np.ndarray:
+        """See `StressSource`."""
+        each = zip(self._tractions, self._bodies, strict=True)
+        strips = [StripLoads.on_grid(self._grid, own, body.A.poisson) for own, body in each]
+        return np.stack([one.stress(points).T for one in strips])
+
+    def levels(self, criterion: Criterion) -> StripLevels:
+        """See `StressSource`."""
+        return StripLevels(self._grid, self._tractions[0], self._bodies[0], criterion)
+
+
+@stress_source.register
+def _of_patches(body: HalfSpaces, *of_bodies) -> PatchStress:
+    return PatchStress(*of_bodies)
+
+
+@stress_source.register
+def _of_strips(body: Strips, *of_bodies) -> StripStress:
+    return StripStress(*of_bodies)
