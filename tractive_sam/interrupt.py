@@ -57,6 +57,12 @@ def kept() -> Iterator[None]:
         _asked.clear()
 
 
+def ignore() -> None:
+    """Ignore signals while the process ends: the exit status is that of what it has done."""
+    for one in SIGNALS:
+        signal.signal(one, signal.SIG_IGN)
+
+
 def _note(number: int, _frame) -> None:
     if _asked:
         _end_at_once()

@@ -105,9 +105,23 @@ main()
 """
 
 
+ASKED_AT_THE_END = """
+import atexit, os, signal, sys
+
+atexit.register(os.kill, os.getpid(), signal.{name})
+sys.argv[1:] = ["scenes"]
+from tractive_sam.cli import main
+main()
+"""
+
+
 def ended(folder, module, one, times=1):
     """The program, asked to stop while it imports a module."""
-    text = PROGRAM.format(module=module, name=one.name, times=times)
+    return ran(folder, PROGRAM.format(module=module, name=one.name, times=times), one)
+
+
+def ran(folder, text, one):
+    """A process of its own, which can be sent a signal."""
     paths = os.pathsep.join(filter(None, sys.path))
     # What is ignored here, as in jobs that a shell put behind, would be ignored there.
     before = signal.signal(one, signal.SIG_DFL)
@@ -139,6 +153,14 @@ def test_while_loading(folder, module, one):
     assert len(result.stderr.strip().splitlines()) == 1, result.stderr
     assert "interrupted" in result.stderr
     assert not (folder / "spheres.h5").exists()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("one", interrupt.SIGNALS)
+def test_after_the_end_the_status_is_that_of_what_was_done(folder, one):
+    """Wisdom of transforms is stored while the process ends."""
+    text = ASKED_AT_THE_END.format(name=one.name)
+    assert ran(folder, text, one).returncode == 0
 
 
 @pytest.mark.slow

@@ -4,6 +4,8 @@ Modules of commands import what computes only when they are run, so that help co
 one imports next to nothing: `main` heeds signals before anything else is loaded.
 """
 
+import atexit
+
 from tractive_sam import interrupt
 
 __all__ = ["app", "main"]
@@ -11,10 +13,13 @@ __all__ = ["app", "main"]
 
 def main() -> None:
     """Run the program; SIGINT, SIGTERM and SIGHUP end it after the work at hand."""
-    with interrupt.kept():
-        from tractive_sam.cli.program import run_program
+    try:
+        with interrupt.kept():
+            from tractive_sam.cli.program import run_program
 
-        run_program()
+            run_program()
+    finally:
+        atexit.register(interrupt.ignore)  # the last one registered is the first one called
 
 
 def __getattr__(name: str):
