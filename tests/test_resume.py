@@ -176,6 +176,7 @@ def test_mesh_that_became_too_small_is_widened(tmp_path):
     np.testing.assert_allclose(history["wear_max"][-1], roll(coarse())["wear_max"][-1], rtol=5e-3)
 
 
+@pytest.mark.slow
 def test_nothing_of_the_revolution_that_failed_is_kept(tmp_path):
     """Widened and gone on, a roll is that of the wide mesh from the beginning."""
     path, settings = tmp_path / "a.h5", ("wear.revolutions=40", 'wear.stepping="every-revolution"')

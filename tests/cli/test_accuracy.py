@@ -7,6 +7,7 @@ import pytest
 COARSE = ("--set", "accuracy.tolerance=0.02")
 
 
+@pytest.mark.slow
 def test_run_show_and_explain(call, folder):
     stress = ("--set", 'subsurface.planes=["y=0"]')
     result = call("run", "spheres", *COARSE, *stress, "-o", "spheres.h5")

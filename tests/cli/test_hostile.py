@@ -4,8 +4,11 @@ import os
 import subprocess
 import sys
 
-import h5py
 import pytest
+
+from tests.cli.conftest import GRID, make_record
+from tractive_sam.scene import toml
+from tractive_sam.store import HistoryWriter
 
 COMMANDS = "\x1b]0;owned\x07\x1b[31mred\x1b[2J \x9b31m \u202e"
 
@@ -15,15 +18,15 @@ def has_command(text):
 
 
 @pytest.fixture
-def spoilt(stored):
+def spoilt(folder):
     """A results file whose texts command terminals."""
-    with h5py.File(stored, "r+") as file:
-        toml = file["scene"].asstr()[()]
-        title = COMMANDS.encode("unicode_escape").decode().replace("\\x", "\\u00")
-        del file["scene"].attrs["message"]
-        file["scene"].attrs["message"] = f"fine {COMMANDS}"
-        file["scene"][()] = toml.replace("Stored", title)
-    return stored
+    path = folder / "spoilt.h5"
+    with HistoryWriter(
+        path, toml.emit({"title": COMMANDS, "friction": {"mu": 0.3}}), GRID
+    ) as writer:
+        writer.append(make_record(0))
+        writer.finish("done", f"fine {COMMANDS}")
+    return path
 
 
 @pytest.mark.parametrize("command", [["show"], ["show", "--json"], ["plot", "-o", "figures"]])

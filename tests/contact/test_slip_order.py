@@ -50,6 +50,7 @@ def half_length(scene):
     return (f"grid.half_length={1.15 * scene.hertz.a}",)
 
 
+@pytest.mark.slow
 def test_both_tend_to_it():
     """The paper's scheme is of first order: extrapolated linearly, less the noise, it agrees."""
     n = np.arange(61, 182, 12)

@@ -92,6 +92,7 @@ def test_worn_section_is_what_the_work_wears(creepage, friction, bodies):
             assert 1.0 - 1e-12 < balance < 1.0 + 2e-3
 
 
+@pytest.mark.slow
 def test_law_of_another_direction_than_friction_at_small_creepage():
     """i/mu differs between the axes: the section against that of far finer meshes.
 

@@ -83,6 +83,7 @@ def test_worn_bodies_part_by_what_was_worn_off_them():
     np.testing.assert_allclose(upper - lower, 1e3 * (worn + history.y**2 / 100.0), rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_animation_has_a_picture_for_every_stored_revolution(tmp_path):
     path = plot.animate(strips.history(), tmp_path / "a.gif")
     with Image.open(path) as pictures:

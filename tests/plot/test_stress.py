@@ -136,6 +136,7 @@ def test_depths_may_come_in_any_order(contact):
     assert told(plot.von_mises(downwards)) == told(plot.von_mises(upwards))
 
 
+@pytest.mark.slow
 def test_nothing_overlaps_the_edge_of_the_paper(turned):
     for plane in ("y=0", "x=0.75a", "z=0"):
         for figure in (

@@ -31,6 +31,7 @@ def deviation(adaptive, every):
     return np.abs(adaptive[-1].leaving - truth).max() / truth.max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4, 1e-5, 1e-6])
 def test_every_profile_is_within_three_times_the_tolerance(every, tolerance):
     adaptive = rolled(300, f"wear.tolerance={tolerance}")
@@ -47,6 +48,7 @@ def test_a_jump_of_one_revolution_is_that_revolution(every):
     np.testing.assert_allclose(adaptive[-1].leaving, truth, atol=1e-8 * truth.max())
 
 
+@pytest.mark.slow
 def test_error_falls_with_the_tolerance():
     """Over thousands of revolutions; in few, jumps are short for the sake of the last one."""
     wide = ("grid.half_length=[0.35, 1.1]", "grid.elements=[21, 47]")
@@ -130,6 +132,7 @@ def test_response_damps(every):
     assert np.linalg.eigvals(response).real.max() < 1e-12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stepping", ["adaptive", "every-revolution"])
 def test_bodies_at_a_given_approach_wear_until_they_hardly_touch(stepping):
     """The gap of the unworn bodies and the depth worn off add up to the approach."""

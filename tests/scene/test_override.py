@@ -147,6 +147,7 @@ KEYS = st.sampled_from(
 VALUES = st.sampled_from(["1", "[1, 2]", "{a = 1}", "x", "", "{revolutions = 1, save = [5]}", "-3"])
 
 
+@pytest.mark.slow
 @settings(deadline=None)
 @given(st.lists(st.tuples(KEYS, VALUES).map("=".join) | st.text(max_size=8), max_size=4))
 def test_any_settings_give_a_scene_or_faults(listed):
