@@ -13,7 +13,7 @@ ALIKE = ("grid.half_length=[4.08, 4.08]", "creepage.lateral=0.0005")
 DISSIMILAR = (*ALIKE, "body.B.shear=8.0", "body.B.poisson=0.45")
 
 
-def problem_of(*settings, elements=11, slip="upwind") -> Problem:
+def problem_of(*settings, elements=13, slip="upwind") -> Problem:
     """The contact problem of two spheres, by default with the slip of the paper."""
     mesh = (f"grid.elements=[{elements}, {elements}]", f'solver.slip="{slip}"')
     model = Model(Scene.builtin("spheres").with_set([*settings, *mesh]))
