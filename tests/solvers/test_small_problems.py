@@ -159,7 +159,7 @@ def test_cost_is_what_the_operators_were_applied():
     """Reported by the solvers, counted by the operators."""
     for settings in (ALIKE, DISSIMILAR):
         problem = problem_of(*settings, elements=13)
-        problem = problem if problem.operators.dissimilar else held(problem)
+        problem = problem if problem.coupled else held(problem)
         operators = problem.operators
         start = ONE_AFTER_THE_OTHER.solve(problem, 1e-8) if not problem.held else None
         for solver in (Newton(), Anderson(), Uzawa()):
@@ -179,7 +179,7 @@ def test_cost_is_what_the_operators_were_applied():
 def test_newton_steps_converge_quadratically(settings, slip):
     """A Newton step from a state that is off by h is off by h squared."""
     problem = problem_of(*settings, slip=slip)
-    if not problem.operators.dissimilar:
+    if not problem.coupled:
         problem = held(problem)
     solved = Newton().solve(problem, 1e-13)
     rng = np.random.default_rng(0)

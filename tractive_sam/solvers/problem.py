@@ -192,6 +192,11 @@ class Problem:
         return self.normal.operators
 
     @property
+    def coupled(self) -> bool:
+        """Whether pressure makes the surfaces slip and tractions make them lift."""
+        return self.operators.elasticity.coupled
+
+    @property
     def held(self) -> bool:
         """Whether the pressure is held."""
         return isinstance(self.normal, Held)
@@ -209,7 +214,7 @@ class Problem:
     def holding(self, pressure: np.ndarray, gap: np.ndarray) -> "Problem":
         """The tangential problem under a pressure and the gap that goes with it."""
         rigid = self.rigid
-        if self.operators.elasticity.coupled:
+        if self.coupled:
             rigid = rigid + self.operators.slip_by_pressure(pressure)
         return replace(self, normal=Held(self.operators, pressure, gap), rigid=rigid, wear=None)
 
@@ -240,7 +245,7 @@ class Problem:
         """Elastic part of gap and slip, of fields; counts as one application."""
         if self.held:
             return self.operators.slip(fields)
-        if self.operators.elasticity.coupled:
+        if self.coupled:
             return self.operators.coupled(fields)
         return np.concatenate((self.operators.normal(fields[:1]), self.operators.slip(fields[1:])))
 
