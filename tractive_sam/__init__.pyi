@@ -12,6 +12,7 @@ from .mechanics.friction import FrictionLaw as FrictionLaw
 from .results.history import History as History
 from .results.maximum import VonMisesMaximum as VonMisesMaximum
 from .results.plane_stress import PlaneStress as PlaneStress
+from .results.quantities import Quantity as Quantity
 from .results.state import Contact as Contact
 from .results.state import NotConverged as NotConverged
 from .run.export import export_volume as export_volume

@@ -103,7 +103,7 @@ def _progress(scene: "Scene") -> Iterator[Callable[["Record"], None] | None]:
         task = bar.add_task(first, total=effort(revolutions) or None)
 
         def advance(record: "Record") -> None:
-            done, depth = record.revolution, 1e3 * record.scalars["wear_max"]
+            done, depth = record.revolution, 1e3 * record.values["wear_max"]
             bar.update(
                 task,
                 completed=effort(done),

@@ -8,6 +8,8 @@ import numpy as np
 from rich import box
 from rich.table import Table
 
+from tractive_sam.results.quantities import BODIES
+
 if TYPE_CHECKING:
     from tractive_sam.results.history import History
 
@@ -83,7 +85,7 @@ def _energy(history: "History", balance: float, closed: bool) -> str:
     told = f"friction dissipates {balance:.5f} of the work supplied"
     if not closed:
         told += "; wear is as much in error"
-        if history.settings.get("solver", {}).get("slip") == "upwind":
+        if history.scene.solver.slip == "upwind":
             told += ': the upwind slip of the paper does that, solver.slip = "auto" does not'
     return told
 
@@ -97,22 +99,22 @@ def _wear(history: "History", balance: float, closed: bool) -> str:
 
 def last_record(history: "History") -> Table:
     """The last record, one quantity a row."""
-    from tractive_sam.results.quantities import BODY_SCALARS, scalars
-
     table = Table(box=box.SIMPLE_HEAD, show_header=False)
     table.add_column(style="bold")
     table.add_column(justify="right")
     table.add_column()
     table.add_column(style="dim")
-    for name, quantity in scalars(history.line).items():
-        unit = "" if quantity.unit == "1" else quantity.unit
-        value, error_bar = history[name][-1], _error_bar(history, name)
-        table.add_row(name, _number(value, error_bar), unit, quantity.long_name)
-    for name, quantity in BODY_SCALARS.items():
-        for k, body in enumerate(history.bodies):
+    for name, one in history.of_dims().items():
+        if not name.endswith("_error"):
+            unit = "" if one.unit == "1" else one.unit
+            value, error_bar = history[name][-1], _error_bar(history, name)
+            table.add_row(name, _number(value, error_bar), unit, one.long_name)
+    for name, one in history.of_dims("body").items():
+        for body in one.bodies(history.scene) if not name.endswith("_error") else ():
+            k = BODIES.index(body)
             value, error_bar = history[name][-1, k], _error_bar(history, name, k)
             told = _number(value, error_bar) if math.isfinite(value) else "none"
-            table.add_row(f"{name} {body}", told, quantity.unit, quantity.long_name)
+            table.add_row(f"{name} {body}", told, one.unit, one.long_name)
     return table
 
 

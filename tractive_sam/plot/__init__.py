@@ -8,6 +8,7 @@ from tractive_sam.plot.animation import animate
 from tractive_sam.plot.comparison import compared
 from tractive_sam.plot.courses import forces, von_mises_course, wear_depth, widths
 from tractive_sam.plot.creep_force import creep_force_curve
+from tractive_sam.plot.drawn import Drawn
 from tractive_sam.plot.evolution import (
     pressure_over_revolutions,
     slip_over_revolutions,
@@ -19,14 +20,13 @@ from tractive_sam.plot.line import line_pressure, line_pressures, line_slip, lin
 from tractive_sam.plot.profiles import pressure_profiles, wear_profiles, worn_profiles
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.sections import traction_sections
-from tractive_sam.plot.state import State
 from tractive_sam.plot.stress import von_mises, von_mises_sections
 from tractive_sam.plot.study import Variable, study_curves, study_map, study_samples
 
 __all__ = [
     "FORMATS",
+    "Drawn",
     "Scale",
-    "State",
     "Variable",
     "animate",
     "compared",

@@ -10,10 +10,10 @@ from matplotlib.animation import PillowWriter
 from matplotlib.figure import Figure
 
 from tractive_sam import interrupt
+from tractive_sam.plot.drawn import Drawn
 from tractive_sam.plot.frame import Frame
 from tractive_sam.plot.map import BOTTOM, LEFT, RIGHT, Map, paper, placed
 from tractive_sam.plot.profiles import chosen
-from tractive_sam.plot.state import State
 from tractive_sam.plot.style import BLUE, MICRON, PRESSURE, WIDTH, styled
 from tractive_sam.results.history import History
 
@@ -79,37 +79,39 @@ def animate(history: History, path: str | Path, rate: float = 2.0) -> Path:
     return path
 
 
-def _states(history: History) -> Iterator[State]:
+def _states(history: History) -> Iterator[Drawn]:
     for revolution in chosen(history.field_revolutions, MOST):
         interrupt.heed()
-        yield State.of_history(history, int(revolution))
+        yield Drawn.of(history, int(revolution))
 
 
-def _envelope(history: History) -> State:
+def _envelope(history: History) -> Drawn:
     """The largest pressure and depth that each element sees at any of the revolutions."""
     states = _states(history)
     envelope = next(states)
     for state in states:
-        pressure = np.maximum(envelope.pressure, state.pressure)
-        wear = np.maximum(envelope.wear, state.wear)
-        envelope = replace(envelope, pressure=pressure, wear=wear)
+        pressure = np.maximum(envelope.contact.pressure, state.contact.pressure)
+        wear = np.maximum(envelope.contact.wear, state.contact.wear)
+        contact = replace(envelope.contact, pressure=pressure, wear=wear)
+        envelope = replace(envelope, contact=contact)
     return envelope
 
 
-def _picture(figure: Figure, frame: Frame, state: State, envelope: State) -> None:
+def _picture(figure: Figure, frame: Frame, state: Drawn, envelope: Drawn) -> None:
     """One picture in place of what was drawn before."""
     for axes in list(figure.axes):
         axes.remove()
     chart = Map(figure, LEFT, state, frame)
-    chart.axes.set_title(f"$N = {state.revolution}$", loc="center")
+    chart.axes.set_title(f"$N = {state.contact.revolution}$", loc="center")
     p, p_symbol = state.scale.p, state.scale.p_symbol
-    highest = envelope.pressure.max() / p
-    mesh = chart.fill(state.pressure / p, cmap=PRESSURE, vmin=0.0, vmax=highest)
+    highest = envelope.contact.pressure.max() / p
+    mesh = chart.fill(state.contact.pressure / p, cmap=PRESSURE, vmin=0.0, vmax=highest)
     chart.colour_bar(mesh, f"$p_n/{p_symbol}$")
     track = placed(figure, LEFT + frame.width + RIGHT, BOTTOM, TRACK, frame.height)
-    track.plot(MICRON * state.wear[0], state.y_over_a, color=BLUE)
+    track.plot(MICRON * state.contact.wear[0], state.y_over_a, color=BLUE)
     track.set(
-        xlim=(0.0, 1.05 * MICRON * envelope.wear.max() or 1.0), ylim=(frame.bottom, frame.top)
+        xlim=(0.0, 1.05 * MICRON * envelope.contact.wear.max() or 1.0),
+        ylim=(frame.bottom, frame.top),
     )
     track.set_xlabel(r"$w$ ($\mathrm{\mu m}$)")
     track.yaxis.set_major_locator(chart.axes.yaxis.get_major_locator())

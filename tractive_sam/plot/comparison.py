@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from tractive_sam.plot.style import GREY, MICRON, WIDTH, styled
 from tractive_sam.results.history import History
-from tractive_sam.results.quantities import SCALARS, Quantity, scalars
+from tractive_sam.results.quantities import Quantity
 
 Points = tuple[ArrayLike, ArrayLike]
 
@@ -24,7 +24,7 @@ def compared(
     histories : mapping of str to History
         What the legend says of each.
     name : str
-        A name of `results.quantities.SCALARS`: "Qx_over_P", "p_max".
+        The name of a column of one number a record: "Qx_over_P", "p_max".
     reference : mapping of str to pair of array_like, optional
         Revolutions and values of other models or of measurements, in the unit of the record.
 
@@ -39,10 +39,11 @@ def compared(
     >>> plot.compared({"twin discs": history}, "Qx_over_P")
     <Figure size ...>
     """
-    if name not in SCALARS:
-        raise ValueError(f"name: one of {', '.join(SCALARS)} is needed, not {name!r}")
     if not histories:
         raise ValueError("nothing to draw: at least one history is needed")
+    known = set.intersection(*(set(history.of_dims()) for history in histories.values()))
+    if name not in known:
+        raise ValueError(f"name: one of {', '.join(sorted(known))} is needed, not {name!r}")
     quantity, factor = _common(name, histories), 1.0
     unit = "" if quantity.unit == "1" else f" ({quantity.unit})"
     if name == "wear_max":
@@ -66,7 +67,7 @@ def compared(
 
 def _common(name: str, histories: Mapping[str, History]) -> Quantity:
     """The number as all histories have it."""
-    first, *others = {scalars(history.line)[name] for history in histories.values()}
+    first, *others = {history.columns[name] for history in histories.values()}
     if others:
         cure = "histories of one kind are needed"
         raise ValueError(f"{name} of line contacts is another quantity than of others; {cure}")

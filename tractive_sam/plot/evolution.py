@@ -5,9 +5,9 @@ from collections.abc import Callable
 import numpy as np
 from matplotlib.figure import Figure
 
+from tractive_sam.plot.drawn import Drawn
 from tractive_sam.plot.map import Map
 from tractive_sam.plot.profiles import chosen
-from tractive_sam.plot.state import State
 from tractive_sam.plot.style import MICRON, PRESSURE, SLIP, WEAR, styled
 from tractive_sam.results.history import History
 
@@ -53,15 +53,15 @@ def wear_over_revolutions(history: History) -> Figure:
 
 def _maps(
     history: History,
-    values: Callable[[State], np.ndarray],
+    values: Callable[[Drawn], np.ndarray],
     label: str,
     colours: str,
     fill: Callable,
     stick: bool = False,
 ) -> Figure:
-    states = [State.of_history(history, N) for N in chosen(history.field_revolutions, MOST)]
+    states = [Drawn.of(history, N) for N in chosen(history.field_revolutions, MOST)]
     figure, charts = Map.row(states)
-    highest = max(values(state)[state.touching].max() for state in states)
+    highest = max(values(state)[state.contact.touching].max() for state in states)
     for chart in charts:
         mesh = fill(chart, values(chart.state), cmap=colours, vmin=0.0, vmax=highest)
         if stick:
@@ -70,13 +70,13 @@ def _maps(
     return figure
 
 
-def _pressure(state: State) -> np.ndarray:
-    return state.pressure / state.scale.p
+def _pressure(state: Drawn) -> np.ndarray:
+    return state.contact.pressure / state.scale.p
 
 
-def _slip(state: State) -> np.ndarray:
-    return np.hypot(*state.slip)
+def _slip(state: Drawn) -> np.ndarray:
+    return np.hypot(*state.contact.slip)
 
 
-def _wear(state: State) -> np.ndarray:
-    return MICRON * state.wear
+def _wear(state: Drawn) -> np.ndarray:
+    return MICRON * state.contact.wear

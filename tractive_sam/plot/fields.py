@@ -1,6 +1,6 @@
 """Figures of one state: pressure, traction, stick and slip, wear.
 
-Each takes a `State`, a solved `Contact`, or a `History` and one of its stored revolutions (the
+Each takes a `Drawn`, a solved `Contact`, or a `History` and one of its stored revolutions (the
 last by default).
 """
 
@@ -9,8 +9,8 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from tractive_sam.plot.drawn import Drawn, Source
 from tractive_sam.plot.map import Map
-from tractive_sam.plot.state import Source, State
 from tractive_sam.plot.style import MICRON, ORANGE, PRESSURE, SKY, TRACTION, WEAR, styled
 
 
@@ -23,9 +23,9 @@ def pressure(source: Source, revolution: int | None = None) -> Figure:
     >>> plot.pressure(contact)
     <Figure size ...>
     """
-    state = State.of(source, revolution)
+    state = Drawn.of(source, revolution)
     figure, chart = Map.single(state)
-    mesh = chart.fill(state.pressure / state.scale.p, cmap=PRESSURE, vmin=0.0)
+    mesh = chart.fill(state.contact.pressure / state.scale.p, cmap=PRESSURE, vmin=0.0)
     chart.colour_bar(mesh, f"$p_n/{state.scale.p_symbol}$")
     return figure
 
@@ -41,11 +41,11 @@ def traction(source: Source, revolution: int | None = None) -> Figure:
     >>> plot.traction(contact)
     <Figure size ...>
     """
-    state = State.of(source, revolution)
+    state = Drawn.of(source, revolution)
     figure, chart = Map.single(state)
-    mesh = chart.fill(state.utilisation / state.scale.p, cmap=TRACTION, vmin=0.0)
+    mesh = chart.fill(state.contact.utilisation / state.scale.p, cmap=TRACTION, vmin=0.0)
     chart.stick_edge(colors="white", linewidths=1.2, linestyles="--")
-    chart.arrows(state.traction, state.touching, color="white")
+    chart.arrows(state.contact.traction, state.contact.touching, color="white")
     p = state.scale.p_symbol
     label = rf"$|p_t|/(\mu\,{p})$" if state.isotropic else rf"$\|p_t\|_\mu/{p}$"
     chart.colour_bar(mesh, label)
@@ -64,11 +64,11 @@ def stick_slip_map(source: Source, revolution: int | None = None) -> Figure:
     >>> plot.stick_slip_map(history, revolution=0)
     <Figure size ...>
     """
-    state = State.of(source, revolution)
+    state = Drawn.of(source, revolution)
     figure, chart = Map.single(state)
     chart.fill_elements(state.slip_zone, cmap=ListedColormap([SKY, ORANGE]), vmin=0, vmax=1)
-    chart.arrows(state.slip, state.slip_zone, color="black")
-    sliding = np.count_nonzero(state.sliding) / np.count_nonzero(state.touching)
+    chart.arrows(state.contact.slip, state.slip_zone, color="black")
+    sliding = np.count_nonzero(state.contact.sliding) / np.count_nonzero(state.contact.touching)
     chart.axes.legend(
         handles=[
             Patch(color=SKY, label=f"stick, {1 - sliding:.0%}"),
@@ -90,8 +90,8 @@ def wear_map(source: Source, revolution: int | None = None) -> Figure:
     >>> plot.wear_map(history)
     <Figure size ...>
     """
-    state = State.of(source, revolution)
+    state = Drawn.of(source, revolution)
     figure, chart = Map.single(state)
-    mesh = chart.fill_up_to_edge(MICRON * state.wear, cmap=WEAR)
+    mesh = chart.fill_up_to_edge(MICRON * state.contact.wear, cmap=WEAR)
     chart.colour_bar(mesh, r"$w$ ($\mathrm{\mu m}$)")
     return figure

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MultipleLocator
 
-from tractive_sam.plot.state import State
+from tractive_sam.plot.drawn import Drawn
 
 MARGIN = 0.15
 """Around the contact, in parts of its smaller half width."""
@@ -42,7 +42,7 @@ class Frame:
     height: float
 
     @classmethod
-    def around(cls, *states: State, width: float) -> Self:
+    def around(cls, *states: Drawn, width: float) -> Self:
         """Frame around the contacts of all states, on paper at most that wide.
 
         Raises
@@ -50,10 +50,10 @@ class Frame:
         ValueError
             If nothing touches in any of them.
         """
-        if not any(state.touching.any() for state in states):
+        if not any(state.contact.touching.any() for state in states):
             raise ValueError("nothing to draw: the bodies do not touch")
-        x = np.concatenate([s.x_over_a[s.touching.any(axis=1)] for s in states])
-        y = np.concatenate([s.y_over_a[s.touching.any(axis=0)] for s in states])
+        x = np.concatenate([s.x_over_a[s.contact.touching.any(axis=1)] for s in states])
+        y = np.concatenate([s.y_over_a[s.contact.touching.any(axis=0)] for s in states])
         # An element more, as the contact may be one element wide.
         margin = MARGIN * min(np.ptp(x), np.ptp(y)) / 2 + np.diff(states[0].x_over_a)[0]
         sides = x.min() - margin, x.max() + margin, y.min() - margin, y.max() + margin

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from tractive_sam import interrupt
 from tractive_sam.plot.courses import forces, von_mises_course, wear_depth, widths
+from tractive_sam.plot.drawn import Drawn
 from tractive_sam.plot.evolution import (
     pressure_over_revolutions,
     slip_over_revolutions,
@@ -17,7 +18,6 @@ from tractive_sam.plot.fields import pressure, stick_slip_map, traction, wear_ma
 from tractive_sam.plot.line import line_pressure, line_pressures, line_slip, line_traction
 from tractive_sam.plot.profiles import pressure_profiles, wear_profiles, worn_profiles
 from tractive_sam.plot.sections import traction_sections
-from tractive_sam.plot.state import State
 from tractive_sam.plot.stress import von_mises_sections
 from tractive_sam.results.history import History
 
@@ -65,7 +65,7 @@ def _figures(history: History) -> Iterator[tuple[str, Figure]]:
     stored = history.field_revolutions.tolist()
     for revolution in dict.fromkeys(stored[:1] + stored[-1:]):
         ending = f"-{revolution}" if len(history) > 1 else ""
-        state = State.of_history(history, revolution)
+        state = Drawn.of(history, revolution)
         for name, draw in _of_state(state).items():
             yield name + ending, draw(state)
         for plane, bodies in _planes(history).items():
@@ -106,17 +106,17 @@ _EVOLUTIONS = {
 _LINE_EVOLUTIONS = {"pressure-profiles": line_pressures}
 
 
-def _of_state(state: State) -> dict[str, Callable[[State], Figure]]:
+def _of_state(state: Drawn) -> dict[str, Callable[[Drawn], Figure]]:
     """Names and functions of the figures of a state that would not be empty."""
     if state.line:
         figures = {"pressure": line_pressure}
-        if np.any(state.traction):
+        if np.any(state.contact.traction):
             figures |= {"traction": line_traction, "slip": line_slip}
         return figures
     figures = {"pressure": pressure}
-    if np.any(state.traction):
+    if np.any(state.contact.traction):
         figures |= {"traction": traction, "traction-sections": traction_sections}
         figures |= {"stick-slip": stick_slip_map}
-    if np.any(state.wear):
+    if np.any(state.contact.wear):
         figures |= {"wear": wear_map}
     return figures

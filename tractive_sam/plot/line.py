@@ -5,10 +5,10 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from tractive_sam.plot.drawn import Drawn, Source
 from tractive_sam.plot.profiles import chosen
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.sections import MARGIN, section
-from tractive_sam.plot.state import Source, State
 from tractive_sam.plot.style import BLUE, GREY, VERMILLION, WIDTH, set_title, styled
 from tractive_sam.results.history import History
 
@@ -23,13 +23,13 @@ def line_pressure(source: Source, revolution: int | None = None) -> Figure:
     >>> plot.line_pressure(cylinders)
     <Figure size ...>
     """
-    state = State.of(source, revolution)
+    state = Drawn.of(source, revolution)
     figure, axes = _over_x(state)
     x, scale = state.x_over_a, state.scale
     if scale.hertz:
         hertz = np.sqrt(np.maximum(1.0 - x**2, 0.0))
         axes.plot(x, hertz, color=GREY, linewidth=0.9, linestyle="--", label="Hertz, unworn")
-    axes.plot(x, state.pressure[:, 0] / scale.p, color=BLUE, label="$p_n$")
+    axes.plot(x, state.contact.pressure[:, 0] / scale.p, color=BLUE, label="$p_n$")
     axes.set_ylim(bottom=0.0)
     axes.set_ylabel(f"$p_n/{scale.p_symbol}$")
     figure.legend(loc="outside right center")
@@ -45,7 +45,7 @@ def line_traction(source: Source, revolution: int | None = None) -> Figure:
     >>> plot.line_traction(ts.solve(ts.Scene.builtin("cylinders")))
     <Figure size ...>
     """
-    state = State.of(source, revolution)
+    state = Drawn.of(source, revolution)
     figure, axes = _over_x(state)
     section(axes, state, 0.0)
     axes.set_ylabel(f"$p/{state.scale.p_symbol}$")
@@ -62,11 +62,11 @@ def line_slip(source: Source, revolution: int | None = None) -> Figure:
     >>> plot.line_slip(ts.solve(ts.Scene.builtin("cylinders")))
     <Figure size ...>
     """
-    state = State.of(source, revolution)
+    state = Drawn.of(source, revolution)
     figure, axes = _over_x(state)
     axes.axhline(0.0, color=GREY, linewidth=0.6)
-    inside = state.touching[:, 0]
-    for name, slip, color in zip("xy", state.slip[..., 0], (BLUE, VERMILLION), strict=True):
+    inside = state.contact.touching[:, 0]
+    for name, slip, color in zip("xy", state.contact.slip[..., 0], (BLUE, VERMILLION), strict=True):
         if np.any(slip):
             axes.plot(state.x_over_a[inside], slip[inside], color=color, label=f"$s_{name}/V$")
     axes.set_ylabel("slip / rolling speed")
@@ -84,7 +84,7 @@ def line_pressures(history: History) -> Figure:
     <Figure size ...>
     """
     scale = Scale.of_history(history)
-    figure, axes = _over_x(*(State.of_history(history, N) for N in history.field_revolutions))
+    figure, axes = _over_x(*(Drawn.of(history, N) for N in history.field_revolutions))
     revolutions = chosen(history.field_revolutions)
     shades = colormaps["viridis_r"](np.linspace(0.08, 1.0, len(revolutions)))
     for revolution, shade in zip(revolutions, shades, strict=True):
@@ -97,14 +97,14 @@ def line_pressures(history: History) -> Figure:
     return figure
 
 
-def _over_x(*states: State) -> tuple[Figure, Axes]:
+def _over_x(*states: Drawn) -> tuple[Figure, Axes]:
     """Axes over the contacts of all states."""
     if not all(state.line for state in states):
         maps = "pressure, traction, stick_slip_map and their likes draw it"
         raise ValueError(f"no line contact, which these figures are of: {maps}")
-    if not any(state.touching.any() for state in states):
+    if not any(state.contact.touching.any() for state in states):
         raise ValueError("nothing to draw: the bodies do not touch")
-    inside = np.concatenate([s.x_over_a[s.touching[:, 0]] for s in states])
+    inside = np.concatenate([s.x_over_a[s.contact.touching[:, 0]] for s in states])
     figure = Figure(figsize=(1.25 * WIDTH, 0.7 * WIDTH))
     axes = figure.add_subplot()
     axes.set_xlim(inside.min() - MARGIN, inside.max() + MARGIN)

@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 
+from tractive_sam.plot.drawn import Drawn
 from tractive_sam.plot.frame import Frame
-from tractive_sam.plot.state import State
 from tractive_sam.plot.style import WIDTH, set_title, wrapped
 from tractive_sam.plot.zones import contact_edge, continued, stick_edge
 
@@ -40,13 +40,13 @@ class Map:
         Where to draw.
     left : float
         Distance of the map from the left of the figure, inches.
-    state : State
+    state : Drawn
         The contact.
     frame : Frame
         What to show of it.
     """
 
-    def __init__(self, figure: Figure, left: float, state: State, frame: Frame) -> None:
+    def __init__(self, figure: Figure, left: float, state: Drawn, frame: Frame) -> None:
         self.figure, self.left, self.state, self.frame = figure, left, state, frame
         self.axes = self._axes(left, frame.width)
         symbol = state.scale.a_symbol
@@ -54,7 +54,7 @@ class Map:
         self.contact = contact_edge(self.axes, state, colors="black", linewidths=0.9)
 
     @classmethod
-    def single(cls, state: State) -> tuple[Figure, Self]:
+    def single(cls, state: Drawn) -> tuple[Figure, Self]:
         """Make a figure with one map under the title of the scene."""
         _check_wide(state)
         frame = Frame.around(state, width=0.72 * WIDTH)
@@ -64,7 +64,7 @@ class Map:
         return figure, cls(figure, middle, state, frame)
 
     @classmethod
-    def row(cls, states: Sequence[State]) -> tuple[Figure, list[Self]]:
+    def row(cls, states: Sequence[Drawn]) -> tuple[Figure, list[Self]]:
         """Make a figure with maps side by side, each under its revolution."""
         _check_wide(*states)
         frame = Frame.around(*states, width=1.7 * WIDTH / len(states))
@@ -73,7 +73,7 @@ class Map:
         figure = paper(width, frame, f"{states[0].title}\n")
         charts = [cls(figure, LEFT + k * step, state, frame) for k, state in enumerate(states)]
         for chart in charts:
-            chart.axes.set_title(f"$N = {chart.state.revolution}$", loc="center")
+            chart.axes.set_title(f"$N = {chart.state.contact.revolution}$", loc="center")
         for chart in charts[1:]:
             chart.axes.set_ylabel("")
             chart.axes.tick_params(labelleft=False)
@@ -94,11 +94,11 @@ class Map:
 
     def fill_up_to_edge(self, values: np.ndarray, **style) -> QuadMesh:
         """Colour the contact by values that do not vanish at its edge."""
-        return self.fill(continued(values, self.state.touching), **style)
+        return self.fill(continued(values, self.state.contact.touching), **style)
 
     def fill_elements(self, values: np.ndarray, **style) -> QuadMesh:
         """Colour every element in contact by its value."""
-        inside = np.ma.masked_where(~self.state.touching, values)
+        inside = np.ma.masked_where(~self.state.contact.touching, values)
         centres = self.state.x_over_a, self.state.y_over_a
         return self.axes.pcolormesh(*centres, inside.T, rasterized=True, zorder=0.5, **style)
 
@@ -175,7 +175,7 @@ def _every(centres: np.ndarray, spacing: float) -> np.ndarray:
     return np.arange(len(centres) // 2 % step, len(centres), step)
 
 
-def _check_wide(*states: State) -> None:
+def _check_wide(*states: Drawn) -> None:
     if any(state.line for state in states):
         lines = "line_pressure, line_traction, line_slip and line_pressures draw it"
         raise ValueError(f"a line contact has no map: {lines}")

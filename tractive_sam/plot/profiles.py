@@ -83,7 +83,7 @@ def worn_profiles(history: History) -> Figure:
 def _surfaces(history: History, body: str) -> dict[int, np.ndarray]:
     """Height of the surface of a body at every record, micrometres, shape (n_y,)."""
     upwards = 1.0 if body == "A" else -1.0
-    crown = history.y**2 / (2.0 * history.settings["body"][body]["radius_y"])
+    crown = history.y**2 / (2.0 * getattr(history.scene.body, body).radius_y)
     depth = _stored(history, f"wear_profile_{body}")
     return {N: upwards * MICRON * (crown + worn) for N, worn in depth.items()}
 

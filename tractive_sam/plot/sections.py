@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from tractive_sam.plot.state import Source, State
+from tractive_sam.plot.drawn import Drawn, Source
 from tractive_sam.plot.style import BLUE, GREY, VERMILLION, WIDTH, set_title, styled
 
 OFF_CENTRE = 0.75
@@ -29,7 +29,7 @@ def traction_sections(source: Source, revolution: int | None = None) -> Figure:
     >>> plot.traction_sections(contact)
     <Figure size ...>
     """
-    state = State.of(source, revolution)
+    state = Drawn.of(source, revolution)
     scale = state.scale
     off = (scale.a, scale.a_symbol) if OFF_CENTRE * scale.a < scale.b else (scale.b, scale.b_symbol)
     lines = {"$y = 0$": 0.0, f"$y = {OFF_CENTRE}\\,{off[1]}$": OFF_CENTRE * off[0]}
@@ -45,12 +45,15 @@ def traction_sections(source: Source, revolution: int | None = None) -> Figure:
     return figure
 
 
-def section(ax: Axes, state: State, y: float) -> None:
+def section(ax: Axes, state: Drawn, y: float) -> None:
     """Draw the tractions along a line of constant y, in mm, between their bounds."""
-    x = state.x_over_a
+    x, contact = state.x_over_a, state.contact
     ax.axhline(0.0, color=GREY, linewidth=0.6)
-    drawn = np.abs(state.traction).max(axis=(1, 2)) > NEGLIGIBLE * np.abs(state.traction).max()
-    p_n = _along(state, state.pressure, y)
+    drawn = (
+        np.abs(state.contact.traction).max(axis=(1, 2))
+        > NEGLIGIBLE * np.abs(state.contact.traction).max()
+    )
+    p_n = _along(state, state.contact.pressure, y)
     same = np.isclose(*state.bounds)
     for k, (name, color) in enumerate((("x", BLUE), ("y", VERMILLION))):
         bound = state.bounds[k] * p_n
@@ -65,8 +68,8 @@ def section(ax: Axes, state: State, y: float) -> None:
         elif not same and drawn[k]:
             _bounds(ax, x, bound, color, f"bound of $p_{name}$")
         if drawn[k]:
-            ax.plot(x, _along(state, state.traction[k], y), color=color, label=f"$p_{name}$")
-    inside = x[state.touching.any(axis=1)]
+            ax.plot(x, _along(state, contact.traction[k], y), color=color, label=f"$p_{name}$")
+    inside = x[contact.touching.any(axis=1)]
     ax.set_xlim(inside.min() - MARGIN, inside.max() + MARGIN)
 
 
@@ -76,7 +79,7 @@ def _bounds(ax: Axes, x: np.ndarray, bound: np.ndarray, color: str, label: str) 
     ax.plot(x, -bound, color=color, linewidth=0.7, linestyle="--")
 
 
-def _along(state: State, values: np.ndarray, y: float) -> np.ndarray:
+def _along(state: Drawn, values: np.ndarray, y: float) -> np.ndarray:
     """Values along a line of constant y, over the scale's pressure, shape (n_x,)."""
     rows = [np.interp(y, state.y, row) for row in values]
     return np.array(rows) / state.scale.p

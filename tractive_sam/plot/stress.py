@@ -11,11 +11,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
+from tractive_sam.plot.drawn import Drawn
 from tractive_sam.plot.frame import TICK_ROOM, Frame
 from tractive_sam.plot.map import APART, BOTTOM, LEFT, LINE, RIGHT, bar, paper, placed
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.section import Section, common_levels
-from tractive_sam.plot.state import State
 from tractive_sam.plot.style import WIDTH, styled
 from tractive_sam.plot.summits import Summit
 from tractive_sam.plot.zones import contact_edge
@@ -123,11 +123,11 @@ def von_mises_sections(
 
 def _resolved(
     source: Source, bodies: Sequence[str], plane: "Plane | str", revolution: int | None
-) -> tuple[list["PlaneStress"], State | None]:
+) -> tuple[list["PlaneStress"], Drawn | None]:
     """Stress on the plane in each body, and the state of the contact where it is known."""
     if isinstance(source, History):
         stored = [source.stress(body, plane, revolution) for body in bodies]
-        return stored, State.of(source, revolution)
+        return stored, Drawn.of(source, revolution)
     # Stored results are to be drawn without loading what computes them.
     from tractive_sam.subsurface import stress_on_planes  # noqa: PLC0415
 
@@ -135,11 +135,11 @@ def _resolved(
         return [source], None
     if isinstance(source, Iterable):
         return list(source), None
-    return list(stress_on_planes(source, (plane,), bodies)), State.of(source)
+    return list(stress_on_planes(source, (plane,), bodies)), Drawn.of(source)
 
 
 def _drawn(
-    stresses: Sequence["PlaneStress"], state: State | None, quantity: str, scale: Scale | None
+    stresses: Sequence["PlaneStress"], state: Drawn | None, quantity: str, scale: Scale | None
 ) -> Figure:
     bodies, planes = {stress.body for stress in stresses}, {stress.plane for stress in stresses}
     if len(planes) != 1 or len(bodies) < len(stresses):
@@ -157,7 +157,7 @@ def _drawn(
 
 
 def _through_the_depth(
-    sections: Sequence[Section], state: State | None, levels: np.ndarray
+    sections: Sequence[Section], state: Drawn | None, levels: np.ndarray
 ) -> Figure:
     """One body downwards, or A upwards and B downwards from the interface."""
     first, one = sections[0], len(sections) == 1
@@ -182,7 +182,7 @@ def _through_the_depth(
     return figure
 
 
-def _side_by_side(sections: Sequence[Section], state: State | None, levels: np.ndarray) -> Figure:
+def _side_by_side(sections: Sequence[Section], state: Drawn | None, levels: np.ndarray) -> Figure:
     """Planes parallel to the surface, one map for each body."""
     first = sections[0]
     sides = *_shown(first, state, 0), *_shown(first, state, 1)
@@ -202,20 +202,20 @@ def _side_by_side(sections: Sequence[Section], state: State | None, levels: np.n
     return figure
 
 
-def _shown(section: Section, state: State | None, axis: int) -> tuple[float, float]:
+def _shown(section: Section, state: Drawn | None, axis: int) -> tuple[float, float]:
     """Ends of an axis: around the contact where that is known, else all that was computed."""
     first, last = section.axes[axis][[0, -1]].tolist()
     if state is None:
         return first, last
     if section.names[axis] == "x":
-        contact = state.x_over_a[state.touching.any(axis=1)]
+        contact = state.x_over_a[state.contact.touching.any(axis=1)]
     else:
-        contact = state.y_over_a[state.touching.any(axis=0)]
+        contact = state.y_over_a[state.contact.touching.any(axis=0)]
     return max(first, float(contact[0]) - AROUND), min(last, float(contact[-1]) + AROUND)
 
 
 def _panels(
-    frame: Frame, sections: Sequence[Section], state: State | None, count: int
+    frame: Frame, sections: Sequence[Section], state: Drawn | None, count: int
 ) -> tuple[Figure, list[Axes]]:
     """A figure of panels side by side, and below them a legend of what is marked in them."""
     handles = [

@@ -8,22 +8,22 @@ from matplotlib.axes import Axes
 from matplotlib.path import Path
 from scipy.ndimage import distance_transform_edt
 
-from tractive_sam.plot.state import State
+from tractive_sam.plot.drawn import Drawn
 
 
-def contact_edge(ax: Axes, state: State, **style) -> Path:
+def contact_edge(ax: Axes, state: Drawn, **style) -> Path:
     """Draw the edge of contact; its path encloses the contact."""
     x, y = _one_more(state.x_over_a), _one_more(state.y_over_a)
-    level = _edge_level(np.pad(state.pressure, 1))
+    level = _edge_level(np.pad(state.contact.pressure, 1))
     return ax.contour(x, y, level.T, levels=[0.0], **style).get_paths()[0]
 
 
-def stick_edge(ax: Axes, state: State, contact: Path, **style) -> None:
+def stick_edge(ax: Axes, state: Drawn, contact: Path, **style) -> None:
     """Draw the boundary between stick and slip, within the contact."""
-    stick = state.touching & ~state.slip_zone
+    stick = state.contact.touching & ~state.slip_zone
     if not stick.any() or not state.slip_zone.any():
         return
-    level = continued(_stick_level(state, stick), state.touching)
+    level = continued(_stick_level(state, stick), state.contact.touching)
     lines = ax.contour(state.x_over_a, state.y_over_a, level.T, levels=[0.0], **style)
     lines.set_clip_path(contact, ax.transData)
 
@@ -61,14 +61,16 @@ def _edge_level(pressure: np.ndarray) -> np.ndarray:
     return np.where(square > 0.0, square, outside)[2:-2, 2:-2]
 
 
-def _stick_level(state: State, stick: np.ndarray) -> np.ndarray:
+def _stick_level(state: Drawn, stick: np.ndarray) -> np.ndarray:
     """Squared distance to the friction bound where it sticks, minus squared slip where it slips.
 
     Both vanish at the boundary, and rise like roots of the distance from it.
     """
-    touching = state.touching
-    reserve = np.maximum(1.0 - state.utilisation / np.where(touching, state.pressure, 1.0), 0.0)
-    slip = np.hypot(*state.slip)
+    touching = state.contact.touching
+    reserve = np.maximum(
+        1.0 - state.contact.utilisation / np.where(touching, state.contact.pressure, 1.0), 0.0
+    )
+    slip = np.hypot(*state.contact.slip)
     tiny = np.finfo(float).tiny
     return np.where(
         stick,

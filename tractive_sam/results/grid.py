@@ -63,3 +63,30 @@ class Grid:
 def _centres(half_length: float, elements: int) -> np.ndarray:
     # Mirrored exactly about zero, so that symmetric scenes stay symmetric to the last bit.
     return (np.arange(elements) - 0.5 * (elements - 1)) * (2.0 * half_length / elements)
+
+
+def widened(values: np.ndarray, shape: tuple[int, ...], outside: float = 0.0) -> np.ndarray:
+    """The same function on a wider mesh, of which the present one is the middle.
+
+    Parameters
+    ----------
+    values : ndarray
+        Its last axes are those of the mesh.
+    shape : tuple of int
+        Of the wider mesh along these axes.
+    outside : float
+        What it is beside the present mesh.
+
+    Raises
+    ------
+    ValueError
+        If the wider mesh does not add the same number of elements on either side.
+    """
+    before = values.shape[values.ndim - len(shape) :]
+    extra = np.subtract(shape, before)
+    if (extra < 0).any() or (extra % 2).any():
+        raise ValueError(f"a mesh of {before} elements is not the middle of one of {shape}")
+    if not extra.any():
+        return values
+    sides = [(0, 0)] * (values.ndim - len(shape)) + [(n // 2, n // 2) for n in extra]
+    return np.pad(values, sides, constant_values=outside)

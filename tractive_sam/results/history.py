@@ -1,33 +1,34 @@
 """The whole of a computation: every record, in memory or still on disk."""
 
 import math
-import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any, Protocol, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar
 
 import numpy as np
 
-from tractive_sam.results.grid import Grid
+from tractive_sam.results.grid import Grid, widened
 from tractive_sam.results.plane_stress import PlaneStress
-from tractive_sam.results.quantities import (
-    BODY_ERROR_BARS,
-    BODY_POINTS,
-    BODY_SCALARS,
-    ERROR_BARS,
-    FIELDS,
-    POINTS,
-    PROFILES,
-    SCALARS,
-)
+from tractive_sam.results.quantities import BODIES, FIELDS, OUTSIDE, Quantity, columns
 from tractive_sam.results.record import Record
+from tractive_sam.results.state import Contact
+from tractive_sam.results.status import Cost, Status
+from tractive_sam.scene import Scene
+
+if TYPE_CHECKING:
+    import xarray
 
 DONE = "done"
 """The `History.status` that means that nothing is missing."""
 
 ROUNDING = 1e-12
 """Share of the terms of a sum that its rounding may reach."""
+
+FORMER = {"wear_rate": "worn_area"}
+"""Columns by their former names."""
+
+LABELS = {"axis": ("x", "y"), "body": BODIES, "position": ("x", "y", "depth")}
+"""What is along the dimensions of columns that are not of the mesh."""
 
 T_co = TypeVar("T_co", covariant=True)
 
@@ -42,46 +43,33 @@ class Rows(Protocol[T_co]):
         """The field of one record."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class History:
     """All records of a computation, under the names of `results.quantities`.
 
     Attributes
     ----------
-    scene_toml : str
-        The scene that was computed.
+    scene : Scene
+        What was computed.
     status : str
         "done"; "running" of a computation that still runs or was killed; else why
         it ended early.
     message : str
         What the status means and, where something is wrong, what to try.
-    a0, b0, p0 : float
-        Semi-axes in x and y, mm, and largest pressure, MPa, of the unworn contact by Hertz; nan
-        where Hertz does not apply.
-    half_length : tuple of float
-        Half lengths of the domain in x and y, mm.
-    x, y : ndarray, shapes (n_x,) and (n_y,)
-        Centres of the elements, mm.
-    scalars : mapping of str to ndarray, shape (n,)
-        One number a record; `ERROR_BARS` of scenes with [accuracy] only.
-    points : mapping of str to ndarray, shape (n, 2)
-        One position a record, mm.
-    profiles : mapping of str to ndarray, shape (n, n_y)
-        One function of y a record.
+    grid : Grid
+        The mesh.
+    columns : mapping of str to Quantity
+        What was recorded; `history[name]` has the numbers.
+    values : mapping of str to ndarray
+        One row a record, of the shape of the column's dimensions; nan where it is not known.
     fields : mapping of str to Rows, length m <= n
-        One function of x and y for each record that kept its fields; see `field`.
+        One function of x and y for each record that kept its fields; see `field` and `state`.
     field_revolutions : ndarray of int, shape (m,)
         Revolutions of these records.
-    bodies : tuple of str
-        Bodies whose stress was computed, of "A" and "B"; none without [subsurface].
-    body_scalars : mapping of str to ndarray, shape (n, len(bodies))
-        One number a record and body; `BODY_ERROR_BARS` of scenes with [accuracy] only.
-    body_points : mapping of str to ndarray, shape (n, len(bodies), 3)
-        One position (x, y, depth) a record and body, mm.
     stresses : mapping of (body, plane) to Rows, length m
         Stress on planes for each record that kept its fields; see `stress`.
     provenance : tuple of (int, mapping of str to str)
-        Programs that computed it, each with the record from which on they did.
+        Programs that computed the records from each of these rows on.
 
     Examples
     --------
@@ -93,86 +81,103 @@ class History:
     True
     """
 
-    scene_toml: str
+    scene: Scene
     status: str
     message: str
-    a0: float
-    b0: float
-    p0: float
-    half_length: tuple[float, float]
-    x: np.ndarray
-    y: np.ndarray
-    scalars: Mapping[str, np.ndarray]
-    points: Mapping[str, np.ndarray]
-    profiles: Mapping[str, np.ndarray]
+    grid: Grid
+    columns: Mapping[str, Quantity]
+    values: Mapping[str, np.ndarray]
     fields: Mapping[str, Rows[np.ndarray]]
     field_revolutions: np.ndarray
-    bodies: tuple[str, ...]
-    body_scalars: Mapping[str, np.ndarray]
-    body_points: Mapping[str, np.ndarray]
-    stresses: Mapping[tuple[str, str], "Rows[PlaneStress]"]
+    stresses: Mapping[tuple[str, str], Rows[PlaneStress]]
     provenance: tuple[tuple[int, Mapping[str, str]], ...] = ()
 
     @classmethod
     def of_records(
         cls,
         records: Iterable[Record],
-        scene_toml: str,
-        grid: "Grid",
+        scene: Scene,
+        grid: Grid,
         *,
-        a0: float = math.nan,
-        b0: float = math.nan,
-        p0: float = math.nan,
         status: str = DONE,
         message: str = "",
     ) -> Self:
-        """Collect records in memory; those of smaller meshes are padded to the last mesh."""
+        """Collect records in memory; those of smaller meshes are widened to the last mesh."""
         records = list(records)
         kept = [record for record in records if record.fields]
-        bodies = tuple(records[0].bodies) if records else ()
-        barred = bool(records) and ERROR_BARS.keys() <= records[0].scalars.keys()
-        bars, body_bars = (ERROR_BARS, BODY_ERROR_BARS) if barred else ({}, {})
-        scalars = _stacked(records, "scalars", (*SCALARS, *bars), ())
-        scalars["revolution"] = scalars["revolution"].astype(int)
+        names = records[0].columns if records else columns(scene)
         return cls(
-            scene_toml,
+            scene,
             status,
             message,
-            a0,
-            b0,
-            p0,
-            grid.half_length,
-            grid.x,
-            grid.y,
-            scalars,
-            points=_stacked(records, "points", POINTS, (2,)),
-            profiles=_stacked(records, "profiles", PROFILES, grid.y.shape),
-            fields=_stacked(kept, "fields", FIELDS, grid.x.shape + grid.y.shape),
-            field_revolutions=np.array([record.revolution for record in kept], dtype=int),
-            bodies=bodies,
-            body_scalars=_of_bodies(records, bodies, (*BODY_SCALARS, *body_bars), ()),
-            body_points=_of_bodies(records, bodies, BODY_POINTS, (3,)),
-            stresses=_by_plane(kept),
+            grid,
+            names,
+            {
+                name: stacked(one, [r.values[name] for r in records], grid)
+                for name, one in names.items()
+            },
+            {
+                name: [
+                    widened(record.fields[name], grid.elements, OUTSIDE.get(name, 0.0))
+                    for record in kept
+                ]
+                for name in FIELDS
+            },
+            np.array([record.revolution for record in kept], dtype=int),
+            _by_plane(kept),
         )
 
     def __len__(self) -> int:
-        return len(self.scalars["revolution"])
+        return len(self.values["revolution"])
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """What was recorded under a name of `results.quantities`, one row a record.
+        """What was recorded under a name, one row a record.
 
         Raises
         ------
         KeyError
             If there is no such quantity; the message lists those there are.
         """
-        kinds = (self.scalars, self.points, self.profiles, self.body_scalars, self.body_points)
-        for kind in kinds:
-            if name in kind:
-                return kind[name]
-        known = ", ".join(name for kind in kinds for name in kind)
-        cure = f"; the field is history.field({name!r})" if name in self.fields else ""
-        raise KeyError(f"no quantity {name!r}; there are {known}{cure}")
+        if name in self.values:
+            return self.values[name]
+        cure = f"; it is history[{FORMER[name]!r}] now" if name in FORMER else ""
+        if name in self.fields:
+            cure = f"; the field is history.field({name!r})"
+        raise KeyError(f"no quantity {name!r}{cure}; there are {', '.join(self.values)}")
+
+    def of_dims(self, *dims: str) -> dict[str, Quantity]:
+        """The columns of some dimensions: none are one number a record."""
+        return {name: one for name, one in self.columns.items() if one.dims == dims}
+
+    @property
+    def x(self) -> np.ndarray:
+        """Centres of the elements in the rolling direction, shape (n_x,), mm."""
+        return self.grid.x
+
+    @property
+    def y(self) -> np.ndarray:
+        """Centres of the elements in the lateral direction, shape (n_y,), mm."""
+        return self.grid.y
+
+    @property
+    def a0(self) -> float:
+        """Semi-axis in x of the unworn contact by Hertz, mm; nan where Hertz does not apply."""
+        return math.nan if self.scene.hertz is None else self.scene.hertz.a
+
+    @property
+    def b0(self) -> float:
+        """Semi-axis in y, mm, as `a0`."""
+        return math.nan if self.scene.hertz is None else self.scene.hertz.b
+
+    @property
+    def p0(self) -> float:
+        """Peak pressure, MPa, as `a0`."""
+        return math.nan if self.scene.hertz is None else self.scene.hertz.p0
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Bodies whose stress was computed, of "A" and "B"; none without [subsurface]."""
+        return () if self.scene.subsurface is None else tuple(self.scene.subsurface.bodies)
 
     @property
     def finished(self) -> bool:
@@ -202,8 +207,8 @@ class History:
         bodies; and without friction.
         """
         supplied = self["work_supplied"]
-        rounding = ROUNDING * self["P"] * np.abs(self["approach"]) / self.half_length[0]
-        driven = (np.abs(supplied) > rounding) & ("friction" in self.settings)
+        rounding = ROUNDING * self["P"] * np.abs(self["approach"]) / self.grid.half_length[0]
+        driven = (np.abs(supplied) > rounding) & (self.scene.friction is not None)
         return _ratio(self["dissipation"], supplied, driven)
 
     @property
@@ -214,14 +219,11 @@ class History:
         Where these differ, the section is compared with what is nearest to it between the two:
         unity is within. nan where nothing wears, or no more than the rounding of the wear so far.
         """
-        worn, most = self["wear_rate"], self["wear_max"] * 2.0 * self.half_length[1]
-        if "wear" not in self.settings:
+        worn, most = self["worn_area"], self["wear_max"] * 2.0 * self.grid.half_length[1]
+        wear, friction = self.scene.wear, self.scene.friction
+        if wear is None:
             return np.full(len(self), np.nan)
-        intensity, mu = (
-            np.broadcast_to(self.settings[table][key], 2)
-            for table, key in (("wear", "intensity"), ("friction", "mu"))
-        )
-        least, largest = sorted(intensity / mu)
+        least, largest = sorted(np.divide(wear.intensity, friction.mu))
         work = self["dissipation"]
         wears = (worn > ROUNDING * most) & (work > 0.0)
         return _ratio(worn, np.clip(worn, least * work, largest * work), wears)
@@ -231,20 +233,15 @@ class History:
         """Body and plane of every stress that was kept, as ("A", "y=0")."""
         return tuple(self.stresses)
 
-    @cached_property
-    def settings(self) -> dict[str, Any]:
-        """The scene as plain tables."""
-        return tomllib.loads(self.scene_toml)
-
     @property
     def line(self) -> bool:
         """Whether it is of a line contact, with forces per length."""
-        return len(self.y) == 1
+        return self.grid.line
 
     @property
     def title(self) -> str:
         """Title of the scene, empty where it has none."""
-        return self.settings.get("title", "")
+        return self.scene.title
 
     def field(self, name: str, revolution: int | None = None) -> np.ndarray:
         """One field of one revolution, shape (n_x, n_y).
@@ -300,49 +297,140 @@ class History:
             raise LookupError(f"no fields of revolution {revolution}; there are those of {kept}")
         return int(rows[-1])
 
+    def state(self, revolution: int | None = None) -> Contact:
+        """The contact of one revolution, as of `solve`.
+
+        Files of the first format kept neither its gap, which then is nan, nor where it slips, which
+        then is told from its traction.
+
+        Parameters
+        ----------
+        revolution : int, optional
+            One of `field_revolutions`; the last by default.
+
+        Raises
+        ------
+        LookupError
+            If its fields were not kept; the message lists those that were.
+
+        Examples
+        --------
+        >>> history.state(2).Qx == history["Qx"][2]
+        True
+        """
+        at = self._row(revolution)
+        row = int(np.flatnonzero(self["revolution"] == self.field_revolutions[at])[-1])
+        return self.contact(row, {name: rows[at] for name, rows in self.fields.items()})
+
+    def contact(self, row: int, fields: Mapping[str, np.ndarray]) -> Contact:
+        """The contact of a record, from its fields by the names of `FIELDS`."""
+        number = {name: float(self[name][row]) for name in self.of_dims()}
+        creeping = sum(
+            number[force] * number[creepage]
+            for force, creepage in (("Qx", "xi_x"), ("Qy", "xi_y"), ("Mz", "spin"))
+        )
+        solved = number["converged"] > 0.0
+        message = f"contact conditions hold to {number['residual']:.1e}"
+        found = Contact(
+            scene=self.scene,
+            grid=self.grid,
+            pressure=fields["pressure"],
+            traction=np.stack((fields["traction_x"], fields["traction_y"])),
+            slip=np.stack((fields["slip_x"], fields["slip_y"])),
+            gap=fields.get("gap", np.full(self.grid.elements, np.nan)),
+            wear=fields["wear"],
+            approach=number["approach"],
+            xi_x=number["xi_x"],
+            xi_y=number["xi_y"],
+            spin=number["spin"],
+            rolling_resistance=number["work_supplied"] + creeping,
+            sliding=fields.get("sliding", np.zeros(self.grid.elements)) > 0.0,
+            status=Status.CONVERGED if solved else _status(self.status),
+            message=message if solved else self.message,
+            residual=number["residual"],
+            cost=Cost(number["operator_applications"]),
+            revolution=int(number["revolution"]),
+        )
+        return found if "sliding" in fields else found.with_sliding_by_traction()
+
     def to_dict(self) -> dict[str, Any]:
-        """Scalars, points, balances and totals as plain numbers and lists; None for no number."""
-        rows = {name: self[name].tolist() for name in (*self.scalars, *self.points)}
+        """Columns but for profiles, balances and totals as plain lists; None for no number."""
+        rows = {}
+        for name, one in self.columns.items():
+            if one.dims[:1] == ("body",):
+                of_bodies = {
+                    body: self[name][:, BODIES.index(body)] for body in one.when(self.scene)
+                }
+                rows[name] = {body: values.tolist() for body, values in of_bodies.items()}
+            elif "y" not in one.dims:
+                rows[name] = self[name].tolist()
         rows |= {name: getattr(self, name).tolist() for name in ("energy_balance", "wear_balance")}
-        in_bodies = {
-            name: {body: self[name][:, k].tolist() for k, body in enumerate(self.bodies)}
-            for name in (*self.body_scalars, *self.body_points)
-        }
         reference = {"a0": self.a0, "b0": self.b0, "p0": self.p0}
         about = {"status": self.status, "message": self.message} | reference
-        return _without_nan(about | rows | in_bodies | self.totals)
+        return _without_nan(about | rows | self.totals)
+
+    def to_xarray(self) -> "xarray.Dataset":
+        """Columns, and fields of the revolutions that kept them, with units and coordinates.
+
+        Needs xarray, which comes with the extra ``study``.
+
+        Examples
+        --------
+        >>> history.to_xarray()["Qx"].sel(revolution=2).item() == history["Qx"][2]
+        True
+        """
+        import xarray  # noqa: PLC0415 - of an extra
+
+        def about(one: Quantity) -> dict[str, str]:
+            return {"units": one.unit, "long_name": one.long_name}
+
+        data = {
+            name: (("revolution", *one.dims), self[name], about(one))
+            for name, one in self.columns.items()
+            if name != "revolution"
+        }
+        for name, rows in self.fields.items():
+            values = np.empty((len(rows), *self.grid.elements))
+            for row in range(len(rows)):
+                values[row] = rows[row]
+            data[name] = (("saved", "x", "y"), values, about(FIELDS[name]))
+        labels = {name: list(values) for name, values in LABELS.items()}
+        coordinates = labels | {
+            "revolution": ("revolution", self["revolution"], about(self.columns["revolution"])),
+            "saved": ("saved", self.field_revolutions, about(self.columns["revolution"])),
+            "x": ("x", self.x, {"units": "mm"}),
+            "y": ("y", self.y, {"units": "mm"}),
+        }
+        told = {"title": self.title, "status": self.status, "message": self.message}
+        return xarray.Dataset(data, coordinates, told)
+
+
+def _status(ended: str) -> Status:
+    """Why a contact was not solved, as far as the status of its history says so."""
+    return Status(ended) if ended in set(Status) else Status.OUT_OF_ITERATIONS
+
+
+def stacked(quantity: Quantity, values: Sequence[Any], grid: Grid) -> np.ndarray:
+    """One row a record of what was recorded, on a mesh that may be wider than its own."""
+    along = {"x": grid.elements[0], "y": grid.elements[1]}
+    shape = tuple(along.get(name) or len(LABELS[name]) for name in quantity.dims)
+    rows = np.empty((len(values), *shape), int if quantity.name == "revolution" else float)
+    for row, value in zip(rows, values, strict=True) if shape else ():
+        if quantity.dims[0] == "body":
+            row[:] = np.nan
+            for body, of_body in value.items():
+                row[BODIES.index(body)] = of_body
+        else:
+            mesh = tuple(along[name] for name in quantity.dims if name in along)
+            row[:] = widened(np.asarray(value, float), mesh) if mesh else value
+    if not shape:
+        rows[:] = values
+    return rows
 
 
 def _ratio(over: np.ndarray, under: np.ndarray, where: np.ndarray) -> np.ndarray:
     """Quotients, nan elsewhere."""
     return np.divide(over, under, out=np.full(len(over), np.nan), where=where)
-
-
-def _stacked(
-    records: Sequence[Record], kind: str, names: Iterable[str], shape: tuple[int, ...]
-) -> dict[str, np.ndarray]:
-    """Arrays with one row of that shape a record."""
-    return {
-        name: np.array(
-            [padded(np.asarray(getattr(record, kind)[name], float), shape) for record in records]
-        ).reshape(len(records), *shape)
-        for name in names
-    }
-
-
-def _of_bodies(
-    records: Sequence[Record],
-    bodies: tuple[str, ...],
-    names: Iterable[str],
-    shape: tuple[int, ...],
-) -> dict[str, np.ndarray]:
-    """Arrays with one row a record and one column of that shape a body."""
-    return {
-        name: np.array(
-            [[record.bodies[body][name] for body in bodies] for record in records], float
-        ).reshape(len(records), len(bodies), *shape)
-        for name in names
-    }
 
 
 def _by_plane(kept: Sequence[Record]) -> dict[tuple[str, str], list["PlaneStress"]]:
@@ -352,21 +440,6 @@ def _by_plane(kept: Sequence[Record]) -> dict[tuple[str, str], list["PlaneStress
         for k, one in enumerate(first)
     }
     return dict(sorted(rows.items()))  # as a file has them
-
-
-def padded(values: np.ndarray, shape: tuple[int, ...], outside: float = 0.0) -> np.ndarray:
-    """The values in the middle of an array of zeros: the same function on a wider mesh.
-
-    Raises
-    ------
-    ValueError
-        If the wider mesh does not add the same number of elements on either side.
-    """
-    extra = np.subtract(shape, values.shape)
-    if (extra < 0).any() or (extra % 2).any():
-        raise ValueError(f"a mesh of {values.shape} elements is not the middle of one of {shape}")
-    sides = [(n // 2, n // 2) for n in extra]
-    return np.pad(values, sides, constant_values=outside) if extra.any() else values
 
 
 def _without_nan(value: Any) -> Any:

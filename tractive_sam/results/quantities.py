@@ -1,9 +1,37 @@
-"""Names, units and descriptions of everything that is recorded.
+"""Names, units and descriptions of everything that is recorded, and how it is read off a contact.
 
-The one table behind the results file, the JSON of `tractive-sam show` and the labels of figures.
+The one table behind the results file, the JSON of `tractive-sam show`, its tables and the labels of
+figures: one column more is one line here.
 """
 
-from dataclasses import dataclass, replace
+import math
+from collections.abc import Callable, Collection, Iterable
+from dataclasses import dataclass, field, replace
+from typing import Any, Self
+
+from tractive_sam.results.state import Contact
+from tractive_sam.scene import Scene
+
+BODIES = ("A", "B")
+
+_PER_LENGTH = {"N": "N/mm", "N mm": "N mm/mm", "mm2": "mm"}
+"""Units in a line contact of what is then per length."""
+
+
+def _always(_scene: Scene) -> bool:
+    return True
+
+
+def _accurate(scene: Scene) -> bool:
+    return scene.accuracy is not None
+
+
+def _stressed(scene: Scene) -> tuple[str, ...]:
+    return () if scene.subsurface is None else scene.subsurface.bodies
+
+
+def _stressed_accurate(scene: Scene) -> tuple[str, ...]:
+    return _stressed(scene) if _accurate(scene) else ()
 
 
 @dataclass(frozen=True)
@@ -12,136 +40,219 @@ class Quantity:
 
     Attributes
     ----------
+    name : str
+        Its name, in files and in Python.
     unit : str
         Unit; "1" where it has none.
     long_name : str
         Description for people.
+    of : callable, optional
+        Reads it off a contact: a number; an array of its dimensions; of dimensions ("body", ...) a
+        mapping from "A" and "B". What only the stepping knows has none.
+    dims : tuple of str
+        Its dimensions beside the record: "axis" (x, y), "x", "y", "body" (A, B), "position"
+        (x, y, depth).
+    symbol : str
+        For math text in figures.
+    format : str
+        Of a number in tables.
+    per_length : bool
+        Whether it is per length in a line contact.
+    when : callable
+        Whether a scene has it; of dimensions ("body", ...), in which bodies.
+
+    Examples
+    --------
+    >>> share = ts.Quantity("share", "1", "P over E* a^2", lambda c: c.P / c.grid.element_area)
+    >>> ts.roll(scene, columns=[share])["share"].shape
+    (1,)
     """
 
+    name: str
     unit: str
     long_name: str
+    of: Callable[[Contact], Any] | None = field(default=None, compare=False)
+    dims: tuple[str, ...] = ()
+    symbol: str = ""
+    format: str = ".4g"
+    per_length: bool = False
+    when: Callable[[Scene], bool | Collection[str]] = field(default=_always, compare=False)
+
+    def bodies(self, scene: Scene) -> tuple[str, ...]:
+        """The bodies in which a scene has it, of dimensions ("body", ...)."""
+        found = self.when(scene)
+        return (BODIES if found else ()) if isinstance(found, bool) else tuple(found)
+
+    def of_line(self, line: bool) -> Self:
+        """The quantity as it is to be read in a line contact, or else."""
+        if not (line and self.per_length):
+            return self
+        name = f"{self.long_name} per length"
+        return replace(self, unit=_PER_LENGTH[self.unit], long_name=name, per_length=False)
 
 
-SCALARS: dict[str, Quantity] = {
-    "revolution": Quantity("1", "revolutions rolled by body A, by B where A is flat"),
-    "P": Quantity("N", "normal load"),
-    "Qx": Quantity("N", "longitudinal force on body A"),
-    "Qy": Quantity("N", "lateral force on body A"),
-    "Mz": Quantity("N mm", "spin moment on body A"),
-    "Qx_over_P": Quantity("1", "longitudinal force over normal load"),
-    "Qy_over_P": Quantity("1", "lateral force over normal load"),
-    "approach": Quantity("mm", "rigid-body approach"),
-    "p_max": Quantity("MPa", "largest pressure"),
-    "p_95": Quantity("MPa", "pressure that 5 % of the load exceeds"),
-    "half_width_x": Quantity("mm", "half width of the contact in the rolling direction"),
-    "half_width_y": Quantity("mm", "half width of the contact in the lateral direction"),
-    "wear_max": Quantity("mm", "largest wear depth, both bodies together"),
-    "stick_fraction": Quantity("1", "share of the contact area that sticks"),
-    "xi_x": Quantity("1", "longitudinal creepage"),
-    "xi_y": Quantity("1", "lateral creepage"),
-    "spin": Quantity("1/mm", "spin creepage"),
-    "residual": Quantity("1", "relative residual of the contact conditions"),
-    "dissipation": Quantity("N", "frictional work per distance rolled, from traction and slip"),
-    "work_supplied": Quantity("N", "work per distance rolled of the forces that drive the bodies"),
-    "wear_rate": Quantity("mm2", "cross section worn off both bodies in a pass"),
-    "operator_applications": Quantity("1", "applications of elastic operators"),
-    "jump": Quantity("1", "revolutions that the next step is to take"),
-    "converged": Quantity("1", "1 where the contact conditions hold to the tolerance"),
-    "solves": Quantity("1", "contacts solved for this record"),
-    "seconds": Quantity("s", "time spent on this record"),
-}
-"""One number a record. Those that a former results file lacks are nan in it, here and below."""
-
-PER_LENGTH: dict[str, Quantity] = {
-    "P": Quantity("N/mm", "normal load per length"),
-    "Qx": Quantity("N/mm", "longitudinal force on body A per length"),
-    "Qy": Quantity("N/mm", "lateral force on body A per length"),
-    "Mz": Quantity("N mm/mm", "spin moment on body A per length"),
-    "approach": Quantity("mm", "approach relative to the surface one radius R_x away"),
-    "dissipation": Quantity("N/mm", "frictional work per distance rolled and length"),
-    "work_supplied": Quantity("N/mm", "work of the driving forces per distance rolled and length"),
-    "wear_rate": Quantity("mm", "depth worn off both bodies in a pass"),
-}
-"""What is another quantity in a line contact."""
+def table(quantities: Iterable[Quantity]) -> dict[str, Quantity]:
+    """Quantities by their names."""
+    return {one.name: one for one in quantities}
 
 
-def scalars(line: bool) -> dict[str, Quantity]:
-    """`SCALARS` as they are to be read in a line contact, or else."""
-    return SCALARS | PER_LENGTH if line else SCALARS
+REVOLUTION = Quantity("revolution", "1", "revolutions of body A", symbol="N", format="d")
+"""What counts the records of a history."""
 
 
-def error_bars(line: bool) -> dict[str, Quantity]:
-    """`ERROR_BARS` as they are to be read in a line contact, or else."""
-    units = scalars(line)
-    quantities = dict(ERROR_BARS)
-    for name in BARRED:
-        quantities[f"{name}_error"] = replace(ERROR_BARS[f"{name}_error"], unit=units[name].unit)
-    return quantities
+# fmt: off
+_SCALARS = (
+    REVOLUTION,
+    Quantity("P", "N", "normal load", lambda c: c.P, symbol="P", per_length=True),
+    Quantity("Qx", "N", "longitudinal force on body A", lambda c: c.Qx,
+             symbol="Q_x", per_length=True),
+    Quantity("Qy", "N", "lateral force on body A", lambda c: c.Qy,
+             symbol="Q_y", per_length=True),
+    Quantity("Mz", "N mm", "spin moment on body A", lambda c: c.Mz, symbol="M_z", per_length=True),
+    Quantity("Qx_over_P", "1", "longitudinal force over normal load",
+             lambda c: c.Qx / c.P if c.P else 0.0, symbol="Q_x/P", format=".4f"),
+    Quantity("Qy_over_P", "1", "lateral force over normal load",
+             lambda c: c.Qy / c.P if c.P else 0.0, symbol="Q_y/P", format=".4f"),
+    Quantity("approach", "mm", "approach, of a line contact to the surface one radius R_x away",
+             lambda c: c.approach, symbol=r"\delta"),
+    Quantity("p_max", "MPa", "peak contact pressure", lambda c: c.p_max, symbol=r"p_\mathrm{max}"),
+    Quantity("p_95", "MPa", "pressure that 5 % of the load exceeds",
+             lambda c: c.p_95, symbol="p_{95}"),
+    Quantity("half_width_x", "mm", "half width of the contact in the rolling direction",
+             lambda c: c.half_width_x, symbol="a"),
+    Quantity("half_width_y", "mm", "half width of the contact in the lateral direction",
+             lambda c: c.half_width_y, symbol="b"),
+    Quantity("wear_max", "mm", "largest wear depth, both bodies together",
+             lambda c: float(c.wear.max()), symbol=r"w_\mathrm{max}"),
+    Quantity("stick_fraction", "1", "share of the contact area that sticks",
+             lambda c: c.stick_fraction, format=".3f"),
+    Quantity("xi_x", "1", "longitudinal creepage", lambda c: c.xi_x, symbol=r"\xi_x"),
+    Quantity("xi_y", "1", "lateral creepage", lambda c: c.xi_y, symbol=r"\xi_y"),
+    Quantity("spin", "1/mm", "spin creepage", lambda c: c.spin, symbol=r"\varphi"),
+    Quantity("residual", "1", "relative residual of the contact conditions",
+             lambda c: c.residual, format=".0e"),
+    Quantity("dissipation", "N", "frictional work per distance rolled, from traction and slip",
+             lambda c: c.dissipation, per_length=True),
+    Quantity("work_supplied", "N", "work per distance rolled of the forces that drive the bodies",
+             lambda c: c.work_supplied, per_length=True),
+    Quantity("worn_area", "mm2", "worn cross section of both bodies per revolution",
+             lambda c: c.worn_area, per_length=True),
+    Quantity("operator_applications", "1", "applications of elastic operators",
+             lambda c: c.cost.applications),
+    Quantity("jump", "1", "revolutions that the next step is to take", format="d"),
+    Quantity("converged", "1", "1 where the contact conditions hold to the tolerance",
+             lambda c: float(c.converged), format="d"),
+    Quantity("solves", "1", "contacts solved for this record", format="d"),
+    Quantity("seconds", "s", "time spent on this record"),
+)
 
+_OTHERS = (
+    Quantity("p_max_at", "mm", "position (x, y) of the peak contact pressure",
+             lambda c: c.p_max_at, ("axis",)),
+    Quantity("wear_profile", "mm", "wear depth behind the contact, both bodies together",
+             lambda c: c.wear[0], ("y",)),
+    Quantity("entering_profile", "mm", "wear depth before the contact, both bodies together",
+             dims=("y",)),
+    Quantity("wear_per_revolution", "mm",
+             "depth worn in a revolution, or after a jump its rate per revolution, both bodies",
+             dims=("y",)),
+    Quantity("wear_profile_A", "mm", "wear depth of body A", dims=("y",)),
+    Quantity("wear_profile_B", "mm", "wear depth of body B", dims=("y",)),
+    Quantity("von_mises_max", "MPa", "largest equivalent stress, inside or at the surface",
+             dims=("body",), when=_stressed),
+    Quantity("von_mises_interior", "MPa", "largest equivalent stress inside the body",
+             dims=("body",), when=_stressed),
+    Quantity("von_mises_surface", "MPa", "largest equivalent stress at the surface",
+             dims=("body",), when=_stressed),
+    Quantity("von_mises_max_at", "mm", "position (x, y, depth) of the largest equivalent stress",
+             dims=("body", "position"), when=_stressed),
+)
+# fmt: on
 
 BARRED = ("P", "Qx", "Qy", "Mz", "approach", "p_max", "wear_max", "xi_x", "xi_y")
 
-ERROR_BARS: dict[str, Quantity] = {
-    f"{name}_error": Quantity(SCALARS[name].unit, f"error bar of {name}") for name in BARRED
-} | {"relative_error": Quantity("1", "widest relative error bar of what accuracy.tolerance bounds")}
-"""One number a record, of scenes with [accuracy]."""
 
-POINTS: dict[str, Quantity] = {
-    "p_max_at": Quantity("mm", "position (x, y) of the largest pressure"),
-}
-"""A position a record."""
+def _error_bar(of: Quantity) -> Quantity:
+    """The error bar of a quantity; nan where it is not known."""
 
-PROFILES: dict[str, Quantity] = {
-    "wear_profile": Quantity("mm", "wear depth behind the contact, both bodies together"),
-    "entering_profile": Quantity("mm", "wear depth before the contact, both bodies together"),
-    "wear_per_revolution": Quantity(
-        "mm", "depth by which the entering profile deepens in a revolution, both bodies together"
+    def bar(contact: Contact) -> float:
+        return contact.error_bars.get(of.name, math.nan)
+
+    def bars(contact: Contact) -> dict[str, float]:
+        known = contact.error_bars
+        return {body: known.get(f"{of.name} {body}", math.nan) for body in BODIES}
+
+    return replace(
+        of,
+        name=f"{of.name}_error",
+        long_name=f"error bar of {of.name}",
+        of=bars if of.dims else bar,
+        symbol="",
+        when=_stressed_accurate if of.dims else _accurate,
+    )
+
+
+_KNOWN = table((*_SCALARS, *_OTHERS))
+
+COLUMNS = (
+    *_SCALARS,
+    *_OTHERS,
+    *(_error_bar(_KNOWN[name]) for name in (*BARRED, "von_mises_max")),
+    Quantity(
+        "relative_error",
+        "1",
+        "widest relative error bar of what accuracy.tolerance bounds",
+        lambda c: c.error_bars.get("relative", math.nan),
+        when=_accurate,
     ),
-    "wear_profile_A": Quantity("mm", "wear depth of body A; of a flat one that of a single pass"),
-    "wear_profile_B": Quantity("mm", "wear depth of body B; of a flat one that of a single pass"),
-}
-"""A function of y a record."""
+)
+"""What is recorded of every revolution. What a former results file lacks is nan in it."""
 
-FIELDS: dict[str, Quantity] = {
-    "pressure": Quantity("MPa", "contact pressure"),
-    "traction_x": Quantity("MPa", "longitudinal traction on body A"),
-    "traction_y": Quantity("MPa", "lateral traction on body A"),
-    "slip_x": Quantity("1", "longitudinal slip of A over B per unit rolling speed"),
-    "slip_y": Quantity("1", "lateral slip of A over B per unit rolling speed"),
-    "wear": Quantity("mm", "wear depth, both bodies together"),
-}
-"""A function of x and y a record, kept at chosen revolutions."""
+FIELDS = table(
+    (
+        Quantity("pressure", "MPa", "contact pressure", lambda c: c.pressure),
+        Quantity("traction_x", "MPa", "longitudinal traction on body A", lambda c: c.traction[0]),
+        Quantity("traction_y", "MPa", "lateral traction on body A", lambda c: c.traction[1]),
+        Quantity(
+            "slip_x",
+            "1",
+            "longitudinal slip of A over B per unit rolling speed",
+            lambda c: c.slip[0],
+        ),
+        Quantity(
+            "slip_y", "1", "lateral slip of A over B per unit rolling speed", lambda c: c.slip[1]
+        ),
+        Quantity("wear", "mm", "wear depth, both bodies together", lambda c: c.wear),
+        Quantity("gap", "mm", "separation of the deformed surfaces", lambda c: c.gap),
+        Quantity(
+            "sliding",
+            "1",
+            "1 where the traction has reached the friction bound",
+            lambda c: c.sliding.astype(float),
+        ),
+    )
+)
+"""A function of x and y, kept at chosen revolutions; all that rolling goes on from."""
 
-BODY_SCALARS: dict[str, Quantity] = {
-    "von_mises_max": Quantity("MPa", "largest equivalent stress, inside or at the surface"),
-    "von_mises_interior": Quantity("MPa", "largest equivalent stress inside the body"),
-    "von_mises_surface": Quantity("MPa", "largest equivalent stress at the surface"),
-}
-"""One number a body and record, of scenes with [subsurface]."""
+OUTSIDE = {"gap": math.inf}
+"""What a field is beside the mesh, where that is not zero: nothing touches there, and how wide the
+gap is only the next contact tells."""
 
-BODY_ERROR_BARS: dict[str, Quantity] = {
-    "von_mises_max_error": Quantity("MPa", "error bar of von_mises_max"),
-}
-"""One number a body and record, of scenes with [accuracy] and [subsurface]."""
-
-BODY_POINTS: dict[str, Quantity] = {
-    "von_mises_max_at": Quantity("mm", "position (x, y, depth) of the largest equivalent stress"),
-}
-"""A position a body and record, of scenes with [subsurface]."""
-
-STRESS: dict[str, Quantity] = {
-    "von_mises": Quantity("MPa", "equivalent stress of von Mises"),
-    "xx": Quantity("MPa", "normal stress in x"),
-    "yy": Quantity("MPa", "normal stress in y"),
-    "zz": Quantity("MPa", "normal stress in z"),
-    "xy": Quantity("MPa", "shear stress xy"),
-    "xz": Quantity("MPa", "shear stress xz"),
-    "yz": Quantity("MPa", "shear stress yz"),
-}
+STRESS = table(
+    (
+        Quantity("von_mises", "MPa", "equivalent stress of von Mises"),
+        Quantity("xx", "MPa", "normal stress in x"),
+        Quantity("yy", "MPa", "normal stress in y"),
+        Quantity("zz", "MPa", "normal stress in z"),
+        Quantity("xy", "MPa", "shear stress xy"),
+        Quantity("xz", "MPa", "shear stress xz"),
+        Quantity("yz", "MPa", "shear stress yz"),
+    )
+)
 """A function on a plane below the surface, kept with the fields."""
 
-STATE: dict[str, Quantity] = FIELDS | {
-    "gap": Quantity("mm", "separation of the deformed surfaces"),
-    "sliding": Quantity("1", "1 where the traction has reached the friction bound"),
-}
-"""A function of x and y of the last record, from which rolling goes on."""
+
+def columns(scene: Scene, own: Iterable[Quantity] = ()) -> dict[str, Quantity]:
+    """The columns of a scene's history by name, and a user's own, as they are to be read in it."""
+    found = [one for one in (*COLUMNS, *own) if one.when(scene)]
+    return table(one.of_line(scene.line) for one in found)

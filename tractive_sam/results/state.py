@@ -7,9 +7,14 @@ from functools import cached_property
 
 import numpy as np
 
-from tractive_sam.results.grid import Grid
+from tractive_sam.mechanics.friction import Frame
+from tractive_sam.results.grid import Grid, widened
 from tractive_sam.results.status import Cost, Status
 from tractive_sam.scene import Scene
+
+ON_THE_BOUND = 1e-5
+"""Distance from the friction bound, over the peak pressure, below which an element slips: well
+above the residual of any solution that is worth keeping."""
 
 
 class NotConverged(RuntimeError):  # noqa: N818 - the name says what happened
@@ -34,7 +39,7 @@ class NotConverged(RuntimeError):  # noqa: N818 - the name says what happened
         return NotConverged, (self.contact,)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Contact:
     """One steady state of rolling contact.
 
@@ -92,6 +97,8 @@ class Contact:
         Of scenes with [accuracy]: how far numbers may be from those on an infinitely fine mesh, by
         their recorded names and in their units; "von_mises_max A" of the stress in body A, and
         "relative" the widest relative one of those that the tolerance bounds.
+    revolution : int
+        Revolutions rolled.
 
     Examples
     --------
@@ -120,6 +127,7 @@ class Contact:
     cost: Cost
     trace: tuple[str, ...] = ()
     error_bars: Mapping[str, float] = field(default_factory=dict)
+    revolution: int = 0
 
     @property
     def converged(self) -> bool:
@@ -141,19 +149,13 @@ class Contact:
         ValueError
             If the wider mesh does not add the same number of elements on either side.
         """
-        extra = np.subtract(grid.elements, self.grid.elements)
-        same = np.allclose((grid.dx, grid.dy), (self.grid.dx, self.grid.dy), rtol=1e-9)
-        if (extra < 0).any() or (extra % 2).any() or not same:
+        if not np.allclose((grid.dx, grid.dy), (self.grid.dx, self.grid.dy), rtol=1e-9):
             raise ValueError(f"{self.grid} is not the middle of {grid}")
-        sides = [(n // 2, n // 2) for n in extra]
-
-        def padded(field: np.ndarray, outside: float = 0.0) -> np.ndarray:
-            leading = [(0, 0)] * (field.ndim - 2)
-            return np.pad(field, leading + sides, constant_values=outside)
-
-        fields = ("pressure", "traction", "slip", "wear", "sliding")
-        changes = {name: padded(getattr(self, name)) for name in fields}
-        return replace(self, grid=grid, gap=padded(self.gap, np.inf), **changes)
+        changes = {
+            name: widened(getattr(self, name), grid.elements, math.inf if name == "gap" else 0.0)
+            for name in ("pressure", "traction", "slip", "gap", "wear", "sliding")
+        }
+        return replace(self, grid=grid, **changes)
 
     @cached_property
     def touching(self) -> np.ndarray:
@@ -164,6 +166,24 @@ class Contact:
     def sticking(self) -> np.ndarray:
         """Elements in contact that do not slip, bool."""
         return self.touching & ~self.sliding
+
+    @cached_property
+    def frame(self) -> Frame | None:
+        """Scaled tribological frame; None without friction."""
+        friction = self.scene.friction
+        return None if friction is None else Frame(friction.mu, math.radians(friction.angle))
+
+    @cached_property
+    def utilisation(self) -> np.ndarray:
+        """Traction in the norm of the friction law, ||p_t||_mu <= p_n, MPa; else zero."""
+        if self.frame is None:
+            return np.zeros_like(self.pressure)
+        return np.hypot(*self.frame.to_scaled(self.traction))
+
+    def with_sliding_by_traction(self) -> "Contact":
+        """The same, sliding where the traction is on its bound, as far as any solution tells."""
+        margin = ON_THE_BOUND * self.pressure.max()
+        return replace(self, sliding=self.touching & (self.utilisation >= self.pressure - margin))
 
     def _integral(self, field: np.ndarray) -> float:
         return float(field.sum() * self.grid.element_area)
@@ -248,7 +268,7 @@ class Contact:
         return self.rolling_resistance - creeping
 
     @property
-    def wear_rate(self) -> float:
+    def worn_area(self) -> float:
         """Cross section worn off both bodies in this revolution, mm²."""
         return float((self.wear[0] - self.wear[-1]).sum() * self.grid.dy)
 

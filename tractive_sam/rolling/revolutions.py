@@ -1,12 +1,13 @@
 """Rolling: the sequence of revolutions, one record each."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from time import perf_counter
 
 from tractive_sam.contact import Model, grown
 from tractive_sam.results.maximum import VonMisesMaximum
-from tractive_sam.results.record import Record, record
+from tractive_sam.results.quantities import Quantity
+from tractive_sam.results.record import Record
 from tractive_sam.rolling.adaptive import adaptive_passages
 from tractive_sam.rolling.passage import Passage, next_passage, off_grid, unworn
 from tractive_sam.subsurface import stress_on_planes, von_mises_maxima
@@ -59,7 +60,9 @@ Judge = Callable[[Passage, Mapping[str, VonMisesMaximum]], Mapping[str, float]]
 """Gives a passage, with the largest stresses in its bodies, the error bars of `Contact`."""
 
 
-def recorded(passage: Passage, began: float, judge: Judge | None = None) -> Record:
+def recorded(
+    passage: Passage, began: float, judge: Judge | None = None, own: Iterable[Quantity] = ()
+) -> Record:
     """The record of a passage.
 
     With its fields, and the stress on the planes of the scene, where the scene saves them or the
@@ -73,23 +76,28 @@ def recorded(passage: Passage, began: float, judge: Judge | None = None) -> Reco
         When work on it began, as by `time.perf_counter`.
     judge : Judge, optional
         Where its error bars come from; by default they are those of the contact.
+    own : iterable of Quantity
+        Columns beside the package's.
     """
-    contact = passage.contact
-    wear = contact.scene.wear
+    contact = replace(passage.contact, revolution=passage.revolution)
+    wear, share = contact.scene.wear, contact.scene.body.wear_share
     keep = wear is None or passage.revolution in wear.save or not contact.converged
     maxima = von_mises_maxima(contact)
-    stress = tuple(stress_on_planes(contact)) if keep and maxima else ()
+    stress = stress_on_planes(contact) if keep and maxima else ()
     if judge is not None:
         contact = replace(contact, error_bars=judge(passage, maxima))
-    return record(
-        contact,
-        passage.revolution,
-        with_fields=keep,
-        maxima=maxima,
-        stress=stress,
-        profile=passage.course[-1].profile,
-        rate=passage.course[-1].rate,
-        jump=passage.jump,
-        solves=passage.solves,
-        seconds=perf_counter() - began,
-    )
+    given = {
+        "revolution": passage.revolution,
+        "jump": passage.jump,
+        "solves": passage.solves,
+        "entering_profile": passage.course[-1].profile,
+        "wear_per_revolution": passage.course[-1].rate,
+        "wear_profile_A": share["A"] * contact.wear[0],
+        "wear_profile_B": share["B"] * contact.wear[0],
+        "von_mises_max": {body: one.value for body, one in maxima.items()},
+        "von_mises_interior": {body: one.interior for body, one in maxima.items()},
+        "von_mises_surface": {body: one.surface for body, one in maxima.items()},
+        "von_mises_max_at": {body: one.at for body, one in maxima.items()},
+        "seconds": perf_counter() - began,
+    }
+    return Record.of(contact, given, own=own, with_fields=keep, stress=stress)

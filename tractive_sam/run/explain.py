@@ -7,7 +7,7 @@ import numpy as np
 
 from tractive_sam.contact import Model
 from tractive_sam.operators.memory import available
-from tractive_sam.results.quantities import scalars
+from tractive_sam.results.quantities import columns
 from tractive_sam.run import memory
 from tractive_sam.run.accuracy import Refined, refined, with_tolerances
 from tractive_sam.run.pipeline import measured_gap
@@ -75,9 +75,7 @@ def _accuracy(found: Refined) -> Section:
     for name in ("Qx", "Qy", "Mz", "p_max"):
         if name in contact.error_bars:
             bar = contact.error_bars[name]
-            told = (
-                f"{getattr(contact, name):.6g} +- {bar:.1g} {scalars(contact.grid.line)[name].unit}"
-            )
+            told = f"{getattr(contact, name):.6g} +- {bar:.1g} {columns(scene)[name].unit}"
             rows.append((f"{name} of the new bodies", told))
     return Section("Accuracy", rows)
 

@@ -1,7 +1,6 @@
 """Stress in a volume, from a contact or a stored revolution into a file for ParaView."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 
@@ -11,41 +10,12 @@ from tractive_sam.mechanics.invariants import max_shear, von_mises
 from tractive_sam.results.grid import Grid
 from tractive_sam.results.history import History
 from tractive_sam.results.state import Contact
-from tractive_sam.scene import Scene, Subsurface
+from tractive_sam.scene import Subsurface
 from tractive_sam.store import Image, check_volume, write_volume
 from tractive_sam.subsurface import stress_volume
 
 DEFAULT = Subsurface(planes=("y=0",))
 """Depth and points of a scene without [subsurface]."""
-
-
-@dataclass(frozen=True)
-class Stored:
-    """What a history tells of a contact, as far as stress depends on it; names as of `Contact`."""
-
-    scene: Scene
-    grid: Grid
-    pressure: np.ndarray
-    traction: np.ndarray
-    half_width_x: float
-
-    @classmethod
-    def of(cls, history: History, revolution: int | None) -> "Stored":
-        """Read a revolution whose fields were stored, by default the last.
-
-        Raises
-        ------
-        LookupError
-            If there is none.
-        """
-        pressure = history.field("pressure", revolution)
-        return cls(
-            Scene.from_toml_text(history.scene_toml),
-            Grid(history.half_length, pressure.shape),
-            pressure,
-            np.stack([history.field(f"traction_{k}", revolution) for k in "xy"]),
-            history["half_width_x"][0],
-        )
 
 
 def export_volume(
@@ -107,9 +77,8 @@ def export_volume(
     path = Path(path)
     check_volume(path, overwrite)
     if isinstance(source, History):
-        if revolution is None and len(source.field_revolutions):
-            revolution = int(source.field_revolutions[-1])
-        source = Stored.of(source, revolution)
+        source = source.state(revolution)
+        revolution = source.revolution
     elif revolution is not None:
         raise ValueError("revolution: only a history has revolutions; leave it away")
     if not source.pressure.any():
@@ -122,7 +91,7 @@ def export_volume(
     return path
 
 
-def _depths(source: Contact | Stored, depth: float | None, elements: int | None) -> np.ndarray:
+def _depths(source: Contact, depth: float | None, elements: int | None) -> np.ndarray:
     """Equally spaced depths from 0, mm."""
     asked = source.scene.subsurface or DEFAULT
     depth = asked.depth if depth is None else depth

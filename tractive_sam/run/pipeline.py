@@ -17,7 +17,8 @@ from tractive_sam.contact import Gap, Laws, Model, equilibrium, fitted
 from tractive_sam.operators.threads import one_blas_thread
 from tractive_sam.results.grid import Grid
 from tractive_sam.results.history import History
-from tractive_sam.results.record import Record, state
+from tractive_sam.results.quantities import Quantity
+from tractive_sam.results.record import Record, fields
 from tractive_sam.results.state import Contact, NotConverged
 from tractive_sam.results.status import Status
 from tractive_sam.rolling import Passage, passages, recorded
@@ -208,6 +209,7 @@ def roll(
     progress: Callable[[Record], None] | None = None,
     laws: Laws | None = None,
     solver: Solver | None = None,
+    columns: Iterable[Quantity] = (),
 ) -> History:
     """Roll a scene through its revolutions; without [wear] that is revolution 0, the new bodies.
 
@@ -228,6 +230,8 @@ def roll(
         Called with each record.
     laws, solver : Laws and Solver, optional
         As of `solve`.
+    columns : iterable of Quantity, optional
+        Columns to record beside the package's.
 
     Returns
     -------
@@ -263,7 +267,9 @@ def roll(
     _check_scene(scene)
     if resume and path is None:
         raise ValueError("resume: the path of a results file is needed to go on from")
-    run = _Run(scene, path, overwrite or resume, progress, began, _model_of(laws, solver))
+    run = _Run(
+        scene, path, overwrite or resume, progress, tuple(columns), began, _model_of(laws, solver)
+    )
     if path is None:
         return _rolled(run)
     with results_writer(Path(path), overwrite or resume):  # before what may take long
@@ -347,6 +353,7 @@ class _Run:
     path: str | PathLike | None
     overwrite: bool
     progress: Callable[[Record], None] | None
+    columns: tuple[Quantity, ...]
     began: float
     model_of: Callable[..., Model]
 
@@ -356,8 +363,7 @@ class _Run:
         """Roll from the new bodies on; `missed` tells what is wrong with their accuracy."""
         writer = None
         if self.path is not None:
-            text = self.scene.to_toml()
-            writer = HistoryWriter(self.path, text, model.grid, self._reference, self.overwrite)
+            writer = HistoryWriter(self.path, self.scene, model.grid, self.overwrite)
         return self._kept(model, start, (start,), writer, judge, missed)
 
     def resumed(
@@ -369,7 +375,7 @@ class _Run:
         missed: str = "",
     ) -> History:
         """Roll on from the last of a number of records in the file; arguments as of `begun`."""
-        writer = HistoryWriter.reopen(self.path, self.scene.to_toml(), records)
+        writer = HistoryWriter.reopen(self.path, self.scene, records)
         return self._kept(model, last, (), writer, judge, missed)
 
     def _kept(
@@ -384,12 +390,12 @@ class _Run:
         records, passage, began = [], start, self.began
         with nullcontext() if writer is None else writer:
             for passage in chain(first, passages(model, start)):
-                record = recorded(passage, began, judge)
+                record = recorded(passage, began, judge, self.columns)
                 began = perf_counter()
                 if writer is None:
                     records.append(record)
                 else:
-                    writer.append(record, passage.contact.grid, state(passage.contact))
+                    writer.append(record, passage.contact.grid, fields(passage.contact))
                 if self.progress is not None:
                     self.progress(record)
                 interrupt.heed()
@@ -400,14 +406,8 @@ class _Run:
             if writer is not None:
                 writer.finish(status, message)
                 return open_history(self.path)
-        text = self.scene.to_toml()
         end = {"status": status, "message": message}
-        return History.of_records(records, text, contact.grid, **end, **self._reference)
-
-    @property
-    def _reference(self) -> dict[str, float]:
-        hertz = self.scene.hertz
-        return {} if hertz is None else {"a0": hertz.a, "b0": hertz.b, "p0": hertz.p0}
+        return History.of_records(records, self.scene, contact.grid, **end)
 
 
 def _ended(passage: Passage, missed: str) -> tuple[str, str]:

@@ -1,5 +1,6 @@
 """Where a results file ends, and how to go on from there."""
 
+from dataclasses import replace
 from os import PathLike
 from typing import Any
 
@@ -7,8 +8,7 @@ import numpy as np
 
 from tractive_sam.results.grid import Grid
 from tractive_sam.results.history import History
-from tractive_sam.results.state import Contact
-from tractive_sam.results.status import Cost, Status
+from tractive_sam.results.status import Cost
 from tractive_sam.rolling import Milestone, Passage
 from tractive_sam.scene import Scene
 from tractive_sam.store import DamagedError, ResultsError, state_of
@@ -63,7 +63,7 @@ def last_passage(history: History, path: str | PathLike, scene: Scene) -> Passag
             "ask for more, or give the run a file of its own"
         )
     _check_sound(history, path, row)
-    contact = _contact(history, path, row, scene)
+    contact = replace(history.contact(row, state_of(path, row)), scene=scene, cost=Cost())
     course = tuple(
         Milestone(
             int(history["revolution"][k]),
@@ -78,7 +78,7 @@ def last_passage(history: History, path: str | PathLike, scene: Scene) -> Passag
 
 
 def _check_same(history: History, path: str | PathLike, scene: Scene) -> None:
-    before, now = Scene.from_toml_text(history.scene_toml).settings(), scene.settings()
+    before, now = history.scene.settings(), scene.settings()
     differ = sorted(_differing(before, now))
     if differ:
         told = "; ".join(f"{k}: {_shown(before, k)} there, {_shown(now, k)} now" for k in differ)
@@ -130,35 +130,6 @@ def _shown(entries: dict[str, Any], key: str) -> str:
     for name in key.split("."):
         value = (value or {}).get(name)
     return "nothing" if value is None else str(value)
-
-
-def _contact(history: History, path: str | PathLike, row: int, scene: Scene) -> Contact:
-    fields = state_of(path, row)
-    elements = (len(history.x), len(history.y))
-    number = {name: float(values[row]) for name, values in history.scalars.items()}
-    creeping = sum(
-        number[force] * number[creepage]
-        for force, creepage in (("Qx", "xi_x"), ("Qy", "xi_y"), ("Mz", "spin"))
-    )
-    return Contact(
-        scene=scene,
-        grid=Grid(history.half_length, elements),
-        pressure=fields["pressure"],
-        traction=np.stack((fields["traction_x"], fields["traction_y"])),
-        slip=np.stack((fields["slip_x"], fields["slip_y"])),
-        gap=fields["gap"],
-        wear=fields["wear"],
-        approach=number["approach"],
-        xi_x=number["xi_x"],
-        xi_y=number["xi_y"],
-        spin=number["spin"],
-        rolling_resistance=number["work_supplied"] + creeping,
-        sliding=fields["sliding"] > 0.0,
-        status=Status.CONVERGED,
-        message=f"contact conditions hold to {number['residual']:.1e}",
-        residual=number["residual"],
-        cost=Cost(),
-    )
 
 
 def _on_grid_of(scene: Scene, passage: Passage, path: str | PathLike) -> Passage:

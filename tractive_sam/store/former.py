@@ -8,8 +8,10 @@ were of any length, and nothing had a checksum. Such a file is rewritten when it
 import h5py
 import numpy as np
 
-from tractive_sam.results import STATE, History, Record
-from tractive_sam.scene import toml
+from tractive_sam.results.history import FORMER, History
+from tractive_sam.results.quantities import BODIES, FIELDS
+from tractive_sam.results.record import Record, fields
+from tractive_sam.scene import Scene, toml
 from tractive_sam.store import layout, rows
 from tractive_sam.store.errors import ResultsError
 from tractive_sam.store.opening import Results
@@ -22,6 +24,10 @@ DEFAULTS = {("wear", "turns"): "equal"}
 """What was computed where a scene of those files does not say, and would be another thing now."""
 
 
+RENAMED = {("load", "traction_x"): "force_x", ("load", "traction_y"): "force_y"}
+"""Keys of those scenes by their names of today."""
+
+
 def scene(text: str) -> str:
     """The text of a scene, with what it meant when it was written.
 
@@ -31,16 +37,17 @@ def scene(text: str) -> str:
         If it is no TOML.
     """
     tables = toml.parse(text)
-    lacking = [
-        (table, key) for table, key in DEFAULTS if table in tables and key not in tables[table]
-    ]
-    for table, key in lacking:
-        tables[table][key] = DEFAULTS[table, key]
-    return toml.emit(tables) if lacking else text
+    for (table, key), default in DEFAULTS.items():
+        if table in tables:
+            tables[table].setdefault(key, default)
+    for (table, key), now in RENAMED.items():
+        if key in tables.get(table, {}):
+            tables[table][now] = tables[table].pop(key)
+    return toml.emit(tables)
 
 
 def state(file: Results, row: int) -> dict[str, np.ndarray]:
-    """The fields after one of the last two records, by the names of `STATE`.
+    """The fields after one of the last two records, by the names of `FIELDS`.
 
     Raises
     ------
@@ -50,9 +57,9 @@ def state(file: Results, row: int) -> dict[str, np.ndarray]:
     if not file.records - SLOTS <= row < file.records:
         raise ResultsError(f"{file.path} holds no state of record {row}; run its scene again")
     mesh = (file.length("grid/x"), file.length("grid/y"))
-    for name in STATE:
+    for name in FIELDS:
         file.check(f"state/{name}", (SLOTS, *mesh))
-    return {name: file.row(f"state/{name}", row % SLOTS) for name in STATE}
+    return {name: file.row(f"state/{name}", row % SLOTS) for name in FIELDS}
 
 
 def bodies(file: Results) -> tuple[str, ...]:
@@ -67,14 +74,17 @@ def versions(file: Results) -> tuple[tuple[int, dict[str, str]], ...]:
     return ((0, found),)
 
 
+def names(column: str) -> tuple[str, ...]:
+    """The name of a column, and the one that it had in this format."""
+    return column, *(before for before, now in FORMER.items() if now == column)
+
+
 def rewrite(
-    history: History, count: int, state: dict[str, np.ndarray], scene_toml: str, file: h5py.File
+    history: History, count: int, state: dict[str, np.ndarray], scene: Scene, file: h5py.File
 ) -> None:
     """Write the first records of a history, and the state after them, into an empty file."""
-    reference = {name: getattr(history, name) for name in layout.REFERENCE}
-    layout.create(file, scene_toml, history, reference)
-    kept = dict(zip(history.field_revolutions.tolist(), range(count), strict=False))
-    records = [_record(history, row, kept) for row in range(count)]
+    layout.create(file, scene, history.grid)
+    records = [_record(history, row) for row in range(count)]
     for record in records:
         layout.add_columns(file, record)
     if records:
@@ -82,24 +92,13 @@ def rewrite(
         rows.put_state(file, count - 1, state)
 
 
-def _record(history: History, row: int, kept: dict[int, int]) -> Record:
+def _record(history: History, row: int) -> Record:
     revolution = int(history["revolution"][row])
-    in_bodies = history.body_scalars | history.body_points
-    field_row = kept.get(revolution)
-    return Record(
-        revolution,
-        *(
-            {name: values[row] for name, values in kind.items()}
-            for kind in (history.scalars, history.points, history.profiles)
-        ),
-        fields={}
-        if field_row is None
-        else {name: values[field_row] for name, values in history.fields.items()},
-        bodies={
-            body: {name: values[row, column] for name, values in in_bodies.items()}
-            for column, body in enumerate(history.bodies)
-        },
-        stress=()
-        if field_row is None
-        else tuple(values[field_row] for values in history.stresses.values()),
-    )
+    values = {}
+    for name, one in history.columns.items():
+        value = history[name][row]
+        values[name] = dict(zip(BODIES, value, strict=True)) if one.dims[:1] == ("body",) else value
+    if revolution not in history.field_revolutions:
+        return Record(values, history.columns)
+    stress = tuple(history.stress(*plane, revolution) for plane in history.planes)
+    return Record(values, history.columns, fields(history.state(revolution)), stress)

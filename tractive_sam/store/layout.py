@@ -3,8 +3,8 @@
     /scene     the TOML text; attributes: status, message, a0, b0, p0, versions (JSON: the programs,
                and from which record on), digest (SHA-256 of the text)
     /grid      x, y
-    /history   record, y, axis, body, position; scalars (record,), points (record, axis), profiles
-               (record, y), of bodies (record, body) and (record, body, position)
+    /history   record, y, axis, body, position; a dataset for each column (record, its dimensions);
+               attribute: own (JSON: columns that are not the package's)
     /fields    record, revolution, x, y; fields (record, x, y)
     /stress    of scenes with [subsurface]: a group <body>/<plane> with record, revolution and its
                two axes, such as x and depth; components (record, x, depth)
@@ -19,28 +19,18 @@ linked into the groups that need them. The record of a row of /fields and /stres
 import hashlib
 import json
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import h5py
 import numpy as np
 
 from tractive_sam.results.grid import Grid
+from tractive_sam.results.history import LABELS
 from tractive_sam.results.plane_stress import PlaneStress
-from tractive_sam.results.quantities import (
-    BODY_ERROR_BARS,
-    BODY_POINTS,
-    BODY_SCALARS,
-    FIELDS,
-    POINTS,
-    PROFILES,
-    SCALARS,
-    STATE,
-    STRESS,
-    Quantity,
-    error_bars,
-    scalars,
-)
+from tractive_sam.results.quantities import COLUMNS, FIELDS, REVOLUTION, STRESS, Quantity
+from tractive_sam.results.quantities import columns as columns_of
 from tractive_sam.results.record import Record
+from tractive_sam.scene import Scene
 from tractive_sam.store.texts import create_text, set_text, text_of
 from tractive_sam.store.versions import versions
 
@@ -52,7 +42,8 @@ FORMAT_VERSION = 2
 RUNNING = ("running", "the computation has not ended yet, or was killed")
 """Status and message until the end."""
 
-REFERENCE = ("a0", "b0", "p0")
+REFERENCE = {"a0": "a", "b0": "b", "p0": "p0"}
+"""Attributes for other readers: the unworn contact by Hertz."""
 SQUEEZED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 
 CHUNK_BYTES = 4096
@@ -62,28 +53,32 @@ and reads as zeros the checksum tells: that of nothing but zeros is zero, too.""
 DESCRIPTION = ("units", "long_name")
 """Attributes for other readers, texts of any length: they are never read here."""
 
-BODIES = "bodies"
-"""Attribute of /history: the bodies whose stress is computed."""
+OWN = "own"
+"""Attribute of /history: columns that are not the package's."""
+
+ROW = Quantity("record", "1", "row of /history")
+TOLD = ("name", "unit", "long_name", "dims", "symbol", "format")
+"""What is kept of a column that is not the package's."""
 
 
-def create(
-    file: h5py.File,
-    scene_toml: str,
-    mesh: "Grid",
-    reference: Mapping[str, float],
-) -> None:
+def known_names() -> set[str]:
+    """Names of the package's columns."""
+    return {one.name for one in COLUMNS}
+
+
+def create(file: h5py.File, scene: Scene, mesh: Grid) -> None:
     """Lay out an empty results file."""
     set_text(file, "format", FORMAT)
     file.attrs["format_version"] = FORMAT_VERSION
-    set_scene(file, scene_toml)
-    file["scene"].attrs.update({name: reference.get(name, np.nan) for name in REFERENCE})
+    set_scene(file, scene)
     set_status(file, *RUNNING)
     set_versions(file, [])
     grid = file.create_group("grid")
     grid.attrs["half_length"] = mesh.half_length
-    _scale(grid, "x", mesh.x, Quantity("mm", "centres of the elements in the rolling direction"))
-    _scale(grid, "y", mesh.y, Quantity("mm", "centres of the elements in the lateral direction"))
-    _create_history(file.create_group("history"), grid)
+    for name, centres, along in (("x", mesh.x, "rolling"), ("y", mesh.y, "lateral")):
+        about = Quantity(name, "mm", f"centres of the elements in the {along} direction")
+        _scale(grid, name, centres, about)
+    _create_history(file.create_group("history"), grid, columns_of(scene))
     _create_fields(file.create_group("fields"), grid)
     file.create_group("stress")
     _create_state(file.create_group("state"), grid)
@@ -95,21 +90,24 @@ def set_status(file: h5py.File, status: str, message: str) -> None:
     set_text(file["scene"], "message", message)
 
 
-def set_scene(file: h5py.File, scene_toml: str) -> None:
+def set_scene(file: h5py.File, scene: Scene) -> None:
     """Set the text of the scene, or replace it: the same one, rolled further."""
     about = {}
     if "scene" in file:
         before = file["scene"].attrs
         about = {name: before[name] for name in before if name not in DESCRIPTION}
         del file["scene"]
-    scene = create_text(file, "scene", scene_toml)
+    text, hertz = scene.to_toml(), scene.hertz
+    dataset = create_text(file, "scene", text)
     for name, value in about.items():
         if isinstance(value, bytes):
-            set_text(scene, name, text_of(value))
+            set_text(dataset, name, text_of(value))
         else:
-            scene.attrs[name] = value
-    _describe(scene, Quantity("1", "the scene that was computed, as TOML"))
-    set_text(scene, "digest", digest(scene_toml))
+            dataset.attrs[name] = value
+    for name, of_hertz in REFERENCE.items():
+        dataset.attrs[name] = np.nan if hertz is None else getattr(hertz, of_hertz)
+    _describe(dataset, Quantity("scene", "1", "the scene that was computed, as TOML"))
+    set_text(dataset, "digest", digest(text))
 
 
 def digest(text: str) -> str:
@@ -126,54 +124,41 @@ def set_versions(file: h5py.File, before: Sequence[tuple[int, Mapping[str, str]]
 
 
 def add_columns(file: h5py.File, record: Record) -> None:
-    """Make room for what the file does not hold yet: numbers, bodies and planes of a record."""
-    history = file["history"]
-    _create_columns(history, (*record.scalars, *record.points, *record.profiles))
-    for numbers in list(record.bodies.values())[:1]:
-        if BODIES not in history.attrs:
-            _create_bodies(history, tuple(record.bodies))
-        shared = history["record"], history["body"]
-        for name in (name for name in numbers if name not in history):
-            if name in BODY_POINTS:
-                _rows(history, name, BODY_POINTS[name], (*shared, history["position"]))
-            else:
-                _rows(history, name, (BODY_SCALARS | BODY_ERROR_BARS)[name], shared)
+    """Make room for what the file does not hold yet: columns and planes of a record."""
+    _create_columns(file["history"], record.columns)
     for one in record.stress:
         bodies = file["stress"].require_group(one.body)
         if str(one.plane) not in bodies:
             _create_plane(bodies.create_group(str(one.plane)), file["grid"], one)
 
 
-def _create_columns(history: h5py.Group, names: Iterable[str]) -> None:
-    """Create those columns that are not there."""
-    line = len(history["y"]) == 1
-    kinds = (
-        (scalars(line) | error_bars(line), ()),
-        (POINTS, (history["axis"],)),
-        (PROFILES, (history["y"],)),
-    )
-    for name in (name for name in names if name not in history):
-        quantities, others = next(kind for kind in kinds if name in kind[0])
-        dtype = int if name == "revolution" else float
-        _rows(history, name, quantities[name], (history["record"], *others), dtype)
-
-
-def _create_bodies(history: h5py.Group, bodies: tuple[str, ...]) -> None:
-    set_text(history, BODIES, "".join(bodies))
-    _labels(history, "body", bodies, "body")
-    _labels(history, "position", ["x", "y", "depth"], "component of a position in a body")
+def _create_columns(history: h5py.Group, columns: Mapping[str, Quantity]) -> None:
+    """Create those columns that are not there, and say which are not the package's."""
+    missing = [one for name, one in columns.items() if name not in history]
+    for one in missing:
+        for name in (name for name in one.dims if name not in history):
+            _labels(history, name, LABELS[name], "component" if name != "body" else "body")
+        scales = [history[name] for name in ("record", *one.dims)]
+        _rows(history, one.name, one, scales, int if one.name == REVOLUTION.name else float)
+    own = [one for one in missing if one.name not in known_names()]
+    if own:
+        told = json.loads(text_of(history.attrs[OWN])) if OWN in history.attrs else []
+        told += [{key: getattr(one, key) for key in TOLD} for one in own]
+        set_text(history, OWN, json.dumps(told))
 
 
 def _create_plane(group: h5py.Group, grid: h5py.Group, plane: "PlaneStress") -> None:
     group.attrs["position"] = plane.position
-    record = _scale(group, "record", np.empty(0, int), Quantity("1", "row of /history"))
-    _rows(group, "revolution", SCALARS["revolution"], (record,), int)
+    record = _scale(group, "record", np.empty(0, int), ROW)
+    _rows(group, "revolution", REVOLUTION, (record,), int)
     axes = []
     for name, centres in plane.axes.items():
         if name in grid:
             group[name] = grid[name]
         else:
-            _scale(group, name, centres, Quantity("mm", "depth below the surface of the body"))
+            _scale(
+                group, name, centres, Quantity(name, "mm", "depth below the surface of the body")
+            )
         axes.append(group[name])
     for name, quantity in STRESS.items():
         _rows(group, name, quantity, (record, *axes), **SQUEEZED)
@@ -181,21 +166,20 @@ def _create_plane(group: h5py.Group, grid: h5py.Group, plane: "PlaneStress") -> 
 
 def _create_state(state: h5py.Group, grid: h5py.Group) -> None:
     state["x"], state["y"] = grid["x"], grid["y"]
-    for name, quantity in STATE.items():
+    for name, quantity in FIELDS.items():
         _rows(state, name, quantity, (grid["x"], grid["y"]), rows=len(grid["x"]))
 
 
-def _create_history(history: h5py.Group, grid: h5py.Group) -> None:
-    _scale(history, "record", np.empty(0, int), Quantity("1", "row of /history"))
-    _labels(history, "axis", ["x", "y"], "component of a position")
+def _create_history(history: h5py.Group, grid: h5py.Group, columns: Mapping[str, Quantity]) -> None:
+    _scale(history, "record", np.empty(0, int), ROW)
     history["y"] = grid["y"]
-    _create_columns(history, (*SCALARS, *POINTS, *PROFILES))
+    _create_columns(history, columns)
 
 
 def _create_fields(fields: h5py.Group, grid: h5py.Group) -> None:
-    record = _scale(fields, "record", np.empty(0, int), Quantity("1", "row of /history"))
+    record = _scale(fields, "record", np.empty(0, int), ROW)
     fields["x"], fields["y"] = grid["x"], grid["y"]
-    _rows(fields, "revolution", SCALARS["revolution"], (record,), int)
+    _rows(fields, "revolution", REVOLUTION, (record,), int)
     for name, quantity in FIELDS.items():
         _rows(fields, name, quantity, (record, grid["x"], grid["y"]), **SQUEEZED)
 
@@ -207,7 +191,7 @@ def _labels(group: h5py.Group, name: str, values: Sequence[str], about: str) -> 
     """
     dataset = group.create_dataset(name, data=values)
     dataset.make_scale(name)
-    _describe(dataset, Quantity("1", about))
+    _describe(dataset, Quantity(name, "1", about))
 
 
 def _scale(group: h5py.Group, name: str, values: Sequence, quantity: Quantity) -> h5py.Dataset:

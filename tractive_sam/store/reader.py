@@ -1,32 +1,20 @@
 """Reads results files, finished or not."""
 
 import json
-import tomllib
+import warnings
 from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
 
-from tractive_sam.results.history import History
-from tractive_sam.results.quantities import (
-    BODY_ERROR_BARS,
-    BODY_POINTS,
-    BODY_SCALARS,
-    ERROR_BARS,
-    FIELDS,
-    POINTS,
-    PROFILES,
-    SCALARS,
-    STATE,
-    STRESS,
-)
+from tractive_sam.results.grid import Grid
+from tractive_sam.results.history import LABELS, History
+from tractive_sam.results.quantities import BODIES, FIELDS, OUTSIDE, STRESS, Quantity, columns
+from tractive_sam.scene import Scene, SceneError, SceneWarning
 from tractive_sam.store import former, layout
 from tractive_sam.store.errors import ResultsError
 from tractive_sam.store.opening import Results, results_file
 from tractive_sam.store.stored import StoredField, StoredStress
-
-NEEDED = ("revolution",)
-"""Columns that every file has."""
 
 
 def open_history(path: str | Path) -> History:
@@ -56,7 +44,7 @@ def open_history(path: str | Path) -> History:
 
 
 def state_of(path: str | Path, row: int) -> dict[str, np.ndarray]:
-    """The fields after the last record whose contact was solved, by the names of `STATE`.
+    """The fields after the last record whose contact was solved, by the names of `FIELDS`.
 
     Parameters
     ----------
@@ -82,9 +70,8 @@ def state_of(path: str | Path, row: int) -> dict[str, np.ndarray]:
             if kept != row:
                 raise ResultsError(f"{path} holds no state of record {row}; run its scene again")
             mesh = (file.length("grid/x"), file.length("grid/y"))
-            fields = {name: file.numbers(f"state/{name}", mesh) for name in STATE}
-    # The gap is infinite where a mesh has grown.
-    lost = [name for name in STATE if name != "gap" and not np.isfinite(fields[name]).all()]
+            fields = {name: file.numbers(f"state/{name}", mesh) for name in FIELDS}
+    lost = [name for name in FIELDS if name not in OUTSIDE and not np.isfinite(fields[name]).all()]
     if lost:
         told = f"{', '.join(lost)} of record {row} are not finite"
         raise ResultsError(f"{path} is damaged (state: {told}); run its scene again")
@@ -94,58 +81,64 @@ def state_of(path: str | Path, row: int) -> dict[str, np.ndarray]:
 def _history(file: Results) -> History:
     n, m = file.records, file.length("fields/record")
     mesh = (file.length("grid/x"), file.length("grid/y"))
-    bodies, versions = _bodies(file), _versions(file)
+    half_length = tuple(map(float, file.attribute("grid", "half_length")))
+    scene = _scene(file)
+    known = columns(scene, _own(file))
     for name in _known("fields", FIELDS, file):
         file.check(f"fields/{name}", (m, *mesh))
-
-    def rows(names: Iterable[str], *shape: int, optional: bool = False) -> dict[str, np.ndarray]:
-        """Rows of /history; what is optional is left out where it is missing, else it is nan."""
-        found = _known("history", names, file) if optional else names
-        return {
-            name: file.numbers(f"history/{name}", (n, *shape), name not in NEEDED) for name in found
-        }
-
     return History(
-        scene_toml=_scene(file),
-        status=file.text("scene", "status"),
-        message=file.text("scene", "message"),
-        **{name: float(file.attribute("scene", name)) for name in layout.REFERENCE},
-        half_length=tuple(map(float, file.attribute("grid", "half_length"))),
-        x=file.numbers("grid/x", mesh[:1]),
-        y=file.numbers("grid/y", mesh[1:]),
-        scalars=rows(SCALARS) | rows(ERROR_BARS, optional=True),
-        points=rows(POINTS, 2),
-        profiles=rows(PROFILES, mesh[1]),
-        fields={name: StoredField(file.path, name, m) for name in _known("fields", FIELDS, file)},
-        field_revolutions=file.numbers("fields/revolution", (m,)),
-        bodies=bodies,
-        body_scalars=rows(BODY_SCALARS, len(bodies))
-        | rows(BODY_ERROR_BARS, len(bodies), optional=True),
-        body_points=rows(BODY_POINTS, len(bodies), 3),
-        stresses=_stresses(file, m),
-        provenance=versions,
+        scene,
+        file.text("scene", "status"),
+        file.text("scene", "message"),
+        Grid(half_length, mesh),
+        known,
+        {name: _column(file, one, n, mesh) for name, one in known.items()},
+        {name: StoredField(file.path, name, m) for name in _known("fields", FIELDS, file)},
+        file.numbers("fields/revolution", (m,)),
+        _stresses(file, m),
+        _versions(file),
     )
+
+
+def _column(file: Results, one: Quantity, records: int, mesh: tuple[int, int]) -> np.ndarray:
+    """A column; nan where the file has none."""
+    along = dict(zip("xy", mesh, strict=True))
+    shape = tuple(along.get(name) or len(LABELS[name]) for name in one.dims)
+    name = next((f"history/{k}" for k in former.names(one.name) if f"history/{k}" in file), None)
+    if name is None and one.name != "revolution":
+        return np.full((records, *shape), np.nan)
+    if one.dims[:1] != ("body",) or file.version > 1:
+        return file.numbers(name or f"history/{one.name}", (records, *shape))
+    values, of_bodies = np.full((records, *shape), np.nan), former.bodies(file)
+    found = file.numbers(name, (records, len(of_bodies), *shape[1:]))
+    for k, body in enumerate(of_bodies):
+        values[:, BODIES.index(body)] = found[:, k]
+    return values
+
+
+def _own(file: Results) -> list[Quantity]:
+    """Columns that are not the package's."""
+    try:
+        told = json.loads(file.text("history", layout.OWN, "[]"))
+        return [Quantity(**one | {"dims": tuple(one["dims"])}) for one in told]
+    except (ValueError, TypeError, KeyError) as error:
+        raise file.damaged(f"own columns: {error}") from None
 
 
 def _known(group: str, names: Iterable[str], file: Results) -> list[str]:
     return [name for name in names if f"{group}/{name}" in file]
 
 
-def _scene(file: Results) -> str:
+def _scene(file: Results) -> Scene:
     text = file.text("scene")
     if file.version > 1 and file.text("scene", "digest") != layout.digest(text):
         raise file.damaged("scene: the text is not as it was written")
     try:
-        tomllib.loads(text)
-    except ValueError as error:
+        with warnings.catch_warnings():  # of a mesh too coarse, say: its user was warned then
+            warnings.simplefilter("ignore", SceneWarning)
+            return Scene.from_toml_text(former.scene(text) if file.version == 1 else text)
+    except (ValueError, SceneError) as error:
         raise file.damaged(f"scene: {error}") from None
-    return former.scene(text) if file.version == 1 else text
-
-
-def _bodies(file: Results) -> tuple[str, ...]:
-    if file.version == 1:
-        return former.bodies(file)
-    return tuple(file.text("history", layout.BODIES, ""))
 
 
 def _versions(file: Results) -> tuple[tuple[int, dict[str, str]], ...]:

@@ -5,57 +5,57 @@ from collections.abc import Iterator, Mapping, Sequence
 import h5py
 import numpy as np
 
-from tractive_sam.results.grid import Grid
-from tractive_sam.results.history import padded
-from tractive_sam.results.quantities import FIELDS, PROFILES, STATE, STRESS
+from tractive_sam.results.grid import Grid, widened
+from tractive_sam.results.history import stacked
+from tractive_sam.results.quantities import FIELDS, OUTSIDE, STRESS
 from tractive_sam.results.record import Record
 
 SCALES = ("y", "axis", "body", "position")
 """What is in /history beside rows of records."""
 
-OUTSIDE = {"gap": np.inf}
-"""What a state is beside the mesh, where that is not zero: nothing touches there, and how wide the
-gap is only the next state tells."""
-
 
 def append(file: h5py.File, records: Sequence[Record]) -> None:
-    """Add rows to all groups; narrower records are padded to the mesh of the file."""
-    history = file["history"]
+    """Add rows to all groups; narrower records are widened to the mesh of the file."""
+    history, grid = file["history"], grid_of(file)
     before = len(history["record"])
     count = before + len(records)
     for name in (name for name in history if name not in SCALES):
         history[name].resize(count, axis=0)
     history["record"][before:] = np.arange(before, count)
-    for kind in ("scalars", "points", "profiles"):
-        for name in getattr(records[0], kind):
-            shape = history[name].shape[1:]
-            values = [np.asarray(getattr(record, kind)[name], float) for record in records]
-            history[name][before:] = [padded(value, shape) for value in values]
-    bodies = tuple(records[0].bodies)
-    for name in records[0].bodies[bodies[0]] if bodies else ():
-        values = [[record.bodies[body][name] for body in bodies] for record in records]
-        history[name][before:] = values
+    for name, one in records[0].columns.items():
+        history[name][before:] = stacked(one, [record.values[name] for record in records], grid)
     for row, record in enumerate(records, start=before):
         if record.fields:
             _append_fields(file, row, record)
 
 
+def grid_of(file: h5py.File) -> Grid:
+    """The mesh of a file."""
+    grid = file["grid"]
+    half_length = tuple(map(float, grid.attrs["half_length"]))
+    return Grid(half_length, (len(grid["x"]), len(grid["y"])))
+
+
 def _append_fields(file: h5py.File, row: int, record: Record) -> None:
-    _append(file["fields"], row, record, record.fields, 0.0)
+    _append(file["fields"], row, record, record.fields, OUTSIDE)
     for plane in record.stress:
         group = file["stress"][plane.body][str(plane.plane)]
         values = plane.components | {"von_mises": plane.von_mises}
-        _append(group, row, record, values, np.nan)  # beside the mesh it is not known
+        _append(group, row, record, values, dict.fromkeys(values, np.nan))  # not known there
 
 
 def _append(
-    group: h5py.Group, row: int, record: Record, values: Mapping[str, np.ndarray], outside: float
+    group: h5py.Group,
+    row: int,
+    record: Record,
+    values: Mapping[str, np.ndarray],
+    outside: Mapping[str, float],
 ) -> None:
     about = {"record": row, "revolution": record.revolution}
     for name, value in (about | dict(values)).items():
         dataset = group[name]
         dataset.resize(len(dataset) + 1, axis=0)
-        dataset[-1] = padded(np.asarray(value), dataset.shape[1:], outside)
+        dataset[-1] = widened(np.asarray(value), dataset.shape[1:], outside.get(name, 0.0))
 
 
 def put_state(file: h5py.File, row: int, state: Mapping[str, np.ndarray]) -> None:
@@ -63,7 +63,7 @@ def put_state(file: h5py.File, row: int, state: Mapping[str, np.ndarray]) -> Non
     group = file["state"]
     group.attrs["record"] = row
     for name, values in state.items():
-        group[name][...] = padded(values, group[name].shape, OUTSIDE.get(name, 0.0))
+        group[name][...] = widened(values, group[name].shape, OUTSIDE.get(name, 0.0))
 
 
 def drop_unsolved(file: h5py.File) -> None:
@@ -87,14 +87,15 @@ def widen(file: h5py.File, grid: "Grid") -> None:
     if after == before:
         return
     history, fields, state = file["history"], file["fields"], file["state"]
-    for name in PROFILES:
-        _widen(history[name], ("y",), before, after)
+    for name in (name for name in history if name not in SCALES):
+        if history[name].dims[-1].keys() == ["y"]:
+            _widen(history[name], ("y",), before, after)
     for name in FIELDS:
-        _widen(fields[name], ("x", "y"), before, after)
-    for name in STATE:
+        _widen(fields[name], ("x", "y"), before, after, OUTSIDE.get(name, 0.0))
+    for name in FIELDS:
         values = state[name][:]
         state[name].resize((after["x"], after["y"]))
-        state[name][...] = padded(values, state[name].shape, OUTSIDE.get(name, 0.0))
+        state[name][...] = widened(values, state[name].shape, OUTSIDE.get(name, 0.0))
     for group in planes(file):
         for name in STRESS:
             # Unlike wear and pressure, stress is not zero beside the former mesh.
@@ -118,7 +119,7 @@ def _widen(
     shape = (*(after[axis] for axis in axes), *kept)
     dataset.resize((len(dataset), *shape))
     for row in range(len(dataset)):
-        dataset[row] = padded(dataset[(row, *old)], shape, outside)
+        dataset[row] = widened(dataset[(row, *old)], shape, outside)
 
 
 def planes(file: h5py.File) -> Iterator[h5py.Group]:

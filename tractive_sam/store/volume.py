@@ -41,9 +41,11 @@ VTK_ORDER = [0, 1, 2, 3, 5, 4]
 """VTK's xx, yy, zz, xy, yz, xz of our xx, yy, zz, xy, xz, yz."""
 
 QUANTITIES = {
-    "stress": Quantity("MPa", "stress in the axes of the contact, xx, yy, zz, xy, yz, xz"),
-    "von_mises": Quantity("MPa", "equivalent stress of von Mises"),
-    "max_shear": Quantity("MPa", "largest shear stress"),
+    "stress": Quantity(
+        "stress", "MPa", "stress in the axes of the contact, xx, yy, zz, xy, yz, xz"
+    ),
+    "von_mises": Quantity("von_mises", "MPa", "equivalent stress of von Mises"),
+    "max_shear": Quantity("max_shear", "MPa", "largest shear stress"),
 }
 """Arrays of the file."""
 

@@ -17,9 +17,9 @@ from uuid import uuid4
 import numpy as np
 from h5py import File
 
-from tractive_sam.results.grid import Grid
-from tractive_sam.results.history import padded
+from tractive_sam.results.grid import Grid, widened
 from tractive_sam.results.record import Record
+from tractive_sam.scene import Scene
 from tractive_sam.store import former, layout, room, rows
 from tractive_sam.store.checkpoints import Checkpoints
 from tractive_sam.store.errors import ResultsError
@@ -39,12 +39,10 @@ class HistoryWriter:
     ----------
     path : path-like
         The file; `sole_writer` holds it for one run.
-    scene_toml : str
+    scene : Scene
         What is computed.
     grid : Grid
         The mesh.
-    reference : mapping of str to float, optional
-        Unworn contact by Hertz: "a0", "b0" in mm, "p0" in MPa; what is missing becomes nan.
     overwrite : bool
         Whether a results file there may be replaced. A file of any other kind never is.
     checkpoints : Checkpoints, optional
@@ -59,23 +57,22 @@ class HistoryWriter:
     def __init__(
         self,
         path: str | Path,
-        scene_toml: str,
-        grid: "Grid",
-        reference: Mapping[str, float] | None = None,
+        scene: Scene,
+        grid: Grid,
         overwrite: bool = False,
         checkpoints: Checkpoints | None = None,
     ) -> None:
         check_results(Path(path), overwrite)
         self._begin(path, (len(grid.x), len(grid.y)), checkpoints)
         with replacement(self.path, empty=True) as file:
-            layout.create(file, scene_toml, grid, reference or {})
+            layout.create(file, scene, grid)
             set_text(file, RUN, self._run)
 
     @classmethod
     def reopen(
         cls,
         path: str | Path,
-        scene_toml: str | None = None,
+        scene: Scene | None = None,
         records: int | None = None,
         checkpoints: Checkpoints | None = None,
     ) -> Self:
@@ -85,7 +82,7 @@ class HistoryWriter:
         ----------
         path : path-like
             The file.
-        scene_toml : str, optional
+        scene : Scene, optional
             The scene as it is to be rolled on; by default as it was.
         records : int, optional
             Number of records that it held when it was read to be rolled on.
@@ -109,15 +106,15 @@ class HistoryWriter:
             )
         writer = cls.__new__(cls)
         writer._begin(path, (len(history.x), len(history.y)), checkpoints)
-        text = history.scene_toml if scene_toml is None else scene_toml
+        scene = history.scene if scene is None else scene
         with replacement(writer.path, empty=version == 1) as file:
             if version == 1:
                 solved = np.flatnonzero(history["converged"] > 0.0)
                 count = int(solved[-1]) + 1 if solved.size else 0
                 state = state_of(path, count - 1) if count else {}
-                former.rewrite(history, count, state, text, file)
+                former.rewrite(history, count, state, scene, file)
             else:
-                layout.set_scene(file, text)
+                layout.set_scene(file, scene)
                 rows.drop_unsolved(file)
             layout.set_status(file, *layout.RUNNING)
             layout.set_versions(file, history.provenance)
@@ -151,7 +148,7 @@ class HistoryWriter:
     def append(
         self,
         record: Record,
-        grid: "Grid | None" = None,
+        grid: Grid | None = None,
         state: Mapping[str, np.ndarray] | None = None,
     ) -> None:
         """Add a record; on disk at the next checkpoint.
@@ -164,7 +161,7 @@ class HistoryWriter:
             Its mesh, where that may be a wider one of the same elements than the one before; what
             is stored is padded.
         state : mapping of str to ndarray, optional
-            Fields from which to go on after it, by the names of `STATE`; taken where its contact
+            Fields from which to go on after it, by the names of `FIELDS`; taken where its contact
             was solved.
 
         Raises
@@ -182,7 +179,7 @@ class HistoryWriter:
         self._mesh = mesh
         self._grid = grid or self._grid
         self._pending.append(record)
-        if state is not None and record.scalars["converged"]:
+        if state is not None and record.values["converged"]:
             self._state = len(self._pending), dict(state)
         if record.fields or self._checkpoints.due:
             with self._checkpoints.taken():
@@ -221,7 +218,7 @@ class HistoryWriter:
                 layout.set_status(file, *ended)
         self._pending, self._state = [], None
 
-    def _check_own(self, file: "File") -> None:
+    def _check_own(self, file: File) -> None:
         """Two runs that were given one file must not mix their records."""
         if file.attrs.get(RUN) != self._run.encode():
             cure = "give each run a file of its own"
@@ -230,11 +227,12 @@ class HistoryWriter:
 
 def _check_fits(record: Record, before: tuple[int, int], mesh: tuple[int, int]) -> None:
     """See that a record is of a mesh that is the one before, or that one with a margin."""
-    padded(np.empty(before), mesh)
-    for values in record.profiles.values():
-        padded(values, mesh[1:])
+    widened(np.empty(before), mesh)
+    for name, one in record.columns.items():
+        if one.dims == ("y",):
+            widened(np.asarray(record.values[name]), mesh[1:])
     for values in record.fields.values():
-        padded(values, mesh)
+        widened(values, mesh)
 
 
 @contextmanager

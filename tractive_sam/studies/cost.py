@@ -7,7 +7,7 @@ import numpy as np
 
 from tractive_sam.contact import Model
 from tractive_sam.operators.memory import available
-from tractive_sam.results.quantities import FIELDS, PROFILES, SCALARS, STATE, STRESS
+from tractive_sam.results.quantities import FIELDS, STRESS, columns
 from tractive_sam.run import explain, memory
 from tractive_sam.run.pipeline import measured_gap
 from tractive_sam.scene import Fault
@@ -151,8 +151,10 @@ def _bytes(model: Model) -> float:
     """Size of a results file, if nothing in it could be compressed."""
     scene, (nx, ny) = model.scene, model.grid.elements
     kept = 1 if scene.wear is None else len(scene.wear.save)
-    numbers = (kept * len(FIELDS) + len(STATE)) * nx * ny
-    numbers += explain.records(scene) * (len(SCALARS) + len(PROFILES) * ny)
+    numbers = (kept + 1) * len(FIELDS) * nx * ny  # and the state from which a run goes on
+    numbers += explain.records(scene) * sum(
+        ny if one.dims else 1 for one in columns(scene).values()
+    )
     if scene.subsurface is not None:
         below = scene.subsurface
         planes = len(below.planes) * len(below.bodies)

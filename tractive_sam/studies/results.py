@@ -3,7 +3,7 @@
 import csv
 import math
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
@@ -13,7 +13,7 @@ import numpy as np
 
 from tractive_sam import interrupt
 from tractive_sam.results.history import History
-from tractive_sam.results.quantities import BODY_SCALARS, Quantity, scalars
+from tractive_sam.results.quantities import BODIES, COLUMNS, Quantity, table
 from tractive_sam.scene import Scene
 from tractive_sam.store import ResultsError, is_written, open_history
 from tractive_sam.studies.case import Case, cases
@@ -126,13 +126,15 @@ class StudyResults:
     @cached_property
     def _described(self) -> dict[str, Quantity]:
         """All that last records may have, be it known already or not."""
-        of_bodies = {
-            f"{name} {body}": Quantity(quantity.unit, f"{quantity.long_name}, body {body}")
-            for name, quantity in BODY_SCALARS.items()
-            for body in "AB"
-        }
         line = self.rows[0].case.scene.line if self.rows else False
-        return scalars(line) | of_bodies
+        known = [one.of_line(line) for one in COLUMNS]
+        of_bodies = [
+            replace(one, name=f"{one.name} {body}", long_name=f"{one.long_name}, body {body}")
+            for one in known
+            if one.dims == ("body",)
+            for body in BODIES
+        ]
+        return table([*(one for one in known if not one.dims), *of_bodies])
 
     @cached_property
     def _names(self) -> set[str]:

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from tractive_sam.results.history import History
+from tractive_sam.results.quantities import BODIES
 from tractive_sam.studies.case import Case
 
 COMPLETE, FAILED, HELD = "complete", "failed", "held"
@@ -67,8 +68,8 @@ def summary(history: History) -> dict[str, Any]:
     """The last record of a history as plain numbers, of bodies as ``von_mises_max A``."""
     if not len(history):
         return {}
-    row = {name: values[-1].item() for name, values in history.scalars.items()}
-    for name, values in history.body_scalars.items():
-        of_bodies = zip(history.bodies, values[-1], strict=True)
-        row |= {f"{name} {body}": float(value) for body, value in of_bodies}
+    row = {name: history[name][-1].item() for name in history.of_dims()}
+    for name, one in history.of_dims("body").items():
+        for body in one.bodies(history.scene):
+            row[f"{name} {body}"] = float(history[name][-1, BODIES.index(body)])
     return row | history.totals

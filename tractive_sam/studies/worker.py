@@ -65,7 +65,7 @@ def _rolled_or_again(scene: Scene, file: Path) -> Outcome:
 def _rolled(scene: Scene, file: Path) -> Outcome:
     if file.exists():
         history = open_history(file)
-        if history.finished and Scene.from_toml_text(history.scene_toml) == scene:
+        if history.finished and history.scene == scene:
             return _of(history)
     return _of(roll(scene, file, resume=True))
 

@@ -74,7 +74,7 @@ def missed_before(history: History, scene: Scene) -> str:
     scene : Scene
         With [accuracy].
     """
-    if "relative_error" not in history.scalars:
+    if "relative_error" not in history.columns:
         return ""
     missed, saved = "", (0,) if scene.wear is None else scene.wear.save
     for revolution, worst in zip(history["revolution"], history["relative_error"], strict=True):

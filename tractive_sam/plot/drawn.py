@@ -1,0 +1,112 @@
+"""One contact and what it is drawn against."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Self, TypeAlias
+
+import numpy as np
+from scipy.ndimage import binary_opening
+
+from tractive_sam.plot.scale import Scale
+from tractive_sam.results.history import History
+from tractive_sam.results.state import Contact
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """One contact and what it is drawn against.
+
+    Attributes
+    ----------
+    contact : Contact
+        The contact.
+    scale : Scale
+        Half widths and pressure that stand for one.
+
+    Examples
+    --------
+    >>> drawn = plot.Drawn.of(history, revolution=2)
+    >>> drawn.caption, drawn.isotropic
+    ('Twin discs, orthotropic friction and wear, N\xa0=\xa02', False)
+    """
+
+    contact: Contact
+    scale: Scale
+
+    @classmethod
+    def of(cls, source: "Source", revolution: int | None = None) -> Self:
+        """What is drawn of a contact, or of a revolution of a history, by default the last stored.
+
+        Raises
+        ------
+        LookupError
+            If the history did not store the fields of the revolution.
+        """
+        if isinstance(source, Drawn):
+            return source
+        if isinstance(source, History):
+            return cls(source.state(revolution), Scale.of_history(source))
+        return cls(source, Scale.of_contact(source))
+
+    @property
+    def x(self) -> np.ndarray:
+        """Centres of the elements in the rolling direction, mm."""
+        return self.contact.grid.x
+
+    @property
+    def y(self) -> np.ndarray:
+        """Centres of the elements in the lateral direction, mm."""
+        return self.contact.grid.y
+
+    @property
+    def title(self) -> str:
+        """Title of the scene, with a mark on what is not a solution."""
+        mark = "" if self.contact.converged else f"not converged: {self.contact.status}"
+        return ", ".join(filter(None, (self.contact.scene.title, mark)))
+
+    @property
+    def caption(self) -> str:
+        """Title of the scene and, where something was rolled, the revolution."""
+        rolled = f"N\u00a0=\u00a0{self.contact.revolution}" if self.contact.revolution else ""
+        return ", ".join(filter(None, (self.title, rolled)))
+
+    @property
+    def line(self) -> bool:
+        """Whether it is of a line contact, the fields of which do not change along y."""
+        return len(self.y) == 1
+
+    @property
+    def isotropic(self) -> bool:
+        """Whether friction is the same in all directions."""
+        friction = self.contact.scene.friction
+        return friction is None or friction.mu[0] == friction.mu[1]
+
+    @property
+    def x_over_a(self) -> np.ndarray:
+        """Centres in the rolling direction in half widths a, shape (n_x,)."""
+        return self.x / self.scale.a
+
+    @property
+    def y_over_a(self) -> np.ndarray:
+        """Centres in the lateral direction in half widths a, shape (n_y,)."""
+        return self.y / self.scale.a
+
+    @cached_property
+    def slip_zone(self) -> np.ndarray:
+        """Elements that slip together with the next one in x, bool.
+
+        On a mesh the steps of the leading edge slip, where the bound nearly vanishes; a layer of
+        one element is no zone.
+        """
+        return binary_opening(self.contact.sliding, [[True], [True]])
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Largest |p_x|/p_n and |p_y|/p_n that friction allows."""
+        if self.contact.frame is None:
+            return 0.0, 0.0
+        return tuple(np.linalg.norm(self.contact.frame.matrix, axis=0).tolist())
+
+
+Source: TypeAlias = "Drawn | Contact | History"
+"""What holds a contact; a history holds one of each revolution whose fields it stored."""
