@@ -27,7 +27,7 @@ from timing import RESULTS, show, write
 
 from tractive_sam.contact import Model
 from tractive_sam.results.history import History
-from tractive_sam.results.record import record
+from tractive_sam.results.record import Record
 from tractive_sam.rolling.passage import Passage, next_passage, passage_at, unworn
 from tractive_sam.rolling.response import wear_response
 
@@ -139,9 +139,10 @@ def rolled(step: Step, tolerance: float) -> tuple[History, Course, float]:
         change = _advance(course, step, taken, tolerance)
         jump = max(1, int(max(taken * change, jump if change > 1.0 and taken < jump else 0)))
         if course.passage.revolution in SAVED and course.passage.revolution > revolution:
-            records.append(record(course.passage.contact, course.passage.revolution))
+            given = {"revolution": course.passage.revolution}
+            records.append(Record.of(course.passage.contact, given))
     seconds = process_time() - began
-    return History.of_records(records, model.scene.to_toml(), model.grid), course, seconds
+    return History.of_records(records, model.scene, model.grid), course, seconds
 
 
 def _advance(course: Course, step: Step, jump: int, tolerance: float) -> float:

@@ -37,7 +37,7 @@ def findings() -> None:
         most = full_slip_force(1.0, (0.6, 0.3), np.deg2rad(angle), (-1.0, 0.0))[0]
         balance = history.energy_balance - 1.0
         # i1/mu1 = i2/mu2: the worn cross section follows the frictional work at any angle.
-        worn = history["wear_rate"][1:] / (2e-6 / 0.6 * history["work_supplied"][1:]) - 1.0
+        worn = history["worn_area"][1:] / (2e-6 / 0.6 * history["work_supplied"][1:]) - 1.0
         print(
             f"beta = {angle:g}: {history.totals['contact_solves']:.0f} contact solves, "
             f"{seconds:.1f} s; energy law: slip {np.abs(balance).max():.1e}, "

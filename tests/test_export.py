@@ -8,7 +8,7 @@ import pytest
 
 import tractive_sam as ts
 from tests.conftest import steady
-from tractive_sam.results.record import record
+from tractive_sam.results.record import Record
 
 
 @pytest.fixture(scope="module")
@@ -18,11 +18,8 @@ def contact():
 
 def history(contact):
     """Three records of the contact, the second without fields."""
-    hertz = contact.scene.hertz
-    records = [record(contact, N, with_fields=N != 10) for N in (0, 10, 20)]
-    reference = {"a0": hertz.a, "b0": hertz.b, "p0": hertz.p0}
-    toml = contact.scene.to_toml()
-    return ts.History.of_records(records, toml, contact.grid, **reference)
+    records = [Record.of(contact, {"revolution": N}, with_fields=N != 10) for N in (0, 10, 20)]
+    return ts.History.of_records(records, contact.scene, contact.grid)
 
 
 def read(path):

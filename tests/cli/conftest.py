@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from tests.store.sample_records import make_values
 from tractive_sam.cli import app
 from tractive_sam.results.grid import Grid
-from tractive_sam.results.quantities import FIELDS, PROFILES, SCALARS
+from tractive_sam.results.quantities import FIELDS, columns
 from tractive_sam.results.record import Record
 from tractive_sam.run import pipeline
+from tractive_sam.scene import Scene
 from tractive_sam.store import HistoryWriter, open_history
 
 GRID = Grid((1.0, 1.0), (9, 9))
@@ -35,24 +37,23 @@ def call():
     return call
 
 
-def make_record(number):
+SCENE = Scene.builtin("spheres").with_set(["title=Stored [not markup]"]).replace(subsurface=None)
+
+
+def make_record(number, scene=SCENE):
     """A record of a contact that is round and slips everywhere."""
     pressure = np.maximum(1 - np.square(GRID.x[:, None]) - np.square(GRID.y), 0)
     fields = dict.fromkeys(FIELDS, np.zeros_like(pressure))
     fields |= {"pressure": pressure, "traction_x": 0.3 * pressure, "slip_x": -1e-3 * pressure}
-    scalars = dict.fromkeys(SCALARS, number + 0.5) | {"revolution": number}
-    profiles = dict.fromkeys(PROFILES, np.full(len(GRID.y), 1e-3 * number))
-    return Record(number, scalars, {"p_max_at": (0.0, 0.0)}, profiles, fields)
+    names = {name: one for name, one in columns(scene).items() if one.dims[:1] != ("body",)}
+    return Record(make_values(number + 0.5, number, names, len(GRID.y)), names, fields)
 
 
 @pytest.fixture
 def stored(folder):
     """A results file of thirty records."""
     path = folder / "stored.h5"
-    toml = 'title = "Stored [not markup]"\n[friction]\nmu = 0.3\n'
-    toml += "[body.A]\nradius_y = 50.0\n[body.B]\nradius_y = inf\n"
-    reference = {"a0": 1.0, "b0": 1.0, "p0": 1.0}
-    with HistoryWriter(path, toml, GRID, reference) as writer:
+    with HistoryWriter(path, SCENE, GRID) as writer:
         for number in range(30):
             record = make_record(number)
             writer.append(record if number in (0, 29) else replace(record, fields={}))
@@ -73,11 +74,11 @@ def roll(monkeypatch):
 
         def __call__(self, scene, path=None, *, overwrite=False, resume=False, progress=None):
             self.calls.append((scene, path, overwrite))
-            with HistoryWriter(path, scene.to_toml(), GRID, None, overwrite) as writer:
+            with HistoryWriter(path, scene, GRID, overwrite) as writer:
                 for number in range(3):
-                    writer.append(make_record(number))
+                    writer.append(make_record(number, scene))
                     if progress is not None:
-                        progress(make_record(number))
+                        progress(make_record(number, scene))
                 if self.error is not None:
                     raise self.error
                 writer.finish(*self.ending)

@@ -1,23 +1,38 @@
 """Contacts made of strips of Carter's solution: Hertzian pressure, stick at the leading edge."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 
 from tractive_sam.mechanics.hertz import HertzContact
+from tractive_sam.results.grid import Grid
 from tractive_sam.results.history import History
-from tractive_sam.results.quantities import FIELDS, POINTS, PROFILES, SCALARS
-from tractive_sam.results.record import Record
+from tractive_sam.results.quantities import columns
+from tractive_sam.results.record import Record, fields
+from tractive_sam.results.state import Contact
+from tractive_sam.results.status import Cost, Status
 
 HERTZ = HertzContact(a=0.5, b=0.8, p0=900.0, approach=0.01, load=754.0)
-TOML = (
-    'title = "Strips"\n[friction]\nmu = 0.3\n[body.A]\nradius_y = 50.0\n[body.B]\nradius_y = inf\n'
-)
 SLIPPING = 0.2
 """Half the length of the slip zone, mm."""
 
-X = 0.6 * np.linspace(-1, 1, 31)
-Y = 1.0 * np.linspace(-1, 1, 33)
+GRID = Grid((0.62, 1.03125), (31, 33))
+X, Y = GRID.x, GRID.y
+
+
+def scene(title="Strips", mu=(0.3, 0.3), angle=0.0, hertz=HERTZ):
+    """What figures need to know of a scene; mu is None without friction."""
+    return SimpleNamespace(
+        title=title,
+        friction=None if mu is None else SimpleNamespace(mu=mu, angle=angle),
+        hertz=hertz,
+        body=SimpleNamespace(A=SimpleNamespace(radius_y=50.0), B=SimpleNamespace(radius_y=np.inf)),
+        line=False,
+        subsurface=None,
+        accuracy=None,
+        wear=None,
+    )
 
 
 def pressure(hertz=HERTZ):
@@ -40,34 +55,46 @@ def slip():
     return np.stack((-1e-3 * np.sqrt(behind), np.zeros_like(behind)))
 
 
-def contact(toml=TOML, hertz=HERTZ, **changes):
-    """What figures need to know of a solved contact."""
+def contact(asked=None, **changes):
+    """A solved contact."""
     fields = {"pressure": pressure(), "traction": traction(), "slip": slip()}
-    return SimpleNamespace(
-        converged=True,
-        status="converged",
-        scene=SimpleNamespace(to_toml=lambda: toml, hertz=hertz),
-        grid=SimpleNamespace(x=X, y=Y),
-        half_width_x=0.48,
-        half_width_y=0.79,
-        p_max=895.0,
-        wear=np.zeros((len(X), len(Y))),
+    found = Contact(
+        scene=asked or scene(),
+        grid=GRID,
+        gap=np.zeros(GRID.elements),
+        wear=np.zeros(GRID.elements),
+        approach=HERTZ.approach,
+        xi_x=-1e-3,
+        xi_y=0.0,
+        spin=0.0,
+        rolling_resistance=0.0,
+        sliding=np.zeros(GRID.elements, bool),
+        status=Status.CONVERGED,
+        message="",
+        residual=0.0,
+        cost=Cost(),
         **(fields | changes),
     )
+    return found.with_sliding_by_traction()
 
 
-def history(stored=(0, 10, 100), toml=TOML, reference=True):
+def history(stored=(0, 10, 100), asked=None):
     """A contact that wears: lower and wider at every stored revolution."""
-    records = []
+    asked = asked or scene()
+    names, records = columns(asked), []
     for revolution in sorted({*range(0, 101, 5), *stored}):
         wider = 1 + 0.002 * revolution
         worn = HertzContact(HERTZ.a, HERTZ.b * wider, HERTZ.p0 / wider, 0.01, HERTZ.load)
         profile = 1e-5 * revolution * np.maximum(1 - (Y / worn.b) ** 2, 0)
-        fields = dict.fromkeys(FIELDS, np.zeros((len(X), len(Y))))
-        fields |= {"pressure": pressure(worn), "wear": np.tile(profile, (len(X), 1))}
-        fields |= dict(zip(("traction_x", "traction_y"), traction(hertz=worn), strict=True))
-        fields |= dict(zip(("slip_x", "slip_y"), slip(), strict=True))
-        scalars = dict.fromkeys(SCALARS, 0.0) | {
+        now = contact(
+            asked,
+            pressure=pressure(worn),
+            traction=traction(hertz=worn),
+            slip=slip(),
+        )
+        kept = fields(replace(now, wear=np.tile(profile, (len(X), 1))))
+        values = {name: profile if one.dims == ("y",) else 0.0 for name, one in names.items()}
+        values |= {
             "revolution": revolution,
             "Qx_over_P": 0.2 + 1e-4 * revolution,
             "half_width_x": worn.a,
@@ -75,10 +102,7 @@ def history(stored=(0, 10, 100), toml=TOML, reference=True):
             "p_max": worn.p0,
             "p_95": 0.983 * worn.p0,
             "wear_max": profile.max(),
+            "converged": 1.0,
         }
-        kept = fields if revolution in stored else {}
-        points = dict.fromkeys(POINTS, (0.0, 0.0))
-        records.append(Record(revolution, scalars, points, dict.fromkeys(PROFILES, profile), kept))
-    hertz = {"a0": HERTZ.a, "b0": HERTZ.b, "p0": HERTZ.p0} if reference else {}
-    grid = SimpleNamespace(x=X, y=Y, half_length=(0.62, 1.03125))
-    return History.of_records(records, toml, grid, **hertz)
+        records.append(Record(values, names, kept if revolution in stored else {}))
+    return History.of_records(records, asked, GRID)

@@ -1,4 +1,5 @@
 import io
+from dataclasses import replace
 
 import matplotlib as mpl
 import numpy as np
@@ -110,9 +111,9 @@ def test_nothing_overlaps_the_edge_of_the_paper():
 
 
 def test_sections_of_orthotropic_friction_show_both_bounds():
-    toml = "[friction]\nmu = [0.4, 0.2]\n"
+    asked = strips.scene(mu=(0.4, 0.2))
     lateral = strips.traction(0.2, direction=(0.6, 0.8))
-    figure = drawn(plot.traction_sections(strips.contact(toml, traction=lateral)))
+    figure = drawn(plot.traction_sections(strips.contact(asked, traction=lateral)))
     names = {text.get_text() for text in figure.legends[0].get_texts()}
     assert names == {"$p_x$", "$p_y$", "bound of $p_x$", "bound of $p_y$"}
 
@@ -138,7 +139,7 @@ def test_without_contact_the_reason_is_told():
 
 
 def test_title_is_no_math():
-    drawn(plot.pressure(strips.contact('title = "costs $5_{ or $6"')))
+    drawn(plot.pressure(strips.contact(strips.scene(title="costs $5_{ or $6"))))
 
 
 def test_settings_of_the_session_stay_as_they_are():
@@ -160,7 +161,7 @@ class TestSaveAll:
 
     def test_one_state(self, tmp_path):
         one = strips.history(stored=(0,))
-        one = type(one)(**{**vars(one), "scalars": {k: v[:1] for k, v in one.scalars.items()}})
+        one = replace(one, values={name: rows[:1] for name, rows in one.values.items()})
         paths = plot.save_all(one, tmp_path, "svg")
         assert {path.name for path in paths} == {
             "pressure.svg",

@@ -9,7 +9,7 @@ from tractive_sam import plot
 from tractive_sam.plot import gallery
 from tractive_sam.plot.summits import summits
 from tractive_sam.results.history import History
-from tractive_sam.results.record import record
+from tractive_sam.results.record import Record
 from tractive_sam.subsurface import stress_on_plane, stress_on_planes, von_mises_maximum
 
 
@@ -182,15 +182,8 @@ def history(contact):
     """Two records with stress on two planes, one of them of one body."""
     planes = list(stress_on_planes(contact, ["y=0"], ["A", "B"]))
     planes.append(stress_on_plane(contact, "z=0.5a"))
-    hertz = contact.scene.hertz
-    return History.of_records(
-        [record(contact, revolution, stress=planes) for revolution in (0, 10)],
-        contact.scene.to_toml(),
-        contact.grid,
-        a0=hertz.a,
-        b0=hertz.b,
-        p0=hertz.p0,
-    )
+    records = [Record.of(contact, {"revolution": N}, stress=planes) for N in (0, 10)]
+    return History.of_records(records, contact.scene, contact.grid)
 
 
 def test_stored_stress_is_drawn_as_that_of_the_contact(contact, history):

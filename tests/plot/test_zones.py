@@ -3,7 +3,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from tests.plot import strip_theory as strips
-from tractive_sam.plot import State
+from tractive_sam.plot import Drawn
 from tractive_sam.plot.zones import contact_edge, continued, stick_edge
 
 
@@ -14,7 +14,7 @@ def axes():
 
 def test_edge_of_a_hertz_contact_is_smooth(axes):
     """Within a sixth of an element, though elements are in contact whole or not at all."""
-    state = State.of(strips.contact())
+    state = Drawn.of(strips.contact())
     x, y = contact_edge(axes, state).vertices.T
     distance = np.hypot(x, y * strips.HERTZ.a / strips.HERTZ.b) - 1
     assert len(x) > 40
@@ -22,7 +22,7 @@ def test_edge_of_a_hertz_contact_is_smooth(axes):
 
 
 def test_edge_of_a_contact_as_wide_as_the_mesh_is_closed(axes):
-    state = State.of(strips.contact(pressure=np.full((31, 33), 5.0)))
+    state = Drawn.of(strips.contact(pressure=np.full((31, 33), 5.0)))
     path = contact_edge(axes, state)
     dx = strips.X[1] - strips.X[0]
     np.testing.assert_allclose(path.vertices[0], path.vertices[-1])
@@ -31,7 +31,7 @@ def test_edge_of_a_contact_as_wide_as_the_mesh_is_closed(axes):
 
 
 def test_edge_of_stick(axes):
-    state = State.of(strips.contact())
+    state = Drawn.of(strips.contact())
     stick_edge(axes, state, contact_edge(axes, state))
     x, y = np.concatenate([path.vertices for path in axes.collections[-1].get_paths()]).T
     inside = np.abs(y) < 1.0
@@ -41,7 +41,7 @@ def test_edge_of_stick(axes):
 
 
 def test_no_edge_of_stick_where_all_slips(axes):
-    state = State.of(
+    state = Drawn.of(
         strips.contact(traction=0.3 * np.stack((strips.pressure(), 0 * strips.pressure())))
     )
     contact = contact_edge(axes, state)

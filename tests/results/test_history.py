@@ -6,21 +6,9 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
-from tests.store.sample_records import SCENE, make_record, mesh, with_stress
-from tractive_sam.results import (
-    BODY_POINTS,
-    BODY_SCALARS,
-    ERROR_BARS,
-    FIELDS,
-    POINTS,
-    PROFILES,
-    SCALARS,
-    STATE,
-    STRESS,
-    record,
-    scalars,
-    state,
-)
+from tests.store.sample_records import SCENE, STRESSED, make_record, mesh, with_stress
+from tractive_sam.results.quantities import COLUMNS, FIELDS, STRESS, columns
+from tractive_sam.results.record import fields
 
 REVOLUTIONS = 2
 
@@ -49,22 +37,20 @@ def history(discs):
     return ts.roll(discs)
 
 
-def collected(records, grid, **about):
-    return ts.History.of_records(records, SCENE, grid, **about)
+def collected(records, grid, scene=SCENE, **about):
+    return ts.History.of_records(records, scene, grid, **about)
 
 
 class TestHistory:
     def test_every_quantity_has_one_row_a_record(self, history):
         n, n_y = REVOLUTIONS + 1, len(history.y)
         assert len(history) == n
-        shapes = (
-            dict.fromkeys(SCALARS, (n,))
-            | dict.fromkeys(POINTS, (n, 2))
-            | dict.fromkeys(PROFILES, (n, n_y))
-            | dict.fromkeys(BODY_SCALARS, (n, 2))
-            | dict.fromkeys(BODY_POINTS, (n, 2, 3))
-        )
-        assert {name: history[name].shape for name in shapes} == shapes
+        along = {"axis": 2, "y": n_y, "body": 2, "position": 3}
+        shapes = {
+            one.name: (n, *(along[name] for name in one.dims))
+            for one in columns(history.scene).values()
+        }
+        assert {name: history[name].shape for name in history.columns} == shapes
 
     @pytest.mark.parametrize("revolution", [0, REVOLUTIONS])
     def test_numbers_are_those_of_the_fields(self, history, revolution):
@@ -162,34 +148,61 @@ class TestOfRecords:
         assert history["revolution"].dtype == int
 
     def test_bodies(self):
-        history = collected([with_stress(make_record(2, True))], mesh())
+        history = collected([with_stress(make_record(2, True))], mesh(), STRESSED)
         assert history.bodies == ("A", "B")
         assert history["von_mises_max"].tolist() == [[2.0, 3.0]]
         assert history.stress("B", "y=0").body == "B"
 
 
-class TestRecord:
-    def test_fields_are_kept_where_asked(self, contact):
-        assert record(contact).fields.keys() == FIELDS.keys()
-        assert not record(contact, with_fields=False).fields
+class TestState:
+    def test_a_stored_contact_is_the_solved_one(self, discs, history):
+        solved, stored = ts.solve(discs), history.state(0)
+        for name in ("pressure", "traction", "slip", "gap", "wear", "sliding"):
+            np.testing.assert_array_equal(getattr(solved, name), getattr(stored, name))
+        for name in ("Qx", "Qy", "Mz", "approach", "xi_x", "message", "status", "work_supplied"):
+            assert getattr(solved, name) == getattr(stored, name)
 
-    def test_state_is_all_that_rolling_goes_on_from(self, contact):
-        fields = state(contact)
-        assert fields.keys() == STATE.keys()
-        assert (fields["gap"][fields["pressure"] > 0] <= contact.approach * 1e-6).all()  # touching
+    def test_it_goes_on_as_the_solved_one(self, discs, history):
+        again = ts.solve(discs, start=history.state(0))
+        assert again.cost.applications < 0.5 * history["operator_applications"][0]
 
-    def test_error_bars_are_of_scenes_that_ask_for_them(self, contact):
-        assert not ERROR_BARS.keys() & record(contact).scalars.keys()
+    def test_gap_is_closed_in_contact(self, contact):
+        kept = fields(contact)
+        assert kept.keys() == FIELDS.keys()
+        assert (kept["gap"][kept["pressure"] > 0] <= contact.approach * 1e-6).all()  # touching
+
+    def test_results_are_equal_only_to_themselves(self, history):
+        state = history.state()
+        assert state == state  # noqa: PLR0124
+        assert state != history.state()
+        assert len({state, history}) == 2
+
+
+class TestXarray:
+    def test_columns_and_fields_have_their_dimensions(self, history):
+        data = history.to_xarray()
+        np.testing.assert_array_equal(data["Qx"].sel(revolution=REVOLUTIONS), history["Qx"][-1])
+        assert data["von_mises_max"].sel(body="B").dims == ("revolution",)
+        assert data["pressure"].dims == ("saved", "x", "y")
+        assert data["p_max"].attrs["units"] == "MPa"
+        np.testing.assert_array_equal(
+            data["wear"].sel(saved=REVOLUTIONS), history.field("wear", REVOLUTIONS)
+        )
+
+
+def test_error_bars_are_of_scenes_that_ask_for_them(discs):
+    asked = discs.replace(grid=None, accuracy={"tolerance": 1e-2})
+    assert not [name for name in columns(discs) if name.endswith("_error")]
+    assert {"Qx_error", "von_mises_max_error", "relative_error"} <= columns(asked).keys()
 
 
 def test_every_quantity_has_a_unit_and_a_name():
-    for kind in (SCALARS, POINTS, PROFILES, FIELDS, BODY_SCALARS, BODY_POINTS, STRESS, STATE):
-        for name, quantity in kind.items():
-            assert quantity.unit, name
-            assert quantity.long_name, name
+    for one in (*COLUMNS, *FIELDS.values(), *STRESS.values()):
+        assert one.unit, one.name
+        assert one.long_name, one.name
 
 
 def test_forces_of_a_line_contact_are_per_length():
-    area, line = scalars(False), scalars(True)
+    area, line = columns(SCENE), columns(ts.Scene.builtin("cylinders"))
     assert (area["P"].unit, line["P"].unit) == ("N", "N/mm")
     assert area["p_max"] == line["p_max"]

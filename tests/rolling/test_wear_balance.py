@@ -70,8 +70,8 @@ def test_wear_within_what_the_work_can_wear_is_not():
     work = history["dissipation"]
 
     def balance(per_work):
-        scalars = history.scalars | {"wear_rate": per_work * work}
-        return replace(history, scalars=scalars).wear_balance[1:]
+        values = history.values | {"worn_area": per_work * work}
+        return replace(history, values=values).wear_balance[1:]
 
     for per_work, expected in ((1e-5, 1.0), (4e-6, 0.8), (3e-5, 1.5)):
         np.testing.assert_allclose(balance(per_work), expected, rtol=1e-12)

@@ -1,6 +1,6 @@
 import pytest
 
-from tests.store.sample_records import REFERENCE, SCENE, mesh, records
+from tests.store.sample_records import SCENE, mesh, records
 from tractive_sam.store import HistoryWriter
 
 
@@ -12,7 +12,7 @@ def path(tmp_path):
 @pytest.fixture
 def finished(path):
     """A finished results file of seven records, of which three have fields."""
-    with HistoryWriter(path, SCENE, mesh(), REFERENCE) as writer:
+    with HistoryWriter(path, SCENE, mesh()) as writer:
         for record in records(7):
             writer.append(record)
         writer.finish("done", "every revolution")

@@ -1,29 +1,20 @@
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from tractive_sam.kernels.stress import COMPONENTS
+from tractive_sam.results.grid import Grid
 from tractive_sam.results.plane_stress import PlaneStress
-from tractive_sam.results.quantities import BODY_POINTS, BODY_SCALARS, FIELDS, PROFILES, SCALARS
+from tractive_sam.results.quantities import FIELDS, columns
 from tractive_sam.results.record import Record
-from tractive_sam.scene import Plane
+from tractive_sam.scene import Plane, Scene
 
-SCENE = 'title = "Twin discs"\n\n[friction]\nmu = [0.6, 0.3]\n'
-REFERENCE = {"a0": 0.28, "b0": 0.45, "p0": 1144.4}
-
-
-@dataclass(frozen=True)
-class Mesh:
-    """All that a writer wants to know of a grid."""
-
-    x: np.ndarray
-    y: np.ndarray
-    half_length: tuple[float, float]
+STRESSED = Scene.builtin("twin-discs")
+SCENE = STRESSED.replace(subsurface=None)
 
 
 def mesh(n_x=5, n_y=9):
-    x, y = 0.1 * (np.arange(n_x) - n_x // 2), 0.2 * (np.arange(n_y) - n_y // 2)
-    return Mesh(x, y, (0.05 * n_x, 0.1 * n_y))
+    return Grid((0.05 * n_x, 0.1 * n_y), (n_x, n_y))
 
 
 def make_stress(number, grid):
@@ -49,27 +40,33 @@ def make_stress(number, grid):
 def with_stress(record, grid=None):
     """The same record of a scene with [subsurface]."""
     number = record.revolution / 10
-    bodies = {
-        body: dict.fromkeys(BODY_SCALARS, number + k) | dict.fromkeys(BODY_POINTS, (number, k, 0.1))
-        for k, body in enumerate("AB")
-    }
+    added = {}
+    for name, one in columns(STRESSED).items():
+        if one.dims[:1] == ("body",):
+            added[name] = {
+                body: number + k if one.dims == ("body",) else (number, k, 0.1)
+                for k, body in enumerate("AB")
+            }
     stress = make_stress(number, grid or mesh()) if record.fields else ()
-    return replace(record, bodies=bodies, stress=stress)
+    return replace(record, values=record.values | added, columns=columns(STRESSED), stress=stress)
+
+
+def make_values(number, revolution, names, n_y):
+    """Numbers that tell which record they are of, one for every column."""
+    kinds = {(): lambda k: number + 0.01 * k, ("axis",): lambda k: (0.1 * number, -0.1 * number)}
+    values = {
+        name: kinds.get(one.dims, lambda k: np.full(n_y, 1e-6 * number))(k)
+        for k, (name, one) in enumerate(names.items())
+    }
+    return values | {"revolution": revolution, "solves": 2, "seconds": 0.5, "converged": 1.0}
 
 
 def make_record(number, with_fields=False, grid=None):
     """A record whose every value tells its number."""
-    grid = grid or mesh()
-    shape = (len(grid.x), len(grid.y))
-    scalars = {name: number + 0.01 * k for k, name in enumerate(SCALARS)}
-    fields = {name: np.full(shape, number + 0.1 * k) for k, name in enumerate(FIELDS)}
-    return Record(
-        10 * number,
-        scalars | {"revolution": 10 * number, "solves": 2, "seconds": 0.5, "converged": 1.0},
-        {"p_max_at": (0.1 * number, -0.1 * number)},
-        {name: np.full(shape[1], 1e-6 * number) for name in PROFILES},
-        fields if with_fields else {},
-    )
+    grid, names = grid or mesh(), columns(SCENE)
+    values = make_values(number, 10 * number, names, len(grid.y))
+    fields = {name: np.full(grid.elements, number + 0.1 * k) for k, name in enumerate(FIELDS)}
+    return Record(values, names, fields if with_fields else {})
 
 
 def records(count, every=3):

@@ -15,9 +15,8 @@ import pytest
 from typer.testing import CliRunner
 
 from tractive_sam.cli.program import app
-from tractive_sam.results import FIELDS, SCALARS
+from tractive_sam.results.quantities import FIELDS
 from tractive_sam.run.pipeline import roll
-from tractive_sam.scene import Scene
 from tractive_sam.store import open_history
 from tractive_sam.store.layout import FORMAT_VERSION
 
@@ -95,13 +94,13 @@ def test_is_rolled_on_in_the_new_format(tmp_path, name, kept):
     fields = {r: before.field("wear", r) for r in before.field_revolutions}
     stress = before.stress("B", "x=0", 3).von_mises
     further = ["wear.revolutions=14", "wear.save=[0, 3, 12, 14]"]
-    scene = Scene.from_toml_text(before.scene_toml).with_set(further)
+    scene = before.scene.with_set(further)
     history = roll(scene, path, resume=True)
     assert history.finished
     assert history["revolution"][-1] == 14
     assert history.field_revolutions.tolist() == [0, 3, 12, 14]
     assert history.provenance[0] == before.provenance[0]
-    for column in SCALARS:
+    for column in before.of_dims():
         np.testing.assert_array_equal(history[column][:kept], before[column])
     for revolution, field in fields.items():
         np.testing.assert_array_equal(history.field("wear", revolution), field)

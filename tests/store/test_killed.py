@@ -14,7 +14,7 @@ import h5py
 import numpy as np
 import pytest
 
-from tests.store.sample_records import REFERENCE, SCENE, make_record, mesh
+from tests.store.sample_records import SCENE, make_record, mesh
 from tractive_sam.store import HistoryWriter, open_history, results_writer
 from tractive_sam.store.checkpoints import Checkpoints
 from tractive_sam.store.replacement import replacement
@@ -30,7 +30,7 @@ def is_fields_record(number):
 
 def write_for_ever(path, tally):
     """Write records, and after each its number into another file."""
-    with HistoryWriter(path, SCENE, mesh(), REFERENCE, checkpoints=Checkpoints(inf)) as history:
+    with HistoryWriter(path, SCENE, mesh(), checkpoints=Checkpoints(inf)) as history:
         for number in range(1_000_000):
             history.append(make_record(number, is_fields_record(number)))
             os.pwrite(tally, (number + 1).to_bytes(8, "little"), 0)
@@ -64,8 +64,9 @@ def assert_whole(path, count):
     assert history.status == "running"
     np.testing.assert_array_equal(history["revolution"], 10 * np.arange(n))
     np.testing.assert_allclose(history["wear_profile"], np.outer(1e-6 * np.arange(n), np.ones(9)))
-    for name, values in history.scalars.items():
-        np.testing.assert_array_equal(values, [make_record(k).scalars[name] for k in range(n)])
+    for name in history.of_dims():
+        expected = [make_record(k).values[name] for k in range(n)]
+        np.testing.assert_array_equal(history[name], expected)
     np.testing.assert_array_equal(
         history.field_revolutions, [10 * k for k in range(n) if is_fields_record(k)]
     )

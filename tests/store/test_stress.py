@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from tests.store.sample_records import SCENE, make_record, mesh, records, with_stress
+from tests.store.sample_records import SCENE, STRESSED, make_record, mesh, records, with_stress
 from tractive_sam.results.history import History
 from tractive_sam.results.quantities import STRESS
 from tractive_sam.store import HistoryWriter, open_history
@@ -15,7 +15,7 @@ from tractive_sam.store import HistoryWriter, open_history
 
 @pytest.fixture
 def stressed(path):
-    with HistoryWriter(path, SCENE, mesh()) as writer:
+    with HistoryWriter(path, STRESSED, mesh()) as writer:
         for record in records(5, every=2):
             writer.append(with_stress(record))
         writer.finish("done")
@@ -24,7 +24,7 @@ def stressed(path):
 
 def test_file_and_memory_hold_the_same(stressed):
     stored = open_history(stressed)
-    kept = History.of_records([with_stress(r) for r in records(5, every=2)], SCENE, mesh())
+    kept = History.of_records([with_stress(r) for r in records(5, every=2)], STRESSED, mesh())
     assert stored.to_dict() == kept.to_dict()
     assert stored.planes == kept.planes
     assert stored.bodies == ("A", "B")
@@ -60,7 +60,7 @@ def test_what_was_not_kept(stressed):
 def test_wider_mesh(path):
     """Stress beside the former mesh is not known, nor given."""
     wide = mesh(7, 13)
-    with HistoryWriter(path, SCENE, mesh()) as writer:
+    with HistoryWriter(path, STRESSED, mesh()) as writer:
         writer.append(with_stress(make_record(1, with_fields=True)))
         writer.append(with_stress(make_record(2, with_fields=True, grid=wide), wide), wide)
         writer.finish("done")

@@ -2,7 +2,7 @@ import h5py
 import numpy as np
 import pytest
 
-from tests.store.sample_records import mesh
+from tests.store.sample_records import SCENE, mesh
 from tractive_sam.store import HistoryWriter, Image, ResultsError, check_volume, write_volume
 
 IMAGE = Image(points=(3, 4, 5), origin=(-1.0, -2.0, 0.0), spacing=(1.0, 1.25, 0.5))
@@ -102,6 +102,6 @@ class TestCheck:
         if kind == "text":
             path.write_text("precious")
         else:
-            HistoryWriter(path, "", mesh())
+            HistoryWriter(path, SCENE, mesh())
         with pytest.raises(ResultsError, match="is no volume of tractive-sam; choose another"):
             check_volume(path, overwrite=True)

@@ -4,7 +4,7 @@ import h5py
 import numpy as np
 import pytest
 
-from tests.store.sample_records import REFERENCE, SCENE, make_record, mesh, records
+from tests.store.sample_records import SCENE, make_record, mesh, records
 from tractive_sam.results.history import History
 from tractive_sam.store import HistoryWriter, ResultsError, open_history
 from tractive_sam.store.checkpoints import Checkpoints
@@ -16,7 +16,6 @@ def test_file_and_memory_hold_the_same(finished):
         records(7),
         SCENE,
         mesh(),
-        **REFERENCE,
         message="every revolution",
     )
     assert stored.to_dict() == kept.to_dict()

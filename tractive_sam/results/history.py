@@ -9,7 +9,14 @@ import numpy as np
 
 from tractive_sam.results.grid import Grid, widened
 from tractive_sam.results.plane_stress import PlaneStress
-from tractive_sam.results.quantities import BODIES, FIELDS, OUTSIDE, Quantity, columns
+from tractive_sam.results.quantities import (
+    BODIES,
+    FIELDS,
+    OUTSIDE,
+    STRESSES,
+    Quantity,
+    columns,
+)
 from tractive_sam.results.record import Record
 from tractive_sam.results.state import Contact
 from tractive_sam.results.status import Cost, Status
@@ -355,7 +362,7 @@ class History:
 
     def to_dict(self) -> dict[str, Any]:
         """Columns but for profiles, balances and totals as plain lists; None for no number."""
-        rows = {}
+        rows: dict[str, Any] = {name: {} for name in STRESSES}  # also of scenes without stress
         for name, one in self.columns.items():
             if one.dims[:1] == ("body",):
                 of_bodies = {

@@ -96,7 +96,9 @@ def table(quantities: Iterable[Quantity]) -> dict[str, Quantity]:
     return {one.name: one for one in quantities}
 
 
-REVOLUTION = Quantity("revolution", "1", "revolutions of body A", symbol="N", format="d")
+REVOLUTION = Quantity(
+    "revolution", "1", "revolutions rolled by body A, by B where A is flat", symbol="N", format="d"
+)
 """What counts the records of a history."""
 
 
@@ -135,7 +137,7 @@ _SCALARS = (
              lambda c: c.dissipation, per_length=True),
     Quantity("work_supplied", "N", "work per distance rolled of the forces that drive the bodies",
              lambda c: c.work_supplied, per_length=True),
-    Quantity("worn_area", "mm2", "worn cross section of both bodies per revolution",
+    Quantity("worn_area", "mm2", "cross section worn off both bodies in a pass",
              lambda c: c.worn_area, per_length=True),
     Quantity("operator_applications", "1", "applications of elastic operators",
              lambda c: c.cost.applications),
@@ -154,10 +156,12 @@ _OTHERS = (
     Quantity("entering_profile", "mm", "wear depth before the contact, both bodies together",
              dims=("y",)),
     Quantity("wear_per_revolution", "mm",
-             "depth worn in a revolution, or after a jump its rate per revolution, both bodies",
+             "depth by which the entering profile deepens in a revolution, both bodies together",
              dims=("y",)),
-    Quantity("wear_profile_A", "mm", "wear depth of body A", dims=("y",)),
-    Quantity("wear_profile_B", "mm", "wear depth of body B", dims=("y",)),
+    Quantity("wear_profile_A", "mm", "wear depth of body A; of a flat one that of a single pass",
+             dims=("y",)),
+    Quantity("wear_profile_B", "mm", "wear depth of body B; of a flat one that of a single pass",
+             dims=("y",)),
     Quantity("von_mises_max", "MPa", "largest equivalent stress, inside or at the surface",
              dims=("body",), when=_stressed),
     Quantity("von_mises_interior", "MPa", "largest equivalent stress inside the body",
@@ -191,6 +195,9 @@ def _error_bar(of: Quantity) -> Quantity:
         when=_stressed_accurate if of.dims else _accurate,
     )
 
+
+STRESSES = tuple(one.name for one in _OTHERS if one.dims[:1] == ("body",))
+"""Columns of the largest stress in each body."""
 
 _KNOWN = table((*_SCALARS, *_OTHERS))
 

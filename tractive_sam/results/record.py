@@ -49,7 +49,7 @@ class Record:
         contact : Contact
             The solved contact.
         given : mapping of str to object
-            Columns that only the stepping knows.
+            Columns that the stepping knows, or knows better; what only it knows is nan without.
         own : iterable of Quantity
             Columns beside those of `COLUMNS`.
         with_fields : bool
@@ -59,7 +59,8 @@ class Record:
         """
         names = columns(contact.scene, own)
         values = {
-            name: given[name] if one.of is None else one.of(contact) for name, one in names.items()
+            name: given[name] if name in given else _read(one, contact)
+            for name, one in names.items()
         }
         return cls(values, names, fields(contact) if with_fields else {}, tuple(stress))
 
@@ -67,6 +68,14 @@ class Record:
     def revolution(self) -> int:
         """Revolutions rolled before and in this one."""
         return int(self.values["revolution"])
+
+
+def _read(one: Quantity, contact: Contact) -> Any:
+    if one.of is not None:
+        return one.of(contact)
+    if one.dims[:1] == ("body",):
+        return {}
+    return np.full(contact.grid.elements[1], np.nan) if one.dims == ("y",) else np.nan
 
 
 def fields(contact: Contact) -> dict[str, np.ndarray]:

@@ -80,7 +80,11 @@ def recorded(
         Columns beside the package's.
     """
     contact = replace(passage.contact, revolution=passage.revolution)
-    wear, share = contact.scene.wear, contact.scene.body.wear_share
+    wear, turns = contact.scene.wear, contact.scene.turns
+    # The adaptive stepping has corrected the profile with which the material enters.
+    entering = passage.course[-1].profile
+    shift = entering - contact.wear[-1]
+    leaving = contact.wear[0] + shift
     keep = wear is None or passage.revolution in wear.save or not contact.converged
     maxima = von_mises_maxima(contact)
     stress = stress_on_planes(contact) if keep and maxima else ()
@@ -90,10 +94,12 @@ def recorded(
         "revolution": passage.revolution,
         "jump": passage.jump,
         "solves": passage.solves,
-        "entering_profile": passage.course[-1].profile,
+        "wear_max": float((contact.wear + shift).max()),
+        "wear_profile": leaving,
+        "entering_profile": entering,
         "wear_per_revolution": passage.course[-1].rate,
-        "wear_profile_A": share["A"] * contact.wear[0],
-        "wear_profile_B": share["B"] * contact.wear[0],
+        "wear_profile_A": turns.of_body("A", entering, leaving),
+        "wear_profile_B": turns.of_body("B", entering, leaving),
         "von_mises_max": {body: one.value for body, one in maxima.items()},
         "von_mises_interior": {body: one.interior for body, one in maxima.items()},
         "von_mises_surface": {body: one.surface for body, one in maxima.items()},

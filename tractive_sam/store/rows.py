@@ -88,7 +88,8 @@ def widen(file: h5py.File, grid: "Grid") -> None:
         return
     history, fields, state = file["history"], file["fields"], file["state"]
     for name in (name for name in history if name not in SCALES):
-        if history[name].dims[-1].keys() == ["y"]:
+        dims = history[name].dims
+        if "y" in dims[len(dims) - 1]:
             _widen(history[name], ("y",), before, after)
     for name in FIELDS:
         _widen(fields[name], ("x", "y"), before, after, OUTSIDE.get(name, 0.0))
