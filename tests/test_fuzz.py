@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from typer.testing import CliRunner
 
 import tractive_sam as ts
-from tests.store.sample_records import make_record, mesh
+from tests.store.sample_records import SCENE, make_record, mesh
 from tractive_sam.cli import app
 from tractive_sam.scene.catalogue import builtin_text
 from tractive_sam.store import HistoryWriter, open_history
@@ -72,7 +72,7 @@ def test_numbers_of_a_scene(changes, tmp_path):
         history = open_history("scene.h5")
         for name in ("P", "Qx", "p_max", "wear_max"):
             assert np.isfinite(history[name]).all()
-        if (load := history.settings["load"].get("normal")) is not None:
+        if (load := history.scene.load.normal) is not None:
             np.testing.assert_allclose(history["P"], load, rtol=1e-5)  # of the tolerance 1e-6
 
 
@@ -88,8 +88,7 @@ def test_text_of_a_scene(junk, at, tmp_path):
 @pytest.fixture(scope="module")
 def content(tmp_path_factory):
     path = tmp_path_factory.mktemp("results") / "results.h5"
-    toml = ts.Scene.builtin("twin-discs").to_toml()
-    with HistoryWriter(path, toml, mesh()) as writer:
+    with HistoryWriter(path, SCENE, mesh()) as writer:
         for number in range(3):
             writer.append(make_record(number))
         writer.finish("done", "as asked")

@@ -8,6 +8,7 @@ import pytest
 from tractive_sam import plot
 from tractive_sam.cli.plot import Format
 from tractive_sam.results.grid import Grid
+from tractive_sam.scene import Scene
 from tractive_sam.store import HistoryWriter, open_history
 
 
@@ -32,7 +33,7 @@ def test_show_json(call, stored):
 
 
 def test_show_and_plot_of_an_empty_history(call, folder):
-    HistoryWriter("empty.h5", "", Grid((1.0, 1.0), (9, 9)))
+    HistoryWriter("empty.h5", Scene.builtin("spheres"), Grid((1.0, 1.0), (9, 9)))
     result = call("show", "empty.h5")
     assert result.exit_code == 0
     assert "running" in result.stdout

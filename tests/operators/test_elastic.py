@@ -5,7 +5,7 @@ import pytest
 
 from tractive_sam.kernels.rectangle import integrals
 from tractive_sam.mechanics.elasticity import HalfSpaces
-from tractive_sam.mechanics.friction import Frame
+from tractive_sam.mechanics.frame import Frame
 from tractive_sam.mechanics.material import Material
 from tractive_sam.operators import Lattice, Operators
 from tractive_sam.operators.fft import padded_length

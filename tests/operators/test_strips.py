@@ -7,7 +7,7 @@ import pytest
 
 from tractive_sam.kernels.strip import logarithm, step
 from tractive_sam.mechanics.elasticity import Strips
-from tractive_sam.mechanics.friction import Frame
+from tractive_sam.mechanics.frame import Frame
 from tractive_sam.mechanics.material import Material
 from tractive_sam.operators import Lattice, Operators
 

@@ -1,6 +1,6 @@
 """Linear maps from tractions to displacement and slip: planned once, applied many times."""
 
-from tractive_sam.mechanics.friction import Frame
+from tractive_sam.mechanics.frame import Frame
 from tractive_sam.operators.convolution import Convolution
 from tractive_sam.operators.elastic import Operators
 from tractive_sam.operators.influence import Lattice

@@ -19,7 +19,7 @@ import numpy as np
 
 from tractive_sam.kernels import spectral
 from tractive_sam.mechanics.elasticity import Elasticity
-from tractive_sam.mechanics.friction import Frame
+from tractive_sam.mechanics.frame import Frame
 from tractive_sam.operators import influence
 from tractive_sam.operators.convolution import Convolution
 from tractive_sam.operators.fft import spectrum

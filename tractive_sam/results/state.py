@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from tractive_sam.mechanics.friction import Frame
+from tractive_sam.mechanics.frame import Frame
 from tractive_sam.results.grid import Grid, widened
 from tractive_sam.results.status import Cost, Status
 from tractive_sam.scene import Scene

@@ -43,7 +43,7 @@ class Row:
     file : Path or None
         Its results file, if there is one.
     last : mapping of str to number
-        Its last record, by the names of `SCALARS`, and as ``von_mises_max A``; its totals.
+        Its last record, by the names of `COLUMNS`, and as ``von_mises_max A``; its totals.
     version : str
         Of this package, that computed it.
 
