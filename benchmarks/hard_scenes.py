@@ -104,8 +104,8 @@ def hard_scene(seed: int) -> tuple[Scene, dict]:
         share = rng.uniform(0.01, 0.97)
         carried = share * tables["load"]["normal"] * mu / orthotropy
         tables["load"] |= {
-            "traction_x": carried * np.cos(turned),
-            "traction_y": carried * np.sin(turned),
+            "force_x": carried * np.cos(turned),
+            "force_y": carried * np.sin(turned),
         }
     tables["creepage"] = creepage
     scene = Scene(**tables)
@@ -154,7 +154,7 @@ def line_scene(seed: int) -> tuple[Scene, dict]:
             "A": {"young": 7e4, "poisson": poisson[0]} | round_bar,
             "B": {"young": 7e4 * 10.0 ** rng.uniform(0.2, 1.5), "poisson": poisson[1]} | round_bar,
         },
-        load={"normal": 100.0, "traction_x": force},
+        load={"normal": 100.0, "force_x": force},
         friction={"mu": mu},
         solver={"tolerance": 1e-8},
     )

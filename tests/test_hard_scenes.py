@@ -66,7 +66,7 @@ def scenes(draw, alike=None, forces=True):
     turned = draw(st.floats(0.0, 2.0 * math.pi))
     if forces and draw(st.integers(0, 3)) == 0:
         carried = draw(st.floats(0.01, 0.9)) * tables["load"]["normal"] * mu / weaker
-        keys = "traction_x", "traction_y"
+        keys = "force_x", "force_y"
         tables["load"] |= dict(zip(keys, _turned(carried, turned), strict=True))
     else:
         amount = draw(power(-8.0, 2.0 + math.log10(full)))
@@ -150,8 +150,8 @@ def test_contact_conditions(scene):
     scaled = Model(scene, _gap(scene)).frame.to_scaled(contact.traction)
     assert (np.hypot(*scaled) <= p * (1.0 + 1e-12)).all()
     assert pytest.approx(scene.load.normal, rel=1e-7) == contact.P
-    if scene.load.traction_x is not None:
-        asked = np.array([scene.load.traction_x, scene.load.traction_y])
+    if scene.load.force_x is not None:
+        asked = np.array([scene.load.force_x, scene.load.force_y])
         missed = np.array([contact.Qx, contact.Qy]) - asked
         # Spread over the contact it is part of the residual; friction bounds what that is.
         assert size(missed) <= 1e-6 * max(scene.friction.mu) * contact.P
@@ -198,7 +198,7 @@ def in_units(scene, metre):
 def test_load_and_radius(scene, times):
     """Hertz: all lengths times c and loads times c² leave stresses, strains and creepages alone."""
     tables = scene.entries()
-    for key in ("normal", "traction_x", "traction_y"):
+    for key in ("normal", "force_x", "force_y"):
         if key in tables["load"]:
             tables["load"][key] *= times**2
     for body in tables["body"].values():

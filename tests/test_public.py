@@ -43,7 +43,7 @@ def test_bad_arrays_are_refused_at_the_door():
 
 
 def test_not_converged_crosses_between_processes():
-    scene = ts.Scene.builtin("spheres").with_set(["load.approach=0.036", "load.traction_x=0.4"])
+    scene = ts.Scene.builtin("spheres").with_set(["load.approach=0.036", "load.force_x=0.4"])
     with pytest.raises(ts.NotConverged) as caught:
         ts.solve(scene.with_set(["grid.elements=[15, 15]"]))
     again = pickle.loads(pickle.dumps(caught.value))

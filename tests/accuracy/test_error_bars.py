@@ -118,9 +118,7 @@ def test_forces_are_within_the_tolerance():
 
 
 def test_a_creepage_that_is_found_has_a_bar():
-    scene = ts.Scene.builtin("spheres").replace(
-        **{"accuracy.tolerance": 1e-2, "load.traction_x": 0.1}
-    )
+    scene = ts.Scene.builtin("spheres").replace(**{"accuracy.tolerance": 1e-2, "load.force_x": 0.1})
     contact = ts.solve(scene)
     assert 0.0 < contact.error_bars["xi_x"] <= 1e-2 * abs(contact.xi_x)
     assert contact.error_bars["Qx"] == abs(contact.Qx - 0.1)

@@ -66,7 +66,7 @@ def test_a_file_of_another_kind_stays(call, results, folder):
 
 
 def test_a_scene_without_solution_is_not_exported(call, folder):
-    unreachable = ("--set", "load.approach=0.036", "--set", "load.traction_x=0.4")
+    unreachable = ("--set", "load.approach=0.036", "--set", "load.force_x=0.4")
     result = call("export", "spheres", *SMALL, *unreachable)
     assert result.exit_code == 3
     assert "not a solution" in result.stderr

@@ -15,7 +15,7 @@ key = "friction.mu"
 values = [0.2, 0.4]
 """
 
-FAILING = SMALL.replace("friction.mu", "load.traction_x").replace(
+FAILING = SMALL.replace("friction.mu", "load.force_x").replace(
     "[0.2, 0.4]", "[0.05, 0.4]"
 ).replace('"]\n\n', '", "load.approach=0.036"]\n\n')  # fmt: skip
 
@@ -57,12 +57,12 @@ def test_failed_case_is_told(call, folder):
     (folder / "study.toml").write_text(FAILING)
     result = call("study", "study.toml", "-o", "done", "--workers", "0")
     assert result.exit_code == 3
-    assert "case 1 (load.traction_x = 0.4) failed: " in result.stderr
+    assert "case 1 (load.force_x = 0.4) failed: " in result.stderr
     assert "1 of 2 cases complete" in result.stderr
     assert "not all cases are complete" in result.stderr
     shown = call("study-show", "done")
     assert shown.exit_code == 0
-    assert "case 1 (load.traction_x = 0.4) failed: " in shown.stderr
+    assert "case 1 (load.force_x = 0.4) failed: " in shown.stderr
     assert "1 complete, 1 failed" in shown.stderr
 
 

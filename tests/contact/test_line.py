@@ -116,7 +116,7 @@ def test_methods_agree(name, method):
 
 
 def test_force_gives_the_creepage_of_carter():
-    contact = rolled(256, "load.traction_x=100")
+    contact = rolled(256, "load.force_x=100")
     theory = Carter.from_force_ratio(contact.scene.hertz, MU, 100 / (MU * 500))
     assert contact.Qx == pytest.approx(100, rel=1e-7)
     assert contact.xi_x == pytest.approx(theory.creepage, rel=0.01)
@@ -128,7 +128,7 @@ STEEL = {"shear": 82e3, "poisson": 0.28, "radius_x": 50.0, "radius_y": math.inf}
 
 def freely(mu, n, **changes):
     """Aluminium on steel, free rolling; half width 0.1 mm."""
-    load = {"normal": 27.5, "traction_x": 0.0}
+    load = {"normal": 27.5, "force_x": 0.0}
     body = {"A": ALUMINIUM, "B": STEEL}
     scene = Scene(body=body, load=load, friction={"mu": mu}).replace(**changes)
     return equilibrium(Model(across(scene, n, beside=8)))
@@ -176,7 +176,7 @@ def test_the_creepage_of_free_rolling_with_little_friction(n):
 @pytest.mark.parametrize("share", [1e-9, 0.3, 0.99])
 def test_force_given_between_unlike_cylinders_with_little_friction(share):
     force = share * 1e-3 * 27.5
-    contact = freely(1e-3, 64, **{"load.traction_x": force})
+    contact = freely(1e-3, 64, **{"load.force_x": force})
     assert contact.converged, contact.message
     assert contact.Qx == pytest.approx(force, abs=1e-5 * 1e-3 * 27.5)
 

@@ -50,7 +50,7 @@ def test_what_is_left_out_is_said_with_the_key_that_adds_it():
 
 def test_forces_to_transmit_and_creepages_are_told_apart():
     given = told(spheres("creepage.longitudinal=-0.002"))["Contact"]["tangential problem"]
-    found = told(spheres("load.traction_x=0.1"))["Contact"]["tangential problem"]
+    found = told(spheres("load.force_x=0.1"))["Contact"]["tangential problem"]
     assert "xi_x = -0.002" in given
     assert "Q_x = 0.1 N" in found
 
@@ -83,7 +83,7 @@ def test_the_mesh_is_given_chosen_or_found():
         ("friction.mu=[0.4, 0.2]", True),  # along the axes
         ("creepage.spin=1e-4", False),
         ("creepage.lateral=1e-4", False),
-        ("load.traction_y=0.01", False),
+        ("load.force_y=0.01", False),
     ],
 )
 def test_symmetry_in_y(setting, symmetric):

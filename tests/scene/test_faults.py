@@ -46,7 +46,7 @@ ENTRIES = [
     ("load", [1], "a table with the keys normal"),
     ("load.normal", 0, "above 0"),
     ("load.normal", -3.0, "above 0"),
-    ("load.traction_x", math.inf, "finite"),
+    ("load.force_x", math.inf, "finite"),
     ("creepage.longitudinal", "slow", "a number"),
     ("creepage.spin", math.nan, "finite"),
     ("friction.mu", 0, "above 0"),
@@ -129,37 +129,37 @@ def test_neither_of_two_alternatives(tables):
 
 def test_both_of_two_alternatives(tables):
     tables["body"]["A"]["young"] = 3.0
-    tables["load"] |= {"approach": 0.1, "traction_x": 0.0, "traction_y": 0.0}
+    tables["load"] |= {"approach": 0.1, "force_x": 0.0, "force_y": 0.0}
     tables["creepage"] = {"longitudinal": 0.0, "lateral": 0.0, "spin": 0.1}
     faults = faults_of(tables)
     assert all("only one of" in fault.allowed for fault in faults)
     assert [fault.key for fault in faults] == [
         "body.A.young",
         "load.normal",
-        "load.traction_x",
-        "load.traction_y",
+        "load.force_x",
+        "load.force_y",
     ]
 
 
 def test_traction_leaves_the_other_creepages_free(tables):
-    tables["load"]["traction_x"] = 0.05
+    tables["load"]["force_x"] = 0.05
     tables["creepage"] = {"lateral": 0.001, "spin": 0.1}
-    assert Scene(**tables).load.traction_x == 0.05
+    assert Scene(**tables).load.force_x == 0.05
 
 
 def test_traction_and_wear_need_friction(tables):
     del tables["friction"]
-    tables["load"] |= {"traction_x": 0.1, "traction_y": 0.1}
+    tables["load"] |= {"force_x": 0.1, "force_y": 0.1}
     tables["wear"] = WEAR
     faults = faults_of(tables)
-    assert {f.key for f in faults} == {"load.traction_x", "load.traction_y", "wear"}
+    assert {f.key for f in faults} == {"load.force_x", "load.force_y", "wear"}
     assert all("[friction]" in fault.allowed for fault in faults)
 
 
 LIMIT = 0.5 * math.hypot(0.4, 0.2) / math.sqrt(2)  # P mu_eff of mu = (0.4, 0.2) at 45 degrees
 
 
-@pytest.mark.parametrize("key", ["load.traction_x", "load.traction_y"])
+@pytest.mark.parametrize("key", ["load.force_x", "load.force_y"])
 @pytest.mark.parametrize("sign", [-1, 1])
 def test_more_than_friction_carries_along_one_axis(tables, key, sign):
     tables["friction"]["angle"] = 45.0
@@ -174,16 +174,16 @@ def test_more_than_friction_carries_along_one_axis(tables, key, sign):
 
 def test_more_than_friction_carries_with_both_forces_known(tables):
     """Each force can be had alone, but not the two together."""
-    tables["load"] |= {"traction_x": 0.19, "traction_y": 0.09}
+    tables["load"] |= {"force_x": 0.19, "force_y": 0.09}
     (fault,) = faults_of(tables)
-    assert fault.key == "load.traction_x, load.traction_y"
+    assert fault.key == "load.force_x, load.force_y"
     assert "friction can carry at most" in fault.allowed
-    tables["load"] |= {"traction_x": 0.19, "traction_y": 0.03}
+    tables["load"] |= {"force_x": 0.19, "force_y": 0.03}
     Scene(**tables)
 
 
 def test_friction_limit_is_unknown_for_a_given_approach(tables):
-    tables["load"] = {"approach": 0.01, "traction_x": 1e6}
+    tables["load"] = {"approach": 0.01, "force_x": 1e6}
     Scene(**tables)
 
 
@@ -233,7 +233,7 @@ def test_all_faults_at_once(tables):
     """A faulty body hides neither the other tables nor what can be judged without it."""
     tables["body"]["A"]["shear"] = -1
     tables["body"]["A"]["radius_x"] = tables["body"]["B"]["radius_x"] = math.inf
-    tables["load"]["traction_x"] = 0.3
+    tables["load"]["force_x"] = 0.3
     tables["friction"]["angle"] = 1e3
     tables["grid"] = {"half_length": [-1, 1], "elements": [21, 21]}
     tables["solvr"] = {}
@@ -250,11 +250,11 @@ def test_all_faults_at_once(tables):
 
 def test_faulty_entry_does_not_stop_the_checks_of_others(tables):
     tables["body"]["A"]["young"] = "soft"
-    tables["load"]["traction_x"] = 0.3
+    tables["load"]["force_x"] = 0.3
     assert [fault.key for fault in faults_of(tables)] == [
         "body.A.young",
         "body.A.young",  # and it excludes the shear modulus
-        "load.traction_x",
+        "load.force_x",
     ]
 
 
@@ -296,3 +296,10 @@ def test_given_tables_are_left_alone(tables):
     before = copy.deepcopy(tables)
     Scene(**tables).with_set(["load.approach=0.1"])
     assert tables == before
+
+
+def test_a_key_by_its_former_name_is_told_the_new_one():
+    tables = Scene.builtin("spheres").entries()
+    tables["load"]["traction_x"] = 0.1
+    (fault,) = faults_of(tables)
+    assert (fault.key, "force_x" in fault.allowed) == ("load.traction_x", True)

@@ -92,7 +92,7 @@ def test_what_plane_strain_excludes(line):
 
 
 def test_friction_is_counted_per_length(line):
-    line["load"]["traction_x"] = 0.3
+    line["load"]["force_x"] = 0.3
     (allowed,) = faults_of(line).values()
     assert "0.2 N/mm" in allowed
 

@@ -28,8 +28,8 @@ ALTERNATIVES = [
     ("body.A.young", "body.A.shear"),
     ("body.B.shear", "body.B.young"),
     ("load.approach", "load.normal"),
-    ("load.traction_x", "creepage.longitudinal"),
-    ("creepage.lateral", "load.traction_y"),
+    ("load.force_x", "creepage.longitudinal"),
+    ("creepage.lateral", "load.force_y"),
 ]
 
 
@@ -136,7 +136,7 @@ KEYS = st.sampled_from(
         "load",
         "load.normal",
         "creepage",
-        "load.traction_x",
+        "load.force_x",
         "wear",
         "wear.revolutions",
         "wear.save",

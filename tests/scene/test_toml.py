@@ -91,7 +91,7 @@ def test_infinite_radius_is_written(spheres):
 
 def test_defaults_are_not_written(spheres):
     """So that a creepage left to be found stays free, and saves follow the revolutions."""
-    text = spheres.replace(**{"load.traction_x": 0.01}).to_toml()
+    text = spheres.replace(**{"load.force_x": 0.01}).to_toml()
     assert "creepage" not in text
     assert "solver" not in text
 

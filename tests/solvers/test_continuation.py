@@ -13,7 +13,7 @@ from tractive_sam.solvers.ladder import METHODS
 
 SMALL = ("grid.half_length=[4.08, 4.08]", "grid.elements=[19, 19]")
 DISSIMILAR = (*SMALL, "body.B.shear=8.0", "body.B.poisson=0.45")
-FORCES = ("load.traction_x=0.1", "load.traction_y=0.03")
+FORCES = ("load.force_x=0.1", "load.force_y=0.03")
 ALIKE, OTHERS = METHODS["auto"].alike, METHODS["auto"].dissimilar
 NEWTON = Newton()
 

@@ -15,7 +15,7 @@ SCENES = [
     ("spheres-orthotropic", "creepage.lateral=0.001"),
     ("spheres-orthotropic", "load.approach=0.03"),
     ("spheres", "body.B.shear=10.0", "body.B.poisson=0.45", "creepage.lateral=0.001"),
-    ("spheres", "load.traction_x=0.1", "load.traction_y=0.03"),
+    ("spheres", "load.force_x=0.1", "load.force_y=0.03"),
 ]
 
 
@@ -74,9 +74,9 @@ def test_contact_conditions(settings, scheme):
     # Resultants and the fields reported.
     if scene.load.normal:
         assert pytest.approx(scene.load.normal, rel=1e-9) == contact.P
-    if scene.load.traction_x:
-        assert contact.Qx == pytest.approx(scene.load.traction_x, rel=1e-8)
-        assert contact.Qy == pytest.approx(scene.load.traction_y, rel=1e-8)
+    if scene.load.force_x:
+        assert contact.Qx == pytest.approx(scene.load.force_x, rel=1e-8)
+        assert contact.Qy == pytest.approx(scene.load.force_y, rel=1e-8)
     np.testing.assert_allclose(
         contact.slip.reshape(2, -1)[:, touching], reported[:, touching], atol=1e-8 * unit
     )

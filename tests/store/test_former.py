@@ -17,6 +17,7 @@ from typer.testing import CliRunner
 from tractive_sam.cli.program import app
 from tractive_sam.results.quantities import FIELDS
 from tractive_sam.run.pipeline import roll
+from tractive_sam.scene import Scene
 from tractive_sam.store import open_history
 from tractive_sam.store.layout import FORMAT_VERSION
 
@@ -56,7 +57,7 @@ def test_opens_and_shows(tmp_path, name):
 def test_a_scene_means_what_it_meant(tmp_path):
     """Today, bodies of unequal radii would come round unequally often."""
     path = former("twin-discs", tmp_path)
-    assert Scene.from_toml_text(open_history(path).scene_toml).wear.turns == "equal"
+    assert open_history(path).scene.wear.turns == "equal"
     same = Scene.builtin("twin-discs").with_set(AS_WRITTEN)
     assert roll(same, path, resume=True).finished
 

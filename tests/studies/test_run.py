@@ -176,7 +176,7 @@ def worn(**given):
 
 def failing():
     """The second force is more than friction carries, which nobody knows beforehand."""
-    axis = {"key": "load.traction_x", "values": [0.03, 0.4, 0.05]}
+    axis = {"key": "load.force_x", "values": [0.03, 0.4, 0.05]}
     return small(axis, set=["grid.elements=[21, 21]", "load.approach=0.036"])
 
 

@@ -40,7 +40,7 @@ def message(status: Status, outcome: Outcome, model: Model) -> str:
         f"({', '.join(map(str, outcome.trace))}), asked for {solver.tolerance:.1e}; "
     )
     load = model.scene.load
-    forces = [f"load.{key}" for key in ("traction_x", "traction_y") if getattr(load, key)]
+    forces = [f"load.{key}" for key in ("force_x", "force_y") if getattr(load, key)]
     if forces and outcome.status is Status.DIVERGED:
         return reached + (
             "the force to transmit may be more than friction can carry beside the other creepages "

@@ -134,7 +134,7 @@ class Model:
     def free(self) -> tuple[bool, bool]:
         """Which of (xi_x, xi_y) is unknown because a force is given instead."""
         load = self.scene.load
-        return load.traction_x is not None, load.traction_y is not None
+        return load.force_x is not None, load.force_y is not None
 
     @cached_property
     def transmits(self) -> bool:
@@ -183,7 +183,7 @@ class Model:
     def forces(self) -> PrescribedForces:
         """Forces given in place of creepages, dimensionless."""
         load = self.scene.load
-        given = [(k, q) for k, q in enumerate((load.traction_x, load.traction_y)) if q is not None]
+        given = [(k, q) for k, q in enumerate((load.force_x, load.force_y)) if q is not None]
         if not given:
             return PrescribedForces()
         unit = self.units.pressure * self.grid.element_area

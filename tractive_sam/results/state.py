@@ -22,7 +22,7 @@ class NotConverged(RuntimeError):  # noqa: N818 - the name says what happened
 
     Examples
     --------
-    >>> settings = ["load.approach=0.036", "load.traction_x=0.4", "grid.elements=[15, 15]"]
+    >>> settings = ["load.approach=0.036", "load.force_x=0.4", "grid.elements=[15, 15]"]
     >>> try:
     ...     ts.solve(scene.with_set(settings))  # more than friction carries
     ... except ts.NotConverged as error:

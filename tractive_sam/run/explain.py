@@ -149,10 +149,10 @@ def _drive(model: Model) -> str:
     creepage, load = model.scene.creepage, model.scene.load
     unit = "N/mm" if model.grid.line else "N"
     parts = [
-        f"Q_x = {load.traction_x:g} {unit} (creepage found)"
+        f"Q_x = {load.force_x:g} {unit} (creepage found)"
         if model.free[0]
         else f"xi_x = {creepage.longitudinal:g}",
-        f"Q_y = {load.traction_y:g} {unit} (creepage found)"
+        f"Q_y = {load.force_y:g} {unit} (creepage found)"
         if model.free[1]
         else f"xi_y = {creepage.lateral:g}",
         f"spin = {creepage.spin:g} /mm",
@@ -252,7 +252,7 @@ def _mesh(model: Model) -> Section:
 def _symmetric(scene: Scene) -> bool:
     """Whether fields are even or odd in y (benchmarks/symmetry.py says what that is worth)."""
     creepage, friction, load = scene.creepage, scene.friction, scene.load
-    if scene.gap is not None or creepage.spin or creepage.lateral or load.traction_y:
+    if scene.gap is not None or creepage.spin or creepage.lateral or load.force_y:
         return False
     return friction is None or len(set(friction.mu)) == 1 or friction.angle % 90.0 == 0.0
 

@@ -12,8 +12,8 @@ _PAIRS = (
     (("body.A.young",), ("body.A.shear",)),
     (("body.B.young",), ("body.B.shear",)),
     (("load.normal",), ("load.approach",)),
-    (("load.traction_x",), ("creepage.longitudinal",)),
-    (("load.traction_y",), ("creepage.lateral",)),
+    (("load.force_x",), ("creepage.longitudinal",)),
+    (("load.force_y",), ("creepage.lateral",)),
     (("gap.file",), _GAP_ARRAYS),
     (
         ("accuracy", "accuracy.tolerance", "accuracy.elements"),

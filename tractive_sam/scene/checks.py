@@ -36,7 +36,7 @@ def _wear_needs_friction(known: Known) -> Iterator[Fault]:
 
 
 def _traction_needs_friction(known: Known) -> Iterator[Fault]:
-    for key in ("load.traction_x", "load.traction_y"):
+    for key in ("load.force_x", "load.force_y"):
         if key in known.given and known["friction"] is None:
             yield Fault(key, "without friction", "only with a [friction] table to transmit it")
 
@@ -45,23 +45,23 @@ def _friction_carries_the_traction(known: Known) -> Iterator[Fault]:
     load, mu = known["load.normal"], known["friction.mu"]
     unit = "N/mm" if is_line(known) else "N"
     angle = math.radians(known["friction.angle"])
-    traction_x, traction_y = known["load.traction_x"], known["load.traction_y"]
+    force_x, force_y = known["load.force_x"], known["load.force_y"]
     if load is None:  # only the solution tells how much friction can carry
         return
-    if traction_x is not None and traction_y is not None:
-        share = load_to_carry((traction_x, traction_y), mu, angle) / load
+    if force_x is not None and force_y is not None:
+        share = load_to_carry((force_x, force_y), mu, angle) / load
         if share >= 1:
-            given = shown((traction_x, traction_y))
-            limit = math.hypot(traction_x, traction_y) / share
-            yield _too_much("load.traction_x, load.traction_y", given, limit, unit)
+            given = shown((force_x, force_y))
+            limit = math.hypot(force_x, force_y) / share
+            yield _too_much("load.force_x, load.force_y", given, limit, unit)
         return
     # With the other force free, friction carries the most in full slip along this axis.
     most_x, _ = full_slip_force(load, mu, angle, (1.0, 0.0))
     _, most_y = full_slip_force(load, mu, angle, (0.0, 1.0))
-    if traction_x is not None and abs(traction_x) >= abs(most_x):
-        yield _too_much("load.traction_x", shown(traction_x), abs(most_x), unit)
-    if traction_y is not None and abs(traction_y) >= abs(most_y):
-        yield _too_much("load.traction_y", shown(traction_y), abs(most_y), unit)
+    if force_x is not None and abs(force_x) >= abs(most_x):
+        yield _too_much("load.force_x", shown(force_x), abs(most_x), unit)
+    if force_y is not None and abs(force_y) >= abs(most_y):
+        yield _too_much("load.force_y", shown(force_y), abs(most_y), unit)
 
 
 def _too_much(key: str, given: str, limit: float, unit: str) -> Fault:
@@ -73,7 +73,7 @@ def _too_much(key: str, given: str, limit: float, unit: str) -> Fault:
 
 def _forces_are_for_newton(known: Known) -> Iterator[Fault]:
     method = known["solver.method"]
-    given = [k for k in ("load.traction_x", "load.traction_y") if known[k] is not None]
+    given = [k for k in ("load.force_x", "load.force_y") if known[k] is not None]
     if method in ("uzawa", "anderson") and given:
         text = f'"auto" or "newton", which find the creepages of {" and ".join(given)}'
         yield Fault("solver.method", shown(method), text)
@@ -136,8 +136,8 @@ def _a_body_comes_round(known: Known) -> Iterator[Fault]:
 
 
 SCENE_CHECKS: tuple[Check, ...] = (
-    not_both("load.traction_x", "creepage.longitudinal"),
-    not_both("load.traction_y", "creepage.lateral"),
+    not_both("load.force_x", "creepage.longitudinal"),
+    not_both("load.force_y", "creepage.lateral"),
     not_both("grid", "accuracy"),
     _wear_needs_friction,
     _traction_needs_friction,

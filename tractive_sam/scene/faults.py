@@ -98,9 +98,15 @@ def shown(value: object) -> str:
         return f"an unprintable {type(value).__name__}"
 
 
+RENAMED = {"traction_x": "force_x", "traction_y": "force_y"}
+"""Keys by their former names."""
+
+
 def suggestion(name: str, known: Iterable[str]) -> str:
     """List the known names, the one most like `name` first."""
     known = list(known)
     listed = ", ".join(known)
+    if RENAMED.get(name) in known:
+        return f"{RENAMED[name]}, which is its name now"
     nearest = difflib.get_close_matches(name, known, n=1)
     return f"{nearest[0]}, perhaps? One of {listed}" if nearest else f"one of {listed}"

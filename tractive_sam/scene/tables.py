@@ -38,13 +38,13 @@ def _distinct(items: tuple[Item, ...]) -> tuple[Item, ...]:
 
 
 class Load(Table):
-    """What presses the bodies together, and the forces to transmit if not the creepages.
+    """What presses the bodies together, and tangential forces prescribed in place of creepages.
 
     All forces of a line contact (both bodies with ``radius_y = inf``) are per length, N/mm.
 
     Examples
     --------
-    >>> ts.Load(normal=300.0, traction_x=120.0).traction_x
+    >>> ts.Load(normal=300.0, force_x=120.0).force_x
     120.0
     """
 
@@ -52,8 +52,8 @@ class Load(Table):
     approach: Positive | None = positive(
         "approach of the bodies, mm; up to 0 there is no contact", None
     )
-    traction_x: Real | None = number("force Q_x to transmit, N or N/mm", None)
-    traction_y: Real | None = number("force Q_y to transmit, N or N/mm", None)
+    force_x: Real | None = number("prescribed tangential force Q_x on body A, N or N/mm", None)
+    force_y: Real | None = number("prescribed tangential force Q_y on body A, N or N/mm", None)
     checks: ClassVar[tuple[Check, ...]] = (exactly_one("normal", "approach"),)
 
 

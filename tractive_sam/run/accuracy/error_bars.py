@@ -92,10 +92,10 @@ def off_given(contact: Contact) -> dict[str, float]:
     given = {
         "P": load.normal,
         "approach": load.approach,
-        "Qx": load.traction_x,
-        "xi_x": creepage.longitudinal if load.traction_x is None else None,
-        "Qy": load.traction_y,
-        "xi_y": creepage.lateral if load.traction_y is None else None,
+        "Qx": load.force_x,
+        "xi_x": creepage.longitudinal if load.force_x is None else None,
+        "Qy": load.force_y,
+        "xi_y": creepage.lateral if load.force_y is None else None,
     }
     return {
         name: abs(float(getattr(contact, name)) - value)
