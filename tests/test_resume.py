@@ -138,7 +138,7 @@ def test_a_mesh_of_another_version_is_told(tmp_path):
     roll(scene, path)
     asked = scene.replace(grid=None, accuracy={"tolerance": 0.1})
     with h5py.File(path, "r+") as file:
-        set_scene(file, asked.to_toml())
+        set_scene(file, asked)
     with pytest.raises(ResultsError, match="mesh that this version does not choose"):
         roll(asked, path, resume=True)
 

@@ -6,8 +6,7 @@ import sys
 
 import pytest
 
-from tests.cli.conftest import GRID, make_record
-from tractive_sam.scene import toml
+from tests.cli.conftest import GRID, SCENE, make_record
 from tractive_sam.store import HistoryWriter
 
 COMMANDS = "\x1b]0;owned\x07\x1b[31mred\x1b[2J \x9b31m \u202e"
@@ -21,9 +20,7 @@ def has_command(text):
 def spoilt(folder):
     """A results file whose texts command terminals."""
     path = folder / "spoilt.h5"
-    with HistoryWriter(
-        path, toml.emit({"title": COMMANDS, "friction": {"mu": 0.3}}), GRID
-    ) as writer:
+    with HistoryWriter(path, SCENE.replace(title=COMMANDS), GRID) as writer:
         writer.append(make_record(0))
         writer.finish("done", f"fine {COMMANDS}")
     return path

@@ -39,8 +39,8 @@ def assert_true(path):
     """All that the file holds is as it was handed over."""
     history = open_history(path)
     count = len(history)
-    for name, values in history.scalars.items():
-        np.testing.assert_array_equal(values, [record(k).scalars[name] for k in range(count)])
+    for name in history.of_dims():
+        np.testing.assert_array_equal(history[name], [record(k).values[name] for k in range(count)])
     kept = [k for k in range(count) if k % 3 == 0]
     np.testing.assert_array_equal(history.field_revolutions, [10 * k for k in kept])
     for k in kept:

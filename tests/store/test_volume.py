@@ -28,7 +28,7 @@ def path(tmp_path):
 
 @pytest.fixture
 def written(path):
-    write_volume(path, IMAGE, layers(), "title = 'Spheres'", {"body": "A", "revolution": 7})
+    write_volume(path, IMAGE, layers(), SCENE, {"body": "A", "revolution": 7})
     return path
 
 
@@ -54,7 +54,7 @@ def test_file_describes_itself(written):
         assert vtk["Spacing"].tolist() == list(IMAGE.spacing)
         assert vtk["Direction"].reshape(3, 3).tolist() == np.eye(3).tolist()
         assert (file.attrs["body"], file.attrs["revolution"]) == ("A", 7)
-        assert file["scene"][()] == b"title = 'Spheres'"
+        assert file["scene"][()].decode() == SCENE.to_toml()
         assert "version_numpy" in file.attrs
 
 
@@ -78,7 +78,7 @@ def test_vtk_reads_it(written):
 def test_a_volume_that_fails_leaves_what_was_there(path, written):
     before = written.read_bytes()
     with pytest.raises(ResultsError, match="cannot be written: no space left"):
-        write_volume(path, IMAGE, failing(), "", {}, overwrite=True)
+        write_volume(path, IMAGE, failing(), SCENE, {}, overwrite=True)
     assert path.read_bytes() == before
     assert [file.name for file in path.parent.iterdir()] == [path.name]
 

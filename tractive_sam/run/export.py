@@ -87,7 +87,7 @@ def export_volume(
     layers = stress_volume(source, depths if body == "A" else depths[::-1], body, threads)
     about = {"body": body} | ({} if revolution is None else {"revolution": revolution})
     image = _image(source.grid, depths, body)
-    write_volume(path, image, _arrays(layers), source.scene.to_toml(), about, overwrite)
+    write_volume(path, image, _arrays(layers), source.scene, about, overwrite)
     return path
 
 

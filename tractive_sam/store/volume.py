@@ -20,6 +20,7 @@ import h5py
 import numpy as np
 
 from tractive_sam.results.quantities import Quantity
+from tractive_sam.scene import Scene
 from tractive_sam.store.errors import ResultsError
 from tractive_sam.store.replacement import replacement
 from tractive_sam.store.room import make_room, sole_writer
@@ -73,7 +74,7 @@ def write_volume(
     path: Path,
     image: Image,
     layers: Iterable[Mapping[str, np.ndarray]],
-    scene_toml: str,
+    scene: Scene,
     about: Mapping[str, str | int],
     overwrite: bool = False,
 ) -> None:
@@ -88,7 +89,7 @@ def write_volume(
     layers : iterable of mapping of str to ndarray, shape (n_x, n_y) or (6, n_x, n_y)
         By the names of `QUANTITIES`, from the lowest z to the highest; stress as xx, yy, zz, xy,
         xz, yz. Stored in single precision.
-    scene_toml : str
+    scene : Scene
         What was computed.
     about : mapping of str to str or int
         "body" and "revolution".
@@ -102,7 +103,7 @@ def write_volume(
     """
     _check_suffix(path)
     with sole_writer(path, overwrite, _check_kind), replacement(path, empty=True) as file:
-        create_text(file, "scene", scene_toml)
+        create_text(file, "scene", scene.to_toml())
         set_text(file, "format", FORMAT)
         file.attrs.update({"format_version": FORMAT_VERSION, **about})
         file.attrs.update({VERSION_PREFIX + k: version for k, version in versions().items()})
