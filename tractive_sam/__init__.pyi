@@ -6,6 +6,7 @@ from . import solvers as solvers
 from . import studies as studies
 from . import subsurface as subsurface
 from .contact.laws import Laws as Laws
+from .mechanics.elasticity import Elasticity as Elasticity
 from .mechanics.friction import Bound as Bound
 from .mechanics.friction import Coulomb as Coulomb
 from .mechanics.friction import FrictionLaw as FrictionLaw

@@ -44,7 +44,7 @@ def dense(mesh, material, ahead=0):
 
 @pytest.fixture(scope="module")
 def half_space():
-    return Operators(MESH, BODIES, LENGTH, FRAME)
+    return Operators(MESH, BODIES, LENGTH / PAIR.E_star, max(FRAME.mu) ** 2 / PAIR.shear, FRAME)
 
 
 @pytest.fixture(scope="module")
@@ -103,7 +103,7 @@ def test_slip_of_an_element_on_itself(half_space):
 
 
 def test_equal_materials_do_not_couple():
-    same = Operators(MESH, HalfSpaces(Material(2.0, 0.3), Material(2.0, 0.3)), LENGTH)
+    same = Operators(MESH, HalfSpaces(Material(2.0, 0.3), Material(2.0, 0.3)), 1.0, 1.0)
     matrix = same.coupled.as_matrix()
     assert np.abs(matrix[:35, 35:]).max() < ROUNDING
     assert np.abs(matrix[35:, :35]).max() < ROUNDING
@@ -125,7 +125,7 @@ def test_slip_operator_dissipates(half_space):
 @pytest.mark.parametrize("name", ["normal", "tangential"])
 def test_circulant_inverses_precondition(shape, name):
     """The eigenvalues of inverse times operator cluster: a few iterations on any mesh."""
-    half_space = Operators(Lattice(shape, 0.1, 0.1), BODIES, LENGTH)
+    half_space = Operators(Lattice(shape, 0.1, 0.1), BODIES, 1.0, 1.0)
     inverse = getattr(half_space, f"{name}_inverse").as_matrix()
     product = inverse @ getattr(half_space, name).as_matrix()
     values = np.linalg.eigvals(product).real

@@ -18,7 +18,9 @@ FRAME = Frame((0.5, 0.2), 0.4)
 
 def half_space(poisson=0.3, stencil=STAGGERED, frame=FRAME):
     bodies = HalfSpaces(Material(1.0, poisson), Material(1.0, poisson))
-    return Operators(Lattice((N, N), DX, DY), bodies, 1.0, frame, stencil=stencil)
+    pair = bodies.material
+    units = 1.0 / pair.E_star, max(frame.mu) ** 2 / pair.shear
+    return Operators(Lattice((N, N), DX, DY), bodies, *units, frame, stencil)
 
 
 @pytest.fixture(scope="module")

@@ -19,7 +19,8 @@ ROUNDING = 1e-12
 
 
 def of_strips(n=N, dx=DX, frame=None, datum=DATUM):
-    return Operators(Lattice((n, 1), dx, 1.0), replace(BODIES, datum=datum), LENGTH, frame)
+    gap, slip = LENGTH / PAIR.E_star, max((frame or Frame()).mu) ** 2 / PAIR.shear
+    return Operators(Lattice((n, 1), dx, 1.0), replace(BODIES, datum=datum), gap, slip, frame)
 
 
 def offsets(n=N, dx=DX):

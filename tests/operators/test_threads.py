@@ -17,7 +17,7 @@ from tractive_sam.operators import Lattice, Operators, StressLayers, fft, thread
 
 def test_threads_do_not_disturb_each_other():
     bodies = HalfSpaces(Material(1.0, 0.3), Material(1.0, 0.3))
-    operator = Operators(Lattice((96, 96), 0.1, 0.1), bodies, 1.0).slip
+    operator = Operators(Lattice((96, 96), 0.1, 0.1), bodies, 1.0, 1.0).slip
     fields = np.random.default_rng(0).normal(size=(8, 2, 96, 96))
     alone = [operator(f) for f in fields]
     with ThreadPoolExecutor(4) as pool:
@@ -60,10 +60,10 @@ def test_cores_where_the_system_does_not_tell_those_of_a_process(known, monkeypa
 def test_threads_of_a_transform_change_nothing_but_rounding(monkeypatch):
     bodies = HalfSpaces(Material(1.0, 0.3), Material(1.0, 0.3))
     fields = np.random.default_rng(0).normal(size=(2, 90, 80))
-    one = Operators(Lattice((90, 80), 0.1, 0.1), bodies, 1.0).slip(fields)
+    one = Operators(Lattice((90, 80), 0.1, 0.1), bodies, 1.0, 1.0).slip(fields)
     monkeypatch.setattr(threads, "LARGE", 1)
     monkeypatch.setenv("OMP_NUM_THREADS", "2")
-    two = Operators(Lattice((90, 81), 0.1, 0.1), bodies, 1.0).slip(
+    two = Operators(Lattice((90, 81), 0.1, 0.1), bodies, 1.0, 1.0).slip(
         np.pad(fields, ((0, 0), (0, 0), (0, 1)))
     )
     np.testing.assert_allclose(two[..., :80], one, atol=1e-12 * np.abs(one).max())

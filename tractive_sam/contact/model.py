@@ -1,7 +1,7 @@
 """A scene put into numbers: mesh, undeformed gap, rigid slip, units and operators."""
 
 import warnings
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from functools import cached_property
 
 import numpy as np
@@ -31,16 +31,13 @@ class Units:
     ----------
     pressure : float
         p*, MPa.
-    length : float
-        l, mm.
     gap : float
-        g* = p* l / E*, mm; E* is the normal modulus of the bodies.
+        g*, mm; of half-spaces p* l / E*, l the mean semi-axis of the contact.
     slip : float
-        s* = max(mu1, mu2)² p* / G, dimensionless; G is their shear modulus.
+        s*, dimensionless; of half-spaces max(mu1, mu2)² p* / G.
     """
 
     pressure: float
-    length: float
     gap: float
     slip: float
 
@@ -110,25 +107,30 @@ class Model:
     @cached_property
     def units(self) -> Units:
         """Units taken from the Hertzian contact, or from the mesh where there is none."""
-        hertz, E = self.scene.hertz, self.elasticity.normal_modulus
+        hertz, sides = self.scene.hertz, (self.grid.dx, self.grid.dy)
         if hertz is not None:
-            pressure = hertz.p0
             length = hertz.mean_semi_axis
         else:
             length = 0.5 * float(np.sqrt(self.grid.half_length[0] * self.grid.half_length[1]))
-            load = self.scene.load
-            if load.normal is not None:
-                pressure = load.normal / (np.pi * length**2)
-            else:
-                pressure = E * load.approach / length
-        slip = max(self.frame.mu) ** 2 * pressure / self.elasticity.shear_modulus
-        return Units(pressure, length, pressure * length / E, slip)
+        gap = self.elasticity.gap_per_pressure(length, *sides)
+        load = self.scene.load
+        if hertz is not None:
+            pressure = hertz.p0
+        elif load.normal is not None:
+            pressure = load.normal / (np.pi * length**2)
+        else:
+            pressure = load.approach / gap
+        slip = max(self.frame.mu) ** 2 * self.elasticity.slip_per_traction(*sides)
+        return Units(pressure, gap * pressure, slip * pressure)
 
     @cached_property
     def operators(self) -> Operators:
         """Operators on the whole mesh."""
         lattice = Lattice(self.grid.elements, self.grid.dx, self.grid.dy)
-        return Operators(lattice, self.elasticity, self.units.length, self.frame, self.stencil)
+        pressure, gap, slip = astuple(self.units)
+        return Operators(
+            lattice, self.elasticity, gap / pressure, slip / pressure, self.frame, self.stencil
+        )
 
     @cached_property
     def free(self) -> tuple[bool, bool]:

@@ -19,41 +19,27 @@ COMPONENTS = ("xx", "xy", "yy", "zz", "xz", "yz")
 
 
 class Elasticity(ABC):
-    """Two bodies as one; a subclass gives the moduli and `coefficients`.
+    """Two bodies as one; a subclass gives `coefficients`, and the rest where it is another.
 
     Examples
     --------
-    >>> @dataclasses.dataclass(frozen=True)
-    ... class Winkler(ts.Elasticity):
-    ...     normal_modulus: float = 1e5  # MPa
-    ...     shear_modulus: float = 8e4
-    ...     thickness: float = 0.1  # mm
-    ...
+    >>> class Winkler(ts.Elasticity):
     ...     def coefficients(self, component, offsets, dx, dy):
     ...         table = np.zeros(offsets)
-    ...         moduli = {"xx": self.shear_modulus, "yy": self.shear_modulus}
-    ...         moduli["zz"] = self.normal_modulus
-    ...         if component in moduli:
-    ...             table[0, 0] = self.thickness / moduli[component]
+    ...         table[0, 0] = {"xx": 2e-6, "yy": 2e-6, "zz": 1e-6}.get(component, 0.0)
     ...         return table
     >>> laws = ts.Laws.of(scene).replace(elasticity=Winkler())
-    >>> ts.solve(scene, laws=laws).converged
-    True
+    >>> soft = ts.solve(scene, laws=laws)
+    >>> round(soft.approach / soft.p_max, 7)
+    1e-06
     """
 
     @property
-    @abstractmethod
-    def normal_modulus(self) -> float:
-        """Pressure over normal strain, MPa: makes problems dimensionless (of half-spaces E*)."""
-
-    @property
-    @abstractmethod
-    def shear_modulus(self) -> float:
-        """Traction over slip, MPa: makes problems dimensionless (of half-spaces G)."""
-
-    @property
     def coupled(self) -> bool:
-        """Whether pressure makes the surfaces slip and tractions make them lift."""
+        """Whether pressure makes the surfaces slip and tractions make them lift.
+
+        By default not; then "xz" and "yz" of `coefficients` are not asked for.
+        """
         return False
 
     @abstractmethod
@@ -79,7 +65,32 @@ class Elasticity(ABC):
             other sides "xy" is odd in x and in y, "xz" odd in x, "yz" odd in y; all else is even.
         """
 
-    def opening(self, normal: np.ndarray) -> np.ndarray:
+    def gap_per_pressure(self, length: float, dx: float, dy: float) -> float:
+        """What gaps are measured in, over what pressures are: they are then of like size.
+
+        Parameters
+        ----------
+        length : float
+            Of the contact, mm.
+        dx, dy : float
+            Sides of an element, mm.
+
+        Returns
+        -------
+        float
+            mm/MPa; by default what an element is pressed in by itself.
+        """
+        return float(self.coefficients("zz", (1, 1), dx, dy)[0, 0])
+
+    def slip_per_traction(self, dx: float, dy: float) -> float:
+        """What slips are measured in, over what tractions are, 1/MPa.
+
+        By default what an element makes itself slip.
+        """
+        here, ahead = self.coefficients("xx", (2, 1), dx, dy)[:, 0]
+        return float(here - ahead) / dx
+
+    def opening(self, normal: np.ndarray, dx: float, dy: float) -> np.ndarray:
         """Displacement by tractions over that by the pressure, just ahead of an edge of contact.
 
         Of tractions that are a constant share of the pressure, over that share. They make the
@@ -89,14 +100,16 @@ class Elasticity(ABC):
         ----------
         normal : ndarray, shape (2, m)
             Unit vectors out of the contact.
+        dx, dy : float
+            Sides of an element, mm.
 
         Returns
         -------
         ndarray, shape (m, 2, 2)
-            Dimensionless; by default the ratio of the moduli, in any direction.
+            Dimensionless; by default as an element displaces itself.
         """
-        ratio = self.normal_modulus / self.shear_modulus
-        return np.broadcast_to(ratio * np.eye(2), (normal.shape[1], 2, 2))
+        xx, yy, zz = (self.coefficients(k, (1, 1), dx, dy)[0, 0] for k in ("xx", "yy", "zz"))
+        return np.broadcast_to(np.diag([xx / zz, yy / zz]), (normal.shape[1], 2, 2))
 
     def spanning(self, length: float) -> "Elasticity":
         """The same for a mesh of a length in x, mm, where that makes a difference."""
@@ -127,7 +140,7 @@ class HalfSpaces(Elasticity):
 
     Examples
     --------
-    >>> round(ts.Laws.of(scene).elasticity.normal_modulus)
+    >>> round(ts.Laws.of(scene).elasticity.material.E_star)
     114286
     """
 
@@ -138,16 +151,6 @@ class HalfSpaces(Elasticity):
     def material(self) -> CombinedMaterial:
         """The constants of the pair."""
         return combine(self.A, self.B)
-
-    @property
-    def normal_modulus(self) -> float:
-        """E*, MPa."""
-        return self.material.E_star
-
-    @property
-    def shear_modulus(self) -> float:
-        """Combined shear modulus G, MPa."""
-        return self.material.shear
 
     @property
     def coupled(self) -> bool:
@@ -175,7 +178,15 @@ class HalfSpaces(Elasticity):
                 entry = -K * y2
         return entry / (np.pi * self.material.shear)
 
-    def opening(self, normal: np.ndarray) -> np.ndarray:
+    def gap_per_pressure(self, length: float, dx: float, dy: float) -> float:
+        """length / E*; see `Elasticity.gap_per_pressure`."""
+        return length / self.material.E_star
+
+    def slip_per_traction(self, dx: float, dy: float) -> float:
+        """1/G; see `Elasticity.slip_per_traction`."""
+        return 1.0 / self.material.shear
+
+    def opening(self, normal: np.ndarray, dx: float, dy: float) -> np.ndarray:
         """(1 - nu n n^T)/(1 - nu), that of line loads along the edge; see `Elasticity.opening`."""
         nu = self.material.poisson
         return (np.eye(2) - nu * np.einsum("am,bm->mab", normal, normal)) / (1.0 - nu)

@@ -1,9 +1,9 @@
 """The dimensionless operators of one contact problem.
 
-With a unit of pressure p*, of gap g* = p* l / E* and of slip s* = max(mu1, mu2)² p* / G, E* and G
-the moduli of the bodies, and with the tractions in the scaled tribological frame, p~ = M^-1 R p_t
-and s~ = M R s, every quantity that a solver meets is of order one and both penalty-like factors of
-the contact conditions are unity:
+With a unit of pressure p*, of gap g* and of slip s* (of half-spaces p* l / E* and
+max(mu1, mu2)² p* / G), and with the tractions in the scaled tribological frame, p~ = M^-1 R p_t and
+s~ = M R s, every quantity that a solver meets is of order one and both penalty-like factors of the
+contact conditions are unity:
 
     gap   eta   = h/g* - delta/g* + A_nn pi_n + A_nt pi_t,    pi_n = max(0, pi_n - eta)
     slip  sigma = s~_rigid/s*     + D_tn pi_n + D_tt pi_t,    pi_t = disc(pi_t - sigma; pi_n)
@@ -36,8 +36,8 @@ class Operators:
         Elements; lengths in mm.
     elasticity : Elasticity
         The bodies.
-    length : float
-        The length l of the unit of gap, mm.
+    gap, slip : float
+        Units of gap and of slip over that of pressure, g*/p*, mm/MPa, and s*/p*, 1/MPa.
     frame : Frame
         Scaled tribological frame.
     stencil : Stencil
@@ -48,19 +48,21 @@ class Operators:
         self,
         lattice: Lattice,
         elasticity: Elasticity,
-        length: float,
+        gap: float,
+        slip: float,
         frame: Frame | None = None,
         stencil: Stencil = UPWIND,
     ):
         self.lattice = lattice
         self.elasticity = elasticity
-        self.length = length
+        self._per_gap, self._per_slip = 1.0 / gap, 1.0 / slip
+        self._units = gap, slip
         self.frame = frame or Frame()
         self.stencil = stencil
 
     def on(self, lattice: Lattice) -> "Operators":
         """The same bodies and units on another mesh."""
-        return Operators(lattice, self.elasticity, self.length, self.frame, self.stencil)
+        return Operators(lattice, self.elasticity, *self._units, self.frame, self.stencil)
 
     @cached_property
     def coarsened(self) -> "Operators":
@@ -70,18 +72,8 @@ class Operators:
     @cached_property
     def part(self) -> Callable[[tuple[int, int]], "Operators"]:
         """Operators on fewer elements of the mesh, by their numbers; the last eight are kept."""
-        whole = (self.lattice, self.elasticity, self.length, self.frame, self.stencil)
+        whole = (self.lattice, self.elasticity, *self._units, self.frame, self.stencil)
         return lru_cache(8)(partial(_on_part, *whole))
-
-    @property
-    def _per_gap(self) -> float:
-        """p*/g*, MPa/mm."""
-        return self.elasticity.normal_modulus / self.length
-
-    @property
-    def _per_slip(self) -> float:
-        """p*/s*, MPa."""
-        return self.elasticity.shear_modulus / max(self.frame.mu) ** 2
 
     def _displacement(self, component: str, period: tuple[int, int] | None = None) -> np.ndarray:
         return spectrum(influence.displacement(self.lattice, self.elasticity, component, period))
@@ -149,7 +141,7 @@ class Operators:
         n = edge_normals(bound, *leading, self.lattice.dx / self.lattice.dy)
         per_gap = self._per_slip / (self._per_gap * self.lattice.dx)
         F = self.frame.matrix
-        opening = per_gap * F @ self.elasticity.opening(n) @ F.T
+        opening = per_gap * F @ self.elasticity.opening(n, self.lattice.dx, self.lattice.dy) @ F.T
         return FrictionSlip(self.stencil.staggered, bound, gap, leading, opening)
 
     @cached_property
@@ -200,5 +192,5 @@ class Operators:
         return self.coupled(np.concatenate((pressure[None], none)))[1:]
 
 
-def _on_part(lattice, elasticity, length, frame, stencil, shape: tuple[int, int]) -> Operators:
-    return Operators(lattice.of(shape), elasticity, length, frame, stencil)
+def _on_part(lattice, elasticity, gap, slip, frame, stencil, shape) -> Operators:
+    return Operators(lattice.of(shape), elasticity, gap, slip, frame, stencil)
