@@ -1,3 +1,4 @@
+import os
 from math import inf
 
 import h5py
@@ -106,6 +107,21 @@ def test_error_in_the_computation_is_told_in_the_file(path):
     history = open_history(path)
     assert (history.status, history.message) == ("stopped early", "KeyboardInterrupt")
     assert len(history) == 1
+
+
+def test_an_interrupt_after_the_file_changed_doubles_nothing(path, monkeypatch):
+    def interrupted(*names):
+        os.rename(*names)
+        monkeypatch.undo()
+        raise KeyboardInterrupt
+
+    writer = HistoryWriter(path, SCENE, mesh())
+    monkeypatch.setattr("tractive_sam.store.replacement.os.replace", interrupted)
+    with pytest.raises(KeyboardInterrupt), writer:
+        writer.append(make_record(0, with_fields=True))
+    history = open_history(path)
+    assert history["revolution"].tolist() == history.field_revolutions.tolist() == [0]
+    assert history.status == "stopped early"
 
 
 def test_record_that_fails_leaves_no_trace(path):

@@ -119,6 +119,7 @@ class HistoryWriter:
             layout.set_status(file, *layout.RUNNING)
             layout.set_versions(file, history.provenance)
             set_text(file, RUN, writer._run)
+            writer._pending = len(file["history/record"]), []
         return writer
 
     def _begin(
@@ -126,9 +127,10 @@ class HistoryWriter:
     ) -> None:
         self.path, self._mesh, self._run = Path(path), mesh, uuid4().hex
         self._checkpoints = checkpoints or Checkpoints()
-        self._pending: list[Record] = []  # not on disk yet
-        self._grid: Grid | None = None  # the last mesh, and the last state from which to go on
-        self._state: Mapping[str, np.ndarray] | None = None
+        # How many records are on disk, and those that are not: both change at once.
+        self._pending: tuple[int, list[Record]] = (0, [])
+        self._grid: Grid | None = None  # the last mesh, and the last state with its row
+        self._state: tuple[int, Mapping[str, np.ndarray]] | None = None
 
     def __enter__(self) -> Self:
         return self
@@ -178,9 +180,10 @@ class HistoryWriter:
         _check_fits(record, self._mesh, mesh)
         self._mesh = mesh
         self._grid = grid or self._grid
-        self._pending.append(record)
+        kept, pending = self._pending
+        pending.append(record)
         if state is not None and record.values["converged"]:
-            self._state = len(self._pending), dict(state)
+            self._state = kept + len(pending) - 1, dict(state)
         if record.fields or self._checkpoints.due:
             with self._checkpoints.taken():
                 self._write()
@@ -206,17 +209,19 @@ class HistoryWriter:
             self._check_own(file)
             if self._grid is not None:
                 rows.widen(file, self._grid)
-            for record in self._pending:
+            kept, pending = self._pending
+            # Some are there already if an interrupt came just after the last copy was put in place.
+            pending = pending[len(file["history/record"]) - kept :]
+            for record in pending:
                 layout.add_columns(file, record)
-            before = len(file["history/record"])
-            if self._pending:
-                rows.append(file, self._pending)
+            if pending:
+                rows.append(file, pending)
             if self._state is not None:
-                count, state = self._state
-                rows.put_state(file, before + count - 1, state)
+                rows.put_state(file, *self._state)
             if ended is not None:
                 layout.set_status(file, *ended)
-        self._pending, self._state = [], None
+            kept = len(file["history/record"])
+        self._pending = kept, []
 
     def _check_own(self, file: File) -> None:
         """Two runs that were given one file must not mix their records."""
