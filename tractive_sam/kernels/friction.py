@@ -131,6 +131,8 @@ def _respond(slip, m0, m1, staggered, s0, s1, ratio, t0, t1, i, j, across):
         share, agreement, square = _share(a0, a1, m0, m1)
         size = sqrt(a0 * a0 + a1 * a1)
         if share > 0.0 and size > 1e-100:
+            # d(s) = |s| d(u), u = d/|d|: only what of a change of d is across u turns s. Its part
+            # along u changes |d| alone, and |s| = |a| grows with a instead.
             u0, u1 = s0 / size, s1 / size
             onto = t0 * u0 + t1 * u1
             t0, t1 = t0 - onto * u0, t1 - onto * u1
@@ -139,7 +141,7 @@ def _respond(slip, m0, m1, staggered, s0, s1, ratio, t0, t1, i, j, across):
     across[0, 1, i, j] = (1.0 - share) * t1 + grown * a1
     across[1, 0, i, j], across[1, 1, i, j] = share * t0, share * t1
     if 0.0 < share < 1.0:
-        # The share changes as well.
+        # The share changes as well: that of 4 a.m/(a² + m²) by a, and by m.
         x = 4.0 * (t0 * (m0 - a0) + t1 * (m1 - a1)) / square
         across[0, 0, i, j] += x * (m0 - agreement * a0)
         across[0, 1, i, j] += x * (m1 - agreement * a1)
@@ -213,6 +215,8 @@ def linearise(
             d0, d1 = z0 - p0, z1 - p1
             merit += d0 * d0 / w0 + d1 * d1 / w1
             if root == 0.0:
+                # Here disc(p - w s) - p = -w s. The row asks it of the slip of the leading face,
+                # which has the size of s but is linear in the tractions, unlike the turned one.
                 state[i, j] = STICK
                 d0, d1 = -slip[0, i, j], -slip[1, i, j]
             else:
@@ -228,6 +232,8 @@ def linearise(
                     ) * out
                     along = k * scaled + (1.0 - k) * along
                 if ratio != 1.0:
+                    # In k t.s + (1 - k) t.p what t.s answers is `ratio` times `across`: divided by
+                    # the sum of both shares the row is the same with another k.
                     scale = 1.0 / (k * ratio + 1.0 - k)
                     k = max(scale * k * ratio, 1e-100)
                     along *= scale
@@ -288,6 +294,8 @@ def split(state, direction, kappa, stiffness, own, row, smooth, rough):
                 d = own[0] * t0 * t0 + 2.0 * own[1] * t0 * t1 + own[2] * t1 * t1
                 w = stiffness[i, j]
                 value = (1.0 + w) * (t0 * row[0, i, j] + t1 * row[1, i, j]) / k
+                # Elastic over elastic and local: the circulant cannot know of a local term, and
+                # given all of a row that is nearly local it would make far too much of it.
                 share = 2.0 * d / (2.0 * d + 0.5 * w + (1.0 + w) * (1.0 / k - 1.0))
                 rough[i, j] = (1.0 - share) * value
                 smooth[0, i, j], smooth[1, i, j] = share * value * t0, share * value * t1
@@ -315,6 +323,7 @@ def sweep(state, direction, kappa, stiffness, own, smooth, rough, out):
                 t0, t1 = -direction[1, i, j], direction[0, i, j]
                 d = 2.0 * (own[0] * t0 * t0 + 2.0 * own[1] * t0 * t1 + own[2] * t1 * t1)
                 w = stiffness[i, j]
+                # Implicit: where gamma outweighs d, the traction is rough/gamma.
                 gamma = 0.5 * w + (1.0 + w) * (1.0 / kappa[i, j] - 1.0)
                 tau = (d * (a * t0 + b * t1) + rough[i, j]) / (d + gamma)
                 a, b = tau * t0, tau * t1

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tractive_sam.kernels import wear
+from tractive_sam.mechanics.frame import Frame
 
 
 class WearLaw(ABC):
@@ -64,8 +65,7 @@ class Archard(WearLaw):
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
         """See `WearLaw.rate`; the traction does not matter."""
-        along, across = _turned(slip, self.angle)
-        return pressure * np.hypot(self.intensity[0] * along, self.intensity[1] * across)
+        return pressure * Frame(self.intensity, self.angle).dual_norm(slip)
 
 
 @dataclass(frozen=True)
@@ -96,16 +96,11 @@ class ArchardByWork(WearLaw):
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
         """See `WearLaw.rate`; zero where the work is negative, as it is in a few elements."""
-        along, across = -_turned(traction, self.angle) * _turned(slip, self.angle)
+        axes = Frame(angle=self.angle).matrix
+        along, across = -np.tensordot(axes, traction, axes=1) * np.tensordot(axes, slip, axes=1)
         work = np.maximum(along + across, 0.0)
         first, second = (i / mu for i, mu in zip(self.intensity, self.mu, strict=True))
         squared = work * (first**2 * along + second**2 * across)
         # Work against one axis only must not leave the bounds that work along both has.
         least, most = sorted((first, second))
         return np.sqrt(np.clip(squared, (least * work) ** 2, (most * work) ** 2))
-
-
-def _turned(vector: np.ndarray, angle: float) -> np.ndarray:
-    """Components of a field of vectors along the tribological axes."""
-    c, s = np.cos(angle), np.sin(angle)
-    return np.stack((c * vector[0] + s * vector[1], c * vector[1] - s * vector[0]))

@@ -41,7 +41,10 @@ def gmres(
     residual[0] = norm
     k = 0
     while k < most and abs(residual[k]) > tolerance * norm:
+        # The basis has the precision of rhs. The triangle and the rotations are in double: they
+        # are small, and add no rounding of their own to that of the products.
         w, h, beyond = _orthogonalised(operator(preconditioner(basis[k])), basis[: k + 1])
+        # Givens: the rotations so far, then one that takes away what the new vector adds below.
         column = rotation[: k + 1, : k + 1] @ h
         size = np.hypot(column[k], beyond)
         if size == 0.0:
@@ -59,6 +62,8 @@ def gmres(
         np.divide(w, rhs.dtype.type(beyond), out=basis[k])
     if k == 0:
         return np.zeros_like(rhs), 0
+    # From the right: the residual minimised is that of the system itself, and the step is
+    # preconditioned once, at the end.
     weights = np.linalg.solve(triangle[:k, :k], residual[:k]).astype(rhs.dtype)
     return np.array(preconditioner(weights @ basis[:k])), k
 
