@@ -7,6 +7,7 @@ import xarray as xr
 
 from tests.store.sample_records import SCENE, make_record, mesh
 from tractive_sam.results.quantities import FIELDS, STRESSES, columns
+from tractive_sam.scene import Scene, SceneError
 from tractive_sam.store import HistoryWriter, ResultsError, open_history
 
 
@@ -155,6 +156,19 @@ class TestUnreadable:
         finished.unlink()
         with pytest.raises(ResultsError, match="does not exist"):
             history.field("pressure")
+
+
+def test_results_outlive_the_file_of_their_gap(path, tmp_path):
+    gap = tmp_path / "gap.csv"
+    gap.write_text("x,y,separation\n-1,-1,0\n-1,1,0\n1,-1,0\n1,1,0\n")
+    scene = Scene.builtin("spheres").replace(**{"gap": {"file": str(gap)}})
+    with HistoryWriter(path, scene, mesh()) as writer:
+        writer.append(make_record(0))
+    gap.unlink()
+    assert len(open_history(path)) == 1
+    assert open_history(path).scene.gap.file == gap
+    with pytest.raises(SceneError, match=r"gap\.file"):
+        scene.replace(title="To be computed anew")
 
 
 def test_reading_does_not_change_the_file(finished):

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
@@ -21,10 +23,25 @@ SUFFIXES = (".h5", ".npy", ".csv")
 _ARRAYS = ("x", "y", "separation")
 
 
+_ANYWHERE = ContextVar("gap files need not be there", default=False)
+
+
+@contextmanager
+def files_anywhere() -> Iterator[None]:
+    """Let scenes name gap files that are not there: those that were computed, and then moved."""
+    before = _ANYWHERE.set(True)
+    try:
+        yield
+    finally:
+        _ANYWHERE.reset(before)
+
+
 def _existing(path: Path) -> Path:
     if path.suffix not in SUFFIXES:
         raise ValueError(f"a file ending in {', '.join(SUFFIXES)}")
-    if not os.path.isfile(path):  # unlike Path.is_file, puts up with any text
+    if not _ANYWHERE.get() and not os.path.isfile(
+        path
+    ):  # unlike Path.is_file, puts up with any text
         raise ValueError("an existing file")
     return path.absolute()  # scenes are written down and read again, in other folders as well
 

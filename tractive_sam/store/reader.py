@@ -11,6 +11,7 @@ from tractive_sam.results.grid import Grid
 from tractive_sam.results.history import LABELS, History
 from tractive_sam.results.quantities import BODIES, FIELDS, OUTSIDE, STRESS, Quantity, columns
 from tractive_sam.scene import Scene, SceneError, SceneWarning
+from tractive_sam.scene.gap import files_anywhere
 from tractive_sam.store import former, layout
 from tractive_sam.store.errors import ResultsError
 from tractive_sam.store.opening import Results, results_file
@@ -134,8 +135,11 @@ def _scene(file: Results) -> Scene:
     if file.version > 1 and file.text("scene", "digest") != layout.digest(text):
         raise file.damaged("scene: the text is not as it was written")
     try:
-        with warnings.catch_warnings():  # of a mesh too coarse, say: its user was warned then
-            warnings.simplefilter("ignore", SceneWarning)
+        with (
+            files_anywhere(),
+            warnings.catch_warnings(),
+        ):  # of a mesh too coarse, say: its user was warned then
+            warnings.simplefilter("ignore", SceneWarning)  # its user was warned then
             return Scene.from_toml_text(former.scene(text) if file.version == 1 else text)
     except (ValueError, SceneError) as error:
         raise file.damaged(f"scene: {error}") from None
