@@ -68,7 +68,7 @@ def test_numbers_of_a_scene(changes, tmp_path):
     scene.write_text("\n".join(lines))
     fitting = [s for s in SMALL if f"[{s.split('.')[0]}]" in lines or s.startswith("solver")]
     told = [f"--set={setting}" for setting in fitting]
-    if outcome("run", scene, "-o", "scene.h5", *told) == 0:
+    if outcome("run", scene, "-o", "scene.h5", "--overwrite", *told) == 0:
         history = open_history("scene.h5")
         for name in ("P", "Qx", "p_max", "wear_max"):
             assert np.isfinite(history[name]).all()

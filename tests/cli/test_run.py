@@ -32,14 +32,44 @@ def test_settings(call, roll):
     assert scene.friction.mu == (0.4, 0.2)
 
 
-def test_earlier_results_are_replaced_but_nothing_else(call, roll, folder):
-    for _ in range(2):
-        assert call("run", "spheres").exit_code == 0
-    (folder / "precious.h5").write_text("gold")
-    result = call("run", "spheres", "-o", "precious.h5")
+def test_earlier_results_are_kept_unless_told_otherwise(call, roll, folder):
+    assert call("run", "spheres").exit_code == 0
+    before = (folder / "spheres.h5").read_bytes()
+    for others in ([], ["--set", "load.normal=0.3"], ["--resume", "--overwrite"]):
+        result = call("run", "spheres", *others)
+        assert result.exit_code == 2
+        assert "--overwrite" in result.stderr
+        assert ("load.normal" in result.stderr) == ("load.normal=0.3" in others)
+    assert (folder / "spheres.h5").read_bytes() == before
+    assert len(roll.calls) == 1
+    assert call("run", "spheres", "--set", "load.normal=0.3", "--overwrite").exit_code == 0
+    assert open_history("spheres.h5").scene.load.normal == 0.3
+
+
+@pytest.mark.parametrize("ending", [("stalled", "try solver.method"), None])
+def test_an_unfinished_run_is_resumed_or_begun_anew_as_told(call, roll, ending):
+    roll.ending, roll.error = ending, None if ending else KeyboardInterrupt()
+    assert call("run", "twin-discs").exit_code == 3
+    result = call("run", "twin-discs")
     assert result.exit_code == 2
-    assert "precious.h5 would be overwritten" in result.stderr
-    assert (folder / "precious.h5").read_text() == "gold"
+    assert "--resume" in result.stderr
+    assert "--overwrite" in result.stderr
+
+
+def test_more_revolutions_are_for_resuming(call, roll, stored):
+    shorter = ["twin-discs", "-o", "discs.h5", "--set"]
+    roll(Scene.builtin("twin-discs").with_set(["wear.revolutions=2"]), Path("discs.h5"))
+    assert "--resume" not in call("run", *shorter, "wear.revolutions=2").stderr
+    assert "--resume" in call("run", *shorter, "wear.revolutions=9999").stderr
+
+
+def test_files_of_others_are_never_replaced(call, roll, folder):
+    (folder / "precious.h5").write_text("gold")
+    for options in ([], ["--overwrite"]):
+        result = call("run", "spheres", "-o", "precious.h5", *options)
+        assert result.exit_code == 2
+        assert "precious.h5 would be overwritten" in result.stderr
+        assert (folder / "precious.h5").read_text() == "gold"
 
 
 @pytest.mark.parametrize(

@@ -33,8 +33,7 @@ def run(
             "--output",
             "-o",
             metavar="FILE.h5",
-            help="Results file; that of an earlier run is replaced. By default, the name of the "
-            "scene in the working folder.",
+            help="Results file. By default, the name of the scene in the working folder.",
         ),
     ] = None,
     resume: Annotated[
@@ -45,14 +44,21 @@ def run(
             "that was killed or stopped, or to more revolutions than before.",
         ),
     ] = False,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Replace the results file, if there is one.")
+    ] = False,
 ) -> None:
     """Compute a scene, all its revolutions, into a results file."""
     from tractive_sam.cli import tables
     from tractive_sam.run import pipeline
 
+    if resume and overwrite:
+        raise stop(Status.INVALID, "--resume goes on, --overwrite starts anew: give one of them")
     with bad_input_told():
         asked = read_scene(scene, settings)
         output = output or Path(Path(scene).name).with_suffix(".h5")
+        if output.exists() and not (resume or overwrite):
+            raise stop(Status.INVALID, _kept(output, asked))
         before = _written(output)
         try:
             with _progress(asked) as progress, warnings_told():
@@ -77,6 +83,29 @@ def run(
         raise stop(Status.INCOMPLETE, "less accurate than asked for; the error bars tell how much")
     if not history.finished:
         raise stop(Status.INCOMPLETE, "the computation ended early; the file holds it up to there")
+
+
+def _kept(path: Path, scene: "Scene") -> str:
+    """What a file holds that is not replaced unasked, and what to do instead."""
+    from tractive_sam.run.resume import what_differs
+    from tractive_sam.store import ResultsError, open_history
+
+    own = "-o FILE.h5 gives this run a file of its own"
+    try:
+        history = open_history(path)
+    except ResultsError as error:
+        return f"{path} would be overwritten, but {error}; {own}"
+    if told := what_differs(history.scene, scene):
+        return f"{path} holds another scene ({told}); {own}, --overwrite replaces it"
+    rolled = history["revolution"][-1] if len(history) else 0
+    asked = scene.wear.revolutions if scene.wear is not None else 0
+    if history.finished and rolled >= asked:
+        return f"{path} holds this scene, computed to its end; --overwrite computes it anew, {own}"
+    how_far = f"up to revolution {rolled} of {asked}" if asked else "not to its end"
+    return (
+        f"{path} holds this scene, computed {how_far}; --resume goes on from there, --overwrite "
+        "starts anew"
+    )
 
 
 def _written(path: Path) -> int | None:

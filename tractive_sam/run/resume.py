@@ -77,11 +77,15 @@ def last_passage(history: History, path: str | PathLike, scene: Scene) -> Passag
     return _on_grid_of(scene, passage, path)
 
 
+def what_differs(before: Scene, now: Scene) -> str:
+    """What makes two scenes different ones, as far as resuming goes; empty for the same one."""
+    there, here = before.settings(), now.settings()
+    differ = sorted(_differing(there, here))
+    return "; ".join(f"{k}: {_shown(there, k)} there, {_shown(here, k)} now" for k in differ)
+
+
 def _check_same(history: History, path: str | PathLike, scene: Scene) -> None:
-    before, now = history.scene.settings(), scene.settings()
-    differ = sorted(_differing(before, now))
-    if differ:
-        told = "; ".join(f"{k}: {_shown(before, k)} there, {_shown(now, k)} now" for k in differ)
+    if told := what_differs(history.scene, scene):
         raise ResultsError(
             f"{path} holds another scene ({told}); resume with the same one, or give this one a "
             "file of its own"
