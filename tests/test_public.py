@@ -1,6 +1,7 @@
 """The public names are what they say, also after everything has been imported."""
 
 import pickle
+from dataclasses import fields, is_dataclass
 from importlib import import_module
 from pathlib import Path
 from pkgutil import walk_packages
@@ -51,13 +52,13 @@ def test_not_converged_crosses_between_processes():
     assert not again.contact.converged
 
 
-def errors_of_the_package():
-    """Every class of exceptions that is defined in it."""
+def classes_of_the_package():
+    """Every class that is defined in it."""
     for module in walk_packages(ts.__path__, "tractive_sam."):
         if module.name != "tractive_sam.__main__":
             for found in vars(import_module(module.name)).values():
-                if isinstance(found, type) and issubclass(found, Exception):
-                    yield from [found] if found.__module__ == module.name else []
+                if isinstance(found, type) and found.__module__ == module.name:
+                    yield found
 
 
 GIVEN = {
@@ -69,13 +70,26 @@ GIVEN = {
 
 
 def test_every_error_crosses_between_processes():
-    errors = [kind(*GIVEN.get(kind.__name__, ("a word",))) for kind in errors_of_the_package()]
+    kinds = [kind for kind in classes_of_the_package() if issubclass(kind, Exception)]
+    errors = [kind(*GIVEN.get(kind.__name__, ("a word",))) for kind in kinds]
     assert {type(error).__name__ for error in errors} > {"ResultsError", *GIVEN}
     for error in errors:
         again = pickle.loads(pickle.dumps(error))
         assert type(again) is type(error)
         assert str(again) == str(error)
         assert vars(again) == vars(error)
+
+
+def test_what_holds_arrays_is_equal_only_to_itself():
+    """Arrays have no one truth and no hash; those of arguments of functions are held by nobody."""
+    holding = {
+        kind
+        for kind in filter(is_dataclass, classes_of_the_package())
+        for field in fields(kind)
+        if "ndarray" in str(field.type).partition("Callable")[0]
+    }
+    assert {ts.Contact, ts.PlaneStress, ts.solvers.Outcome} <= holding
+    assert not [kind for kind in holding if kind.__eq__ is not object.__eq__]
 
 
 def test_a_gap_measured_too_short_is_told():

@@ -40,7 +40,7 @@ LABELS = {
 and others, come with the variable."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Variable:
     """What is drawn along an axis of a figure.
 

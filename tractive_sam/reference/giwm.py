@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class GlobalWear:
     """Course of the global incremental wear model, one entry a revolution, from 0.
 

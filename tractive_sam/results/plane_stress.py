@@ -12,7 +12,7 @@ COMPONENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
 """Components of a stress, in the order of every array of them."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PlaneStress:
     """Stress of one body on one plane.
 

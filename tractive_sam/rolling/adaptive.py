@@ -106,7 +106,7 @@ def _next_jump(model: Model, last: Passage, control: Stops) -> Passage:
         step = control.shorter(step, error)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Formula:
     """The two-step formula of a jump; with one milestone, that of Euler.
 

@@ -12,7 +12,7 @@ from tractive_sam.results.status import Cost, Status
 CORRECTIONS = 20
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Milestone:
     """A revolution that later ones extrapolate from.
 
@@ -41,7 +41,7 @@ class Milestone:
         return Milestone(self.revolution, np.pad(self.profile, more), np.pad(self.rate, more))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Passage:
     """State after a revolution; all that the next one needs.
 

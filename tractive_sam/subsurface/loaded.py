@@ -35,7 +35,7 @@ class Loading(Protocol):
     traction: np.ndarray
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class LoadedBodies:
     """Bodies seen as half-spaces z >= 0, and the way back to the axes of the contact.
 

@@ -7,7 +7,7 @@ import numpy as np
 from tractive_sam.kernels import stress_sum
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Patches:
     """The loaded elements of one half-space.
 

@@ -23,7 +23,7 @@ ROUND = 8
 and the transforms of each are planned but once."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Level:
     """Tractions on equal blocks, and the stress they cause.
 

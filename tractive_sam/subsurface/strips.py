@@ -11,7 +11,7 @@ from tractive_sam.results.grid import Grid
 from tractive_sam.subsurface.surface import Criterion, largest_at_surface
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class StripLoads:
     """The strips of one half-space, by their edges.
 
