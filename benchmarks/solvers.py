@@ -47,7 +47,7 @@ METHODS = {
 def raw_applications(problem) -> int:
     """Applications on all meshes of the nested method, each counted as one."""
     spaces, space = [problem.operators], problem.operators
-    while min(space.mesh.shape) > 24:
+    while min(space.lattice.shape) > 24:
         space = space.coarsened
         spaces.append(space)
     before = sum(s.slip.applications for s in spaces)
@@ -57,7 +57,7 @@ def raw_applications(problem) -> int:
 
 def transform_pair(problem) -> float:
     """Seconds of the bare forward and backward FFT of one application."""
-    plan = transform(2, problem.normal.pressure.shape, problem.operators.mesh.padded)
+    plan = transform(2, problem.normal.pressure.shape, problem.operators.lattice.padded)
     fields = np.ones(problem.rigid.shape)
 
     def pair():

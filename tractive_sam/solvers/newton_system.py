@@ -92,8 +92,8 @@ class System:
         self.applications = self.preconditionings = 0
         # The traction of an element that slips, per pressure that its bound rises with.
         self._following = at.law.direction * at.bound.by_pressure if self.free else None
-        self._rows_made = np.empty(self.shape, kind)
         self._out = np.empty(self.length, kind)
+        self._rows_made = self.fields(self._out)
         self._border()
 
     def fields(self, vector: np.ndarray) -> np.ndarray:
@@ -105,7 +105,10 @@ class System:
         return self.problem.response(step)
 
     def _rows(self, step: np.ndarray, response: np.ndarray) -> np.ndarray:
-        """Linearised conditions of a completed step and the change of gap and slip by it."""
+        """Linearised conditions of a completed step and the change of gap and slip by it.
+
+        They are the fields of the vector that `operator` returns, and overwritten by the next ones.
+        """
         at, rows = self.at, self._rows_made
         if self.free:
             rows[0] = np.where(at.active, response[0], 0.0)
@@ -161,7 +164,7 @@ class System:
         """Apply the Newton matrix; the result is overwritten by the next one."""
         step = self.completed(self.fields(vector))
         response = self._extended(self._response(step), vector[self.size :])
-        self._out[: self.size] = self._rows(step, response).ravel()
+        self._rows(step, response)
         if self.length > self.size:
             self._out[self.size :] = self.weight * self._resultants(step)
         return self._out
