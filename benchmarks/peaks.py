@@ -25,7 +25,7 @@ from tractive_sam.reference import (
     line_pressure_stress,
     line_shear_stress,
 )
-from tractive_sam.subsurface import stress_volume, von_mises_maximum
+from tractive_sam.subsurface import stress_maximum, stress_volume
 from tractive_sam.subsurface.loaded import LoadedBodies
 
 ACROSS = (16, 24, 32, 48, 64, 96)
@@ -60,7 +60,7 @@ def surfaces(contact: Contact, body: str) -> dict[str, float]:
     return {
         "centres": float(von_mises(at_centres).max()),
         "between": float(between[touching].max()),
-        "recorded": von_mises_maximum(contact, body).surface,
+        "recorded": stress_maximum(contact, body).surface,
     }
 
 

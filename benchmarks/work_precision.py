@@ -20,7 +20,7 @@ from timing import RESULTS, process_time, seconds, show, write
 import tractive_sam as ts
 from tractive_sam.contact import Model, choose_grid, equilibrium
 from tractive_sam.rolling import passages
-from tractive_sam.subsurface import von_mises_maximum
+from tractive_sam.subsurface import stress_maximum
 
 REVOLUTIONS = 1000
 RESIDUAL, FINE_RESIDUAL = 1e-5, 1e-7
@@ -118,7 +118,7 @@ def measured(contact) -> dict[str, float]:
     return {
         "Qx": contact.Qx,
         "peak traction": float(np.hypot(*contact.traction).max()),
-        "von Mises": von_mises_maximum(contact, "A").value,
+        "von Mises": stress_maximum(contact, "A").value,
     }
 
 

@@ -6,12 +6,13 @@ from . import solvers as solvers
 from . import studies as studies
 from . import subsurface as subsurface
 from .contact.laws import Laws as Laws
+from .mechanics.criteria import StressCriterion as StressCriterion
 from .mechanics.elasticity import Elasticity as Elasticity
 from .mechanics.friction import Bound as Bound
 from .mechanics.friction import Coulomb as Coulomb
 from .mechanics.friction import FrictionLaw as FrictionLaw
 from .results.history import History as History
-from .results.maximum import VonMisesMaximum as VonMisesMaximum
+from .results.maximum import Maximum as Maximum
 from .results.plane_stress import PlaneStress as PlaneStress
 from .results.quantities import Quantity as Quantity
 from .results.state import Contact as Contact
@@ -44,9 +45,9 @@ from .studies import explain_study as explain_study
 from .studies import open_study as open_study
 from .studies import study as study
 from .subsurface import stress_at as stress_at
+from .subsurface import stress_maximum as stress_maximum
 from .subsurface import stress_on_plane as stress_on_plane
 from .subsurface import stress_on_planes as stress_on_planes
 from .subsurface import stress_volume as stress_volume
-from .subsurface import von_mises_maximum as von_mises_maximum
 
 __version__: str

@@ -59,6 +59,6 @@ def test_save_all_draws_no_maps(history, tmp_path):
         "forces",
         "widths",
         "wear-depth",
-        "von-mises-maxima",
+        "von-mises-max",
         "pressure-profiles",
     }

@@ -10,7 +10,7 @@ from tractive_sam.plot import gallery
 from tractive_sam.plot.summits import summits
 from tractive_sam.results.history import History
 from tractive_sam.results.record import Record
-from tractive_sam.subsurface import stress_on_plane, stress_on_planes, von_mises_maximum
+from tractive_sam.subsurface import stress_maximum, stress_on_plane, stress_on_planes
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +44,7 @@ def marked(axes):
 def test_both_maxima_are_marked_where_they_are(contact):
     figure = drawn(plot.von_mises(contact))
     axes, bar = figure.axes
-    maximum, hertz = von_mises_maximum(contact, "A"), contact.scene.hertz
+    maximum, hertz = stress_maximum(contact, "A"), contact.scene.hertz
     interior, surface = marked(axes)
     # Marks are at the points of the plane: an element in x, depths 0.03 a apart near the maximum.
     assert interior[0] == pytest.approx(maximum.interior_at[0] / hertz.a, abs=contact.grid.dx)

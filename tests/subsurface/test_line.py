@@ -80,7 +80,7 @@ def test_maximum_under_pressure_is_that_of_hertz():
     hertz = contact.scene.hertz
     z = np.linspace(0.6, 0.8, 2001)
     axis = von_mises(line_pressure_stress(0.0, z, 1.0, 1.0, 0.3))
-    top = subsurface.von_mises_maximum(contact)
+    top = subsurface.stress_maximum(contact)
     assert top.value == pytest.approx(hertz.p0 * axis.max(), rel=1e-4)
     assert top.at == pytest.approx((0.0, 0.0, hertz.a * z[axis.argmax()]), abs=0.01 * hertz.a)
 
@@ -88,7 +88,7 @@ def test_maximum_under_pressure_is_that_of_hertz():
 def test_maximum_of_sliding_lies_at_the_surface():
     contact = solved(128, SLIDING)
     hertz = contact.scene.hertz
-    top = subsurface.von_mises_maximum(contact)
+    top = subsurface.stress_maximum(contact)
     x = hertz.a * np.linspace(-0.99, 0.99, 991)
     surface = von_mises(closed_form(contact, "A", x, np.zeros_like(x)))
     assert top.value == top.surface == pytest.approx(surface.max(), rel=2e-3)

@@ -9,7 +9,7 @@ from tests.conftest import steady
 from tractive_sam.contact import Model, equilibrium
 from tractive_sam.mechanics.invariants import von_mises
 from tractive_sam.scene import Scene
-from tractive_sam.subsurface import stress_at, stress_volume, von_mises_maximum
+from tractive_sam.subsurface import stress_at, stress_maximum, stress_volume
 
 
 @pytest.fixture(scope="module")
@@ -21,7 +21,7 @@ def spheres():
 def test_interior_of_the_spheres(spheres):
     """CONTACT, same mesh: 0.6655 p0 at x = 0.128 a, z = 0.47 a, on a grid of points."""
     hertz = spheres.scene.hertz
-    found = von_mises_maximum(spheres)
+    found = stress_maximum(spheres)
     x, y, z = np.divide(found.interior_at, hertz.a)
     assert found.interior / hertz.p0 == pytest.approx(0.6655, abs=1e-4)  # its printed digits
     assert x == pytest.approx(0.128, abs=0.01)
@@ -38,7 +38,7 @@ def test_centres_of_the_spheres_as_another_program_has_them(elements, printed):
     at_centres = von_mises(stress) / hertz.p0
     assert at_centres.max() == pytest.approx(printed, abs=1e-3)
     # Between them and at the edge it is larger.
-    found = von_mises_maximum(contact)
+    found = stress_maximum(contact)
     assert found.surface / hertz.p0 > printed + 0.01
     assert found.value == found.surface
     assert found.at == found.surface_at
@@ -53,7 +53,7 @@ def test_orthotropic_spheres():
     found = []
     for angle in (0, 45, 90):
         contact = steady("spheres-orthotropic", f"friction.angle={angle}", elements=45)
-        found.append(von_mises_maximum(contact))
+        found.append(stress_maximum(contact))
     p0 = contact.scene.hertz.p0
     interior = [m.interior / p0 for m in found]
     surface = [m.surface / p0 for m in found]
@@ -69,7 +69,7 @@ def test_orthotropic_spheres():
 def test_frictionless_is_hertz():
     contact = steady("spheres", "creepage.longitudinal=0", elements=61)
     hertz = contact.scene.hertz
-    found = von_mises_maximum(contact)
+    found = stress_maximum(contact)
     # nu = 0.28; the mesh makes 1e-4
     assert found.interior / hertz.p0 == pytest.approx(0.6293, abs=1e-4)
     np.testing.assert_allclose(np.divide(found.interior_at, hertz.a), (0, 0, 0.4742), atol=2e-3)
@@ -82,7 +82,7 @@ def test_frictionless_is_hertz():
 
 @pytest.mark.parametrize("body", ["A", "B"])
 def test_interior_is_that_of_its_point(spheres, body):
-    found = von_mises_maximum(spheres, body)
+    found = stress_maximum(spheres, body)
     there = von_mises(stress_at(spheres, [found.interior_at], body).T)
     assert there == pytest.approx(found.interior, rel=1e-11)
 
@@ -90,7 +90,7 @@ def test_interior_is_that_of_its_point(spheres, body):
 @pytest.mark.parametrize("body", ["A", "B"])
 def test_nothing_larger_in_a_fine_search(body):
     contact = steady("spheres-orthotropic", elements=41)
-    found = von_mises_maximum(contact, body)
+    found = stress_maximum(contact, body)
     a, grid = contact.scene.hertz.a, contact.grid
     depths = np.geomspace(0.2 * a, 1.2 * a, 40)
     layers = [von_mises(stress) for _, stress in stress_volume(contact, depths, body)]
@@ -108,7 +108,7 @@ def test_nothing_larger_in_a_fine_search(body):
 
 def test_strong_friction_leaves_no_maximum_inside():
     contact = steady("spheres", "friction.mu=0.9", "creepage.longitudinal=-0.05", elements=31)
-    found = von_mises_maximum(contact)
+    found = stress_maximum(contact)
     assert np.isnan(found.interior)
     assert np.isnan(found.interior_at).all()
     assert found.value == found.surface > 1.4 * contact.scene.hertz.p0
@@ -129,7 +129,7 @@ def largest_in_layers(contact, depths):
 
 def test_below_the_pressure_spikes_of_worn_discs():
     contact = worn_discs(0.002, 0.6, "friction.mu=0.2")
-    found = von_mises_maximum(contact)
+    found = stress_maximum(contact)
     value, (x, y, z) = largest_in_layers(contact, np.geomspace(0.03, 0.3, 40))
     assert abs(y) == pytest.approx(0.6, abs=0.01)
     assert found.value == found.interior
@@ -142,7 +142,7 @@ def test_below_the_pressure_spikes_of_worn_discs():
 def test_a_spike_too_narrow_for_the_mesh():
     """Its maximum is less than one element deep; reported is what is found one element deep."""
     contact = worn_discs(0.01, 0.9, "friction.mu=0.2")
-    found = von_mises_maximum(contact)
+    found = stress_maximum(contact)
     side = max(contact.grid.dx, contact.grid.dy)
     value, _ = largest_in_layers(contact, np.geomspace(side, 0.3, 20))
     assert found.interior_at[2] == side
@@ -153,18 +153,18 @@ def test_one_element_in_contact(spheres):
     pressure = np.zeros_like(spheres.pressure)
     pressure[3, 90] = 1.0  # at the border of the mesh
     contact = replace(spheres, pressure=pressure, traction=np.zeros_like(spheres.traction))
-    found = von_mises_maximum(contact)
+    found = stress_maximum(contact)
     assert np.isfinite(found.value)
     assert found.at[:2] == pytest.approx((spheres.grid.x[3], spheres.grid.y[90]), abs=1e-9)
 
 
 def test_no_contact(spheres):
     contact = replace(spheres, pressure=0 * spheres.pressure, traction=0 * spheres.traction)
-    found = von_mises_maximum(contact)
+    found = stress_maximum(contact)
     assert found.value == 0.0
     assert np.isnan(found.at).all()
 
 
 def test_unknown_body(spheres):
     with pytest.raises(ValueError, match='"A" or "B"'):
-        von_mises_maximum(spheres, "C")
+        stress_maximum(spheres, "C")

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from tractive_sam.mechanics.criteria import VON_MISES, StressCriterion
 from tractive_sam.mechanics.elasticity import Elasticity, HalfSpaces, Strips
 from tractive_sam.mechanics.friction import Coulomb, FrictionLaw
 from tractive_sam.mechanics.wear import Archard, ArchardByWork, WearLaw
@@ -23,6 +24,8 @@ class Laws:
         What friction does; None without.
     wear : WearLaw or None
         How a pass wears; None without.
+    criterion : StressCriterion
+        What stress in the bodies is judged by.
 
     Examples
     --------
@@ -37,6 +40,7 @@ class Laws:
     elasticity: Elasticity
     friction: FrictionLaw | None = None
     wear: WearLaw | None = None
+    criterion: StressCriterion = VON_MISES
 
     @classmethod
     def of(cls, scene: Scene) -> "Laws":

@@ -230,7 +230,7 @@ def _one_by_one(histories: Histories) -> Iterator[Picture]:
     draws: tuple[tuple[str, Callable, str], ...] = (
         ("figs-09-14-profiles", plot.worn_profiles, "Figs. 9-14. Worn cross-sections"),
         ("figs-09-14-pressure", plot.pressure_profiles, "Figs. 9-14. Pressure across the track"),
-        ("figs-09-14-stress", plot.von_mises_course, "Figs. 9-14. Largest equivalent stress"),
+        ("figs-09-14-stress", plot.stress_course, "Figs. 9-14. Largest equivalent stress"),
         ("figs-09-14-stress-new", _section(0), "Figs. 9-14. Equivalent stress, N = 0"),
         ("figs-09-14-stress-worn", _section(last), f"Figs. 9-14. Equivalent stress, N = {last}"),
         ("fig-16", plot.wear_over_revolutions, "Fig. 16. Depth worn off both discs"),

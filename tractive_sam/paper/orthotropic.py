@@ -7,10 +7,10 @@ import numpy as np
 from tractive_sam import plot
 from tractive_sam.paper.finding import Finding, Picture, Statement, Table, Verdict, Work, listed
 from tractive_sam.paper.scenes import ANGLES, orthotropic_spheres
-from tractive_sam.results.maximum import VonMisesMaximum
+from tractive_sam.results.maximum import Maximum
 from tractive_sam.results.state import Contact
 from tractive_sam.run.pipeline import solve
-from tractive_sam.subsurface import stress_on_plane, von_mises_maximum
+from tractive_sam.subsurface import stress_maximum, stress_on_plane
 
 PAPER_INTERIOR = 0.6
 """Largest equivalent stress inside, over p_0, of the paper: given to one digit."""
@@ -29,7 +29,7 @@ def find(work: Work) -> Iterator[Finding]:
         work.tell(f"two spheres, β = {angle:g}°")
         contacts[angle] = solve(orthotropic_spheres(work.size, angle))
     yield _lateral(contacts)
-    maxima = {angle: von_mises_maximum(contact, "A") for angle, contact in contacts.items()}
+    maxima = {angle: stress_maximum(contact, "A") for angle, contact in contacts.items()}
     p0 = contacts[0.0].scene.hertz.p0
     yield from _inside_and_surface(maxima, p0)
     yield _sides(contacts)
@@ -64,7 +64,7 @@ def _lateral(contacts: dict[float, Contact]) -> Statement:
     )
 
 
-def _inside_and_surface(maxima: dict[float, VonMisesMaximum], p0: float) -> Iterator[Finding]:
+def _inside_and_surface(maxima: dict[float, Maximum], p0: float) -> Iterator[Finding]:
     inside = np.array([top.interior for top in maxima.values()]) / p0
     surface = np.array([top.surface for top in maxima.values()]) / p0
     yield Statement(
@@ -104,7 +104,7 @@ def _sides(contacts: dict[float, Contact]) -> Statement:
     )
 
 
-def _table(contacts: dict[float, Contact], maxima: dict[float, VonMisesMaximum]) -> Table:
+def _table(contacts: dict[float, Contact], maxima: dict[float, Maximum]) -> Table:
     rows = []
     for angle, contact in contacts.items():
         top, hertz = maxima[angle], contact.scene.hertz

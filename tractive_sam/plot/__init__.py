@@ -6,7 +6,7 @@ Every function returns a matplotlib `Figure` that belongs to no window and no gl
 
 from tractive_sam.plot.animation import animate
 from tractive_sam.plot.comparison import compared
-from tractive_sam.plot.courses import forces, von_mises_course, wear_depth, widths
+from tractive_sam.plot.courses import forces, stress_course, wear_depth, widths
 from tractive_sam.plot.creep_force import creep_force_curve
 from tractive_sam.plot.drawn import Drawn
 from tractive_sam.plot.evolution import (
@@ -42,13 +42,13 @@ __all__ = [
     "save_all",
     "slip_over_revolutions",
     "stick_slip_map",
+    "stress_course",
     "study_curves",
     "study_map",
     "study_samples",
     "traction",
     "traction_sections",
     "von_mises",
-    "von_mises_course",
     "von_mises_sections",
     "wear_depth",
     "wear_map",

@@ -9,6 +9,7 @@ from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.stress import NOTE
 from tractive_sam.plot.style import BLUE, VERMILLION, WIDTH, set_title, styled
 from tractive_sam.results.history import History
+from tractive_sam.results.quantities import BODIES
 
 
 @styled
@@ -73,10 +74,11 @@ def wear_depth(history: History) -> Figure:
 
 
 @styled
-def von_mises_course(history: History) -> Figure:
-    """Largest equivalent stress of each body, inside and at its surface, over the revolutions.
+def stress_course(history: History) -> Figure:
+    """Largest stress of each body, inside and at its surface, over the revolutions.
 
-    A body that wears may have no maximum inside any more: its line then ends, or is interrupted.
+    By the criterion that it was rolled with. A body that wears may have no maximum inside any more:
+    its line then ends, or is interrupted.
 
     Raises
     ------
@@ -85,7 +87,7 @@ def von_mises_course(history: History) -> Figure:
 
     Examples
     --------
-    >>> plot.von_mises_course(history)
+    >>> plot.stress_course(history)
     <Figure size ...>
     """
     if not history.bodies:
@@ -94,11 +96,13 @@ def von_mises_course(history: History) -> Figure:
     scale = Scale.of_history(history)
     colours = {"A": BLUE, "B": VERMILLION}
     for kind, style in (("interior", "-"), ("surface", "--")):
-        for body, values in zip(history.bodies, history[f"von_mises_{kind}"].T, strict=True):
+        column = history.of_role(f"stress_{kind}")
+        for body in history.bodies:
+            values = history[column.name][:, BODIES.index(body)]
             look = {"color": colours[body], "linestyle": style}
             _course(axes, history, values / scale.p, f"{body}, {kind}", **look)
     axes.set_ylim(bottom=0.0)
-    axes.set_ylabel(rf"$\sigma_\mathrm{{vM}}/{scale.p_symbol}$")
+    axes.set_ylabel(rf"${column.symbol}/{scale.p_symbol}$")
     axes.legend(loc="lower right", ncols=2)
     figure.supxlabel(NOTE, fontsize=9)
     return figure

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from tractive_sam import interrupt
-from tractive_sam.plot.courses import forces, von_mises_course, wear_depth, widths
+from tractive_sam.plot.courses import forces, stress_course, wear_depth, widths
 from tractive_sam.plot.drawn import Drawn
 from tractive_sam.plot.evolution import (
     pressure_over_revolutions,
@@ -75,7 +75,7 @@ def _figures(history: History) -> Iterator[tuple[str, Figure]]:
         for name, draw in _COURSES.items():
             yield name, draw(history)
         if history.bodies:
-            yield "von-mises-maxima", von_mises_course(history)
+            yield history.of_role("stress_max").name.replace("_", "-"), stress_course(history)
     if len(stored) > 1:
         for name, draw in (_LINE_EVOLUTIONS if history.line else _EVOLUTIONS).items():
             yield name, draw(history)

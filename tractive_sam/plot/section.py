@@ -9,13 +9,11 @@ from matplotlib.axes import Axes
 from matplotlib.contour import ContourSet
 from matplotlib.ticker import MaxNLocator
 
+from tractive_sam.mechanics.criteria import CRITERIA, StressCriterion
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.style import SIGNED, STRESS
 from tractive_sam.plot.summits import Summit, summits
 from tractive_sam.results.plane_stress import PlaneStress
-
-SYMBOLS = {"von_mises": r"\sigma_\mathrm{vM}", "max_shear": r"\tau_\mathrm{max}"}
-"""Symbols of the quantities that are no components, for math text."""
 
 GIVEN = ("zz", "xz", "yz")
 """Components that at the surface are the tractions, and do not depend on the mesh."""
@@ -35,8 +33,8 @@ class Section:
     ----------
     stress : PlaneStress
         The plane.
-    quantity : str
-        A name of `SYMBOLS`, or a component.
+    quantity : str or StressCriterion
+        A component, or what the stress is judged by: a criterion, or the name of one of `CRITERIA`.
     scale : Scale or None
         Half widths and pressure that stand for one; None for mm and MPa.
 
@@ -47,12 +45,12 @@ class Section:
     """
 
     stress: "PlaneStress"
-    quantity: str
+    quantity: str | StressCriterion
     scale: Scale | None
 
     def __post_init__(self) -> None:
-        known = (*SYMBOLS, *self.stress.components)
-        if self.quantity not in known:
+        known = (*CRITERIA, *self.stress.components)
+        if self.criterion is None and self.quantity not in known:
             raise ValueError(f"quantity: one of {', '.join(known)}; not {self.quantity!r}")
         if min(self.values.shape) < 2:
             raise ValueError("a plane is drawn from at least 2 depths, and 2 points along it")
@@ -68,9 +66,16 @@ class Section:
         return "depth" not in self.stress.axes
 
     @property
+    def criterion(self) -> StressCriterion | None:
+        """What the stress is judged by; None of a component."""
+        if isinstance(self.quantity, StressCriterion):
+            return self.quantity
+        return CRITERIA.get(self.quantity)
+
+    @property
     def signed(self) -> bool:
         """Whether the quantity has a sign."""
-        return self.quantity not in SYMBOLS
+        return self.criterion is None
 
     @property
     def mesh_dependent(self) -> bool:
@@ -87,10 +92,10 @@ class Section:
     @cached_property
     def values(self) -> np.ndarray:
         """The quantity over the pressure of the scale, shape as the axes say."""
-        if self.signed:
+        if self.criterion is None:
             values = self.stress.components[self.quantity]
         else:
-            values = getattr(self.stress, self.quantity)
+            values = self.stress.by(self.criterion)
         _, second = self.stress.axes.values()
         return values[:, np.argsort(second)] / (self.scale.p if self.scale else 1.0)
 
@@ -104,8 +109,10 @@ class Section:
     @property
     def symbol(self) -> str:
         """Symbol of the quantity with its unit, for math text."""
-        symbol = SYMBOLS.get(self.quantity, rf"\sigma_{{{self.quantity}}}")
-        return rf"${symbol}/{self.scale.p_symbol}$" if self.scale else f"${symbol}$ (MPa)"
+        criterion = self.criterion
+        symbol = rf"\sigma_{{{self.quantity}}}" if criterion is None else criterion.symbol
+        unit = "MPa" if criterion is None else criterion.unit
+        return rf"${symbol}/{self.scale.p_symbol}$" if self.scale else f"${symbol}$ ({unit})"
 
     @property
     def place(self) -> str:

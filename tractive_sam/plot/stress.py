@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
+from tractive_sam.mechanics.criteria import VON_MISES, StressCriterion
 from tractive_sam.plot.drawn import Drawn
 from tractive_sam.plot.frame import TICK_ROOM, Frame
 from tractive_sam.plot.map import APART, BOTTOM, LEFT, LINE, RIGHT, bar, paper, placed
@@ -46,7 +47,7 @@ def von_mises(
     plane: "Plane | str" = "y=0",
     revolution: int | None = None,
     *,
-    quantity: str = "von_mises",
+    quantity: str | StressCriterion = VON_MISES,
     scale: Scale | None = None,
 ) -> Figure:
     """Contours of the equivalent stress of von Mises on a plane of one body, and its maxima.
@@ -65,8 +66,9 @@ def von_mises(
         As in a scene: "y=0", "x=-0.3" (mm), "y=0.75a", "z=0.48a".
     revolution : int, optional
         One of those that the history stored; the last by default.
-    quantity : str
-        What else to draw: "max_shear", or a component, "xx", "yy", "zz", "xy", "xz" or "yz".
+    quantity : str or StressCriterion
+        What else to draw: another criterion, "max_shear", or a component, "xx", "yy", "zz", "xy",
+        "xz" or "yz".
     scale : Scale, optional
         Half widths and pressure that stand for one; by default those of the contact.
 
@@ -91,7 +93,7 @@ def von_mises_sections(
     bodies: Sequence[str] = ("A", "B"),
     revolution: int | None = None,
     *,
-    quantity: str = "von_mises",
+    quantity: str | StressCriterion = VON_MISES,
     scale: Scale | None = None,
 ) -> Figure:
     """Contours as by `von_mises` for both bodies in the same colours, A above B.

@@ -36,7 +36,7 @@ class Summit:
 def summits(values: np.ndarray, axes: tuple[np.ndarray, np.ndarray]) -> list[Summit]:
     """The largest local maximum inside a body, and the largest value at its surface.
 
-    As for `subsurface.VonMisesMaximum`, what is nearer to the surface than one element is not
+    As for `subsurface.Maximum`, what is nearer to the surface than one element is not
     looked at: there every edge between elements has a maximum of its own.
 
     Parameters

@@ -156,6 +156,19 @@ class History:
         """The columns of some dimensions: none are one number a record."""
         return {name: one for name, one in self.columns.items() if one.dims == dims}
 
+    def of_role(self, role: str) -> Quantity:
+        """The column of a role, whatever its name.
+
+        Raises
+        ------
+        LookupError
+            If there is none.
+        """
+        for one in self.columns.values():
+            if one.role == role:
+                return one
+        raise LookupError(f"no column is the {role}")
+
     @property
     def x(self) -> np.ndarray:
         """Centres of the elements in the rolling direction, shape (n_x,), mm."""
@@ -362,7 +375,8 @@ class History:
 
     def to_dict(self) -> dict[str, Any]:
         """Columns but for profiles, balances and totals as plain lists; None for no number."""
-        rows: dict[str, Any] = {name: {} for name in STRESSES}  # also of scenes without stress
+        roles = {one.role for one in self.columns.values()}
+        rows: dict[str, Any] = {} if "stress_max" in roles else {name: {} for name in STRESSES}
         for name, one in self.columns.items():
             if one.dims[:1] == ("body",):
                 of_bodies = {

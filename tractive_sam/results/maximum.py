@@ -2,16 +2,20 @@
 
 from dataclasses import dataclass
 
+from tractive_sam.mechanics.criteria import StressCriterion
+
 Point = tuple[float, float, float]
 """(x, y, depth), mm."""
 
 
 @dataclass(frozen=True)
-class VonMisesMaximum:
-    """Largest equivalent stress of von Mises in a body, MPa, and where, (x, y, depth) in mm.
+class Maximum:
+    """Largest stress in a body by a criterion, and where, (x, y, depth) in mm.
 
     Attributes
     ----------
+    criterion : StressCriterion
+        What makes one number of the stress; its unit is that of the values.
     value, at : float, tuple of float
         The larger one of the two below.
     interior, interior_at : float, tuple of float
@@ -23,11 +27,12 @@ class VonMisesMaximum:
 
     Examples
     --------
-    >>> top = ts.von_mises_maximum(contact)
+    >>> top = ts.stress_maximum(contact)
     >>> top.value == max(top.interior, top.surface)
     True
     """
 
+    criterion: StressCriterion
     value: float
     at: Point
     interior: float

@@ -5,6 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
+from tractive_sam.mechanics.criteria import StressCriterion
 from tractive_sam.mechanics.invariants import max_shear, principal_stresses, von_mises
 from tractive_sam.scene import Plane
 
@@ -58,6 +59,10 @@ class PlaneStress:
     @cached_property
     def _tensor(self) -> np.ndarray:
         return np.stack([self.components[name] for name in COMPONENTS])
+
+    def by(self, criterion: StressCriterion) -> np.ndarray:
+        """The stress judged by a criterion, in its unit."""
+        return criterion(self._tensor)
 
     @cached_property
     def von_mises(self) -> np.ndarray:

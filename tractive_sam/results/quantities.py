@@ -9,6 +9,7 @@ from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
+from tractive_sam.mechanics.criteria import VON_MISES, StressCriterion
 from tractive_sam.results.state import Contact
 from tractive_sam.scene import Scene
 
@@ -60,6 +61,9 @@ class Quantity:
         Whether it is per length in a line contact.
     when : callable
         Whether a scene has it; of dimensions ("body", ...), in which bodies.
+    role : str
+        What it is whatever its name: a column of one's own takes the place of the package's of the
+        same role.
 
     Examples
     --------
@@ -77,6 +81,7 @@ class Quantity:
     format: str = ".4g"
     per_length: bool = False
     when: Callable[[Scene], bool | Collection[str]] = field(default=_always, compare=False)
+    role: str = ""
 
     def bodies(self, scene: Scene) -> tuple[str, ...]:
         """The bodies in which a scene has it, of dimensions ("body", ...)."""
@@ -162,14 +167,6 @@ _OTHERS = (
              dims=("y",)),
     Quantity("wear_profile_B", "mm", "wear depth of body B; of a flat one that of a single pass",
              dims=("y",)),
-    Quantity("von_mises_max", "MPa", "largest equivalent stress, inside or at the surface",
-             dims=("body",), when=_stressed),
-    Quantity("von_mises_interior", "MPa", "largest equivalent stress inside the body",
-             dims=("body",), when=_stressed),
-    Quantity("von_mises_surface", "MPa", "largest equivalent stress at the surface",
-             dims=("body",), when=_stressed),
-    Quantity("von_mises_max_at", "mm", "position (x, y, depth) of the largest equivalent stress",
-             dims=("body", "position"), when=_stressed),
 )
 # fmt: on
 
@@ -183,8 +180,8 @@ def _error_bar(of: Quantity) -> Quantity:
         return contact.error_bars.get(of.name, math.nan)
 
     def bars(contact: Contact) -> dict[str, float]:
-        known = contact.error_bars
-        return {body: known.get(f"{of.name} {body}", math.nan) for body in BODIES}
+        known = contact.error_bars.get(of.name, {})
+        return {body: known.get(body, math.nan) for body in BODIES}
 
     return replace(
         of,
@@ -196,7 +193,36 @@ def _error_bar(of: Quantity) -> Quantity:
     )
 
 
-STRESSES = tuple(one.name for one in _OTHERS if one.dims[:1] == ("body",))
+def stress_columns(criterion: StressCriterion) -> tuple[Quantity, ...]:
+    """Columns of the largest stress in each body by a criterion, and of its error bar."""
+    name, unit, told = criterion.name, criterion.unit, f"largest {criterion.long_name}"
+    of_bodies = {"dims": ("body",), "when": _stressed, "symbol": criterion.symbol}
+    largest = Quantity(
+        f"{name}_max", unit, f"{told}, inside or at the surface", role="stress_max", **of_bodies
+    )
+    return (
+        largest,
+        Quantity(
+            f"{name}_interior", unit, f"{told} inside the body", role="stress_interior", **of_bodies
+        ),
+        Quantity(
+            f"{name}_surface", unit, f"{told} at the surface", role="stress_surface", **of_bodies
+        ),
+        Quantity(
+            f"{name}_max_at",
+            "mm",
+            f"position (x, y, depth) of the {told}",
+            dims=("body", "position"),
+            when=_stressed,
+            role="stress_max_at",
+        ),
+        replace(_error_bar(largest), role="stress_max_error"),
+    )
+
+
+_STRESSES = stress_columns(VON_MISES)
+
+STRESSES = tuple(one.name for one in _STRESSES[:-1])
 """Columns of the largest stress in each body."""
 
 _KNOWN = table((*_SCALARS, *_OTHERS))
@@ -204,7 +230,9 @@ _KNOWN = table((*_SCALARS, *_OTHERS))
 COLUMNS = (
     *_SCALARS,
     *_OTHERS,
-    *(_error_bar(_KNOWN[name]) for name in (*BARRED, "von_mises_max")),
+    *_STRESSES[:-1],
+    *(_error_bar(_KNOWN[name]) for name in BARRED),
+    _STRESSES[-1],
     Quantity(
         "relative_error",
         "1",
@@ -247,7 +275,7 @@ gap is only the next contact tells."""
 
 STRESS = table(
     (
-        Quantity("von_mises", "MPa", "equivalent stress of von Mises"),
+        Quantity(VON_MISES.name, VON_MISES.unit, VON_MISES.long_name),
         Quantity("xx", "MPa", "normal stress in x"),
         Quantity("yy", "MPa", "normal stress in y"),
         Quantity("zz", "MPa", "normal stress in z"),
@@ -261,5 +289,10 @@ STRESS = table(
 
 def columns(scene: Scene, own: Iterable[Quantity] = ()) -> dict[str, Quantity]:
     """The columns of a scene's history by name, and a user's own, as they are to be read in it."""
-    found = [one for one in (*COLUMNS, *own) if one.when(scene)]
-    return table(one.of_line(scene.line) for one in found)
+    own = list(own)
+    instead = {one.role: one for one in own if one.role}
+    found = [
+        replace(instead[one.role], when=one.when) if one.role in instead else one for one in COLUMNS
+    ]
+    found += [one for one in own if not one.role]
+    return table(one.of_line(scene.line) for one in found if one.when(scene))

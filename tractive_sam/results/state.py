@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -93,10 +94,10 @@ class Contact:
         Applications of operators and preconditioners.
     trace : tuple of str
         Steps that led to the solution.
-    error_bars : mapping of str to float
+    error_bars : mapping of str to float or mapping
         Of scenes with [accuracy]: how far numbers may be from those on an infinitely fine mesh, by
-        their recorded names and in their units; "von_mises_max A" of the stress in body A, and
-        "relative" the widest relative one of those that the tolerance bounds.
+        their recorded names and in their units, of "von_mises_max" by body; and "relative", the
+        widest relative one of those that the tolerance bounds.
     revolution : int
         Revolutions rolled.
 
@@ -126,7 +127,7 @@ class Contact:
     residual: float
     cost: Cost
     trace: tuple[str, ...] = ()
-    error_bars: Mapping[str, float] = field(default_factory=dict)
+    error_bars: Mapping[str, Any] = field(default_factory=dict)
     revolution: int = 0
 
     @property

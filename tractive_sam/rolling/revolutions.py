@@ -3,14 +3,15 @@
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from time import perf_counter
+from typing import Any
 
-from tractive_sam.contact import Model, grown
-from tractive_sam.results.maximum import VonMisesMaximum
-from tractive_sam.results.quantities import Quantity
+from tractive_sam.contact import Laws, Model, grown
+from tractive_sam.results.maximum import Maximum
+from tractive_sam.results.quantities import Quantity, stress_columns
 from tractive_sam.results.record import Record
 from tractive_sam.rolling.adaptive import adaptive_passages
 from tractive_sam.rolling.passage import Passage, next_passage, off_grid, unworn
-from tractive_sam.subsurface import stress_on_planes, von_mises_maxima
+from tractive_sam.subsurface import stress_maxima, stress_on_planes
 
 GROWTHS = 16
 """Most enlargements of a mesh: to 35 times its width."""
@@ -56,12 +57,16 @@ def every_passage(model: Model, start: Passage) -> Iterator[Passage]:
         yield last
 
 
-Judge = Callable[[Passage, Mapping[str, VonMisesMaximum]], Mapping[str, float]]
+Judge = Callable[[Passage, Mapping[str, Maximum]], Mapping[str, Any]]
 """Gives a passage, with the largest stresses in its bodies, the error bars of `Contact`."""
 
 
 def recorded(
-    passage: Passage, began: float, judge: Judge | None = None, own: Iterable[Quantity] = ()
+    passage: Passage,
+    laws: Laws,
+    began: float,
+    judge: Judge | None = None,
+    own: Iterable[Quantity] = (),
 ) -> Record:
     """The record of a passage.
 
@@ -72,6 +77,8 @@ def recorded(
     ----------
     passage : Passage
         What was rolled.
+    laws : Laws
+        What it was rolled with, and what its stress is judged by.
     began : float
         When work on it began, as by `time.perf_counter`.
     judge : Judge, optional
@@ -86,8 +93,8 @@ def recorded(
     shift = entering - contact.wear[-1]
     leaving = contact.wear[0] + shift
     keep = wear is None or passage.revolution in wear.save or not contact.converged
-    maxima = von_mises_maxima(contact)
-    stress = stress_on_planes(contact) if keep and maxima else ()
+    maxima = stress_maxima(contact, laws)
+    stress = stress_on_planes(contact, laws=laws) if keep and maxima else ()
     if judge is not None:
         contact = replace(contact, error_bars=judge(passage, maxima))
     given = {
@@ -100,10 +107,9 @@ def recorded(
         "wear_per_revolution": passage.course[-1].rate,
         "wear_profile_A": turns.of_body("A", entering, leaving),
         "wear_profile_B": turns.of_body("B", entering, leaving),
-        "von_mises_max": {body: one.value for body, one in maxima.items()},
-        "von_mises_interior": {body: one.interior for body, one in maxima.items()},
-        "von_mises_surface": {body: one.surface for body, one in maxima.items()},
-        "von_mises_max_at": {body: one.at for body, one in maxima.items()},
         "seconds": perf_counter() - began,
     }
-    return Record.of(contact, given, own=own, with_fields=keep, stress=stress)
+    stresses = stress_columns(laws.criterion)
+    for one, found in zip(stresses, ("value", "interior", "surface", "at"), strict=False):
+        given[one.name] = {body: getattr(largest, found) for body, largest in maxima.items()}
+    return Record.of(contact, given, own=(*own, *stresses), with_fields=keep, stress=stress)

@@ -205,7 +205,7 @@ def _stepping(wear) -> str:
 
 
 def _subsurface(model: Model) -> Section:
-    asked = model.scene.subsurface
+    asked, criterion = model.scene.subsurface, model.laws.criterion
     if asked is None:
         return Section("Stress", [("stress", "left out: the scene has no [subsurface]")])
     hertz = model.scene.hertz
@@ -215,7 +215,7 @@ def _subsurface(model: Model) -> Section:
         ("bodies", ", ".join(asked.bodies)),
         ("planes", f"{', '.join(map(str, asked.planes))}, at {kept}"),
         ("depths", f"{asked.elements} to {deepest}, closer towards the surface"),
-        ("largest von Mises stress", "inside and at the surface, with every record"),
+        (f"largest {criterion.long_name}", "inside and at the surface, with every record"),
     ]
     return Section("Stress", rows)
 

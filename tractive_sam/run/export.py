@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tractive_sam.mechanics.invariants import max_shear, von_mises
+from tractive_sam.mechanics.criteria import CRITERIA
 from tractive_sam.results.grid import Grid
 from tractive_sam.results.history import History
 from tractive_sam.results.state import Contact
@@ -116,4 +116,4 @@ def _image(grid: Grid, depths: np.ndarray, body: str) -> Image:
 
 def _arrays(layers: Iterator[tuple[float, np.ndarray]]) -> Iterator[dict[str, np.ndarray]]:
     for _, stress in layers:
-        yield {"stress": stress, "von_mises": von_mises(stress), "max_shear": max_shear(stress)}
+        yield {"stress": stress} | {name: one(stress) for name, one in CRITERIA.items()}

@@ -390,7 +390,7 @@ class _Run:
         records, passage, began = [], start, self.began
         with nullcontext() if writer is None else writer:
             for passage in chain(first, passages(model, start)):
-                record = recorded(passage, began, judge, self.columns)
+                record = recorded(passage, model.laws, began, judge, self.columns)
                 began = perf_counter()
                 if writer is None:
                     records.append(record)

@@ -57,7 +57,7 @@ OWN = "own"
 """Attribute of /history: columns that are not the package's."""
 
 ROW = Quantity("record", "1", "row of /history")
-TOLD = ("name", "unit", "long_name", "dims", "symbol", "format")
+TOLD = ("name", "unit", "long_name", "dims", "symbol", "format", "role")
 """What is kept of a column that is not the package's."""
 
 
@@ -78,7 +78,9 @@ def create(file: h5py.File, scene: Scene, mesh: Grid) -> None:
     for name, centres, along in (("x", mesh.x, "rolling"), ("y", mesh.y, "lateral")):
         about = Quantity(name, "mm", f"centres of the elements in the {along} direction")
         _scale(grid, name, centres, about)
-    _create_history(file.create_group("history"), grid, columns_of(scene))
+    # A record may have other columns in the place of those with a role.
+    certain = {name: one for name, one in columns_of(scene).items() if not one.role}
+    _create_history(file.create_group("history"), grid, certain)
     _create_fields(file.create_group("fields"), grid)
     file.create_group("stress")
     _create_state(file.create_group("state"), grid)

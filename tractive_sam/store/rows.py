@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import h5py
 import numpy as np
 
+from tractive_sam.mechanics.criteria import VON_MISES
 from tractive_sam.results.grid import Grid, widened
 from tractive_sam.results.history import stacked
 from tractive_sam.results.quantities import FIELDS, OUTSIDE, STRESS
@@ -40,7 +41,7 @@ def _append_fields(file: h5py.File, row: int, record: Record) -> None:
     _append(file["fields"], row, record, record.fields, OUTSIDE)
     for plane in record.stress:
         group = file["stress"][plane.body][str(plane.plane)]
-        values = plane.components | {"von_mises": plane.von_mises}
+        values = plane.components | {VON_MISES.name: plane.by(VON_MISES)}
         _append(group, row, record, values, dict.fromkeys(values, np.nan))  # not known there
 
 

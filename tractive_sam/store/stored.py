@@ -5,8 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tractive_sam.results.plane_stress import PlaneStress
-from tractive_sam.results.quantities import STRESS
+from tractive_sam.results.plane_stress import COMPONENTS, PlaneStress
 from tractive_sam.scene import Plane
 from tractive_sam.store.opening import results_file
 
@@ -68,12 +67,11 @@ class StoredStress:
             names = [name for name in ("x", "y", "depth") if f"{group}/{name}" in file]
             lengths = {name: file.length(f"{group}/{name}") for name in names}
             axes = {name: file.numbers(f"{group}/{name}", (n,)) for name, n in lengths.items()}
-            names = [name for name in STRESS if name != "von_mises"]
             row = range(self.length)[row]
-            components = {name: file.row(f"{group}/{name}", row) for name in names}
+            components = {name: file.row(f"{group}/{name}", row) for name in COMPONENTS}
             position = float(file.attribute(group, "position"))
         # Beside a mesh that has grown since there is none.
-        known = np.isfinite(components[names[0]])
+        known = np.isfinite(components[COMPONENTS[0]])
         inside = [np.flatnonzero(known.any(axis=other)) for other in (1, 0)]
         axes = {name: axes[name][at] for name, at in zip(axes, inside, strict=True)}
         components = {name: values[np.ix_(*inside)] for name, values in components.items()}

@@ -19,6 +19,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from tractive_sam.mechanics.criteria import CRITERIA, VON_MISES
 from tractive_sam.results.quantities import Quantity
 from tractive_sam.scene import Scene
 from tractive_sam.store.errors import ResultsError
@@ -45,9 +46,7 @@ QUANTITIES = {
     "stress": Quantity(
         "stress", "MPa", "stress in the axes of the contact, xx, yy, zz, xy, yz, xz"
     ),
-    "von_mises": Quantity("von_mises", "MPa", "equivalent stress of von Mises"),
-    "max_shear": Quantity("max_shear", "MPa", "largest shear stress"),
-}
+} | {name: Quantity(name, one.unit, one.long_name) for name, one in CRITERIA.items()}
 """Arrays of the file."""
 
 
@@ -167,5 +166,5 @@ def _laid_out(file: h5py.File, image: Image) -> dict[str, h5py.Dataset]:
             fletcher32=True,
         )
         arrays[name].attrs.update({"units": quantity.unit, "long_name": quantity.long_name})
-    set_text(arrays["von_mises"], "Attribute", "Scalars", "ascii")  # what is shown first
+    set_text(arrays[VON_MISES.name], "Attribute", "Scalars", "ascii")  # what is shown first
     return arrays

@@ -6,22 +6,22 @@ z = +depth, body B at z = -depth. Across the interface xz, yz and zz are continu
 -p_n.
 """
 
-from tractive_sam.results.maximum import VonMisesMaximum
+from tractive_sam.results.maximum import Maximum
 from tractive_sam.results.plane_stress import PlaneStress
 from tractive_sam.subsurface.depth import depths
-from tractive_sam.subsurface.maximum import von_mises_maxima, von_mises_maximum
+from tractive_sam.subsurface.maximum import stress_maxima, stress_maximum
 from tractive_sam.subsurface.plane import stress_on_plane, stress_on_planes
 from tractive_sam.subsurface.points import stress_at
 from tractive_sam.subsurface.volume import stress_volume
 
 __all__ = [
+    "Maximum",
     "PlaneStress",
-    "VonMisesMaximum",
     "depths",
     "stress_at",
+    "stress_maxima",
+    "stress_maximum",
     "stress_on_plane",
     "stress_on_planes",
     "stress_volume",
-    "von_mises_maxima",
-    "von_mises_maximum",
 ]

@@ -3,8 +3,8 @@
 import numpy as np
 from scipy.ndimage import maximum_filter
 
-from tractive_sam.mechanics.invariants import von_mises
-from tractive_sam.results.maximum import Point, VonMisesMaximum
+from tractive_sam.contact.laws import Laws
+from tractive_sam.results.maximum import Maximum, Point
 from tractive_sam.results.state import Contact
 from tractive_sam.subsurface.climb import climb, polish
 from tractive_sam.subsurface.loaded import LoadedBodies
@@ -26,8 +26,8 @@ quarter of the depth aside of that of Hertz it is 2 %."""
 _NOWHERE: Point = (np.nan, np.nan, np.nan)
 
 
-def von_mises_maximum(contact: Contact, body: str = "A") -> VonMisesMaximum:
-    """Find the largest equivalent stress in a body.
+def stress_maximum(contact: Contact, body: str = "A", laws: Laws | None = None) -> Maximum:
+    """Find the largest stress in a body, by von Mises or another criterion.
 
     Layers at depths that grow by `GROWTH` show where to look; below the first few, elements are
     taken together in blocks of at most half the depth. The best local maxima are climbed with
@@ -45,10 +45,12 @@ def von_mises_maximum(contact: Contact, body: str = "A") -> VonMisesMaximum:
         The solved contact.
     body : "A" or "B"
         The body concerned.
+    laws : Laws, optional
+        Criterion, and what the contact was solved with; by default those of its scene.
 
     Returns
     -------
-    VonMisesMaximum
+    Maximum
         Zero, and nowhere, if there is no contact.
 
     Raises
@@ -58,33 +60,34 @@ def von_mises_maximum(contact: Contact, body: str = "A") -> VonMisesMaximum:
 
     Examples
     --------
-    >>> top = ts.von_mises_maximum(contact, "A")
+    >>> top = ts.stress_maximum(contact, "A")
     >>> round(top.interior / scene.hertz.p0, 2), round(top.interior_at[2] / scene.hertz.a, 2)
     (0.67, 0.47)
     """
-    load = LoadedBodies.of(contact, (body,))
+    laws = laws or Laws.of(contact.scene)
+    load, criterion = LoadedBodies.of(contact, (body,), laws), laws.criterion
     if not load.tractions.any():
-        return VonMisesMaximum(0.0, _NOWHERE, np.nan, _NOWHERE, 0.0, _NOWHERE)
-    pyramid = load.source.levels(von_mises)
+        return Maximum(criterion, 0.0, _NOWHERE, np.nan, _NOWHERE, 0.0, _NOWHERE)
+    pyramid = load.source.levels(criterion)
     depths = _search_depths(contact, pyramid.side)
     layers = [pyramid.level(0.5 * depth).layer(depth) for depth in depths]
     surface, surface_at = pyramid.surface(contact.sliding)
     interior, interior_at = _interior(pyramid, depths, layers, surface)
     value, at = (interior, interior_at) if interior > surface else (surface, surface_at)
-    return VonMisesMaximum(value, at, interior, interior_at, surface, surface_at)
+    return Maximum(criterion, value, at, interior, interior_at, surface, surface_at)
 
 
-def von_mises_maxima(contact: Contact) -> dict[str, VonMisesMaximum]:
-    """The largest equivalent stress in each body that the scene's [subsurface] names.
+def stress_maxima(contact: Contact, laws: Laws | None = None) -> dict[str, Maximum]:
+    """The largest stress in each body that the scene's [subsurface] names; see `stress_maximum`.
 
     Examples
     --------
-    >>> list(von_mises_maxima(contact))
+    >>> list(stress_maxima(contact))
     ['A', 'B']
     """
     subsurface = contact.scene.subsurface
     bodies = () if subsurface is None else subsurface.bodies
-    return {body: von_mises_maximum(contact, body) for body in bodies}
+    return {body: stress_maximum(contact, body, laws) for body in bodies}
 
 
 def _search_depths(contact: Contact, side: float) -> np.ndarray:

@@ -5,12 +5,13 @@ from functools import cached_property
 
 import numpy as np
 
+from tractive_sam.mechanics.criteria import StressCriterion
 from tractive_sam.mechanics.elasticity import HalfSpaces
 from tractive_sam.operators import Lattice, StressLayers
 from tractive_sam.operators.extent import extent
 from tractive_sam.results.grid import Grid
 from tractive_sam.subsurface.patches import Patches
-from tractive_sam.subsurface.surface import Criterion, largest_at_surface
+from tractive_sam.subsurface.surface import largest_at_surface
 
 FEWEST = 16
 """Fewest blocks across the loaded rectangle."""
@@ -37,8 +38,8 @@ class Level:
         (p_x, p_y, p_n), MPa.
     poisson : float
         Poisson's ratio.
-    criterion : callable
-        Equivalent stress of stresses (6, ...).
+    criterion : StressCriterion
+        What makes one number of a stress.
     """
 
     x: np.ndarray
@@ -46,7 +47,7 @@ class Level:
     sides: tuple[float, float]
     tractions: np.ndarray
     poisson: float
-    criterion: Criterion
+    criterion: StressCriterion
 
     @property
     def _lattice(self) -> Lattice:
@@ -118,8 +119,8 @@ class Pyramid:
         (p_x, p_y, p_n) on one half-space, MPa.
     body : HalfSpaces
         That half-space, as `HalfSpaces.alone` gives it.
-    criterion : callable
-        Equivalent stress of stresses (6, ...).
+    criterion : StressCriterion
+        What makes one number of a stress.
 
     Attributes
     ----------
@@ -129,7 +130,9 @@ class Pyramid:
         Number of blocks (m_x, m_y) of the coarsest level; all others divide these.
     """
 
-    def __init__(self, grid: Grid, tractions: np.ndarray, body: HalfSpaces, criterion: Criterion):
+    def __init__(
+        self, grid: Grid, tractions: np.ndarray, body: HalfSpaces, criterion: StressCriterion
+    ):
         loaded = tractions.any(axis=0)
         x = self._x = _Side(extent(loaded.any(axis=1)), grid.x[0], grid.dx)
         y = self._y = _Side(extent(loaded.any(axis=0)), grid.y[0], grid.dy)

@@ -6,13 +6,13 @@ from typing import Literal, Protocol
 
 import numpy as np
 
+from tractive_sam.mechanics.criteria import StressCriterion
 from tractive_sam.mechanics.elasticity import Elasticity, HalfSpaces, Strips
 from tractive_sam.operators import Lattice, StressLayers, StressPlane
 from tractive_sam.results.grid import Grid
 from tractive_sam.subsurface.patches import Patches
 from tractive_sam.subsurface.pyramid import Pyramid
 from tractive_sam.subsurface.strips import StripLevels, StripLoads
-from tractive_sam.subsurface.surface import Criterion
 
 
 class StressSource(Protocol):
@@ -35,7 +35,7 @@ class StressSource(Protocol):
     def at(self, points: np.ndarray) -> np.ndarray:
         """Stresses (bodies, 6, n) at points (n, 3)."""
 
-    def levels(self, criterion: Criterion) -> Pyramid | StripLevels:
+    def levels(self, criterion: StressCriterion) -> Pyramid | StripLevels:
         """What the largest equivalent stress of the first body is sought in."""
 
 
@@ -93,7 +93,7 @@ class PatchStress:
         patches = [Patches.on_mesh(grid.x, grid.y, sides, own, nu) for own, nu in each]
         return np.stack([one.stress(points).T for one in patches])
 
-    def levels(self, criterion: Criterion) -> Pyramid:
+    def levels(self, criterion: StressCriterion) -> Pyramid:
         """See `StressSource`."""
         return Pyramid(self._grid, self._tractions[0], self._bodies[0], criterion)
 
@@ -123,7 +123,7 @@ class StripStress:
         strips = [StripLoads.on_grid(self._grid, own, body.A.poisson) for own, body in each]
         return np.stack([one.stress(points).T for one in strips])
 
-    def levels(self, criterion: Criterion) -> StripLevels:
+    def levels(self, criterion: StressCriterion) -> StripLevels:
         """See `StressSource`."""
         return StripLevels(self._grid, self._tractions[0], self._bodies[0], criterion)
 

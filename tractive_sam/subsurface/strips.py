@@ -5,10 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from tractive_sam.kernels import strip_stress
+from tractive_sam.mechanics.criteria import StressCriterion
 from tractive_sam.mechanics.elasticity import Strips
 from tractive_sam.operators import Lattice
 from tractive_sam.results.grid import Grid
-from tractive_sam.subsurface.surface import Criterion, largest_at_surface
+from tractive_sam.subsurface.surface import largest_at_surface
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,11 +60,11 @@ class StripLevels:
         (p_x, p_y, p_n) on one half-space, MPa.
     body : Strips
         That half-space, as `Strips.alone` gives it.
-    criterion : callable
-        Equivalent stress of stresses (6, ...).
+    criterion : StressCriterion
+        What makes one number of a stress.
     """
 
-    def __init__(self, grid: Grid, tractions: np.ndarray, body: Strips, criterion: Criterion):
+    def __init__(self, grid: Grid, tractions: np.ndarray, body: Strips, criterion: StressCriterion):
         self.x, self.y, self.side = grid.x, grid.y, grid.dx
         self.blocks = grid.elements
         self._tractions, self._body, self._criterion = tractions, body, criterion

@@ -4,16 +4,12 @@ Friction and pressure have roots of the distance on either side of the last two,
 follows; but each stress has its root on one side only, and is smooth on the other.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
+from tractive_sam.mechanics.criteria import StressCriterion
 from tractive_sam.mechanics.elasticity import HalfSpaces
 from tractive_sam.operators import Lattice, surface_stress
 from tractive_sam.operators.surface import between, slopes
-
-Criterion = Callable[[np.ndarray], np.ndarray]
-"""Stresses (6, ...) -> equivalent stress (...)."""
 
 FARTHEST = 1.5
 """Most elements from a corner that all four elements touch to the edge of the contact."""
@@ -33,7 +29,7 @@ def largest_at_surface(
     body: HalfSpaces,
     tractions: np.ndarray,
     sliding: np.ndarray,
-    criterion: Criterion,
+    criterion: StressCriterion,
 ) -> tuple[float, float, float]:
     """The largest equivalent stress at a loaded surface, and where.
 
@@ -54,8 +50,8 @@ def largest_at_surface(
         (p_x, p_y, p_n) on the half-space, MPa.
     sliding : ndarray of bool, shape (n_x, n_y)
         Loaded elements that slip.
-    criterion : callable
-        Equivalent stress of stresses (6, ...).
+    criterion : StressCriterion
+        What makes one number of a stress.
 
     Returns
     -------

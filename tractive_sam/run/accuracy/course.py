@@ -1,18 +1,19 @@
 """The revolutions of a scene on coarser meshes, by which those on a finer one are judged."""
 
 from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from tractive_sam.contact import Gap, Model, fitted
-from tractive_sam.results.maximum import VonMisesMaximum
+from tractive_sam.results.maximum import Maximum
 from tractive_sam.rolling import Passage, passages
 from tractive_sam.run.accuracy.error_bars import Sample, relative_error_bars
 from tractive_sam.run.accuracy.judgement import judge, worst_of
 from tractive_sam.run.accuracy.levels import Levels
 from tractive_sam.scene import Scene
-from tractive_sam.subsurface import von_mises_maxima
+from tractive_sam.subsurface import stress_maxima
 
 
 class Course:
@@ -76,9 +77,7 @@ class Judge:
         self._coarse, self.middle, self.course = coarse, middle, Course()
         self.missed = missed
 
-    def __call__(
-        self, passage: Passage, maxima: Mapping[str, VonMisesMaximum]
-    ) -> Mapping[str, float]:
+    def __call__(self, passage: Passage, maxima: Mapping[str, Maximum]) -> Mapping[str, Any]:
         """Error bars of a revolution."""
         contact, revolution = passage.contact, passage.revolution
         if not contact.converged:
@@ -170,6 +169,6 @@ def _rolled(model: Model) -> Course:
     model, contact = fitted(model)
     for passage in passages(model, Passage(0, contact, 1)):
         if passage.contact.converged:
-            maxima = von_mises_maxima(passage.contact)
+            maxima = stress_maxima(passage.contact, model.laws)
             course.add(passage.revolution, Sample.of(passage.contact, maxima))
     return course

@@ -16,12 +16,12 @@ at the edge of a step, nor has the stress below it then: their bars are infinite
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Self
+from dataclasses import dataclass, replace
+from typing import Any, Self
 
 import numpy as np
 
-from tractive_sam.results.maximum import VonMisesMaximum
+from tractive_sam.results.maximum import Maximum
 from tractive_sam.results.state import Contact
 
 SAFETY = 3.0
@@ -47,29 +47,52 @@ SHARING = (*FORCES, "p_max")
 
 
 @dataclass(frozen=True)
+class LargestStress:
+    """Which of the largest stresses of a body.
+
+    Attributes
+    ----------
+    column : str
+        Where the larger one of both is recorded.
+    body : "A" or "B"
+        The body.
+    surface : bool
+        Whether it is that at the surface, or inside.
+    """
+
+    column: str
+    body: str
+    surface: bool
+
+
+Name = str | LargestStress
+"""A recorded name, or one of the two stresses behind it."""
+
+
+@dataclass(frozen=True)
 class Sample:
     """The quantities of one state on one mesh.
 
     Attributes
     ----------
-    values : mapping of str to float
-        By their recorded names; stress as "interior A", "surface A".
-    scales : mapping of str to float
+    values : mapping of Name to float
+        Those of stress as `LargestStress`.
+    scales : mapping of Name to float
         What an error of each is relative to; zero of what the scene gives. Forces: the integral of
         the magnitude of the traction, for the moment times the mean radius of the contact.
     residual : float
         Relative residual of the contact conditions.
     """
 
-    values: Mapping[str, float]
-    scales: Mapping[str, float]
+    values: Mapping[Name, float]
+    scales: Mapping[Name, float]
     residual: float
 
     @classmethod
-    def of(cls, contact: Contact, maxima: Mapping[str, VonMisesMaximum]) -> Self:
+    def of(cls, contact: Contact, maxima: Mapping[str, Maximum]) -> Self:
         """The sample of a contact and the largest stresses in its bodies."""
         names = ("P", *FORCES, "xi_x", "xi_y", "approach", "p_max")
-        values = {name: float(getattr(contact, name)) for name in names}
+        values: dict[Name, float] = {name: float(getattr(contact, name)) for name in names}
         values["wear_max"] = float(contact.wear.max())
         force = float(np.hypot(*contact.traction).sum() * contact.grid.element_area)
         arm = contact.half_width_x
@@ -80,9 +103,11 @@ class Sample:
         scales |= {"Qx": force, "Qy": force, "Mz": force * arm, "xi_x": creepage, "xi_y": creepage}
         scales |= dict.fromkeys(off_given(contact), 0.0)
         for body, largest in maxima.items():
-            values[f"interior {body}"] = float(np.nan_to_num(largest.interior))
-            values[f"surface {body}"] = largest.surface
-            scales |= {f"interior {body}": largest.value, f"surface {body}": largest.value}
+            column = f"{largest.criterion.name}_max"
+            inside, outside = (LargestStress(column, body, surface) for surface in (False, True))
+            values[inside] = float(np.nan_to_num(largest.interior))
+            values[outside] = largest.surface
+            scales |= {inside: largest.value, outside: largest.value}
         return cls(values, scales, contact.residual)
 
 
@@ -104,7 +129,7 @@ def off_given(contact: Contact) -> dict[str, float]:
     }
 
 
-def relative_error_bars(coarse: Sample, middle: Sample, fine: Sample) -> dict[str, float]:
+def relative_error_bars(coarse: Sample, middle: Sample, fine: Sample) -> dict[Name, float]:
     """Error bars of the finest of three samples, over its scales.
 
     Parameters
@@ -114,7 +139,7 @@ def relative_error_bars(coarse: Sample, middle: Sample, fine: Sample) -> dict[st
 
     Returns
     -------
-    dict of str to float
+    dict of Name to float
         By the names of the values; inf of a peak that may have no limit.
     """
     seen = {
@@ -124,7 +149,7 @@ def relative_error_bars(coarse: Sample, middle: Sample, fine: Sample) -> dict[st
         for name, scale in fine.scales.items()
     }
     if math.isinf(seen["p_max"]):
-        seen |= {name: math.inf for name in seen if name.startswith("surface")}
+        seen |= {name: math.inf for name in seen if _at_surface(name)}
     shared = SHARED * max(seen[name] for name in FORCES)
     for name, scale in fine.scales.items():
         if scale > 0.0:
@@ -133,35 +158,42 @@ def relative_error_bars(coarse: Sample, middle: Sample, fine: Sample) -> dict[st
     return seen
 
 
-def _seen(name: str, coarse: float, middle: float, fine: float) -> float:
+def _at_surface(name: Name) -> bool:
+    return isinstance(name, LargestStress) and name.surface
+
+
+def _seen(name: Name, coarse: float, middle: float, fine: float) -> float:
     """How far the finest value of a quantity may be from its limit, by what meshes differ."""
-    if name.startswith("interior") and 0.0 in (coarse, middle):
+    if isinstance(name, LargestStress) and not name.surface and 0.0 in (coarse, middle):
         return 0.0  # there was no maximum; where there comes to be one, it is well resolved
     early, late = middle - coarse, fine - middle
-    surface = name.startswith("surface")
     if name == "p_max" and late > GROWN * fine and late > GROWING * early > 0.0:
         return math.inf
-    safety, former = (SURFACE_SAFETY, SURFACE_FORMER) if surface else (SAFETY, FORMER)
+    safety, former = (SURFACE_SAFETY, SURFACE_FORMER) if _at_surface(name) else (SAFETY, FORMER)
     return safety * max(abs(late), former * abs(early))
 
 
-def error_bars(relative: Mapping[str, float], fine: Sample) -> dict[str, float]:
-    """Error bars in units of the quantities, by their names; stress as "von_mises_max A".
+def error_bars(relative: Mapping[Name, float], fine: Sample) -> dict[str, Any]:
+    """Error bars in units of the quantities, by their names; of stress a mapping from bodies.
 
     Parameters
     ----------
-    relative : mapping of str to float
+    relative : mapping of Name to float
         From `relative_error_bars`.
     fine : Sample
         The sample on the finest mesh.
     """
-    bars = {name: share * fine.scales[name] for name, share in relative.items()}
-    for body in [name.split()[1] for name in bars if name.startswith("surface")]:
-        inside, outside = fine.values[f"interior {body}"], fine.values[f"surface {body}"]
-        deep, shallow = bars.pop(f"interior {body}"), bars.pop(f"surface {body}")
-        top = max(inside, outside)
-        # Either may turn out to be the larger one.
-        above = max(inside + deep, outside + shallow) - top
-        below = top - max(inside - deep, outside - shallow)
-        bars[f"von_mises_max {body}"] = float(max(above, below))
+    bars: dict[str, Any] = {}
+    for name, share in relative.items():
+        if isinstance(name, str):
+            bars[name] = share * fine.scales[name]
+        elif name.surface:
+            inside = replace(name, surface=False)
+            high, deep = fine.values[name], fine.values[inside]
+            by_high, by_deep = (relative[k] * fine.scales[k] for k in (name, inside))
+            top = max(deep, high)
+            # Either may turn out to be the larger one.
+            above = max(deep + by_deep, high + by_high) - top
+            below = top - max(deep - by_deep, high - by_high)
+            bars.setdefault(name.column, {})[name.body] = float(max(above, below))
     return bars

@@ -3,10 +3,17 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from tractive_sam.results.history import History
 from tractive_sam.results.state import Contact
-from tractive_sam.run.accuracy.error_bars import Sample, error_bars, off_given, relative_error_bars
+from tractive_sam.run.accuracy.error_bars import (
+    Name,
+    Sample,
+    error_bars,
+    off_given,
+    relative_error_bars,
+)
 from tractive_sam.run.accuracy.levels import NEEDED
 from tractive_sam.scene import Scene
 
@@ -26,7 +33,7 @@ class Judgement:
         Which of them is too wide, and what to do; empty where all are as asked for.
     """
 
-    error_bars: Mapping[str, float]
+    error_bars: Mapping[str, Any]
     missed: str
 
 
@@ -58,7 +65,7 @@ def judge(contact: Contact, samples: Sequence[Sample | None], peak: bool) -> Jud
     return Judgement(bars, _advised(contact.scene, told))
 
 
-def worst_of(relative: Mapping[str, float], peak: bool) -> tuple[float, str]:
+def worst_of(relative: Mapping[Name, float], peak: bool) -> tuple[float, str]:
     """The widest of the relative error bars that govern, and its name."""
     names = (*GOVERNING, "p_max") if peak else GOVERNING
     return max((relative[name], name) for name in names)

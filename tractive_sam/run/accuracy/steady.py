@@ -11,7 +11,7 @@ from tractive_sam.run.accuracy.error_bars import Sample
 from tractive_sam.run.accuracy.judgement import judge
 from tractive_sam.run.accuracy.levels import FIRST, Levels
 from tractive_sam.scene import Scene
-from tractive_sam.subsurface import von_mises_maxima
+from tractive_sam.subsurface import stress_maxima
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ def refined(scene: Scene, measured: Gap | None, model_of: Callable[..., Model] =
         cost = contact.cost + cost.scaled(before / elements)
         # A contact of a few elements may fail where a finer one does not.
         solved = contact.converged
-        samples.append(Sample.of(contact, von_mises_maxima(contact)) if solved else None)
+        samples.append(Sample.of(contact, stress_maxima(contact, model.laws)) if solved else None)
         judgement = judge(contact, samples, peak=True)
         if not judgement.missed or not levels.allowed(level + 1):
             contact = replace(contact, cost=cost, error_bars=judgement.error_bars)

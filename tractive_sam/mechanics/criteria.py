@@ -1,0 +1,90 @@
+"""Stress criteria: how a state of stress is judged, as one number."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+
+from tractive_sam.mechanics.invariants import max_shear, von_mises
+
+
+class StressCriterion(ABC):
+    """One number of the six components of a stress; the larger, the worse.
+
+    Attributes
+    ----------
+    name : str
+        In columns: the largest one of a body is ``<name>_max``.
+    symbol : str
+        For math text in figures.
+    long_name : str
+        Description for people.
+    unit : str
+        Its unit.
+
+    Examples
+    --------
+    >>> class Tresca(ts.StressCriterion):
+    ...     name, symbol = "tresca", r"\\sigma_\\mathrm{T}"
+    ...     long_name = "equivalent stress of Tresca"
+    ...
+    ...     def __call__(self, stress):
+    ...         return 2.0 * reference.max_shear(stress)
+    >>> laws = ts.Laws.of(scene).replace(criterion=Tresca())
+    >>> worse = ts.stress_maximum(contact, "A", laws)
+    >>> 1.0 <= worse.interior / ts.stress_maximum(contact, "A").interior <= 2.0 / 3.0**0.5
+    True
+    """
+
+    name: str
+    symbol: str
+    long_name: str
+    unit: str = "MPa"
+
+    @abstractmethod
+    def __call__(self, stress: np.ndarray) -> np.ndarray:
+        """Judge stresses.
+
+        Parameters
+        ----------
+        stress : ndarray, shape (6, ...)
+            Components xx, yy, zz, xy, xz, yz, MPa.
+
+        Returns
+        -------
+        ndarray, shape (...)
+            At least 0.
+        """
+
+
+@dataclass(frozen=True)
+class VonMises(StressCriterion):
+    """Equivalent stress of von Mises."""
+
+    name = "von_mises"
+    symbol = r"\sigma_\mathrm{vM}"
+    long_name = "equivalent stress of von Mises"
+
+    def __call__(self, stress: np.ndarray) -> np.ndarray:
+        """See `StressCriterion`."""
+        return von_mises(stress)
+
+
+@dataclass(frozen=True)
+class MaxShear(StressCriterion):
+    """Largest shear stress, half the difference of the extreme principal stresses."""
+
+    name = "max_shear"
+    symbol = r"\tau_\mathrm{max}"
+    long_name = "largest shear stress"
+
+    def __call__(self, stress: np.ndarray) -> np.ndarray:
+        """See `StressCriterion`."""
+        return max_shear(stress)
+
+
+VON_MISES = VonMises()
+"""The criterion of every scene."""
+
+CRITERIA = {one.name: one for one in (VON_MISES, MaxShear())}
+"""What stress is judged by without a criterion of one's own."""
