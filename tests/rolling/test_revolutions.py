@@ -8,7 +8,7 @@ import pytest
 import tractive_sam as ts
 from tractive_sam.contact import Model, fitted
 from tractive_sam.rolling import passages, revolutions
-from tractive_sam.run import pipeline
+from tractive_sam.run import pipeline, recording
 from tractive_sam.scene import Scene
 
 COARSE = (
@@ -118,8 +118,8 @@ def test_the_time_of_the_new_bodies_is_counted(monkeypatch):
         clock[0] += 100.0
         return fitted(model)
 
-    monkeypatch.setattr(pipeline, "fitted", solved)
-    for module in (pipeline, revolutions):
+    monkeypatch.setattr("tractive_sam.rolling.passage.fitted", solved)
+    for module in (pipeline, recording, revolutions):
         monkeypatch.setattr(module, "perf_counter", lambda: clock[0])
     history = ts.roll(ts.Scene.builtin("spheres").with_set(["grid.elements=[21, 21]"]))
     assert history.totals["wall_seconds"] == 100.0

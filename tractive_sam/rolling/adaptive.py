@@ -38,6 +38,7 @@ from tractive_sam.contact import Model
 from tractive_sam.rolling.control import ErrorControl, Stops
 from tractive_sam.rolling.passage import Milestone, Passage, off_grid, passage_at
 from tractive_sam.rolling.response import wear_response
+from tractive_sam.rolling.saves import Saves
 
 ALLOWED, POWER = 42.0, 1.3
 """Correction of a profile that a tolerance allows, over its depth: ALLOWED tolerance^POWER.
@@ -66,7 +67,7 @@ Rows of elements come into contact at the rim one after the other, and the press
 falls with each. Long jumps meet the profile, but not the moment of that."""
 
 
-def adaptive_passages(model: Model, start: Passage) -> Iterator[Passage]:
+def adaptive_passages(model: Model, start: Passage, saves: Saves) -> Iterator[Passage]:
     """Roll from a passage to the end in jumps, meeting every revolution to be saved.
 
     Each jump costs one contact; more where rows come into contact, and where it is refused and
@@ -78,12 +79,12 @@ def adaptive_passages(model: Model, start: Passage) -> Iterator[Passage]:
         The scene in numbers.
     start : Passage
         Where to go on.
+    saves : Saves
+        What to meet, and where to end.
     """
-    wear = model.scene.wear
-    stops = tuple(sorted({*wear.save, wear.revolutions}))
-    control = Stops(ErrorControl(order=3), stops, SETTLING)
+    control = Stops(ErrorControl(order=3), saves.stops, SETTLING)
     last = start
-    while last.contact.converged and last.revolution < wear.revolutions:
+    while last.contact.converged and last.revolution < saves.end:
         last = _next_jump(model, last, control)
         yield last
 

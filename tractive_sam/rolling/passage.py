@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tractive_sam.contact import Model, equilibrium
+from tractive_sam.contact import Model, equilibrium, fitted
 from tractive_sam.results.grid import Grid
 from tractive_sam.results.state import Contact
 from tractive_sam.results.status import Cost, Status
@@ -107,6 +107,12 @@ class Passage:
 def unworn(model: Model) -> Passage:
     """Revolution zero: the new bodies."""
     return Passage(0, equilibrium(model), 1)
+
+
+def first_passage(model: Model) -> tuple[Model, Passage]:
+    """Revolution zero on a mesh that holds the contact, and the model on that mesh."""
+    model, contact = fitted(model)
+    return model, Passage(0, contact, 1)
 
 
 def next_passage(model: Model, last: Passage) -> Passage:

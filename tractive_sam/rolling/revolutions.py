@@ -11,6 +11,7 @@ from tractive_sam.results.quantities import Quantity, stress_columns
 from tractive_sam.results.record import Record
 from tractive_sam.rolling.adaptive import adaptive_passages
 from tractive_sam.rolling.passage import Passage, next_passage, off_grid, unworn
+from tractive_sam.rolling.saves import Saves
 from tractive_sam.subsurface import stress_maxima, stress_on_planes
 
 GROWTHS = 16
@@ -34,11 +35,11 @@ def passages(model: Model, start: Passage | None = None) -> Iterator[Passage]:
     if last is None:
         last = unworn(model)
         yield last
-    wear = model.scene.wear
+    wear, saves = model.scene.wear, Saves.of(model.scene)
     growths = 0
-    while wear is not None and last.contact.converged and last.revolution < wear.revolutions:
+    while wear is not None and last.contact.converged and last.revolution < saves.end:
         steps = adaptive_passages if wear.stepping == "adaptive" else every_passage
-        for passage in steps(model, last):
+        for passage in steps(model, last, saves):
             if off_grid(passage) and model.scene.grid is None and growths < GROWTHS:
                 growths += 1
                 grid = grown(model.grid, passage.contact.at_edge)
@@ -49,10 +50,10 @@ def passages(model: Model, start: Passage | None = None) -> Iterator[Passage]:
             yield last
 
 
-def every_passage(model: Model, start: Passage) -> Iterator[Passage]:
+def every_passage(model: Model, start: Passage, saves: Saves) -> Iterator[Passage]:
     """Roll one revolution after another to the end, the paper's way."""
     last = start
-    while last.contact.converged and last.revolution < model.scene.wear.revolutions:
+    while last.contact.converged and last.revolution < saves.end:
         last = next_passage(model, last)
         yield last
 
@@ -87,12 +88,12 @@ def recorded(
         Columns beside the package's.
     """
     contact = replace(passage.contact, revolution=passage.revolution)
-    wear, turns = contact.scene.wear, contact.scene.turns
+    turns = contact.scene.turns
     # The adaptive stepping has corrected the profile with which the material enters.
     entering = passage.course[-1].profile
     shift = entering - contact.wear[-1]
     leaving = contact.wear[0] + shift
-    keep = wear is None or passage.revolution in wear.save or not contact.converged
+    keep = passage.revolution in Saves.of(contact.scene) or not contact.converged
     maxima = stress_maxima(contact, laws)
     stress = stress_on_planes(contact, laws=laws) if keep and maxima else ()
     if judge is not None:

@@ -8,6 +8,7 @@ import numpy as np
 from tractive_sam.contact import Model
 from tractive_sam.operators.memory import available
 from tractive_sam.results.quantities import columns
+from tractive_sam.rolling import Saves
 from tractive_sam.run import memory
 from tractive_sam.run.accuracy import Refined, refined, with_tolerances
 from tractive_sam.run.pipeline import measured_gap
@@ -289,8 +290,7 @@ def applications(model: Model) -> int:
     count, stress = records(model.scene), model.scene.subsurface
     bodies = depths = 0
     if stress is not None:
-        wear = model.scene.wear
-        kept = 1 if wear is None else len(wear.save)
+        kept = len(Saves.of(model.scene))
         bodies, depths = len(stress.bodies), kept * len(stress.planes) * stress.elements
     jumps = model.scene.wear is not None and model.scene.wear.stepping == "adaptive"
     each = JUMP_APPLICATIONS if jumps else WARM_APPLICATIONS

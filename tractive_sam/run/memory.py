@@ -6,6 +6,7 @@ from tractive_sam.contact import Model
 from tractive_sam.kernels.stress import COMPONENTS
 from tractive_sam.operators import memory
 from tractive_sam.results.quantities import FIELDS
+from tractive_sam.rolling import Saves
 from tractive_sam.scene import Fault, SceneError
 
 BESIDE = 3.5
@@ -43,8 +44,7 @@ def of_stress(model: Model) -> float:
 
 def of_records(model: Model) -> float:
     """Memory that records take where no file does, bytes."""
-    wear = model.scene.wear
-    kept = 1 if wear is None else len(wear.save)
+    kept = len(Saves.of(model.scene))
     return 8.0 * kept * len(FIELDS) * math.prod(model.grid.elements)
 
 

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from tractive_sam.contact import Gap, Model, fitted
+from tractive_sam.contact import Gap, Model
 from tractive_sam.results.maximum import Maximum
-from tractive_sam.rolling import Passage, passages
+from tractive_sam.rolling import Passage, Saves, first_passage, passages
 from tractive_sam.run.accuracy.error_bars import Sample, relative_error_bars
 from tractive_sam.run.accuracy.judgement import judge, worst_of
 from tractive_sam.run.accuracy.levels import Levels
@@ -86,7 +86,7 @@ class Judge:
         self.course.add(revolution, sample)
         samples = (self._coarse.at(revolution), self.middle.at(revolution), sample)
         judgement = judge(contact, samples, peak=revolution == 0)
-        if judgement.missed and revolution in contact.scene.wear.save:
+        if judgement.missed and revolution in Saves.of(contact.scene):
             self.missed = f"revolution {revolution}: {judgement.missed}"
         return judgement.error_bars
 
@@ -166,8 +166,7 @@ def _coarser(
 
 def _rolled(model: Model) -> Course:
     course = Course()
-    model, contact = fitted(model)
-    for passage in passages(model, Passage(0, contact, 1)):
+    for passage in passages(*first_passage(model)):
         if passage.contact.converged:
             maxima = stress_maxima(passage.contact, model.laws)
             course.add(passage.revolution, Sample.of(passage.contact, maxima))

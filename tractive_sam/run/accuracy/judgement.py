@@ -7,6 +7,7 @@ from typing import Any
 
 from tractive_sam.results.history import History
 from tractive_sam.results.state import Contact
+from tractive_sam.rolling import Saves
 from tractive_sam.run.accuracy.error_bars import (
     Name,
     Sample,
@@ -83,7 +84,7 @@ def missed_before(history: History, scene: Scene) -> str:
     """
     if "relative_error" not in history.columns:
         return ""
-    missed, saved = "", (0,) if scene.wear is None else scene.wear.save
+    missed, saved = "", Saves.of(scene)
     for revolution, worst in zip(history["revolution"], history["relative_error"], strict=True):
         # Not "greater": there may be none, where coarser meshes could not be solved.
         if int(revolution) in saved and not worst <= scene.accuracy.tolerance:

@@ -1,0 +1,72 @@
+"""Scenes with [accuracy], on finer and finer meshes while their error bars are too wide."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from tractive_sam.contact import Gap, Model
+from tractive_sam.results.history import History
+from tractive_sam.results.state import Contact
+from tractive_sam.results.status import Status
+from tractive_sam.rolling import Passage, first_passage
+from tractive_sam.run.accuracy import (
+    Judge,
+    Levels,
+    judge_of,
+    judge_on,
+    missed_before,
+    refined,
+    with_tolerances,
+)
+from tractive_sam.run.recording import Recording
+from tractive_sam.scene import Scene
+from tractive_sam.store import ResultsError
+
+
+def solved(scene: Scene, measured: Gap | None, model_of: Callable[..., Model]) -> Contact:
+    """Unworn bodies on the mesh that their accuracy takes; arguments as of `refined`."""
+    found = refined(with_tolerances(scene), measured, model_of)
+    if not found.contact.converged or not found.missed:
+        return found.contact
+    return replace(found.contact, status=Status.INACCURATE, message=found.missed)
+
+
+def rolled(run: Recording) -> History:
+    """Roll from unworn bodies on."""
+    scene = with_tolerances(run.scene)
+    unworn = refined(scene, run.measured, run.model_of)
+    if scene.wear is None or not unworn.contact.converged:
+        return run.begun(unworn.model, Passage(0, unworn.contact, 1), missed=unworn.missed)
+    return _rolled_from(run, scene, *judge_of(scene, run.measured, unworn.level, run.model_of))
+
+
+def _rolled_from(run: Recording, scene: Scene, judge: Judge, level: int) -> History:
+    """Roll on the mesh of a level, and on finer ones while its error bars are too wide."""
+    levels = Levels(scene, run.measured)
+    while True:
+        model = run.model_of(scene, run.measured, levels.grid(level))
+        history = run.begun(*first_passage(model), judge)
+        if history.status != Status.INACCURATE or not levels.allowed(level + 1):
+            return history
+        run, judge, level = replace(run, overwrite=True), judge.followed(), level + 1
+
+
+def resumed(run: Recording, last: Passage, before: History) -> History:
+    """Roll on on the mesh of a file, and from unworn bodies on finer ones where that takes it."""
+    scene, measured = with_tolerances(run.scene), run.measured
+    levels, missed = Levels(scene, measured), missed_before(before, scene)
+    model = run.model_of(scene, measured, last.contact.grid)
+    try:
+        level = levels.of(last.contact.grid)
+    except LookupError:
+        raise ResultsError(
+            f"{run.path} has a mesh that this version does not choose for the scene: resume it "
+            "with the version that wrote it, or give the run a file of its own"
+        ) from None
+    complete = scene.wear is None or last.revolution == scene.wear.revolutions
+    judge = None if complete else judge_on(scene, measured, level, missed, run.model_of)
+    history = run.resumed(model, last, len(before), judge, missed)
+    finer = scene.wear is not None and levels.allowed(level + 1)
+    if history.status != Status.INACCURATE or not finer:
+        return history
+    judge = judge_on(scene, measured, level + 1, model_of=run.model_of)
+    return _rolled_from(run, scene, judge, level + 1)

@@ -1,0 +1,71 @@
+"""What is given to the front doors: errors name it, and the cure."""
+
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tractive_sam.contact import Laws, Model
+from tractive_sam.results.grid import Grid
+from tractive_sam.results.state import Contact
+from tractive_sam.scene import Scene
+from tractive_sam.scene.quantities import LARGEST
+from tractive_sam.solvers import Solver
+
+
+def check_scene(scene: Scene) -> None:
+    """See that it is a scene."""
+    if not isinstance(scene, Scene):
+        cure = "Scene.builtin(name), Scene.from_toml(path) or Scene(...) makes one"
+        raise TypeError(f"scene: a Scene is needed, not {type(scene).__name__}; {cure}")
+
+
+def model_of(laws: Laws | None, solver: Solver | None) -> Callable[..., Model]:
+    """Makes models with laws and a method of one's own, if there are any."""
+    if not isinstance(laws, Laws | None):
+        cure = "Laws.of(scene).replace(friction=...) makes them"
+        raise TypeError(f"laws: Laws are needed, not {type(laws).__name__}; {cure}")
+    if solver is not None and not callable(getattr(solver, "solve", None)):
+        needed = "an object with solve(problem, tolerance, start), such as solvers.Newton()"
+        raise TypeError(f"solver: {needed} is needed, not {type(solver).__name__}")
+    return partial(Model, laws=laws, solver=solver)
+
+
+def depths_of(wear: ArrayLike, grid: Grid) -> np.ndarray:
+    """Depths of wear given from outside, mm."""
+    needed = f"wear: finite numbers of the shape {grid.elements} are needed, mm"
+    try:
+        depths = np.asarray(wear)
+    except ValueError:  # rows of different lengths
+        raise ValueError(needed) from None
+    # "not all" rather than "any": nan must fail, too
+    if (
+        depths.dtype.kind not in "fiu"
+        or depths.shape != grid.elements
+        or np.ma.is_masked(wear)
+        or not (np.abs(depths) <= LARGEST).all()
+    ):
+        raise ValueError(needed)
+    return depths.astype(float)
+
+
+def check_start(start: Contact, grid: Grid) -> None:
+    """See that a first guess is a contact on the mesh."""
+    if not isinstance(start, Contact):
+        raise TypeError(f"start: a Contact is needed, as of solve, not {type(start).__name__}")
+    if start.grid != grid:
+        raise ValueError(
+            f"start: a contact on the mesh of the scene is needed, {grid.elements} elements "
+            f"over {grid.half_length} mm; not {start.grid.elements} over {start.grid.half_length}: "
+            "give both scenes the same [grid]"
+        )
+    shape = grid.elements
+    for name, field, wanted in (
+        ("pressure", start.pressure, shape),
+        ("traction", start.traction, (2, *shape)),
+        ("approach", start.approach, ()),
+        ("creepages", (start.xi_x, start.xi_y), (2,)),
+    ):
+        if np.shape(field) != wanted or not (np.abs(field) <= LARGEST).all():
+            raise ValueError(f"start: its {name} are to be finite numbers of the shape {wanted}")

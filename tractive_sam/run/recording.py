@@ -1,0 +1,133 @@
+"""Rolls a scene and keeps its records, in a file or in memory."""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from itertools import chain
+from os import PathLike
+from time import perf_counter
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+
+from tractive_sam import interrupt
+from tractive_sam.contact import Gap, Model
+from tractive_sam.results.grid import Grid
+from tractive_sam.results.history import History
+from tractive_sam.results.quantities import Quantity
+from tractive_sam.results.record import Record, fields
+from tractive_sam.results.status import Status
+from tractive_sam.rolling import Passage, passages, recorded
+from tractive_sam.run.accuracy import Judge
+from tractive_sam.scene import Scene
+from tractive_sam.store import HistoryWriter, open_history
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """Rolls a scene and keeps the records.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is rolled.
+    measured : Gap, optional
+        Its measured separation.
+    model_of : callable
+        Makes the model of a scene, a measured separation and a mesh.
+    path : path-like, optional
+        Results file; without it records are kept in memory.
+    overwrite : bool
+        Whether a results file may be replaced.
+    progress : callable, optional
+        Called with each record.
+    columns : tuple of Quantity
+        Columns beside the package's.
+    began : float
+        When the first record began, by `time.perf_counter`.
+    """
+
+    scene: Scene
+    measured: Gap | None
+    model_of: Callable[..., Model]
+    path: str | PathLike | None
+    overwrite: bool
+    progress: Callable[[Record], None] | None
+    columns: tuple[Quantity, ...]
+    began: float
+
+    def begun(
+        self, model: Model, start: Passage, judge: Judge | None = None, missed: str = ""
+    ) -> History:
+        """Roll from the unworn bodies on; `missed` tells what is wrong with their accuracy."""
+        keeper: HistoryWriter | _InMemory = _InMemory(self.scene)
+        if self.path is not None:
+            keeper = HistoryWriter(self.path, self.scene, model.grid, self.overwrite)
+        return self._kept(keeper, model, start, (start,), judge, missed)
+
+    def resumed(
+        self,
+        model: Model,
+        last: Passage,
+        records: int,
+        judge: Judge | None = None,
+        missed: str = "",
+    ) -> History:
+        """Roll on from the last of a number of records in the file; arguments as of `begun`."""
+        keeper = HistoryWriter.reopen(self.path, self.scene, records)
+        return self._kept(keeper, model, last, (), judge, missed)
+
+    def _kept(
+        self,
+        keeper: "HistoryWriter | _InMemory",
+        model: Model,
+        start: Passage,
+        first: Iterable[Passage],
+        judge: Judge | None,
+        missed: str,
+    ) -> History:
+        passage, began = start, self.began
+        with keeper:
+            for passage in chain(first, passages(model, start)):
+                record = recorded(passage, model.laws, began, judge, self.columns)
+                began = perf_counter()
+                keeper.append(record, passage.contact.grid, fields(passage.contact))
+                if self.progress is not None:
+                    self.progress(record)
+                interrupt.heed()
+            keeper.finish(*_ended(passage, missed if judge is None else judge.missed))
+        return keeper.history if self.path is None else open_history(self.path)
+
+
+class _InMemory:
+    """Keeps records as a `HistoryWriter` does, without a file."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene, self._grid, self._records = scene, Grid.of((1.0,), (1,)), list[Record]()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: type[BaseException] | BaseException | TracebackType | None) -> None:
+        """Nothing is lost that anybody could still ask for."""
+
+    def append(self, record: Record, grid: Grid, state: Mapping[str, np.ndarray]) -> None:
+        """Add a record and its mesh."""
+        self._grid = grid
+        self._records.append(record)
+
+    def finish(self, status: str, message: str) -> None:
+        """Make the history."""
+        end = {"status": status, "message": message}
+        self.history = History.of_records(self._records, self._scene, self._grid, **end)
+
+
+def _ended(passage: Passage, missed: str) -> tuple[str, str]:
+    """Status and message of a history that ends with this passage."""
+    contact = passage.contact
+    if contact.converged and missed:
+        return str(Status.INACCURATE), missed
+    message = contact.message
+    if contact.scene.wear is not None:
+        message = f"revolution {passage.revolution}: {message}"
+    return "done" if contact.converged else str(contact.status), message
