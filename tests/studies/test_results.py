@@ -56,6 +56,19 @@ def test_dataset_of_a_revolution(tmp_path):
     assert np.isnan(results.dataset(17)["Qx"]).all()
 
 
+def test_stress_of_the_lower_body_alone(tmp_path):
+    asked = Study(
+        scene="spheres",
+        set=["grid.elements=[21, 21]", 'subsurface.bodies=["B"]'],
+        axis=[{"key": "friction.mu", "values": [0.2, 0.4]}],
+    )
+    results = study(asked, tmp_path, workers=0)
+    last = results.column("von_mises_max B")
+    assert (last > 0.0).all()
+    np.testing.assert_array_equal(results.column("von_mises_max B", revolution=0), last)
+    assert np.isnan(results.column("von_mises_max A", revolution=0)).all()
+
+
 def test_entries_that_vary_together(tmp_path):
     zipped = {"key": "creepage.lateral", "values": [1e-4, 3e-4]}
     results = study(small({**MU, "zip": [zipped]}), tmp_path, workers=0)

@@ -176,7 +176,7 @@ class Scene(Table):
 
         They have to close in x and y, but for a line contact.
         """
-        if self.body.endless and not self.line:
+        if self.body.endless and self.gap is not None:
             return None
         return self.body.hertz(self.load)
 

@@ -43,7 +43,7 @@ class Row:
     file : Path or None
         Its results file, if there is one.
     last : mapping of str to number
-        Its last record, by the names of `COLUMNS`, and as ``von_mises_max A``; its totals.
+        Its last record, by the names of `COLUMNS`, of bodies as ``von_mises_max A``; its totals.
     version : str
         Of this package, that computed it.
 
@@ -309,11 +309,7 @@ def _at(row: Row, name: str, revolution: int) -> float:
         return math.nan
     history = open_history(row.file)
     found = np.flatnonzero(history["revolution"] == revolution)
-    name, _, body = name.partition(" ")
-    if not found.size or (body and body not in history.bodies):
-        return math.nan
-    values = history[name][found[-1]]
-    return float(values[history.bodies.index(body)] if body else values)
+    return float(summary(history, found[-1]).get(name, math.nan)) if found.size else math.nan
 
 
 def _as_array(values) -> np.ndarray:

@@ -64,12 +64,12 @@ class Outcome:
     traceback: str = ""
 
 
-def summary(history: History) -> dict[str, Any]:
-    """The last record of a history as plain numbers, of bodies as ``von_mises_max A``."""
+def summary(history: History, record: int = -1) -> dict[str, Any]:
+    """A record of a history, the last by default, as plain numbers; of bodies as ``Name A``."""
     if not len(history):
         return {}
-    row = {name: history[name][-1].item() for name in history.of_dims()}
+    row = {name: history[name][record].item() for name in history.of_dims()}
     for name, one in history.of_dims("body").items():
         for body in one.bodies(history.scene):
-            row[f"{name} {body}"] = float(history[name][-1, BODIES.index(body)])
+            row[f"{name} {body}"] = float(history[name][record, BODIES.index(body)])
     return row | history.totals
