@@ -62,6 +62,17 @@ def test_columns_are_named_by_it(tmp_path):
     assert ((share > 1.0 - 1e-3) & (share < 2.0 / np.sqrt(3.0) + 1e-3)).all()
 
 
+def test_a_file_goes_on_with_the_same_criterion_only(tmp_path):
+    path, short = tmp_path / "discs.h5", DISCS.with_set(["wear.revolutions=1", "wear.save=[0]"])
+    assert "Tresca" in ts.roll(short, path, laws=laws(short)).laws
+    with pytest.raises(ts.ResultsError, match="Tresca"):
+        ts.roll(DISCS, path, resume=True)
+    whole = ts.roll(DISCS, path, resume=True, laws=laws(DISCS))
+    np.testing.assert_array_equal(
+        whole["tresca_max"], ts.roll(DISCS, laws=laws(DISCS))["tresca_max"]
+    )
+
+
 def test_error_bars_are_named_by_it():
     scene = ts.Scene.builtin("spheres").replace(grid=None, accuracy={"tolerance": 0.1})
     contact = ts.solve(scene, laws=laws(scene))

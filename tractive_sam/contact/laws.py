@@ -1,6 +1,6 @@
 """The laws of mechanics that a scene names: the one place where its tables become laws."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -50,6 +50,23 @@ class Laws:
     def replace(self, **laws: Any) -> "Laws":
         """These laws, with others in place of some."""
         return replace(self, **laws)
+
+    def beside(self, scene: Scene) -> str:
+        """Those that are not the scene's, as text: the same for the same laws in any process."""
+        named = Laws.of(scene)
+        told = {
+            one.name: (_told(getattr(self, one.name)), _told(getattr(named, one.name)))
+            for one in fields(self)
+        }
+        return ", ".join(f"{name}={here}" for name, (here, there) in told.items() if here != there)
+
+
+def _told(law: object) -> str:
+    """The law by its name and what it is made of: where that is not told, `repr` has an address."""
+    if type(law).__repr__ is object.__repr__:
+        given = ", ".join(f"{name}={value!r}" for name, value in vars(law).items())
+        return f"{type(law).__name__}({given})"
+    return repr(law)
 
 
 def _elasticity(scene: Scene) -> HalfSpaces:

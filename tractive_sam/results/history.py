@@ -77,6 +77,8 @@ class History:
         Stress on planes for each record that kept its fields; see `stress`.
     provenance : tuple of (int, mapping of str to str)
         Programs that computed the records from each of these rows on.
+    laws : str
+        Laws that were given in place of the scene's; empty where none were.
 
     Examples
     --------
@@ -98,6 +100,7 @@ class History:
     field_revolutions: np.ndarray
     stresses: Mapping[tuple[str, str], Rows[PlaneStress]]
     provenance: tuple[tuple[int, Mapping[str, str]], ...] = ()
+    laws: str = ""
 
     @classmethod
     def of_records(
@@ -108,6 +111,7 @@ class History:
         *,
         status: str = DONE,
         message: str = "",
+        laws: str = "",
     ) -> Self:
         """Collect records in memory; those of smaller meshes are widened to the last mesh."""
         records = list(records)
@@ -132,6 +136,7 @@ class History:
             },
             np.array([record.revolution for record in kept], dtype=int),
             _by_plane(kept),
+            laws=laws,
         )
 
     def __len__(self) -> int:

@@ -164,7 +164,7 @@ def roll(
         If no mesh can be chosen that holds the contact, or the memory does not suffice.
     ResultsError
         If the results file cannot be written, is being written by another run, or holds another
-        scene than the one to resume.
+        scene than the one to resume, or other laws.
     StorageError
         If the disk becomes full meanwhile; the file then holds the records up to some moment.
     GapError
@@ -186,7 +186,7 @@ def roll(
     replaced = overwrite or resume
     with nullcontext() if path is None else results_writer(Path(path), replaced):  # at once
         before = open_history(path) if resume and Path(path).exists() else None
-        last = None if before is None else last_passage(before, path, scene)
+        last = None if before is None else last_passage(before, path, scene, laws)
         run = Recording(scene, measured_gap(scene), model_of, path, replaced, progress, own, began)
         model = model_of(scene, run.measured, None if last is None else last.contact.grid)
         memory.check_roll(model, in_memory=path is None)

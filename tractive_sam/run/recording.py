@@ -60,9 +60,10 @@ class Recording:
         self, model: Model, start: Passage, judge: Judge | None = None, missed: str = ""
     ) -> History:
         """Roll from the unworn bodies on; `missed` tells what is wrong with their accuracy."""
-        keeper: HistoryWriter | _InMemory = _InMemory(self.scene)
+        laws = model.laws.beside(model.scene)
+        keeper: HistoryWriter | _InMemory = _InMemory(self.scene, laws)
         if self.path is not None:
-            keeper = HistoryWriter(self.path, self.scene, model.grid, self.overwrite)
+            keeper = HistoryWriter(self.path, self.scene, model.grid, self.overwrite, laws=laws)
         return self._kept(keeper, model, start, (start,), judge, missed)
 
     def resumed(
@@ -102,8 +103,9 @@ class Recording:
 class _InMemory:
     """Keeps records as a `HistoryWriter` does, without a file."""
 
-    def __init__(self, scene: Scene) -> None:
-        self._scene, self._grid, self._records = scene, Grid.of((1.0,), (1,)), list[Record]()
+    def __init__(self, scene: Scene, laws: str) -> None:
+        self._scene, self._laws = scene, laws
+        self._grid, self._records = Grid.of((1.0,), (1,)), list[Record]()
 
     def __enter__(self) -> Self:
         return self
@@ -118,7 +120,7 @@ class _InMemory:
 
     def finish(self, status: str, message: str) -> None:
         """Make the history."""
-        end = {"status": status, "message": message}
+        end = {"status": status, "message": message, "laws": self._laws}
         self.history = History.of_records(self._records, self._scene, self._grid, **end)
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from tractive_sam.contact import Laws
 from tractive_sam.results.grid import Grid
 from tractive_sam.results.history import History
 from tractive_sam.results.status import Cost
@@ -29,7 +30,9 @@ COURSE = ("entering_profile", "wear_per_revolution")
 """Profiles of the last two records that the stepping goes on from."""
 
 
-def last_passage(history: History, path: str | PathLike, scene: Scene) -> Passage | None:
+def last_passage(
+    history: History, path: str | PathLike, scene: Scene, laws: Laws | None = None
+) -> Passage | None:
     """The last revolution of a results file, from which a scene is to be rolled on.
 
     Parameters
@@ -41,6 +44,9 @@ def last_passage(history: History, path: str | PathLike, scene: Scene) -> Passag
     scene : Scene
         The scene of the file; the entries `FREE` may differ, a grid only in being wider.
 
+    laws : Laws, optional
+        Laws in place of the scene's, those of the file.
+
     Returns
     -------
     Passage or None
@@ -49,9 +55,10 @@ def last_passage(history: History, path: str | PathLike, scene: Scene) -> Passag
     Raises
     ------
     ResultsError
-        If the file holds another scene, or one rolled further.
+        If the file holds another scene or other laws, or was rolled further.
     """
     _check_same(history, path, scene)
+    _check_laws(history, path, "" if laws is None else laws.beside(scene))
     row = int(np.flatnonzero(history["converged"])[-1]) if history["converged"].any() else None
     if row is None:
         return None
@@ -89,6 +96,15 @@ def _check_same(history: History, path: str | PathLike, scene: Scene) -> None:
         raise ResultsError(
             f"{path} holds another scene ({told}); resume with the same one, or give this one a "
             "file of its own"
+        )
+
+
+def _check_laws(history: History, path: str | PathLike, laws: str) -> None:
+    if history.laws != laws:
+        raise ResultsError(
+            f"{path} was rolled with {history.laws or 'the laws of its scene'}, and is to go on "
+            f"with {laws or 'those of its scene'}: resume it with the same laws, or give this run "
+            "a file of its own"
         )
 
 

@@ -1,7 +1,8 @@
 """Groups, datasets and dimensions of a results file.
 
     /scene     the TOML text; attributes: status, message, a0, b0, p0, versions (JSON: the programs,
-               and from which record on), digest (SHA-256 of the text)
+               and from which record on), digest (SHA-256 of the text), laws (those that are not the
+               scene's)
     /grid      x, y
     /history   record, y, axis, body, position; a dataset for each column (record, its dimensions);
                attribute: own (JSON: columns that are not the package's)
@@ -66,11 +67,12 @@ def known_names() -> set[str]:
     return {one.name for one in COLUMNS}
 
 
-def create(file: h5py.File, scene: Scene, mesh: Grid) -> None:
+def create(file: h5py.File, scene: Scene, mesh: Grid, laws: str = "") -> None:
     """Lay out an empty results file."""
     set_text(file, "format", FORMAT)
     file.attrs["format_version"] = FORMAT_VERSION
     set_scene(file, scene)
+    set_text(file["scene"], "laws", laws)
     set_status(file, *RUNNING)
     set_versions(file, [])
     grid = file.create_group("grid")

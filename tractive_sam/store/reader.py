@@ -98,6 +98,7 @@ def _history(file: Results) -> History:
         file.numbers("fields/revolution", (m,)),
         _stresses(file, m),
         _versions(file),
+        file.text("scene", "laws", ""),
     )
 
 

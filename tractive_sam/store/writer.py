@@ -47,6 +47,8 @@ class HistoryWriter:
         Whether a results file there may be replaced. A file of any other kind never is.
     checkpoints : Checkpoints, optional
         When records are put on disk.
+    laws : str
+        As of `History`.
 
     Raises
     ------
@@ -61,11 +63,12 @@ class HistoryWriter:
         grid: Grid,
         overwrite: bool = False,
         checkpoints: Checkpoints | None = None,
+        laws: str = "",
     ) -> None:
         check_results(Path(path), overwrite)
         self._begin(path, (len(grid.x), len(grid.y)), checkpoints)
         with replacement(self.path, empty=True) as file:
-            layout.create(file, scene, grid)
+            layout.create(file, scene, grid, laws)
             set_text(file, RUN, self._run)
 
     @classmethod
