@@ -23,6 +23,7 @@ from .run.pipeline import solve as solve
 from .scene import Accuracy as Accuracy
 from .scene import Bodies as Bodies
 from .scene import Body as Body
+from .scene import Coefficients as Coefficients
 from .scene import Creepage as Creepage
 from .scene import Friction as Friction
 from .scene import Gap as Gap

@@ -28,7 +28,7 @@ def bodies(draw):
     radius = st.floats(1, 100)  # more slender contacts need a grid
     rest = {"poisson": st.floats(0, 0.5), "radius_x": radius, "radius_y": radius}
     elastic = draw(one_of_two("young", "shear", POSITIVE))
-    return elastic | draw(st.fixed_dictionaries(rest, optional={"hardness": POSITIVE}))
+    return elastic | draw(st.fixed_dictionaries(rest, optional={"density": POSITIVE}))
 
 
 @st.composite

@@ -75,6 +75,7 @@ def run(
     if not (history.finished or inaccurate):
         say(("not a solution: ", "bold red"), "the last record below is where it ended")
     if len(history):
+        console().print(tables.asked(history))
         console().print(tables.last_record(history))
     for told in tables.balances(history, only_if_open=True).values():
         say(("note: ", "bold yellow"), told)

@@ -9,6 +9,7 @@ from rich import box
 from rich.table import Table
 
 from tractive_sam.results.quantities import BODIES
+from tractive_sam.scene.told import told
 
 if TYPE_CHECKING:
     from tractive_sam.results.history import History
@@ -40,6 +41,7 @@ def about(history: "History") -> Table:
         unworn = f"a0 = {history.a0:.5g} mm, b0 = {history.b0:.5g} mm, p0 = {history.p0:.6g} MPa"
         rows["unworn contact"] = unworn
     rows["records"] = f"{len(history)}, {len(history.field_revolutions)} with fields"
+    rows |= told(history.scene)
     if others := rolled_on_by(history):
         rows["rolled on by"] = others
     rows |= balances(history)
@@ -52,14 +54,22 @@ def about(history: "History") -> Table:
     return table
 
 
+def asked(history: "History") -> Table:
+    """The load and the wear that were asked for, in the units that people have."""
+    table = Table.grid(padding=(0, 2))
+    for name, value in told(history.scene).items():
+        table.add_row(name, value)
+    return table
+
+
 def rolled_on_by(history: "History") -> str:
     """Programs of other versions that a history was rolled on by, and from where; mostly none."""
-    told = []
+    found = []
     for (_, before), (record, now) in pairwise(history.provenance):
         others = ", ".join(f"{name} {now[name]}" for name in now if now[name] != before.get(name))
         where = history["revolution"][record : record + 1]
-        told += [f"{others} from revolution {revolution} on" for revolution in where]
-    return "; ".join(told)
+        found += [f"{others} from revolution {revolution} on" for revolution in where]
+    return "; ".join(found)
 
 
 def balances(history: "History", only_if_open: bool = False) -> dict[str, str]:

@@ -87,5 +87,5 @@ def _wear(scene: Scene) -> WearLaw | None:
         return None
     mu, angle = ((1.0, 1.0), 0.0) if friction is None else (friction.mu, friction.angle)
     if scene.solver.slip == "upwind":
-        return Archard(table.intensity, angle)
-    return ArchardByWork(table.intensity, mu, angle)
+        return Archard(table.intensities, angle)
+    return ArchardByWork(table.intensities, mu, angle)

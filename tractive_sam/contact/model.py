@@ -113,13 +113,13 @@ class Model:
         else:
             length = 0.5 * float(np.sqrt(self.grid.half_length[0] * self.grid.half_length[1]))
         gap = self.elasticity.gap_per_pressure(length, *sides)
-        load = self.scene.load
+        load = self.scene.normal_load
         if hertz is not None:
             pressure = hertz.p0
-        elif load.normal is not None:
-            pressure = load.normal / (np.pi * length**2)
+        elif load is not None:
+            pressure = load / (np.pi * length**2)
         else:
-            pressure = load.approach / gap
+            pressure = self.scene.load.approach / gap
         slip = max(self.frame.mu) ** 2 * self.elasticity.slip_per_traction(*sides)
         return Units(pressure, gap * pressure, slip * pressure)
 
@@ -178,7 +178,7 @@ class Model:
     @cached_property
     def load(self) -> float | None:
         """Sum of the dimensionless pressure over the elements, where the load is given."""
-        normal = self.scene.load.normal
+        normal = self.scene.normal_load
         return None if normal is None else normal / (self.units.pressure * self.grid.element_area)
 
     @cached_property

@@ -83,8 +83,9 @@ def hertz(
     *,
     load: float | None = None,
     approach: float | None = None,
+    pressure: float | None = None,
 ) -> HertzContact:
-    """Solve the elliptic Hertz contact for a given load or a given approach.
+    """Solve the elliptic Hertz contact for a given load, approach or peak pressure.
 
     An ellipse of semi-axes a, b under p0 sqrt(1 - x²/a² - y²/b²) is displaced by
     delta - x²/(2 R_x) - y²/(2 R_y) with
@@ -104,15 +105,17 @@ def hertz(
     radius_x, radius_y : float
         Combined radii of curvature in x and in y, mm; positive and finite.
     load : float, optional
-        Normal load P, N. Give either this or `approach`.
+        Normal load P, N. Give one of this and the next two.
     approach : float, optional
         Approach of the bodies, mm.
+    pressure : float, optional
+        Peak pressure p0, MPa.
 
     Raises
     ------
     ValueError
-        If an argument is not positive and finite, or unless exactly one of `load` and `approach`
-        is given.
+        If an argument is not positive and finite, or unless exactly one of `load`, `approach` and
+        `pressure` is given.
 
     Examples
     --------
@@ -120,15 +123,19 @@ def hertz(
     >>> round(contact.a, 4), round(contact.b, 4), round(contact.p0, 1)
     (0.2807, 0.446, 1144.4)
     """
-    if (load is None) == (approach is None):
-        raise ValueError("give exactly one of load and approach")
+    if (load, approach, pressure).count(None) != 2:
+        raise ValueError("give exactly one of load, approach and pressure")
     _require_positive(e_star=e_star, radius_x=radius_x, radius_y=radius_y)
     ratio = _axis_ratio(radius_x, radius_y)
     # Everything below for an ellipse of the same shape with a b = 1; it scales with c = sqrt(a b).
     depth = elliprf(0.0, ratio, 1 / ratio)
     bend = (elliprd(0.0, 1 / ratio, ratio) + elliprd(0.0, ratio, 1 / ratio)) / 3
     curvature = (1 / radius_x + 1 / radius_y) / 2
-    if approach is None:
+    if pressure is not None:
+        _require_positive(pressure=pressure)
+        c, p0 = pressure * bend / (e_star * curvature), pressure
+        load, approach = 2 * math.pi * c * c * p0 / 3, p0 * c * depth / e_star
+    elif approach is None:
         _require_positive(load=load)
         c = math.cbrt(3 * load * bend / (2 * math.pi * e_star * curvature))
         p0 = 3 * load / (2 * math.pi * c * c)

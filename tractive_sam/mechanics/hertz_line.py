@@ -37,6 +37,11 @@ class HertzLine:
     load_per_length: float
 
     @property
+    def load(self) -> float:
+        """The load per length, as `HertzContact` calls its load."""
+        return self.load_per_length
+
+    @property
     def b(self) -> float:
         """Half-width in y: inf, the contact being endless."""
         return math.inf
@@ -60,7 +65,13 @@ class HertzLine:
         return self.p0 * np.sqrt(np.maximum(0.0, 1.0 - np.square(np.divide(x, self.a))))
 
 
-def hertz_line(e_star: float, radius: float, load_per_length: float) -> HertzLine:
+def hertz_line(
+    e_star: float,
+    radius: float,
+    load_per_length: float | None = None,
+    *,
+    pressure: float | None = None,
+) -> HertzLine:
     """Solve the contact of two cylinders: a² = 4 P' R / (pi E*), p0 = E* a / (2 R).
 
     Source: Johnson, Contact Mechanics (1985), section 4.2(c).
@@ -71,21 +82,30 @@ def hertz_line(e_star: float, radius: float, load_per_length: float) -> HertzLin
         Plane strain modulus E*, MPa.
     radius : float
         Combined radius R, mm.
-    load_per_length : float
-        Normal load per unit length P', N/mm.
+    load_per_length : float, optional
+        Normal load per unit length P', N/mm. Give either this or `pressure`.
+    pressure : float, optional
+        Peak pressure p0, MPa.
 
     Raises
     ------
     ValueError
-        If an argument is not positive and finite.
+        If an argument is not positive and finite, or unless exactly one of the last two is given.
 
     Examples
     --------
     >>> round(hertz_line(e_star=114e3, radius=25.0, load_per_length=500.0).p0)
     852
     """
-    for value in (e_star, radius, load_per_length):
+    if (load_per_length is None) == (pressure is None):
+        raise ValueError("give exactly one of load_per_length and pressure")
+    given = pressure if load_per_length is None else load_per_length
+    for value in (e_star, radius, given):
         if not 0 < value < math.inf:
-            raise ValueError(f"modulus, radius and load must be positive and finite, not {value}")
+            what = "modulus, radius and load or pressure"
+            raise ValueError(f"{what} must be positive and finite, not {value}")
+    if load_per_length is None:
+        a = 2 * radius * pressure / e_star
+        return HertzLine(a, pressure, radius, 0.5 * math.pi * a * pressure)
     a = math.sqrt(4 * load_per_length * radius / (math.pi * e_star))
     return HertzLine(a, e_star * a / (2 * radius), radius, load_per_length)

@@ -60,7 +60,7 @@ def _giwm(scene: Scene, revolutions: int) -> GlobalWear:
         radius_y=A.radius_y,  # B is a cylinder
         semi_axes=(scene.hertz.a, scene.hertz.b),
         creepage=scene.creepage.longitudinal,
-        intensity=scene.wear.intensity[0],
+        intensity=scene.wear.intensities[0],
         revolutions=revolutions,
     )
 

@@ -35,6 +35,7 @@ LABELS = {
     "friction.mu": r"$\mu$",
     "friction.angle": r"$\beta$",
     "load.normal": "$P$",
+    "load.pressure": "$p_0$",
 }
 """What the field calls quantities and entries of a scene; units, which differ between line contacts
 and others, come with the variable."""

@@ -248,7 +248,7 @@ class History:
         wear, friction = self.scene.wear, self.scene.friction
         if wear is None:
             return np.full(len(self), np.nan)
-        least, largest = sorted(np.divide(wear.intensity, friction.mu))
+        least, largest = sorted(np.divide(wear.intensities, friction.mu))
         work = self["dissipation"]
         wears = (worn > ROUNDING * most) & (work > 0.0)
         return _ratio(worn, np.clip(worn, least * work, largest * work), wears)

@@ -183,7 +183,7 @@ def passage_at(
             status=Status.OUT_OF_ITERATIONS,
             message=f"the wear within revolution {revolution} did not settle: its residual is "
             f"{missed:.1e}; the wear of one pass is too deep for the contact, lower "
-            "wear.intensity or the creepage",
+            "[wear] or the creepage",
         )
     return Passage(revolution, replace(contact, cost=cost), solves)
 

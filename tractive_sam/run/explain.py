@@ -12,7 +12,7 @@ from tractive_sam.rolling import Saves
 from tractive_sam.run import memory
 from tractive_sam.run.accuracy import Refined, refined, with_tolerances
 from tractive_sam.run.pipeline import measured_gap
-from tractive_sam.scene import Scene
+from tractive_sam.scene import Scene, told
 
 # Typical work at a tolerance of 1e-8, in applications with all that goes with them: of a new
 # contact on nested meshes, of a revolution, which starts from the one before, and of a jump, which
@@ -76,8 +76,8 @@ def _accuracy(found: Refined) -> Section:
     for name in ("Qx", "Qy", "Mz", "p_max"):
         if name in contact.error_bars:
             bar = contact.error_bars[name]
-            told = f"{getattr(contact, name):.6g} +- {bar:.1g} {columns(scene)[name].unit}"
-            rows.append((f"{name} of the new bodies", told))
+            value = f"{getattr(contact, name):.6g} +- {bar:.1g} {columns(scene)[name].unit}"
+            rows.append((f"{name} of the new bodies", value))
     return Section("Accuracy", rows)
 
 
@@ -95,6 +95,7 @@ def _bodies(model: Model) -> Section:
             ("unworn contact (Hertz)", f"a = {hertz.a:.5g} mm, b = {hertz.b:.5g} mm"),
             ("its pressure", f"p0 = {hertz.p0:.6g} MPa, approach = {hertz.approach:.4g} mm"),
         ]
+    rows.append(("load", told.load_told(model.scene)))
     if model.measured is not None:
         rows.append(("separation", "that of the radii and the measured one of [gap]"))
     return Section("Bodies", rows)
@@ -165,38 +166,21 @@ def _wear(model: Model) -> Section:
     wear = model.scene.wear
     if wear is None:
         return Section("Wear", [("wear", "left out: the scene has no [wear]")])
-    i1, i2 = wear.intensity
-    law = f"i = {i1:g} /MPa" if i1 == i2 else f"i = ({i1:g}, {i2:g}) /MPa"
     upwind = model.scene.solver.slip == "upwind"
     by = "pressure and slip" if upwind else "the work of friction"
     rows = [
-        ("law", f"Holm-Archard by {by}, {law}"),
+        ("law", f"Holm-Archard by {by}, {told.wear_told(model.scene)}"),
         ("revolutions", f"{wear.revolutions}, {_stepping(wear)}"),
         ("fields kept at", ", ".join(map(str, wear.save))),
     ]
-    share = model.scene.body.wear_share
-    told = f"{share['A']:.0%} from body A, {share['B']:.0%} from B, by hardness"
-    rows += [("of the depth", told), ("turns", _turns(model.scene))]
+    rows += [
+        ("of the depth", told.share_told(model.scene)),
+        ("turns", told.turns_told(model.scene)),
+        ("worn mass", told.density_told(model.scene)),
+    ]
     if upwind:
         rows.append(("slip", "the paper's upwind difference: frictional work comes out too small"))
     return Section("Wear", rows)
-
-
-def _turns(scene: Scene) -> str:
-    if scene.wear.turns == "equal":
-        return "equal: N counts those of body A, and what both wore comes round as one"
-    turns = scene.turns.per_count
-    counted, other = "AB" if turns["A"] else "BA"
-    told = f"N counts those of body {counted}"
-    if turns[other] == 0.0:
-        return (
-            f"{told}; {other} is flat and never comes round: it enters unworn, and its depth is "
-            "that of a single pass"
-        )
-    return (
-        f"{told}, {other} turns {turns[other]:.6g} times in each; each meets its own wear again, "
-        "averaged over the phase, with no slip counted"
-    )
 
 
 def _stepping(wear) -> str:

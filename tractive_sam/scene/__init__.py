@@ -11,6 +11,7 @@ from .plane import Plane
 from .scene import Scene
 from .tables import (
     Accuracy,
+    Coefficients,
     Creepage,
     Friction,
     Load,
@@ -24,6 +25,7 @@ __all__ = [
     "Accuracy",
     "Bodies",
     "Body",
+    "Coefficients",
     "Creepage",
     "Fault",
     "Friction",

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import ClassVar
 
 from tractive_sam.mechanics.hertz import HertzContact, combined_radius, hertz
 from tractive_sam.mechanics.hertz_line import HertzLine, hertz_line
 from tractive_sam.mechanics.material import CombinedMaterial, Material, combine
-from tractive_sam.mechanics.turns import Turns
 
 from .alternatives import exactly_one
+from .faults import Fault
 from .quantities import Positive, Radius, Real, entry, positive
-from .table import Check, Table
+from .table import Check, Known, Table
 from .tables import Load
 
 
@@ -31,7 +32,12 @@ class Body(Table):
     poisson: Real = entry("Poisson's ratio", "a number from 0 to 0.5", ge=0, le=0.5)
     radius_x: Radius = entry("radius in the rolling direction, mm", "a number, or inf (flat)")
     radius_y: Radius = entry("radius across it, mm", "a number, or inf (flat)")
-    hardness: Positive = positive("hardness, in the unit of the other body's", 1.0)
+    hardness: Positive = positive(
+        "hardness, in the unit of the other body's: only their ratio counts, the worn depth is "
+        "shared in inverse proportion; of both bodies or of none",
+        1.0,
+    )
+    density: Positive = positive("density, kg/m3, for the worn mass; by default steel's", 7850.0)
     checks: ClassVar[tuple[Check, ...]] = (exactly_one("young", "shear"),)
 
     @property
@@ -40,6 +46,17 @@ class Body(Table):
         if self.shear is not None:
             return Material(self.shear, self.poisson)
         return Material.from_young(self.young, self.poisson)
+
+
+def _hardness_of_both(known: Known) -> Iterator[Fault]:
+    given = [body for body in "AB" if f"{body}.hardness" in known.given]
+    if len(given) == 1:
+        (other,) = set("AB") - set(given)
+        cure = (
+            "that of both bodies, or of none: only their ratio counts, which shares the worn depth"
+        )
+        hardness = known[f"{given[0]}.hardness"]  # a faulty one is told as such
+        yield Fault(f"{other}.hardness", f"nothing, and {hardness:g} of body {given[0]}", cure)
 
 
 class Bodies(Table):
@@ -56,6 +73,7 @@ class Bodies(Table):
 
     A: Body = entry("the upper body", "")
     B: Body = entry("the lower body", "")
+    checks: ClassVar[tuple[Check, ...]] = (_hardness_of_both,)
 
     @property
     def materials(self) -> dict[str, Material]:
@@ -82,11 +100,6 @@ class Bodies(Table):
         return {"A": self.B.hardness / total, "B": self.A.hardness / total}
 
     @property
-    def turns(self) -> Turns:
-        """How often each body comes round while the other does."""
-        return Turns.of(self.wear_share, self.A.radius_x, self.B.radius_x)
-
-    @property
     def endless(self) -> bool:
         """Whether both have ``radius_y = inf``: without a [gap] they touch along a line."""
         return self.A.radius_y == self.B.radius_y == math.inf
@@ -100,8 +113,16 @@ class Bodies(Table):
         e_star = self.material.plane_strain_modulus
         if not 0 < radius_x < math.inf:
             return None
-        if self.endless and load.normal is not None:
-            return hertz_line(e_star, radius_x, load.normal)
+        if self.endless and load.approach is None:
+            return hertz_line(e_star, radius_x, load.normal, pressure=load.pressure)
         if not 0 < radius_y < math.inf:
             return None
-        return hertz(e_star, radius_x, radius_y, load=load.normal, approach=load.approach)
+        given = {"load": load.normal, "approach": load.approach, "pressure": load.pressure}
+        return hertz(e_star, radius_x, radius_y, **given)
+
+    def normal_load(self, load: Load) -> float | None:
+        """The normal load, N or N/mm, as given or of a given peak pressure; None of others."""
+        if load.pressure is None:
+            return load.normal
+        contact = self.hertz(load)
+        return None if contact is None else contact.load

@@ -46,6 +46,8 @@ def _friction_carries_the_traction(known: Known) -> Iterator[Fault]:
     unit = "N/mm" if is_line(known) else "N"
     angle = math.radians(known["friction.angle"])
     force_x, force_y = known["load.force_x"], known["load.force_y"]
+    if known["load.pressure"] is not None:
+        load = known["body"].normal_load(known["load"])
     if load is None:  # only the solution tells how much friction can carry
         return
     if force_x is not None and force_y is not None:
@@ -135,6 +137,20 @@ def _a_body_comes_round(known: Known) -> Iterator[Fault]:
         yield Fault("wear.turns", '"each" with two bodies that are flat in x', cure)
 
 
+def _pressure_is_of_the_radii(known: Known) -> Iterator[Fault]:
+    pressure = known["load.pressure"]
+    if pressure is not None and known["gap"] is not None:
+        cure = "load.normal or load.approach: with a [gap] the radii alone do not tell the contact"
+        yield Fault("load.pressure", shown(pressure), cure)
+
+
+def _one_sharing_of_wear(known: Known) -> Iterator[Fault]:
+    hard = [key for key in ("body.A.hardness", "body.B.hardness") if key in known.given]
+    if hard and known["wear"] is not None and known["wear"].share is not None:
+        cure = "no hardness: the coefficient of each body tells its share"
+        yield Fault(", ".join(hard), "together with a wear.coefficient of each body", cure)
+
+
 SCENE_CHECKS: tuple[Check, ...] = (
     not_both("load.force_x", "creepage.longitudinal"),
     not_both("load.force_y", "creepage.lateral"),
@@ -147,6 +163,8 @@ SCENE_CHECKS: tuple[Check, ...] = (
     _grid_holds_the_contact,
     _grid_is_given_to_slender_contacts,
     _a_body_comes_round,
+    _pressure_is_of_the_radii,
+    _one_sharing_of_wear,
     *LINE_CHECKS,
 )
 """All checks of a valid scene."""
@@ -200,7 +218,7 @@ def warn_if_large(bodies: Bodies, contact: HertzContact | HertzLine, stacklevel:
     if ratios:
         text = (
             f"body: the contact is large against the radii, {' and '.join(ratios)}; half-spaces "
-            f"stand for bodies up to about {LARGEST_CONTACT:g}. Lower load.normal or load.approach"
+            f"stand for bodies up to about {LARGEST_CONTACT:g}. Lower the [load]"
         )
         warnings.warn(text, SceneWarning, stacklevel=stacklevel + 1)
 

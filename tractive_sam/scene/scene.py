@@ -156,11 +156,22 @@ class Scene(Table):
         return self.body.material
 
     @property
+    def normal_load(self) -> float | None:
+        """Normal load, N, or N/mm of a line contact; None where the approach is given."""
+        return self.body.normal_load(self.load)
+
+    @property
+    def wear_share(self) -> dict[str, float]:
+        """Share of each body in the depth worn: by its own coefficient, or by hardness."""
+        own = None if self.wear is None else self.wear.share
+        return self.body.wear_share if own is None else own
+
+    @property
     def turns(self) -> Turns:
         """How often each body comes round in a revolution that [wear] counts."""
         if self.wear is None or self.wear.turns == "equal":
-            return Turns.equal(self.body.wear_share)
-        return self.body.turns
+            return Turns.equal(self.wear_share)
+        return Turns.of(self.wear_share, self.body.A.radius_x, self.body.B.radius_x)
 
     @property
     def line(self) -> bool:

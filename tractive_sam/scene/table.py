@@ -132,7 +132,7 @@ def _read(table: type[Table], given: Mapping[Any, Any]) -> _Reading:
     for key, info in table.model_fields.items():
         if key not in reading.given:
             _read_default(reading, key, info)
-        elif inner := _table_of(info):
+        elif (inner := _table_of(info)) and _as_table(reading.given[key], info):
             _read_table(reading, key, inner)
         elif inner := _item_of(info):
             _read_array(reading, key, inner, table)
@@ -203,9 +203,14 @@ def _read_leaf(reading: _Reading, key: str, table: type[Table], plain: Any) -> N
 
 def _allowed(info: FieldInfo) -> str:
     """What the field allows and what it means, from the words of its definition."""
-    inner = _table_of(info)
+    inner = None if info.description else _table_of(info)
     words = f"a table with the keys {', '.join(inner.model_fields)}" if inner else info.description
     return f"{words} ({info.title})" if info.title else str(words)
+
+
+def _as_table(given: Any, info: FieldInfo) -> bool:
+    """Whether an entry is to be read as a table: one with a description may be other things."""
+    return not info.description or isinstance(given, Mapping | Table)
 
 
 def _nested(value: Any, plain: Callable[[Any], dict[str, Any]]) -> Any:

@@ -16,6 +16,7 @@ from .alternatives import exactly_one
 from .faults import Fault
 from .plane import Plane
 from .quantities import (
+    NotNegative,
     OrthotropicNotNegative,
     OrthotropicPositive,
     Positive,
@@ -52,9 +53,13 @@ class Load(Table):
     approach: Positive | None = positive(
         "approach of the bodies, mm; up to 0 there is no contact", None
     )
+    pressure: Positive | None = positive(
+        "peak contact pressure p0 of the unworn bodies by Hertz, MPa, from which the load follows",
+        None,
+    )
     force_x: Real | None = number("prescribed tangential force Q_x on body A, N or N/mm", None)
     force_y: Real | None = number("prescribed tangential force Q_y on body A, N or N/mm", None)
-    checks: ClassVar[tuple[Check, ...]] = (exactly_one("normal", "approach"),)
+    checks: ClassVar[tuple[Check, ...]] = (exactly_one("normal", "approach", "pressure"),)
 
 
 class Creepage(Table):
@@ -112,6 +117,23 @@ def _ascending(save: tuple[int, ...]) -> tuple[int, ...]:
     return save
 
 
+PER_INTENSITY = 1e3
+"""Coefficient in mm3/(N m) of a wear intensity of 1/MPa = 1 mm3/(N mm)."""
+
+
+class Coefficients(Table):
+    """Specific wear rate of each body on its own, in place of one number for both together.
+
+    Examples
+    --------
+    >>> ts.Wear(coefficient={"A": 1e-3, "B": 3e-3}, revolutions=100).coefficient.B
+    0.003
+    """
+
+    A: NotNegative = entry("specific wear rate k of body A, mm3/(N m)", "a number of at least 0")
+    B: NotNegative = entry("specific wear rate k of body B, mm3/(N m)", "a number of at least 0")
+
+
 class Wear(Table):
     """Archard wear over many revolutions.
 
@@ -119,10 +141,20 @@ class Wear(Table):
     --------
     >>> ts.Wear(intensity=2e-6, revolutions=15000).stepping
     'adaptive'
+    >>> ts.Wear(coefficient=2e-3, revolutions=15000).intensities
+    (2e-06, 2e-06)
     """
 
-    intensity: OrthotropicNotNegative = entry(
-        "wear intensities along the axes e1, e2, 1/MPa", "a number of at least 0, or a pair of them"
+    intensity: OrthotropicNotNegative | None = entry(
+        "wear intensities along the axes e1, e2, of both bodies together, 1/MPa",
+        "a number of at least 0, or a pair of them",
+        None,
+    )
+    coefficient: OrthotropicNotNegative | Coefficients | None = entry(
+        "specific wear rates k along the axes e1, e2, mm3/(N m), of both bodies together, or of "
+        "each on its own",
+        "a number of at least 0, a pair of them, or { A = ..., B = ... }",
+        None,
     )
     revolutions: int = entry(
         "number of revolutions of body A, of B where A is flat",
@@ -151,7 +183,26 @@ class Wear(Table):
         gt=0,
         le=0.1,
     )
-    checks: ClassVar[tuple[Check, ...]] = (_saved_within,)
+    checks: ClassVar[tuple[Check, ...]] = (exactly_one("intensity", "coefficient"), _saved_within)
+
+    @property
+    def intensities(self) -> tuple[float, float]:
+        """Wear intensities (i1, i2) of both bodies together, 1/MPa, by whichever key is given."""
+        if self.intensity is not None:
+            return self.intensity
+        k = self.coefficient
+        if isinstance(k, Coefficients):
+            k = (k.A + k.B,) * 2
+        return (k[0] / PER_INTENSITY, k[1] / PER_INTENSITY)
+
+    @property
+    def share(self) -> dict[str, float] | None:
+        """Share of each body in the depth worn; None where only hardness tells it."""
+        k = self.coefficient
+        if not isinstance(k, Coefficients):
+            return None
+        share = k.A / (k.A + k.B) if k.A + k.B else 0.5
+        return {"A": share, "B": 1.0 - share}
 
 
 _Elements = Annotated[int, Field(ge=3, le=10**6)]

@@ -40,6 +40,10 @@ def scene(text: str) -> str:
     for (table, key), default in DEFAULTS.items():
         if table in tables:
             tables[table].setdefault(key, default)
+    match tables:
+        case {"body": {"A": dict(A), "B": dict(B)}} if "hardness" in {**A, **B}:
+            for body in (A, B):  # one could be given alone, the other was 1 then
+                body.setdefault("hardness", 1.0)
     for (table, key), now in RENAMED.items():
         if key in tables.get(table, {}):
             tables[table][now] = tables[table].pop(key)

@@ -164,6 +164,7 @@ def _unit(key: str, line: bool) -> str:
     units = {name: one.of_line(line).unit for name, one in table(COLUMNS).items()}
     of_entries = {
         "load.normal": units["P"],
+        "load.pressure": units["p_max"],
         "creepage.spin": units["spin"],
         "friction.angle": "degrees",
     }

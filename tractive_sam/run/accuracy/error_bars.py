@@ -115,7 +115,7 @@ def off_given(contact: Contact) -> dict[str, float]:
     """How far the quantities that the scene gives are from what it gives, by their names."""
     load, creepage = contact.scene.load, contact.scene.creepage
     given = {
-        "P": load.normal,
+        "P": contact.scene.normal_load,
         "approach": load.approach,
         "Qx": load.force_x,
         "xi_x": creepage.longitudinal if load.force_x is None else None,

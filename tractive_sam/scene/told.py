@@ -1,0 +1,85 @@
+"""What a scene asks, told in the units that people have beside those of its keys."""
+
+from __future__ import annotations
+
+from .scene import Scene
+from .tables import PER_INTENSITY, Coefficients
+
+
+def told(scene: Scene) -> dict[str, str]:
+    """The load and the wear of a scene, whose they are, and what N counts, by what is told."""
+    rows = {"load": load_told(scene)}
+    if scene.wear is not None:
+        rows |= {"wear": wear_told(scene), "of the depth": share_told(scene)}
+        rows["turns"] = turns_told(scene)
+        rows["worn mass"] = density_told(scene)
+    return rows
+
+
+def load_told(scene: Scene) -> str:
+    """The load and the peak pressure that it makes, whichever of them is given."""
+    hertz, load, unit = scene.hertz, scene.normal_load, "N/mm" if scene.line else "N"
+    if hertz is None:
+        if load is None:
+            return f"approach = {scene.load.approach:g} mm"
+        return f"P = {load:g} {unit}"
+    if scene.load.approach is not None:
+        given = f"approach = {scene.load.approach:g} mm"
+        return f"{given}: P = {hertz.load:.6g} {unit} and p0 = {hertz.p0:.6g} MPa by Hertz, unworn"
+    if scene.load.pressure is not None:
+        return f"p0 = {hertz.p0:g} MPa by Hertz, unworn: P = {load:.6g} {unit}"
+    return f"P = {load:g} {unit}: p0 = {hertz.p0:.6g} MPa by Hertz, unworn"
+
+
+def wear_told(scene: Scene) -> str:
+    """The law of wear as an intensity and as a specific wear rate, and whose they are."""
+    i1, i2 = scene.wear.intensities
+    k = scene.wear.coefficient
+    rate = _pair(PER_INTENSITY * i1, PER_INTENSITY * i2)
+    both = f"i = {_pair(i1, i2)} /MPa, k = {rate} mm3/(N m)"
+    if isinstance(k, Coefficients):
+        return f"k = {k.A:g} mm3/(N m) of body A and {k.B:g} of B; of both together {both}"
+    return f"{both}, of both bodies together"
+
+
+def share_told(scene: Scene) -> str:
+    """Which part of the worn depth each body has, and why."""
+    share, hard = scene.wear_share, scene.body
+    why = "no hardness is given"
+    if scene.wear.share is not None:
+        why = "by their coefficients"
+    elif "hardness" in hard.A.model_fields_set:
+        why = f"inverse to their hardness, {hard.A.hardness:g} and {hard.B.hardness:g}"
+    return f"{share['A']:.3g} from body A, {share['B']:.3g} from B: {why}"
+
+
+def turns_told(scene: Scene) -> str:
+    """What N counts, and what each body meets again."""
+    if scene.wear.turns == "equal":
+        return "equal: N counts those of body A, and what both wore comes round as one"
+    turns = scene.turns.per_count
+    counted, other = "AB" if turns["A"] else "BA"
+    told = f"N counts those of body {counted}"
+    if turns[other] == 0.0:
+        return (
+            f"{told}; {other} is flat and never comes round: it enters unworn, and its depth is "
+            "that of a single pass"
+        )
+    return (
+        f"{told}, {other} turns {turns[other]:.6g} times in each; each meets its own wear again, "
+        "averaged over the phase, with no slip counted"
+    )
+
+
+def density_told(scene: Scene) -> str:
+    """The densities that turn worn volume into mass, and whether they are only assumed."""
+    words = []
+    for name in "AB":
+        body = getattr(scene.body, name)
+        given = "" if "density" in body.model_fields_set else " (of steel, not given)"
+        words.append(f"{name} {body.density:g} kg/m3{given}")
+    return ", ".join(words)
+
+
+def _pair(first: float, second: float) -> str:
+    return f"{first:g}" if first == second else f"({first:g}, {second:g})"
