@@ -16,9 +16,12 @@ NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable"
 
 BROWSER = next(filter(None, map(which, NAMES)), None)
 
-pytestmark = pytest.mark.skipif(
-    BROWSER is None, reason=f"needs a browser that runs headless: none of {', '.join(NAMES)}"
-)
+pytestmark = [
+    pytest.mark.slow,  # a browser draws the page
+    pytest.mark.skipif(
+        BROWSER is None, reason=f"needs a browser that runs headless: none of {', '.join(NAMES)}"
+    ),
+]
 
 TELL = """<script>addEventListener("load", () => parent.postMessage({
   width: innerWidth, needed: document.documentElement.scrollWidth,
