@@ -129,6 +129,19 @@ def test_mixed_slip_is_of_second_order_on_any_mesh():
     assert max(applications) < 1.3 * min(applications)
 
 
+def test_it_rolls_and_wears():
+    """Friction dissipates what drives the bodies, and wears what it dissipates."""
+    scene = ts.Scene.builtin("twin-discs").with_set(["wear.revolutions=40", "wear.save=[40]"])
+    scene = scene.replace(subsurface=None)
+    history = ts.roll(scene, laws=ts.Laws.of(scene).replace(elasticity=Winkler()))
+    assert history.finished
+    # The solver's tolerance is 1e-8 of the tractions, of which the slip is a small difference.
+    np.testing.assert_allclose(history.energy_balance, 1.0, rtol=1e-5)
+    np.testing.assert_allclose(history.wear_balance[1:], 1.0, rtol=1e-5)
+    # Where it was pressed most it wore most, and carries less.
+    assert history["p_max"][-1] < history["p_max"][0]
+
+
 def test_stress_is_not_known():
     contact = solved(SPHERES)
     laws = ts.Laws.of(SPHERES).replace(elasticity=Winkler())

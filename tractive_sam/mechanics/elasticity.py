@@ -123,7 +123,9 @@ class Elasticity(ABC):
         ValueError
             If stress in the bodies is not known, as by default.
         """
-        raise ValueError(f"the stress in body {body} is not known of {self!r}")
+        raise ValueError(
+            f"the stress in body {body} is not known of {self!r}: leave [subsurface] out"
+        )
 
 
 @dataclass(frozen=True)
