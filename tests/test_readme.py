@@ -3,7 +3,10 @@
 import re
 from pathlib import Path
 
-README = (Path(__file__).parents[1] / "README.md").read_text()
+import tractive_sam as ts
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
 def test_the_example_runs(tmp_path, monkeypatch, capsys):
@@ -21,7 +24,25 @@ def test_commands_are_single_lines():
 
 def test_pictures_exist():
     for picture in re.findall(r"!\[.*?\]\((.*?)\)", README):
-        assert (Path(__file__).parents[1] / picture).exists(), picture
+        assert (ROOT / picture).exists(), picture
+
+
+def test_links_lead_somewhere():
+    for link in re.findall(r"[^!]\[[^\]]*\]\((?!http)(.*?)\)", README):
+        assert (ROOT / link).exists(), link
+
+
+def test_the_first_command_runs_the_scene_as_it_is():
+    command = re.search(r"tractive-sam run (.*?) &&", README).group(1)
+    assert command.split()[0] in ts.builtin_names()
+    assert "--set" not in command
+
+
+def test_versions_agree():
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert re.search(r"^version: (.*)$", citation, re.MULTILINE).group(1) == ts.__version__
+    changelog = (ROOT / "docs" / "changelog.md").read_text(encoding="utf-8")
+    assert re.search(rf"^## (Since )?{re.escape(ts.__version__)}$", changelog, re.MULTILINE)
 
 
 def test_nothing_is_left_to_fill_in():

@@ -1,0 +1,277 @@
+"""The tables of numbers in the manual, each from a CSV file that a benchmark has written."""
+
+import statistics
+from collections import defaultdict
+
+from tables import markdown, number, of_columns, rows_of
+
+PER_CENT = number(".3f", 100.0)
+
+
+def solvers() -> str:
+    """Applications and seconds of each method, over meshes."""
+    rows = {(row["n"], row["method"]): row for row in rows_of("solvers.csv")}
+    meshes = list(dict.fromkeys(n for n, _ in rows))
+    methods = ("newton", "anderson", "uzawa")
+
+    def cell(n: str, method: str) -> str:
+        row = rows.get((n, method))
+        if row is None:
+            return "-"
+        return f"{float(row['applications']):,.0f}, {float(row['seconds']):.2g} s"
+
+    head = ("elements", *methods)
+    return markdown(head, ((f"{n} x {n}", *(cell(n, one) for one in methods)) for n in meshes))
+
+
+def large() -> str:
+    """Time and memory of large meshes."""
+    columns = {
+        "elements": ("n", lambda n: f"{n} x {n}"),
+        "applications": ("applications", number(".0f")),
+        "first solve, s": ("first s", number(".2g")),
+        "again, s": ("again s", number(".2g")),
+        "GiB": ("GiB", number(".2f")),
+    }
+    return of_columns(rows_of("large.csv"), columns)
+
+
+def normal() -> str:
+    """The normal problem alone."""
+    columns = {
+        "elements": ("n", lambda n: f"{n} x {n}"),
+        "applications": ("applications", number(".0f")),
+        "seconds": ("seconds", number(".2g")),
+        "seconds over those of its FFTs": ("over its FFTs", number(".2f")),
+        "error of the peak contact pressure": ("p_max/p0 - 1", number(".1e")),
+        "Tamaas, seconds": ("Tamaas seconds", number(".2g")),
+        "Tamaas over this": ("Tamaas/this", number(".0f")),
+    }
+    return of_columns(rows_of("normal.csv"), columns)
+
+
+def spheres() -> str:
+    """Convergence of the scene `spheres` over the mesh."""
+    wanted = {"41", "61", "91", "121", "181", "241", "321"}
+    columns = {
+        "elements": ("n", lambda n: f"{n} x {n}"),
+        "peak contact pressure over Hertz - 1": ("p_max/p0 - 1", number(".1e")),
+        "error of the approach": ("approach error", number(".1e")),
+        "mean error of the pressure / p0": ("mean |p - Hertz|/p0", number(".1e")),
+        "Q_x/(mu P)": ("Qx/muP", number(".5f")),
+        "Q_x/(mu P), CONTACT": ("CONTACT", number(".4f")),
+    }
+    return of_columns(rows_of("spheres_convergence.csv", lambda r: r["n"] in wanted), columns)
+
+
+def creep_forces() -> str:
+    """The creep-force curve."""
+    columns = {
+        "scaled creepage": ("xi~", number("g")),
+        "91 x 91": ("n = 91", number(".4f")),
+        "extrapolated": ("extrapolated", number(".4f")),
+        "CONTACT, 91 x 91": ("CONTACT n = 91", number(".4f")),
+        "CONTACT, extrapolated": ("CONTACT extrapolated", number(".4f")),
+        "Vermeulen and Johnson": ("Vermeulen-Johnson", number(".4f")),
+        "paper, eq. (42)": ("Kalker (42)", number(".4f")),
+    }
+    return of_columns(rows_of("creep_force_curve.csv"), columns)
+
+
+def kalker() -> str:
+    """Creep coefficients beside Kalker's table."""
+    columns = {"a/b": ("a/b", number("g")), "nu": ("nu", number("g"))}
+    for name in ("C11", "C22", "C23", "C33"):
+        columns |= {
+            name: (name, number(".3f")),
+            f"{name}, Kalker": (f"{name} Kalker", number(".3g")),
+            f"{name}, %": (f"{name} %", number("+.2f")),
+        }
+    return of_columns(rows_of("kalker_coefficients.csv"), columns)
+
+
+def orthotropic() -> str:
+    """Forces over the angle of friction."""
+    columns = {
+        "beta": ("beta", number("g")),
+        "Q_x/P": ("Qx/P", number(".4f")),
+        "Q_y/P": ("Qy/P", number("z.4f")),
+        "stick": ("stick", number(".2f")),
+        "Q_x/P in full slip": ("full slip Qx/P", number(".4f")),
+        "closed form": ("closed form x", number(".4f")),
+        "Q_y/P in full slip": ("full slip Qy/P", number("z.4f")),
+        "closed form ": ("closed form y", number(".4f")),
+    }
+    return of_columns(rows_of("orthotropic_angles.csv"), columns)
+
+
+def twin_discs() -> str:
+    """States of the worn discs."""
+    columns = {
+        "beta": ("beta", number("g")),
+        "revolution": ("revolution", number(",.0f")),
+        "half width x, mm": ("a", number(".3f")),
+        "half width y, mm": ("b", number(".3f")),
+        "wear depth, mm": ("wear_max", number(".4g")),
+        "peak contact pressure, MPa": ("p_max", number(".0f")),
+        "Q_x/P": ("Qx/P", number(".4f")),
+        "Q_y/P": ("Qy/P", number("z.4f")),
+        "stick": ("stick", number(".2f")),
+    }
+    return of_columns(rows_of("twin_discs.csv"), columns)
+
+
+def twin_discs_mesh() -> str:
+    """Convergence of the worn discs over the mesh."""
+    columns = {
+        "mesh": ("mesh", str),
+        "contact solves": ("solves", str),
+        "wear depth, mm": ("wear_max", number(".5f")),
+        "Q_x/P": ("Qx/P", number(".4f")),
+        "half width y, mm": ("b", number(".3f")),
+        "pressure at y = 0, MPa": ("pressure at y = 0", number(".1f")),
+        "peak contact pressure, MPa": ("p_max", number(".0f")),
+    }
+    return of_columns(rows_of("twin_discs_mesh.csv"), columns)
+
+
+def giwm() -> str:
+    """Wear beside the global incremental wear model."""
+    columns = {
+        "revolution": ("revolution", number(",.0f")),
+        "wear depth, mm": ("depth", number(".3g")),
+        "GIWM, mm": ("GIWM depth", number(".3g")),
+        "ratio": ("depth/GIWM", number(".3f")),
+        "half width y, mm": ("b", number(".3f")),
+        "GIWM, mm ": ("GIWM b", number(".3f")),
+    }
+    return of_columns(rows_of("twin_discs_giwm.csv"), columns)
+
+
+def wear() -> str:
+    """What 15,000 revolutions take, over the tolerance."""
+    columns = {
+        "tolerance": ("tolerance", str),
+        "contact solves": ("solves", str),
+        "seconds": ("seconds", number(".1f")),
+        "paper's scheme over this": ("paper/this", number(",.0f")),
+        "error of the profile, % of its depth": ("profile error at 15000", PER_CENT),
+        "error of Q_x/P, %": ("Qx_over_P error at 15000", number("+.4f", 100.0)),
+    }
+    return of_columns(rows_of("wear.csv"), columns)
+
+
+def stepping() -> str:
+    """Ways of stepping."""
+    columns = {
+        "stepping": ("stepping", str),
+        "tolerance": ("tolerance", number("g")),
+        "contact solves": ("solves", number(",.0f")),
+        "error of the profile, % of its depth": ("profile error", PER_CENT),
+        "error of p_max, %": ("p_max error", number(".2f", 100.0)),
+        "ripple of the pressure": ("ripple", number(".1e")),
+    }
+    return of_columns(rows_of("stepping.csv"), columns)
+
+
+def balance() -> str:
+    """Worn section over work."""
+    wanted = {"16", "64"}
+    columns = {
+        "friction": ("friction", str),
+        "creepage": ("creepage", str),
+        "of that of full slip": ("of full slip", number("g")),
+        "elements across": ("across", str),
+        "by work": ("by work", number(".4f")),
+        "by pressure": ("by pressure", number(".2f")),
+    }
+    return of_columns(rows_of("wear_balance.csv", lambda r: r["across"] in wanted), columns)
+
+
+def peaks() -> str:
+    """Errors of peak values."""
+    wanted = {"16", "32", "96"}
+    columns = {
+        "case": ("case", str),
+        "quantity": ("quantity", str),
+        "way": ("way", str),
+        "elements across": ("across", str),
+        "error, %": ("error", number("+.2f", 100.0)),
+    }
+    return of_columns(rows_of("peaks.csv", lambda r: r["across"] in wanted), columns)
+
+
+def hard_scenes() -> str:
+    """How many random scenes each method solves, by family, and at what median cost."""
+    found = defaultdict(list)
+    for row in rows_of("hard_scenes.csv"):
+        found[row["family"], row["method"]].append(row)
+    lines = []
+    for (family, method), rows in found.items():
+        done = [float(row["applications"]) for row in rows if row["converged"] == "True"]
+        median = f"{statistics.median(done):,.0f}" if done else "-"
+        lines.append((family, method, len(rows), len(done), median))
+    return markdown(("family", "method", "scenes", "solved", "median of applications"), lines)
+
+
+def error_bars() -> str:
+    """How often error bars hold, by quantity."""
+    found = defaultdict(list)
+    for row in rows_of("error_bars.csv"):
+        found[row["quantity"]].append(row)
+    lines = []
+    for name, rows in found.items():
+        held = sum(row["holds"] == "True" for row in rows)
+        ratios = [
+            float(row["relative error"]) / float(row["relative bar"])
+            for row in rows
+            if row["relative error"] and float(row["relative bar"] or 0.0) > 0.0
+        ]
+        lines.append((f"`{name}`", len(rows), held, f"{statistics.median(ratios):.2f}"))
+    return markdown(("quantity", "scenes", "bars that hold", "median of error over bar"), lines)
+
+
+def subsurface() -> str:
+    """Time of the stress."""
+    columns = {
+        "what": ("what", str),
+        "seconds": ("seconds", number(".2g")),
+        "seconds over those of its FFTs": ("over its FFTs", number(".1f")),
+        "MiB": ("MiB", number(".1f")),
+    }
+    return of_columns(rows_of("subsurface.csv"), columns)
+
+
+def study_scaling() -> str:
+    """A study on one and two workers."""
+    columns = {
+        "study": ("study", str),
+        "workers": ("workers", str),
+        "seconds": ("s", number(".1f")),
+    }
+    return of_columns(rows_of("study_scaling.csv"), columns)
+
+
+TABLES = {
+    one.__name__: one
+    for one in (
+        solvers,
+        large,
+        normal,
+        spheres,
+        creep_forces,
+        kalker,
+        orthotropic,
+        twin_discs,
+        twin_discs_mesh,
+        giwm,
+        wear,
+        stepping,
+        balance,
+        peaks,
+        hard_scenes,
+        error_bars,
+        subsurface,
+        study_scaling,
+    )
+}
