@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from tractive_sam.results.history import History
 
 COURSE = (
-    ("revolution", "N", 1, "d"),
     ("Qx_over_P", "Qx/P", 1, ".4f"),
     ("Qy_over_P", "Qy/P", 1, ".4f"),
     ("p_max", "p_max\nMPa", 1, ".4g"),
@@ -25,7 +24,7 @@ COURSE = (
     ("stick_fraction", "stick\n%", 100, ".1f"),
     ("residual", "residual", 1, ".0e"),
 )
-"""What is told of every record: name, heading, factor and format."""
+"""What is told of every record, after the coordinate: name, heading, factor and format."""
 
 MOST_ROWS = 20
 
@@ -40,7 +39,7 @@ def about(history: "History") -> Table:
     if math.isfinite(history.p0):
         unworn = f"a0 = {history.a0:.5g} mm, b0 = {history.b0:.5g} mm, p0 = {history.p0:.6g} MPa"
         rows["unworn contact"] = unworn
-    rows["records"] = f"{len(history)}, {len(history.field_revolutions)} with fields"
+    rows["records"] = f"{len(history)}, {len(history.saved)} with fields"
     rows |= told(history.scene)
     if others := rolled_on_by(history):
         rows["rolled on by"] = others
@@ -67,8 +66,8 @@ def rolled_on_by(history: "History") -> str:
     found = []
     for (_, before), (record, now) in pairwise(history.provenance):
         others = ", ".join(f"{name} {now[name]}" for name in now if now[name] != before.get(name))
-        where = history["revolution"][record : record + 1]
-        found += [f"{others} from revolution {revolution} on" for revolution in where]
+        along = history.coordinate.name
+        found += [f"{others} from {along} {at} on" for at in history[along][record : record + 1]]
     return "; ".join(found)
 
 
@@ -142,11 +141,14 @@ def records(history: "History") -> Table:
     """Some records from the first to the last, one a row."""
     count = len(history)
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for _, heading, _, _ in COURSE:
+    along = history.coordinate
+    heading = along.symbol + ("" if along.unit == "1" else f"\n{along.unit}")
+    course = ((along.name, heading, 1, along.format), *COURSE)
+    for _, heading, _, _ in course:
         table.add_column(heading, justify="right", no_wrap=True)
     shown = sorted({round(k * (count - 1) / (MOST_ROWS - 1)) for k in range(MOST_ROWS)})
     for row in shown:
-        table.add_row(*(format(history[name][row] * f, form) for name, _, f, form in COURSE))
+        table.add_row(*(format(history[name][row] * f, form) for name, _, f, form in course))
     if len(shown) < count:
         table.caption = f"{len(shown)} of {count} records; show --json tells all"
     return table

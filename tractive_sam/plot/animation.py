@@ -61,10 +61,10 @@ def animate(history: History, path: str | Path, rate: float = 2.0) -> Path:
         raise ValueError(f'path: a name that ends in ".gif"; not {path.name!r}')
     if history.line:
         raise ValueError("an animation shows a map, and a line contact has none")
-    if len(history.field_revolutions) < 2:
+    if len(history.saved) < 2:
         raise ValueError(
             "an animation needs at least two stored revolutions, there is "
-            f"{len(history.field_revolutions)}: list more in wear.save"
+            f"{len(history.saved)}: list more in wear.save"
         )
     envelope = _envelope(history)
     frame = Frame.around(envelope, width=0.6 * WIDTH)
@@ -80,9 +80,9 @@ def animate(history: History, path: str | Path, rate: float = 2.0) -> Path:
 
 
 def _states(history: History) -> Iterator[Drawn]:
-    for revolution in chosen(history.field_revolutions, MOST):
+    for at in chosen(history.saved, MOST):
         interrupt.heed()
-        yield Drawn.of(history, int(revolution))
+        yield Drawn.of(history, at)
 
 
 def _envelope(history: History) -> Drawn:
@@ -102,7 +102,7 @@ def _picture(figure: Figure, frame: Frame, state: Drawn, envelope: Drawn) -> Non
     for axes in list(figure.axes):
         axes.remove()
     chart = Map(figure, LEFT, state, frame)
-    chart.axes.set_title(f"$N = {state.contact.revolution}$", loc="center")
+    chart.axes.set_title(state.place, loc="center")
     p, p_symbol = state.scale.p, state.scale.p_symbol
     highest = envelope.contact.pressure.max() / p
     mesh = chart.fill(state.contact.pressure / p, cmap=PRESSURE, vmin=0.0, vmax=highest)

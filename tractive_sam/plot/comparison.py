@@ -1,12 +1,11 @@
-"""One number of several computations over the revolutions, in the same axes."""
+"""One number of several computations over their course, in the same axes."""
 
 from collections.abc import Mapping
 
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike
 
-from tractive_sam.plot.style import GREY, MICRON, WIDTH, styled
+from tractive_sam.plot.style import GREY, MICRON, WIDTH, along, styled
 from tractive_sam.results.history import History
 from tractive_sam.results.quantities import Quantity
 
@@ -17,7 +16,7 @@ Points = tuple[ArrayLike, ArrayLike]
 def compared(
     histories: Mapping[str, History], name: str, reference: Mapping[str, Points] | None = None
 ) -> Figure:
-    """One recorded number of several histories over the revolutions.
+    """One recorded number of several histories over the course, a column of one's own, too.
 
     Parameters
     ----------
@@ -26,13 +25,14 @@ def compared(
     name : str
         The name of a column of one number a record: "Qx_over_P", "p_max".
     reference : mapping of str to pair of array_like, optional
-        Revolutions and values of other models or of measurements, in the unit of the record.
+        Revolutions, or what the histories go along, and values of other models or of measurements,
+        in the unit of the record.
 
     Raises
     ------
     ValueError
-        If there is no such number, no history, or both line contacts and others and the number
-        is per length in line contacts.
+        If there is no such number, no history, or histories along several coordinates, or both line
+        contacts and others and the number is per length in line contacts.
 
     Examples
     --------
@@ -51,15 +51,12 @@ def compared(
     figure = Figure(figsize=(WIDTH, 0.66 * WIDTH))
     axes = figure.add_subplot()
     for label, history in histories.items():
-        (line,) = axes.plot(history["revolution"], factor * history[name], label=label)
+        (line,) = axes.plot(history[history.coordinate.name], factor * history[name], label=label)
         line.set_clip_on(False)
-    for label, (revolution, value) in (reference or {}).items():
+    for label, (at, value) in (reference or {}).items():
         values = [factor * one for one in value]
-        axes.plot(revolution, values, "--", color=GREY, label=label)
-    last = max(int(history["revolution"][-1]) for history in histories.values())
-    axes.set(xlabel="revolutions $N$", xlim=(0, max(1, last)))
-    axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
-    axes.xaxis.set_major_formatter("{x:,.0f}")
+        axes.plot(at, values, "--", color=GREY, label=label)
+    along(axes, *histories.values())
     axes.set_ylabel(f"{quantity.long_name}{unit}", wrap=True)
     axes.legend(loc="best")
     return figure
@@ -67,6 +64,10 @@ def compared(
 
 def _common(name: str, histories: Mapping[str, History]) -> Quantity:
     """The number as all histories have it."""
+    coordinates = {history.coordinate for history in histories.values()}
+    if len(coordinates) > 1:
+        told = " and ".join(sorted(one.name for one in coordinates))
+        raise ValueError(f"histories along one coordinate are needed, not along {told}")
     first, *others = {history.columns[name] for history in histories.values()}
     if others:
         cure = "histories of one kind are needed"

@@ -1,27 +1,26 @@
-"""Numbers over the revolutions: forces, the size and pressure of the contact, wear, stress."""
+"""Numbers over the course: forces, the size and pressure of the contact, wear, stress."""
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.stress import NOTE
-from tractive_sam.plot.style import BLUE, VERMILLION, WIDTH, set_title, styled
+from tractive_sam.plot.style import BLUE, VERMILLION, WIDTH, along, set_title, styled
 from tractive_sam.results.history import History
 from tractive_sam.results.quantities import BODIES
 
 
 @styled
 def forces(history: History) -> Figure:
-    """Forces on body A over the normal load, over the revolutions.
+    """Forces on body A over the normal load, over the course.
 
     Examples
     --------
     >>> plot.forces(history)
     <Figure size ...>
     """
-    figure, axes = _over_revolutions(history)
+    figure, axes = _over_course(history)
     for name, label in (("Qx_over_P", "$Q_x/P$"), ("Qy_over_P", "$Q_y/P$")):
         _course(axes, history, history[name], label)
     axes.set_ylabel("force / normal load")
@@ -31,7 +30,7 @@ def forces(history: History) -> Figure:
 
 @styled
 def widths(history: History) -> Figure:
-    """Half widths of the contact and its pressure, over the revolutions.
+    """Half widths of the contact and its pressure, over the course.
 
     The pressure is the one that 5 % of the load exceeds: the largest one jumps with every
     element that comes into contact. Files of former versions have the largest one only.
@@ -41,7 +40,7 @@ def widths(history: History) -> Figure:
     >>> plot.widths(history)
     <Figure size ...>
     """
-    figure, axes = _over_revolutions(history)
+    figure, axes = _over_course(history)
     scale = Scale.of_history(history)
     a, b, p = scale.a_symbol, scale.b_symbol, scale.p_symbol
     _course(axes, history, history["half_width_x"] / scale.a, f"half width in $x$ / ${a}$")
@@ -59,14 +58,14 @@ def widths(history: History) -> Figure:
 
 @styled
 def wear_depth(history: History) -> Figure:
-    """Largest wear depth of both bodies together, over the revolutions.
+    """Largest wear depth of both bodies together, over the course.
 
     Examples
     --------
     >>> plot.wear_depth(history)
     <Figure size ...>
     """
-    figure, axes = _over_revolutions(history)
+    figure, axes = _over_course(history)
     _course(axes, history, 1e3 * history["wear_max"], "")
     axes.set_ylim(bottom=0.0)
     axes.set_ylabel(r"largest wear depth ($\mathrm{\mu m}$)")
@@ -75,7 +74,7 @@ def wear_depth(history: History) -> Figure:
 
 @styled
 def stress_course(history: History) -> Figure:
-    """Largest stress of each body, inside and at its surface, over the revolutions.
+    """Largest stress of each body, inside and at its surface, over the course.
 
     By the criterion that it was rolled with. A body that wears may have no maximum inside any more:
     its line then ends, or is interrupted.
@@ -92,7 +91,7 @@ def stress_course(history: History) -> Figure:
     """
     if not history.bodies:
         raise ValueError("no stress was computed: add [subsurface] to the scene")
-    figure, axes = _over_revolutions(history)
+    figure, axes = _over_course(history)
     scale = Scale.of_history(history)
     colours = {"A": BLUE, "B": VERMILLION}
     for kind, style in (("interior", "-"), ("surface", "--")):
@@ -108,16 +107,14 @@ def stress_course(history: History) -> Figure:
     return figure
 
 
-def _over_revolutions(history: History) -> tuple[Figure, Axes]:
+def _over_course(history: History) -> tuple[Figure, Axes]:
     figure = Figure(figsize=(WIDTH, 0.66 * WIDTH))
     axes = figure.add_subplot()
-    axes.set(xlabel="revolutions $N$", xlim=(0, max(1, history["revolution"][-1])))
-    axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
-    axes.xaxis.set_major_formatter("{x:,.0f}")
+    along(axes, history)
     set_title(figure, history.title)
     return figure, axes
 
 
 def _course(axes: Axes, history: History, values: np.ndarray, label: str, **style) -> None:
-    (line,) = axes.plot(history["revolution"], values, label=label, **style)
+    (line,) = axes.plot(history[history.coordinate.name], values, label=label, **style)
     line.set_clip_on(False)

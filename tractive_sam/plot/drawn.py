@@ -9,6 +9,7 @@ from scipy.ndimage import binary_opening
 
 from tractive_sam.plot.scale import Scale
 from tractive_sam.results.history import History
+from tractive_sam.results.quantities import REVOLUTION, Quantity
 from tractive_sam.results.state import Contact
 
 
@@ -22,6 +23,10 @@ class Drawn:
         The contact.
     scale : Scale
         Half widths and pressure that stand for one.
+    coordinate : Quantity
+        What its history goes along.
+    at : float
+        Where it is in its history.
 
     Examples
     --------
@@ -32,21 +37,25 @@ class Drawn:
 
     contact: Contact
     scale: Scale
+    coordinate: Quantity = REVOLUTION
+    at: float = 0
 
     @classmethod
-    def of(cls, source: "Source", revolution: int | None = None) -> Self:
-        """What is drawn of a contact, or of a revolution of a history, by default the last stored.
+    def of(cls, source: "Source", at: float | None = None, **named: float) -> Self:
+        """What is drawn of a contact, or of a record of a history, by default the last stored.
 
         Raises
         ------
         LookupError
-            If the history did not store the fields of the revolution.
+            If the history did not store the fields of the record.
         """
         if isinstance(source, Drawn):
             return source
         if isinstance(source, History):
-            return cls(source.state(revolution), Scale.of_history(source))
-        return cls(source, Scale.of_contact(source))
+            saved = source.saved[source.row_of(at, **named)]
+            scale = Scale.of_history(source)
+            return cls(source.state(saved), scale, source.coordinate, saved)
+        return cls(source, Scale.of_contact(source), at=source.revolution)
 
     @property
     def x(self) -> np.ndarray:
@@ -66,9 +75,15 @@ class Drawn:
 
     @property
     def caption(self) -> str:
-        """Title of the scene and, where something was rolled, the revolution."""
-        rolled = f"N\u00a0=\u00a0{self.contact.revolution}" if self.contact.revolution else ""
+        """Title of the scene and, where something was rolled, the place in its course."""
+        rolled = self.place.replace("$", "").replace(" ", "\u00a0") if self.at else ""
         return ", ".join(filter(None, (self.title, rolled)))
+
+    @property
+    def place(self) -> str:
+        """Where it is in its history, as math text."""
+        unit = "" if self.coordinate.unit == "1" else f" {self.coordinate.unit}"
+        return f"${self.coordinate.symbol} = {self.at:{self.coordinate.format}}${unit}"
 
     @property
     def line(self) -> bool:
@@ -109,4 +124,4 @@ class Drawn:
 
 
 Source: TypeAlias = "Drawn | Contact | History"
-"""What holds a contact; a history holds one of each revolution whose fields it stored."""
+"""What holds a contact; a history holds one of each record whose fields it stored."""

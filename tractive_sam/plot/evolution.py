@@ -59,7 +59,7 @@ def _maps(
     fill: Callable,
     stick: bool = False,
 ) -> Figure:
-    states = [Drawn.of(history, N) for N in chosen(history.field_revolutions, MOST)]
+    states = [Drawn.of(history, at) for at in chosen(history.saved, MOST)]
     figure, charts = Map.row(states)
     highest = max(values(state)[state.contact.touching].max() for state in states)
     for chart in charts:

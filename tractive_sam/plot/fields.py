@@ -1,7 +1,7 @@
 """Figures of one state: pressure, traction, stick and slip, wear.
 
-Each takes a `Drawn`, a solved `Contact`, or a `History` and one of its stored revolutions (the
-last by default).
+Each takes a `Drawn`, a solved `Contact`, or a `History` and one of its `saved` values, also by the
+name of its coordinate, ``revolution=2`` (the last by default).
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ from tractive_sam.plot.style import MICRON, ORANGE, PRESSURE, SKY, TRACTION, WEA
 
 
 @styled
-def pressure(source: Source, revolution: int | None = None) -> Figure:
+def pressure(source: Source, at: float | None = None, **named: float) -> Figure:
     """Map of the pressure p_n/p_0.
 
     Examples
@@ -23,7 +23,7 @@ def pressure(source: Source, revolution: int | None = None) -> Figure:
     >>> plot.pressure(contact)
     <Figure size ...>
     """
-    state = Drawn.of(source, revolution)
+    state = Drawn.of(source, at, **named)
     figure, chart = Map.single(state)
     mesh = chart.fill(state.contact.pressure / state.scale.p, cmap=PRESSURE, vmin=0.0)
     chart.colour_bar(mesh, f"$p_n/{state.scale.p_symbol}$")
@@ -31,7 +31,7 @@ def pressure(source: Source, revolution: int | None = None) -> Figure:
 
 
 @styled
-def traction(source: Source, revolution: int | None = None) -> Figure:
+def traction(source: Source, at: float | None = None, **named: float) -> Figure:
     """Map of the traction ||p_t||_mu/p_0 on body A, its directions, and the edge of stick.
 
     Where friction is isotropic that is |p_t|/(mu p_0).
@@ -41,7 +41,7 @@ def traction(source: Source, revolution: int | None = None) -> Figure:
     >>> plot.traction(contact)
     <Figure size ...>
     """
-    state = Drawn.of(source, revolution)
+    state = Drawn.of(source, at, **named)
     figure, chart = Map.single(state)
     mesh = chart.fill(state.contact.utilisation / state.scale.p, cmap=TRACTION, vmin=0.0)
     chart.stick_edge(colors="white", linewidths=1.2, linestyles="--")
@@ -53,7 +53,7 @@ def traction(source: Source, revolution: int | None = None) -> Figure:
 
 
 @styled
-def stick_slip_map(source: Source, revolution: int | None = None) -> Figure:
+def stick_slip_map(source: Source, at: float | None = None, **named: float) -> Figure:
     """Map of the zones of stick and slip, and the directions of the slip of A over B.
 
     The shares are those of all elements; the steps of the leading edge, which slip where friction
@@ -64,7 +64,7 @@ def stick_slip_map(source: Source, revolution: int | None = None) -> Figure:
     >>> plot.stick_slip_map(history, revolution=0)
     <Figure size ...>
     """
-    state = Drawn.of(source, revolution)
+    state = Drawn.of(source, at, **named)
     figure, chart = Map.single(state)
     chart.fill_elements(state.slip_zone, cmap=ListedColormap([SKY, ORANGE]), vmin=0, vmax=1)
     chart.arrows(state.contact.slip, state.slip_zone, color="black")
@@ -82,7 +82,7 @@ def stick_slip_map(source: Source, revolution: int | None = None) -> Figure:
 
 
 @styled
-def wear_map(source: Source, revolution: int | None = None) -> Figure:
+def wear_map(source: Source, at: float | None = None, **named: float) -> Figure:
     """Map of the wear depth of both bodies together, in the contact.
 
     Examples
@@ -90,7 +90,7 @@ def wear_map(source: Source, revolution: int | None = None) -> Figure:
     >>> plot.wear_map(history)
     <Figure size ...>
     """
-    state = Drawn.of(source, revolution)
+    state = Drawn.of(source, at, **named)
     figure, chart = Map.single(state)
     mesh = chart.fill_up_to_edge(MICRON * state.contact.wear, cmap=WEAR)
     chart.colour_bar(mesh, r"$w$ ($\mathrm{\mu m}$)")

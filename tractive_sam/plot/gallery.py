@@ -62,15 +62,15 @@ def save_all(history: History, directory: str | Path, format: str = "png") -> li
 
 def _figures(history: History) -> Iterator[tuple[str, Figure]]:
     """Names of figures, and the figures."""
-    stored = history.field_revolutions.tolist()
-    for revolution in dict.fromkeys(stored[:1] + stored[-1:]):
-        ending = f"-{revolution}" if len(history) > 1 else ""
-        state = Drawn.of(history, revolution)
+    stored = history.saved.tolist()
+    for at in dict.fromkeys(stored[:1] + stored[-1:]):
+        ending = f"-{at:{history.coordinate.format}}" if len(history) > 1 else ""
+        state = Drawn.of(history, at)
         for name, draw in _of_state(state).items():
             yield name + ending, draw(state)
         for plane, bodies in _planes(history).items():
             name = f"von-mises-{plane.replace('=', '')}{ending}"
-            yield name, von_mises_sections(history, plane, bodies, revolution)
+            yield name, von_mises_sections(history, plane, bodies, at)
     if len(history) > 1:
         for name, draw in _COURSES.items():
             yield name, draw(history)

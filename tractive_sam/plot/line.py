@@ -9,12 +9,12 @@ from tractive_sam.plot.drawn import Drawn, Source
 from tractive_sam.plot.profiles import chosen
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.sections import MARGIN, section
-from tractive_sam.plot.style import BLUE, GREY, VERMILLION, WIDTH, set_title, styled
+from tractive_sam.plot.style import BLUE, GREY, VERMILLION, WIDTH, set_title, styled, symbol_of
 from tractive_sam.results.history import History
 
 
 @styled
-def line_pressure(source: Source, revolution: int | None = None) -> Figure:
+def line_pressure(source: Source, at: float | None = None, **named: float) -> Figure:
     """Pressure of a line contact over x, beside that of Hertz.
 
     Examples
@@ -23,7 +23,7 @@ def line_pressure(source: Source, revolution: int | None = None) -> Figure:
     >>> plot.line_pressure(cylinders)
     <Figure size ...>
     """
-    state = Drawn.of(source, revolution)
+    state = Drawn.of(source, at, **named)
     figure, axes = _over_x(state)
     x, scale = state.x_over_a, state.scale
     if scale.hertz:
@@ -37,7 +37,7 @@ def line_pressure(source: Source, revolution: int | None = None) -> Figure:
 
 
 @styled
-def line_traction(source: Source, revolution: int | None = None) -> Figure:
+def line_traction(source: Source, at: float | None = None, **named: float) -> Figure:
     """Tractions on body A in a line contact over x, between what friction allows.
 
     Examples
@@ -45,7 +45,7 @@ def line_traction(source: Source, revolution: int | None = None) -> Figure:
     >>> plot.line_traction(ts.solve(ts.Scene.builtin("cylinders")))
     <Figure size ...>
     """
-    state = Drawn.of(source, revolution)
+    state = Drawn.of(source, at, **named)
     figure, axes = _over_x(state)
     section(axes, state, 0.0)
     axes.set_ylabel(f"$p/{state.scale.p_symbol}$")
@@ -54,7 +54,7 @@ def line_traction(source: Source, revolution: int | None = None) -> Figure:
 
 
 @styled
-def line_slip(source: Source, revolution: int | None = None) -> Figure:
+def line_slip(source: Source, at: float | None = None, **named: float) -> Figure:
     """Slip of A over B in a line contact over x, per unit rolling speed.
 
     Examples
@@ -62,7 +62,7 @@ def line_slip(source: Source, revolution: int | None = None) -> Figure:
     >>> plot.line_slip(ts.solve(ts.Scene.builtin("cylinders")))
     <Figure size ...>
     """
-    state = Drawn.of(source, revolution)
+    state = Drawn.of(source, at, **named)
     figure, axes = _over_x(state)
     axes.axhline(0.0, color=GREY, linewidth=0.6)
     inside = state.contact.touching[:, 0]
@@ -84,16 +84,17 @@ def line_pressures(history: History) -> Figure:
     <Figure size ...>
     """
     scale = Scale.of_history(history)
-    figure, axes = _over_x(*(Drawn.of(history, N) for N in history.field_revolutions))
-    revolutions = chosen(history.field_revolutions)
-    shades = colormaps["viridis_r"](np.linspace(0.08, 1.0, len(revolutions)))
-    for revolution, shade in zip(revolutions, shades, strict=True):
-        pressure = history.field("pressure", revolution)[:, 0]
-        axes.plot(history.x / scale.a, pressure / scale.p, color=shade, label=f"{revolution}")
+    figure, axes = _over_x(*(Drawn.of(history, at) for at in history.saved))
+    places = chosen(history.saved)
+    shades = colormaps["viridis_r"](np.linspace(0.08, 1.0, len(places)))
+    for at, shade in zip(places, shades, strict=True):
+        pressure = history.field("pressure", at)[:, 0]
+        label = format(at, history.coordinate.format)
+        axes.plot(history.x / scale.a, pressure / scale.p, color=shade, label=label)
     axes.set_ylim(bottom=0.0)
     axes.set_ylabel(f"$p_n/{scale.p_symbol}$")
     set_title(figure, history.title)
-    figure.legend(title="$N$", loc="outside right center")
+    figure.legend(title=symbol_of(history.coordinate), loc="outside right center")
     return figure
 
 

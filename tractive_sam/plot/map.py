@@ -65,7 +65,7 @@ class Map:
 
     @classmethod
     def row(cls, states: Sequence[Drawn]) -> tuple[Figure, list[Self]]:
-        """Make a figure with maps side by side, each under its revolution."""
+        """Make a figure with maps side by side, each under its place in the course."""
         _check_wide(*states)
         frame = Frame.around(*states, width=1.7 * WIDTH / len(states))
         step = frame.width + APART
@@ -73,7 +73,7 @@ class Map:
         figure = paper(width, frame, f"{states[0].title}\n")
         charts = [cls(figure, LEFT + k * step, state, frame) for k, state in enumerate(states)]
         for chart in charts:
-            chart.axes.set_title(f"$N = {chart.state.contact.revolution}$", loc="center")
+            chart.axes.set_title(chart.state.place, loc="center")
         for chart in charts[1:]:
             chart.axes.set_ylabel("")
             chart.axes.tick_params(labelleft=False)

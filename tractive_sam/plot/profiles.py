@@ -1,4 +1,4 @@
-"""Functions of y, one line for each stored revolution."""
+"""Functions of y, one line for each record that kept its fields."""
 
 from collections.abc import Callable
 
@@ -8,21 +8,21 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from tractive_sam.plot.scale import Scale
-from tractive_sam.plot.style import GREY, MICRON, WIDTH, set_title, styled
+from tractive_sam.plot.style import GREY, MICRON, WIDTH, set_title, styled, symbol_of
 from tractive_sam.results.history import History
 
 MOST = 8
-"""Lines of a figure; of more revolutions some are left out."""
+"""Lines of a figure; of more records some are left out."""
 
 BESIDE = 0.15
 """Shown on either side of the worn track, over its half width."""
 
 
-def chosen(revolutions: np.ndarray, most: int = MOST) -> np.ndarray:
-    """At most so many of the revolutions, the first and the last among them."""
-    if len(revolutions) <= most:
-        return revolutions
-    return revolutions[np.linspace(0, len(revolutions) - 1, most).round().astype(int)]
+def chosen(saved: np.ndarray, most: int = MOST) -> np.ndarray:
+    """At most so many of the values, the first and the last among them."""
+    if len(saved) <= most:
+        return saved
+    return saved[np.linspace(0, len(saved) - 1, most).round().astype(int)]
 
 
 @styled
@@ -67,7 +67,7 @@ def worn_profiles(history: History) -> Figure:
     shown = np.abs(history.y) <= (1.0 + BESIDE) * np.abs(worn).max()
     surfaces = {body: _surfaces(history, body) for body in "AB"}
     _lines(axes, history, *(lambda N, one=one: one[N] for one in surfaces.values()))
-    last = int(history.field_revolutions[-1])
+    last = history.saved[-1].item()
     heights = np.array([one[N][shown] for one in surfaces.values() for N in (0, last) if N in one])
     margin = 0.12 * np.ptp(heights)
     ends = {"A": heights.max() + margin, "B": heights.min() - margin}
@@ -80,7 +80,7 @@ def worn_profiles(history: History) -> Figure:
     return figure
 
 
-def _surfaces(history: History, body: str) -> dict[int, np.ndarray]:
+def _surfaces(history: History, body: str) -> dict[float, np.ndarray]:
     """Height of the surface of a body at every record, micrometres, shape (n_y,)."""
     upwards = 1.0 if body == "A" else -1.0
     crown = history.y**2 / (2.0 * getattr(history.scene.body, body).radius_y)
@@ -113,18 +113,18 @@ def _across(history: History) -> tuple[Figure, Axes]:
     return figure, axes
 
 
-def _stored(history: History, name: str) -> dict[int, np.ndarray]:
-    """A function of y of every record, by revolutions."""
-    return dict(zip(history["revolution"].tolist(), history[name], strict=True))
+def _stored(history: History, name: str) -> dict[float, np.ndarray]:
+    """A function of y of every record, by the coordinate."""
+    return dict(zip(history[history.coordinate.name].tolist(), history[name], strict=True))
 
 
-def _lines(axes: Axes, history: History, *values: Callable[[int], np.ndarray]) -> None:
-    """Draw values(revolution), from light to dark in the order of the revolutions."""
+def _lines(axes: Axes, history: History, *values: Callable[[float], np.ndarray]) -> None:
+    """Draw values(coordinate), from light to dark in its order."""
     y = history.y / Scale.of_history(history).b
-    revolutions = chosen(history.field_revolutions).tolist()
-    shades = colormaps["viridis_r"](np.linspace(0.08, 1.0, len(revolutions)))
-    for revolution, shade in zip(revolutions, shades, strict=True):
-        lines = axes.plot(y, np.transpose([of(revolution) for of in values]), color=shade)
-        lines[0].set_label(f"{revolution}")
+    places = chosen(history.saved).tolist()
+    shades = colormaps["viridis_r"](np.linspace(0.08, 1.0, len(places)))
+    for at, shade in zip(places, shades, strict=True):
+        lines = axes.plot(y, np.transpose([of(at) for of in values]), color=shade)
+        lines[0].set_label(format(at, history.coordinate.format))
     axes.set_xlim(y.min(), y.max())
-    axes.figure.legend(title="$N$", loc="outside right center")
+    axes.figure.legend(title=symbol_of(history.coordinate), loc="outside right center")

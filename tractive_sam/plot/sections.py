@@ -18,7 +18,7 @@ MARGIN = 0.08
 
 
 @styled
-def traction_sections(source: Source, revolution: int | None = None) -> Figure:
+def traction_sections(source: Source, at: float | None = None, **named: float) -> Figure:
     """Tractions on body A along y = 0 and y = 0.75 a, between what friction allows.
 
     The bounds are the largest values of either component, the extent of the friction ellipse in x
@@ -29,7 +29,7 @@ def traction_sections(source: Source, revolution: int | None = None) -> Figure:
     >>> plot.traction_sections(contact)
     <Figure size ...>
     """
-    state = Drawn.of(source, revolution)
+    state = Drawn.of(source, at, **named)
     scale = state.scale
     off = (scale.a, scale.a_symbol) if OFF_CENTRE * scale.a < scale.b else (scale.b, scale.b_symbol)
     lines = {"$y = 0$": 0.0, f"$y = {OFF_CENTRE}\\,{off[1]}$": OFF_CENTRE * off[0]}

@@ -45,10 +45,11 @@ def von_mises(
     source: Source,
     body: str = "A",
     plane: "Plane | str" = "y=0",
-    revolution: int | None = None,
+    at: float | None = None,
     *,
     quantity: str | StressCriterion = VON_MISES,
     scale: Scale | None = None,
+    **named: float,
 ) -> Figure:
     """Contours of the equivalent stress of von Mises on a plane of one body, and its maxima.
 
@@ -64,8 +65,9 @@ def von_mises(
         The body concerned.
     plane : Plane or str
         As in a scene: "y=0", "x=-0.3" (mm), "y=0.75a", "z=0.48a".
-    revolution : int, optional
-        One of those that the history stored; the last by default.
+    at : float, optional
+        One of the values that the history saved, also by the name of its coordinate,
+        ``revolution=2``; the last by default.
     quantity : str or StressCriterion
         What else to draw: another criterion, "max_shear", or a component, "xx", "yy", "zz", "xy",
         "xz" or "yz".
@@ -82,7 +84,7 @@ def von_mises(
     >>> plot.von_mises(contact, "B", "y=0.5a")
     <Figure size ...>
     """
-    stresses, state = _resolved(source, (body,), plane, revolution)
+    stresses, state = _resolved(source, (body,), plane, at, **named)
     return _drawn(stresses, state, quantity, scale)
 
 
@@ -91,10 +93,11 @@ def von_mises_sections(
     source: Source,
     plane: "Plane | str" = "y=0",
     bodies: Sequence[str] = ("A", "B"),
-    revolution: int | None = None,
+    at: float | None = None,
     *,
     quantity: str | StressCriterion = VON_MISES,
     scale: Scale | None = None,
+    **named: float,
 ) -> Figure:
     """Contours as by `von_mises` for both bodies in the same colours, A above B.
 
@@ -104,7 +107,7 @@ def von_mises_sections(
     ----------
     source : Contact, History or iterable of PlaneStress
         As for `von_mises`; of stresses one plane, a body at a time.
-    plane, revolution, quantity, scale
+    plane, at, quantity, scale
         As for `von_mises`.
     bodies : sequence of "A" and "B"
         The bodies concerned.
@@ -119,17 +122,21 @@ def von_mises_sections(
     >>> plot.von_mises_sections(history, "x=0", revolution=0)
     <Figure size ...>
     """
-    stresses, state = _resolved(source, bodies, plane, revolution)
+    stresses, state = _resolved(source, bodies, plane, at, **named)
     return _drawn(stresses, state, quantity, scale)
 
 
 def _resolved(
-    source: Source, bodies: Sequence[str], plane: "Plane | str", revolution: int | None
+    source: Source,
+    bodies: Sequence[str],
+    plane: "Plane | str",
+    at: float | None,
+    **named: float,
 ) -> tuple[list["PlaneStress"], Drawn | None]:
     """Stress on the plane in each body, and the state of the contact where it is known."""
     if isinstance(source, History):
-        stored = [source.stress(body, plane, revolution) for body in bodies]
-        return stored, Drawn.of(source, revolution)
+        stored = [source.stress(body, plane, at, **named) for body in bodies]
+        return stored, Drawn.of(source, at, **named)
     # Stored results are to be drawn without loading what computes them.
     from tractive_sam.subsurface import stress_on_planes  # noqa: PLC0415
 

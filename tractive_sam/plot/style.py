@@ -6,9 +6,13 @@ from textwrap import wrap
 from typing import ParamSpec, TypeVar
 
 import matplotlib as mpl
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from tractive_sam.plain import plain
+from tractive_sam.results.history import History
+from tractive_sam.results.quantities import Quantity
 
 P = ParamSpec("P")
 Drawn = TypeVar("Drawn")
@@ -70,6 +74,23 @@ def wrapped(text: str, width: float) -> list[str]:
     """Lines of a title that is to be no wider, inches."""
     text = plain(text, LONGEST_TITLE)
     return [part for line in text.split("\n") for part in wrap(line, int(11 * width)) or [""]]
+
+
+def symbol_of(one: Quantity) -> str:
+    """Symbol and unit, as math text."""
+    return f"${one.symbol}$" + ("" if one.unit == "1" else f" ({one.unit})")
+
+
+def along(axes: Axes, *histories: History) -> None:
+    """Have axes go along the coordinate of histories, from zero to the last record."""
+    (coordinate,) = {history.coordinate for history in histories}
+    last = max(float(history[coordinate.name][-1]) for history in histories)
+    axes.set_xlabel(f"{coordinate.label or coordinate.long_name} {symbol_of(coordinate)}")
+    if coordinate.whole:
+        axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
+        axes.xaxis.set_major_formatter("{x:,.0f}")
+    if coordinate.whole or last > 0.0:
+        axes.set_xlim(0, max(1.0, last) if coordinate.whole else last)
 
 
 def set_title(figure: Figure, text: str, **style) -> None:

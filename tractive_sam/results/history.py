@@ -11,11 +11,13 @@ from tractive_sam.results.grid import Grid, widened
 from tractive_sam.results.plane_stress import PlaneStress
 from tractive_sam.results.quantities import (
     BODIES,
+    COORDINATE,
     FIELDS,
     OUTSIDE,
     STRESSES,
     Quantity,
     columns,
+    of_role,
 )
 from tractive_sam.results.record import Record
 from tractive_sam.results.state import Contact
@@ -71,8 +73,8 @@ class History:
         One row a record, of the shape of the column's dimensions; nan where it is not known.
     fields : mapping of str to Rows, length m <= n
         One function of x and y for each record that kept its fields; see `field` and `state`.
-    field_revolutions : ndarray of int, shape (m,)
-        Revolutions of these records.
+    saved : ndarray, shape (m,)
+        Values of the coordinate of these records, such as their revolutions.
     stresses : mapping of (body, plane) to Rows, length m
         Stress on planes for each record that kept its fields; see `stress`.
     provenance : tuple of (int, mapping of str to str)
@@ -97,7 +99,7 @@ class History:
     columns: Mapping[str, Quantity]
     values: Mapping[str, np.ndarray]
     fields: Mapping[str, Rows[np.ndarray]]
-    field_revolutions: np.ndarray
+    saved: np.ndarray
     stresses: Mapping[tuple[str, str], Rows[PlaneStress]]
     provenance: tuple[tuple[int, Mapping[str, str]], ...] = ()
     laws: str = ""
@@ -117,6 +119,7 @@ class History:
         records = list(records)
         kept = [record for record in records if record.fields]
         names = records[0].columns if records else columns(scene)
+        coordinate = of_role(names.values(), COORDINATE)
         return cls(
             scene,
             status,
@@ -134,13 +137,13 @@ class History:
                 ]
                 for name in FIELDS
             },
-            np.array([record.revolution for record in kept], dtype=int),
+            np.array([record.at for record in kept], int if coordinate.whole else float),
             _by_plane(kept),
             laws=laws,
         )
 
     def __len__(self) -> int:
-        return len(self.values["revolution"])
+        return len(self.values[self.coordinate.name])
 
     def __getitem__(self, name: str) -> np.ndarray:
         """What was recorded under a name, one row a record.
@@ -169,10 +172,17 @@ class History:
         LookupError
             If there is none.
         """
-        for one in self.columns.values():
-            if one.role == role:
-                return one
-        raise LookupError(f"no column is the {role}")
+        return of_role(self.columns.values(), role)
+
+    @property
+    def coordinate(self) -> Quantity:
+        """The column along which it goes: "revolution", or another that grows."""
+        return self.of_role(COORDINATE)
+
+    @property
+    def field_revolutions(self) -> np.ndarray:
+        """As `saved`: revolutions of the records that kept their fields."""
+        return self.saved
 
     @property
     def x(self) -> np.ndarray:
@@ -268,15 +278,16 @@ class History:
         """Title of the scene, empty where it has none."""
         return self.scene.title
 
-    def field(self, name: str, revolution: int | None = None) -> np.ndarray:
-        """One field of one revolution, shape (n_x, n_y).
+    def field(self, name: str, at: float | None = None, **named: float | None) -> np.ndarray:
+        """One field of one record, shape (n_x, n_y).
 
         Parameters
         ----------
         name : str
             A name of `FIELDS`.
-        revolution : int, optional
-            One of `field_revolutions`; the last by default.
+        at : float, optional
+            One of `saved`, also by the name of the coordinate, ``revolution=2``; the last by
+            default.
 
         Raises
         ------
@@ -285,10 +296,12 @@ class History:
         """
         if name not in self.fields:
             raise LookupError(f"no field {name!r}; there are {', '.join(self.fields) or 'none'}")
-        return self.fields[name][self._row(revolution)]
+        return self.fields[name][self.row_of(at, **named)]
 
-    def stress(self, body: str, plane: str, revolution: int | None = None) -> "PlaneStress":
-        """Stress of a body on a plane in one revolution.
+    def stress(
+        self, body: str, plane: str, at: float | None = None, **named: float | None
+    ) -> "PlaneStress":
+        """Stress of a body on a plane in one record.
 
         Parameters
         ----------
@@ -296,8 +309,8 @@ class History:
             The body.
         plane : str
             The plane as the scene names it, "y=0".
-        revolution : int, optional
-            One of `field_revolutions`; the last by default.
+        at : float, optional
+            As of `field`.
 
         Raises
         ------
@@ -310,28 +323,35 @@ class History:
             raise LookupError(
                 f"no stress on {plane} of body {body}; there is {kept or 'none: add [subsurface]'}"
             )
-        return rows[self._row(revolution)]
+        return rows[self.row_of(at, **named)]
 
-    def _row(self, revolution: int | None) -> int:
-        """The row of a revolution among the records that kept their fields."""
-        if revolution is None and len(self.field_revolutions):
-            return len(self.field_revolutions) - 1
-        rows = np.flatnonzero(self.field_revolutions == revolution)
-        if not rows.size:
-            kept = ", ".join(map(str, self.field_revolutions)) or "none"
-            raise LookupError(f"no fields of revolution {revolution}; there are those of {kept}")
+    def row_of(self, at: float | None = None, **named: float | None) -> int:
+        """The row of a value of the coordinate in `saved`; arguments and errors as of `field`."""
+        coordinate = self.coordinate.name
+        if named:
+            if at is not None or named.keys() != {coordinate}:
+                asked = " and ".join([*([] if at is None else ["a value"]), *named])
+                raise TypeError(f"one {coordinate} is needed, not {asked}")
+            at = named[coordinate]
+        if at is None and len(self.saved):
+            return len(self.saved) - 1
+        # A distance may come from a sum.
+        rows = [] if at is None else np.flatnonzero(np.isclose(self.saved, at, rtol=1e-12, atol=0))
+        if not len(rows):
+            kept = ", ".join(map(str, self.saved)) or "none"
+            raise LookupError(f"no fields of {coordinate} {at}; there are those of {kept}")
         return int(rows[-1])
 
-    def state(self, revolution: int | None = None) -> Contact:
-        """The contact of one revolution, as of `solve`.
+    def state(self, at: float | None = None, **named: float | None) -> Contact:
+        """The contact of one record, as of `solve`.
 
         Files of the first format kept neither its gap, which then is nan, nor where it slips, which
         then is told from its traction.
 
         Parameters
         ----------
-        revolution : int, optional
-            One of `field_revolutions`; the last by default.
+        at : float, optional
+            As of `field`.
 
         Raises
         ------
@@ -343,9 +363,9 @@ class History:
         >>> history.state(2).Qx == history["Qx"][2]
         True
         """
-        at = self._row(revolution)
-        row = int(np.flatnonzero(self["revolution"] == self.field_revolutions[at])[-1])
-        return self.contact(row, {name: rows[at] for name, rows in self.fields.items()})
+        kept = self.row_of(at, **named)
+        row = int(np.flatnonzero(self[self.coordinate.name] == self.saved[kept])[-1])
+        return self.contact(row, {name: rows[kept] for name, rows in self.fields.items()})
 
     def contact(self, row: int, fields: Mapping[str, np.ndarray]) -> Contact:
         """The contact of a record, from its fields by the names of `FIELDS`."""
@@ -374,7 +394,7 @@ class History:
             message=message if solved else self.message,
             residual=number["residual"],
             cost=Cost(number["operator_applications"]),
-            revolution=int(number["revolution"]),
+            revolution=int(number.get("revolution", 0)),
         )
         return found if "sliding" in fields else found.with_sliding_by_traction()
 
@@ -396,7 +416,7 @@ class History:
         return _without_nan(about | rows | self.totals)
 
     def to_xarray(self) -> "xarray.Dataset":
-        """Columns, and fields of the revolutions that kept them, with units and coordinates.
+        """Columns, and fields of the records that kept them, with units and coordinates.
 
         Needs xarray, which comes with the extra ``study``.
 
@@ -410,10 +430,11 @@ class History:
         def about(one: Quantity) -> dict[str, str]:
             return {"units": one.unit, "long_name": one.long_name}
 
+        along = self.coordinate
         data = {
-            name: (("revolution", *one.dims), self[name], about(one))
+            name: ((along.name, *one.dims), self[name], about(one))
             for name, one in self.columns.items()
-            if name != "revolution"
+            if one is not along
         }
         for name, rows in self.fields.items():
             values = np.empty((len(rows), *self.grid.elements))
@@ -422,8 +443,8 @@ class History:
             data[name] = (("saved", "x", "y"), values, about(FIELDS[name]))
         labels = {name: list(values) for name, values in LABELS.items()}
         coordinates = labels | {
-            "revolution": ("revolution", self["revolution"], about(self.columns["revolution"])),
-            "saved": ("saved", self.field_revolutions, about(self.columns["revolution"])),
+            along.name: (along.name, self[along.name], about(along)),
+            "saved": ("saved", self.saved, about(along)),
             "x": ("x", self.x, {"units": "mm"}),
             "y": ("y", self.y, {"units": "mm"}),
         }
@@ -440,7 +461,7 @@ def stacked(quantity: Quantity, values: Sequence[Any], grid: Grid) -> np.ndarray
     """One row a record of what was recorded, on a mesh that may be wider than its own."""
     along = {"x": grid.elements[0], "y": grid.elements[1]}
     shape = tuple(along.get(name) or len(LABELS[name]) for name in quantity.dims)
-    rows = np.empty((len(values), *shape), int if quantity.name == "revolution" else float)
+    rows = np.empty((len(values), *shape), int if quantity.whole else float)
     for row, value in zip(rows, values, strict=True) if shape else ():
         if quantity.dims[0] == "body":
             row[:] = np.nan

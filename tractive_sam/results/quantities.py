@@ -55,8 +55,12 @@ class Quantity:
         (x, y, depth).
     symbol : str
         For math text in figures.
+    label : str
+        On axes of figures; by default its description.
     format : str
         Of a number in tables.
+    whole : bool
+        Whether it is a whole number, and known of every record.
     per_length : bool
         Whether it is per length in a line contact.
     when : callable
@@ -78,7 +82,9 @@ class Quantity:
     of: Callable[[Contact], Any] | None = field(default=None, compare=False)
     dims: tuple[str, ...] = ()
     symbol: str = ""
+    label: str = ""
     format: str = ".4g"
+    whole: bool = False
     per_length: bool = False
     when: Callable[[Scene], bool | Collection[str]] = field(default=_always, compare=False)
     role: str = ""
@@ -101,10 +107,19 @@ def table(quantities: Iterable[Quantity]) -> dict[str, Quantity]:
     return {one.name: one for one in quantities}
 
 
+COORDINATE = "coordinate"
+"""Role of the column along which a history goes: revolutions, or a distance that grows."""
+
 REVOLUTION = Quantity(
-    "revolution", "1", "revolutions rolled by body A, by B where A is flat", symbol="N", format="d"
+    "revolution",
+    "1",
+    "revolutions rolled by body A, by B where A is flat",
+    symbol="N",
+    label="revolutions",
+    format="d",
+    whole=True,
+    role=COORDINATE,
 )
-"""What counts the records of a history."""
 
 
 # fmt: off
@@ -285,6 +300,20 @@ STRESS = table(
     )
 )
 """A function on a plane below the surface, kept with the fields."""
+
+
+def of_role(columns: Iterable[Quantity], role: str) -> Quantity:
+    """The one of a role, whatever its name.
+
+    Raises
+    ------
+    LookupError
+        If there is none.
+    """
+    for one in columns:
+        if one.role == role:
+            return one
+    raise LookupError(f"no column is the {role}")
 
 
 def columns(scene: Scene, own: Iterable[Quantity] = ()) -> dict[str, Quantity]:

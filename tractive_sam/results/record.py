@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from tractive_sam.results.plane_stress import PlaneStress
-from tractive_sam.results.quantities import FIELDS, Quantity, columns
+from tractive_sam.results.quantities import COORDINATE, FIELDS, Quantity, columns, of_role
 from tractive_sam.results.state import Contact
 
 
@@ -63,6 +63,16 @@ class Record:
             for name, one in names.items()
         }
         return cls(values, names, fields(contact) if with_fields else {}, tuple(stress))
+
+    @property
+    def coordinate(self) -> Quantity:
+        """The column along which its history goes."""
+        return of_role(self.columns.values(), COORDINATE)
+
+    @property
+    def at(self) -> float:
+        """Its value of the coordinate."""
+        return self.values[self.coordinate.name]
 
     @property
     def revolution(self) -> int:

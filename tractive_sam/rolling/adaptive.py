@@ -155,8 +155,10 @@ class _Formula:
         """
         new = ~self.worn_before & (self.here.rate <= 0.0) & (rate > 0.0)
         unworn = rate - np.diag(response) * (profile - self.here.profile)
-        part = unworn / np.where(new, unworn + open_, 1.0)  # of the jump, in contact
-        leading = np.where(new, 2.0 / np.maximum(part * self.jump, 1.0), self.leading)
+        closing = unworn + open_  # may be nothing, where a row only just touches
+        part = np.divide(unworn, closing, out=np.ones_like(closing), where=new & (closing > 0.0))
+        in_contact = np.maximum(part * self.jump, 1.0)  # revolutions of the jump
+        leading = np.where(new, 2.0 / in_contact, self.leading)
         known = np.where(new, -leading * self.here.profile, self.known)
         return replace(self, leading=leading, known=known)
 

@@ -23,7 +23,7 @@ def export_volume(
     path: str | PathLike,
     *,
     body: str = "A",
-    revolution: int | None = None,
+    revolution: float | None = None,
     depth: float | None = None,
     elements: int | None = None,
     overwrite: bool = False,
@@ -43,8 +43,8 @@ def export_volume(
         The file, with the suffix ``.vtkhdf``.
     body : "A" or "B"
         The body concerned.
-    revolution : int, optional
-        Of a history: one of its `field_revolutions`; the last by default.
+    revolution : float, optional
+        Of a history: one of its `saved`, whatever its coordinate; the last by default.
     depth : float, optional
         Depth in units of the semi-axis a of the unworn contact, or of the half width in x where
         Hertz does not apply; by default that of the scene's [subsurface], or 1.5.
@@ -76,16 +76,16 @@ def export_volume(
     """
     path = Path(path)
     check_volume(path, overwrite)
+    about: dict[str, str | float] = {"body": body}
     if isinstance(source, History):
+        about[source.coordinate.name] = source.saved[source.row_of(revolution)]
         source = source.state(revolution)
-        revolution = source.revolution
     elif revolution is not None:
         raise ValueError("revolution: only a history has revolutions; leave it away")
     if not source.pressure.any():
         raise ValueError("the bodies do not touch: there is no stress to export")
     depths = _depths(source, depth, elements)
     layers = stress_volume(source, depths if body == "A" else depths[::-1], body, threads)
-    about = {"body": body} | ({} if revolution is None else {"revolution": revolution})
     image = _image(source.grid, depths, body)
     write_volume(path, image, _arrays(layers), source.scene, about, overwrite)
     return path

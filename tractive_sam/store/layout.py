@@ -4,8 +4,9 @@
                and from which record on), digest (SHA-256 of the text), laws (those that are not the
                scene's)
     /grid      x, y
-    /history   record, y, axis, body, position; a dataset for each column (record, its dimensions);
-               attribute: own (JSON: columns that are not the package's)
+    /history   record, y, axis, body, position; a dataset for each column (record, its dimensions),
+               one of them the coordinate, revolution; attribute: own (JSON: columns that are not
+               the package's)
     /fields    record, revolution, x, y; fields (record, x, y)
     /stress    of scenes with [subsurface]: a group <body>/<plane> with record, revolution and its
                two axes, such as x and depth; components (record, x, depth)
@@ -28,7 +29,15 @@ import numpy as np
 from tractive_sam.results.grid import Grid
 from tractive_sam.results.history import LABELS
 from tractive_sam.results.plane_stress import PlaneStress
-from tractive_sam.results.quantities import COLUMNS, FIELDS, REVOLUTION, STRESS, Quantity
+from tractive_sam.results.quantities import (
+    COLUMNS,
+    COORDINATE,
+    FIELDS,
+    REVOLUTION,
+    STRESS,
+    Quantity,
+    of_role,
+)
 from tractive_sam.results.quantities import columns as columns_of
 from tractive_sam.results.record import Record
 from tractive_sam.scene import Scene
@@ -58,7 +67,18 @@ OWN = "own"
 """Attribute of /history: columns that are not the package's."""
 
 ROW = Quantity("record", "1", "row of /history")
-TOLD = ("name", "unit", "long_name", "dims", "symbol", "format", "role")
+TOLD = (
+    "name",
+    "unit",
+    "long_name",
+    "dims",
+    "symbol",
+    "label",
+    "format",
+    "whole",
+    "per_length",
+    "role",
+)
 """What is kept of a column that is not the package's."""
 
 
@@ -67,8 +87,10 @@ def known_names() -> set[str]:
     return {one.name for one in COLUMNS}
 
 
-def create(file: h5py.File, scene: Scene, mesh: Grid, laws: str = "") -> None:
-    """Lay out an empty results file."""
+def create(
+    file: h5py.File, scene: Scene, mesh: Grid, laws: str = "", coordinate: Quantity = REVOLUTION
+) -> None:
+    """Lay out an empty results file of a history along a coordinate."""
     set_text(file, "format", FORMAT)
     file.attrs["format_version"] = FORMAT_VERSION
     set_scene(file, scene)
@@ -81,9 +103,13 @@ def create(file: h5py.File, scene: Scene, mesh: Grid, laws: str = "") -> None:
         about = Quantity(name, "mm", f"centres of the elements in the {along} direction")
         _scale(grid, name, centres, about)
     # A record may have other columns in the place of those with a role.
-    certain = {name: one for name, one in columns_of(scene).items() if not one.role}
+    certain = {
+        name: one
+        for name, one in columns_of(scene, (coordinate,)).items()
+        if one.role in ("", COORDINATE)
+    }
     _create_history(file.create_group("history"), grid, certain)
-    _create_fields(file.create_group("fields"), grid)
+    _create_fields(file.create_group("fields"), grid, coordinate)
     file.create_group("stress")
     _create_state(file.create_group("state"), grid)
 
@@ -133,17 +159,19 @@ def add_columns(file: h5py.File, record: Record) -> None:
     for one in record.stress:
         bodies = file["stress"].require_group(one.body)
         if str(one.plane) not in bodies:
-            _create_plane(bodies.create_group(str(one.plane)), file["grid"], one)
+            group = bodies.create_group(str(one.plane))
+            _create_plane(group, file["grid"], one, record.coordinate)
 
 
 def _create_columns(history: h5py.Group, columns: Mapping[str, Quantity]) -> None:
     """Create those columns that are not there, and say which are not the package's."""
     missing = [one for name, one in columns.items() if name not in history]
+    coordinate = of_role(columns.values(), COORDINATE).name
     for one in missing:
         for name in (name for name in one.dims if name not in history):
             _labels(history, name, LABELS[name], "component" if name != "body" else "body")
         scales = [history[name] for name in ("record", *one.dims)]
-        _rows(history, one.name, one, scales, int if one.name == REVOLUTION.name else float)
+        _rows(history, one.name, one, scales, coordinate=coordinate)
     own = [one for one in missing if one.name not in known_names()]
     if own:
         told = json.loads(text_of(history.attrs[OWN])) if OWN in history.attrs else []
@@ -151,10 +179,12 @@ def _create_columns(history: h5py.Group, columns: Mapping[str, Quantity]) -> Non
         set_text(history, OWN, json.dumps(told))
 
 
-def _create_plane(group: h5py.Group, grid: h5py.Group, plane: "PlaneStress") -> None:
+def _create_plane(
+    group: h5py.Group, grid: h5py.Group, plane: "PlaneStress", coordinate: Quantity
+) -> None:
     group.attrs["position"] = plane.position
     record = _scale(group, "record", np.empty(0, int), ROW)
-    _rows(group, "revolution", REVOLUTION, (record,), int)
+    _rows(group, coordinate.name, coordinate, (record,), coordinate=coordinate.name)
     axes = []
     for name, centres in plane.axes.items():
         if name in grid:
@@ -165,7 +195,7 @@ def _create_plane(group: h5py.Group, grid: h5py.Group, plane: "PlaneStress") -> 
             )
         axes.append(group[name])
     for name, quantity in STRESS.items():
-        _rows(group, name, quantity, (record, *axes), **SQUEEZED)
+        _rows(group, name, quantity, (record, *axes), coordinate=coordinate.name, **SQUEEZED)
 
 
 def _create_state(state: h5py.Group, grid: h5py.Group) -> None:
@@ -180,12 +210,13 @@ def _create_history(history: h5py.Group, grid: h5py.Group, columns: Mapping[str,
     _create_columns(history, columns)
 
 
-def _create_fields(fields: h5py.Group, grid: h5py.Group) -> None:
+def _create_fields(fields: h5py.Group, grid: h5py.Group, coordinate: Quantity) -> None:
     record = _scale(fields, "record", np.empty(0, int), ROW)
     fields["x"], fields["y"] = grid["x"], grid["y"]
-    _rows(fields, "revolution", REVOLUTION, (record,), int)
+    _rows(fields, coordinate.name, coordinate, (record,), coordinate=coordinate.name)
+    scales = (record, grid["x"], grid["y"])
     for name, quantity in FIELDS.items():
-        _rows(fields, name, quantity, (record, grid["x"], grid["y"]), **SQUEEZED)
+        _rows(fields, name, quantity, scales, coordinate=coordinate.name, **SQUEEZED)
 
 
 def _labels(group: h5py.Group, name: str, values: Sequence[str], about: str) -> None:
@@ -213,8 +244,8 @@ def _rows(
     name: str,
     quantity: Quantity,
     dimensions: tuple[h5py.Dataset, ...],
-    dtype: type = float,
     rows: int = 0,
+    coordinate: str = "",
     **filters: str | int | bool,
 ) -> h5py.Dataset:
     """Create a dataset with one row a record, as yet without rows, or with a number of them."""
@@ -223,17 +254,17 @@ def _rows(
     dataset = group.create_dataset(
         name,
         shape=(rows, *shape),
-        dtype=dtype,
+        dtype=int if quantity.whole else float,
         maxshape=(None,) * len(dimensions),
         chunks=(1 if filters else max(least, rows), *shape),
-        fillvalue=np.nan if dtype is float else -1,
+        fillvalue=-1 if quantity.whole else np.nan,
         fletcher32=True,
         **filters,
     )
     for dimension, scale in zip(dataset.dims, dimensions, strict=True):
         dimension.attach_scale(scale)
-    if not rows and name != "revolution":
-        dataset.attrs["coordinates"] = "revolution"
+    if coordinate not in ("", name):
+        dataset.attrs["coordinates"] = coordinate
     return _describe(dataset, quantity)
 
 

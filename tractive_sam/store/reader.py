@@ -9,7 +9,16 @@ import numpy as np
 
 from tractive_sam.results.grid import Grid
 from tractive_sam.results.history import LABELS, History
-from tractive_sam.results.quantities import BODIES, FIELDS, OUTSIDE, STRESS, Quantity, columns
+from tractive_sam.results.quantities import (
+    BODIES,
+    COORDINATE,
+    FIELDS,
+    OUTSIDE,
+    STRESS,
+    Quantity,
+    columns,
+    of_role,
+)
 from tractive_sam.scene import Scene, SceneError, SceneWarning
 from tractive_sam.scene.gap import files_anywhere
 from tractive_sam.store import former, layout
@@ -85,6 +94,7 @@ def _history(file: Results) -> History:
     half_length = tuple(map(float, file.attribute("grid", "half_length")))
     scene = _scene(file)
     known = columns(scene, _own(file))
+    coordinate = of_role(known.values(), COORDINATE).name
     for name in _known("fields", FIELDS, file):
         file.check(f"fields/{name}", (m, *mesh))
     return History(
@@ -95,8 +105,8 @@ def _history(file: Results) -> History:
         known,
         {name: _column(file, one, n, mesh) for name, one in known.items()},
         {name: StoredField(file.path, name, m) for name in _known("fields", FIELDS, file)},
-        file.numbers("fields/revolution", (m,)),
-        _stresses(file, m),
+        file.numbers(f"fields/{coordinate}", (m,)),
+        _stresses(file, m, coordinate),
         _versions(file),
         file.text("scene", "laws", ""),
     )
@@ -107,7 +117,7 @@ def _column(file: Results, one: Quantity, records: int, mesh: tuple[int, int]) -
     along = dict(zip("xy", mesh, strict=True))
     shape = tuple(along.get(name) or len(LABELS[name]) for name in one.dims)
     name = next((f"history/{k}" for k in former.names(one.name) if f"history/{k}" in file), None)
-    if name is None and one.name != "revolution":
+    if name is None and one.role != COORDINATE:
         return np.full((records, *shape), np.nan)
     if one.dims[:1] != ("body",) or file.version > 1:
         return file.numbers(name or f"history/{one.name}", (records, *shape))
@@ -157,7 +167,7 @@ def _versions(file: Results) -> tuple[tuple[int, dict[str, str]], ...]:
         raise file.damaged(f"scene versions: {error}") from None
 
 
-def _stresses(file: Results, length: int) -> dict[tuple[str, str], StoredStress]:
+def _stresses(file: Results, length: int, coordinate: str) -> dict[tuple[str, str], StoredStress]:
     """Every stress that is kept; its datasets are looked at, but not read."""
     found = {}
     for body in file.names("stress"):
@@ -165,7 +175,7 @@ def _stresses(file: Results, length: int) -> dict[tuple[str, str], StoredStress]
             group = f"stress/{body}/{plane}"
             axes = [name for name in ("x", "y", "depth") if f"{group}/{name}" in file]
             shape = tuple(file.length(f"{group}/{name}") for name in axes)
-            file.check(f"{group}/revolution", (length,))
+            file.check(f"{group}/{coordinate}", (length,))
             for name in STRESS:
                 file.check(f"{group}/{name}", (length, *shape))
             found[body, plane] = StoredStress(file.path, body, plane, length)

@@ -14,6 +14,9 @@ from tractive_sam.results.record import Record
 SCALES = ("y", "axis", "body", "position")
 """What is in /history beside rows of records."""
 
+AXES = ("x", "y", "depth")
+"""What is in /fields and in the planes of /stress beside them."""
+
 
 def append(file: h5py.File, records: Sequence[Record]) -> None:
     """Add rows to all groups; narrower records are widened to the mesh of the file."""
@@ -52,7 +55,7 @@ def _append(
     values: Mapping[str, np.ndarray],
     outside: Mapping[str, float],
 ) -> None:
-    about = {"record": row, "revolution": record.revolution}
+    about = {"record": row, record.coordinate.name: record.at}
     for name, value in (about | dict(values)).items():
         dataset = group[name]
         dataset.resize(len(dataset) + 1, axis=0)
@@ -75,7 +78,7 @@ def drop_unsolved(file: h5py.File) -> None:
         return
     for group in (file["fields"], *planes(file)):
         kept = np.count_nonzero(group["record"][:] < last)
-        for name in ("record", "revolution", *(FIELDS if group.name == "/fields" else STRESS)):
+        for name in (name for name in group if name not in AXES):
             group[name].resize(kept, axis=0)
     for name in (name for name in history if name not in SCALES):
         history[name].resize(last, axis=0)

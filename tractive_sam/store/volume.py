@@ -74,7 +74,7 @@ def write_volume(
     image: Image,
     layers: Iterable[Mapping[str, np.ndarray]],
     scene: Scene,
-    about: Mapping[str, str | int],
+    about: Mapping[str, str | float],
     overwrite: bool = False,
 ) -> None:
     """Write layers as they come; the file appears when all are written.
@@ -90,7 +90,7 @@ def write_volume(
         xz, yz. Stored in single precision.
     scene : Scene
         What was computed.
-    about : mapping of str to str or int
+    about : mapping of str to str or number
         "body" and "revolution".
     overwrite : bool
         Whether a volume there may be replaced. A file of any other kind never is.

@@ -18,6 +18,7 @@ import numpy as np
 from h5py import File
 
 from tractive_sam.results.grid import Grid, widened
+from tractive_sam.results.quantities import REVOLUTION, Quantity
 from tractive_sam.results.record import Record
 from tractive_sam.scene import Scene
 from tractive_sam.store import former, layout, room, rows
@@ -49,6 +50,8 @@ class HistoryWriter:
         When records are put on disk.
     laws : str
         As of `History`.
+    coordinate : Quantity
+        The column along which the history goes; its role is `COORDINATE`.
 
     Raises
     ------
@@ -64,11 +67,12 @@ class HistoryWriter:
         overwrite: bool = False,
         checkpoints: Checkpoints | None = None,
         laws: str = "",
+        coordinate: Quantity = REVOLUTION,
     ) -> None:
         check_results(Path(path), overwrite)
         self._begin(path, (len(grid.x), len(grid.y)), checkpoints)
         with replacement(self.path, empty=True) as file:
-            layout.create(file, scene, grid, laws)
+            layout.create(file, scene, grid, laws, coordinate)
             set_text(file, RUN, self._run)
 
     @classmethod
