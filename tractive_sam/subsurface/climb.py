@@ -8,8 +8,8 @@ import numpy as np
 Function = Callable[[np.ndarray], np.ndarray]
 """Points (n, 3) -> values (n,)."""
 
-STEPS = 12
-"""Largest number of Newton steps."""
+STEPS = 6
+"""Largest number of Newton steps: a way that is longer swings between elements near the surface."""
 
 SETTLED = 1e-2
 """A step shorter than this share of the depth is the last but that of `polish`."""

@@ -30,9 +30,8 @@ def stress_maximum(contact: Contact, body: str = "A", laws: Laws | None = None) 
     """Find the largest stress in a body, by von Mises or another criterion.
 
     Layers at depths that grow by `GROWTH` show where to look; below the first few, elements are
-    taken together in blocks of at most half the depth. The best local maxima are climbed with
-    blocks of at most a quarter of the depth; the last step and the value are exact for the
-    tractions on the elements.
+    taken together in blocks of at most half the depth. The best local maxima are climbed with the
+    same blocks; the last step and the value are exact for the tractions on the elements.
 
     At the surface it is taken between the elements, at the edge of the contact and where stick
     ends, from differences of displacements: on a mesh, the stress itself is infinite on every edge
@@ -109,7 +108,7 @@ def _interior(
             break  # the others are lower still
         level = pyramid.level(0.5 * depths[k])
         start = np.array([level.x[i], level.y[j], depths[k]])
-        blocks = pyramid.level(0.25 * depths[k])
+        blocks = pyramid.level(0.5 * depths[k])
         at, hessian = climb(blocks.at, start, floor)
         value = blocks.at(at[None])[0]
         # A way that ends at the floor leads on to the surface, unless that is lower.
