@@ -11,6 +11,7 @@ from .mechanics.elasticity import Elasticity as Elasticity
 from .mechanics.friction import Bound as Bound
 from .mechanics.friction import Coulomb as Coulomb
 from .mechanics.friction import FrictionLaw as FrictionLaw
+from .mechanics.wear import WearLaw as WearLaw
 from .results.history import History as History
 from .results.maximum import Maximum as Maximum
 from .results.plane_stress import PlaneStress as PlaneStress

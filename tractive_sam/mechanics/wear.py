@@ -10,7 +10,17 @@ from tractive_sam.mechanics.frame import Frame
 
 
 class WearLaw(ABC):
-    """How deep the contact wears in one pass."""
+    """How deep the contact wears in one pass.
+
+    Examples
+    --------
+    >>> class ByWork(ts.WearLaw):
+    ...     def rate(self, pressure, traction, slip):
+    ...         return 5e-6 * np.abs((traction * slip).sum(axis=0))
+    >>> history = ts.roll(discs, laws=ts.Laws.of(discs).replace(wear=ByWork()))
+    >>> bool(history["wear_max"][-1] > 0.0)
+    True
+    """
 
     @abstractmethod
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:

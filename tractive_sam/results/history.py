@@ -39,6 +39,9 @@ FORMER = {"wear_rate": "worn_area"}
 LABELS = {"axis": ("x", "y"), "body": BODIES, "position": ("x", "y", "depth")}
 """What is along the dimensions of columns that are not of the mesh."""
 
+BESIDE = ("a0", "b0", "p0", "energy_balance", "wear_balance", "contact_solves", "wall_seconds")
+"""Numbers of `History.to_dict` that are no columns."""
+
 T_co = TypeVar("T_co", covariant=True)
 
 
@@ -252,11 +255,12 @@ class History:
 
         A unit of work wears i1/mu1 along the first tribological axis, and i2/mu2 along the second.
         Where these differ, the section is compared with what is nearest to it between the two:
-        unity is within. nan where nothing wears, or no more than the rounding of the wear so far.
+        unity is within. nan where nothing wears, or no more than the rounding of the wear so far,
+        and with a wear law of one's own.
         """
         worn, most = self["worn_area"], self["wear_max"] * 2.0 * self.grid.half_length[1]
         wear, friction = self.scene.wear, self.scene.friction
-        if wear is None:
+        if wear is None or any(law.startswith("wear=") for law in self.laws.split(", ")):
             return np.full(len(self), np.nan)
         least, largest = sorted(np.divide(wear.intensities, friction.mu))
         work = self["dissipation"]

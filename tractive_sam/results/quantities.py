@@ -15,6 +15,9 @@ from tractive_sam.scene import Scene
 
 BODIES = ("A", "B")
 
+DIMS = ((), ("axis",), ("y",), ("body",), ("body", "position"))
+"""What a column can have beside the record."""
+
 _PER_LENGTH = {"N": "N/mm", "N mm": "N mm/mm", "mm2": "mm"}
 """Units in a line contact of what is then per length."""
 
@@ -51,8 +54,8 @@ class Quantity:
         Reads it off a contact: a number; an array of its dimensions; of dimensions ("body", ...) a
         mapping from "A" and "B". What only the stepping knows has none.
     dims : tuple of str
-        Its dimensions beside the record: "axis" (x, y), "x", "y", "body" (A, B), "position"
-        (x, y, depth).
+        Its dimensions beside the record, one of `DIMS`: "y" is that of the mesh, "axis" (x, y),
+        "body" (A, B), "position" (x, y, depth).
     symbol : str
         For math text in figures.
     label : str

@@ -82,7 +82,13 @@ class Record:
 
 def _read(one: Quantity, contact: Contact) -> Any:
     if one.of is not None:
-        return one.of(contact)
+        value = one.of(contact)
+        along = {"axis": 2, "y": contact.grid.elements[1]}
+        if "body" not in one.dims and np.shape(value) != (
+            shape := tuple(along[k] for k in one.dims)
+        ):
+            raise ValueError(f"column {one.name}: {shape} is needed, not {np.shape(value)}")
+        return value
     if one.dims[:1] == ("body",):
         return {}
     return np.full(contact.grid.elements[1], np.nan) if one.dims == ("y",) else np.nan

@@ -1,6 +1,6 @@
 """What is given to the front doors: errors name it, and the cure."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 
 import numpy as np
@@ -8,6 +8,8 @@ from numpy.typing import ArrayLike
 
 from tractive_sam.contact import Laws, Model
 from tractive_sam.results.grid import Grid
+from tractive_sam.results.history import BESIDE, LABELS
+from tractive_sam.results.quantities import COLUMNS, DIMS, FIELDS, Quantity
 from tractive_sam.results.state import Contact
 from tractive_sam.scene import Scene
 from tractive_sam.scene.quantities import LARGEST
@@ -30,6 +32,26 @@ def model_of(laws: Laws | None, solver: Solver | None) -> Callable[..., Model]:
         needed = "an object with solve(problem, tolerance, start), such as solvers.Newton()"
         raise TypeError(f"solver: {needed} is needed, not {type(solver).__name__}")
     return partial(Model, laws=laws, solver=solver)
+
+
+def columns_of(columns: Iterable[Quantity]) -> tuple[Quantity, ...]:
+    """Columns of one's own."""
+    taken = {"status", "message", "record", "saved", "x", "y", *FIELDS, *LABELS, *BESIDE}
+    taken |= {one.name for one in COLUMNS}
+    own = tuple(columns)
+    for one in own:
+        if not isinstance(one, Quantity):
+            raise TypeError(f"columns: a Quantity is needed, not {type(one).__name__}")
+        if not one.name.isidentifier() or one.name in taken:
+            cure = "letters, digits and _ that no other column or field is called"
+            raise ValueError(f"columns: a name is needed of {cure}, not {one.name!r}")
+        if one.dims not in DIMS or not callable(one.of) or one.role:
+            needed = (
+                f"of, which reads it off a contact, dims of {', '.join(map(str, DIMS))}, no role"
+            )
+            raise ValueError(f"columns: {one.name!r} needs {needed}")
+        taken.add(one.name)
+    return own
 
 
 def depths_of(wear: ArrayLike, grid: Grid) -> np.ndarray:

@@ -146,7 +146,7 @@ def roll(
     laws, solver : Laws and Solver, optional
         As of `solve`.
     columns : iterable of Quantity, optional
-        Columns to record beside the package's.
+        Columns to record beside the package's; nan in records that were resumed without them.
 
     Returns
     -------
@@ -157,9 +157,10 @@ def roll(
     Raises
     ------
     TypeError
-        If `scene` is no Scene, `laws` no Laws, or `solver` has no method `solve`.
+        If `scene` is no Scene, `laws` no Laws, `columns` no Quantities, or `solver` has no method
+        `solve`.
     ValueError
-        If there is no file to resume from.
+        If there is no file to resume from, or a column has a name or dimensions that cannot be.
     SceneError
         If no mesh can be chosen that holds the contact, or the memory does not suffice.
     ResultsError
@@ -182,11 +183,11 @@ def roll(
     given.check_scene(scene)
     if resume and path is None:
         raise ValueError("resume: the path of a results file is needed to go on from")
-    model_of, own = given.model_of(laws, solver), tuple(columns)
+    model_of, own = given.model_of(laws, solver), given.columns_of(columns)
     replaced = overwrite or resume
     with nullcontext() if path is None else results_writer(Path(path), replaced):  # at once
         before = open_history(path) if resume and Path(path).exists() else None
-        last = None if before is None else last_passage(before, path, scene, laws)
+        last = None if before is None else last_passage(before, path, scene, laws, own)
         run = Recording(scene, measured_gap(scene), model_of, path, replaced, progress, own, began)
         model = model_of(scene, run.measured, None if last is None else last.contact.grid)
         memory.check_roll(model, in_memory=path is None)

@@ -1,5 +1,6 @@
 """Where a results file ends, and how to go on from there."""
 
+from collections.abc import Iterable
 from dataclasses import replace
 from os import PathLike
 from typing import Any
@@ -9,6 +10,7 @@ import numpy as np
 from tractive_sam.contact import Laws
 from tractive_sam.results.grid import Grid
 from tractive_sam.results.history import History
+from tractive_sam.results.quantities import Quantity
 from tractive_sam.results.status import Cost
 from tractive_sam.rolling import Milestone, Passage
 from tractive_sam.scene import Scene
@@ -31,7 +33,11 @@ COURSE = ("entering_profile", "wear_per_revolution")
 
 
 def last_passage(
-    history: History, path: str | PathLike, scene: Scene, laws: Laws | None = None
+    history: History,
+    path: str | PathLike,
+    scene: Scene,
+    laws: Laws | None = None,
+    columns: Iterable[Quantity] = (),
 ) -> Passage | None:
     """The last revolution of a results file, from which a scene is to be rolled on.
 
@@ -43,9 +49,10 @@ def last_passage(
         The file.
     scene : Scene
         The scene of the file; the entries `FREE` may differ, a grid only in being wider.
-
     laws : Laws, optional
         Laws in place of the scene's, those of the file.
+    columns : iterable of Quantity
+        Columns beside the package's, new ones or those of the file.
 
     Returns
     -------
@@ -55,10 +62,12 @@ def last_passage(
     Raises
     ------
     ResultsError
-        If the file holds another scene or other laws, or was rolled further.
+        If the file holds another scene, other laws or another column of a name, or was rolled
+        further.
     """
     _check_same(history, path, scene)
     _check_laws(history, path, "" if laws is None else laws.beside(scene))
+    _check_columns(history, path, columns)
     row = int(np.flatnonzero(history["converged"])[-1]) if history["converged"].any() else None
     if row is None:
         return None
@@ -106,6 +115,16 @@ def _check_laws(history: History, path: str | PathLike, laws: str) -> None:
             f"with {laws or 'those of its scene'}: resume it with the same laws, or give this run "
             "a file of its own"
         )
+
+
+def _check_columns(history: History, path: str | PathLike, columns: Iterable[Quantity]) -> None:
+    for one in columns:
+        now = one.of_line(history.line)
+        if history.columns.get(one.name, now) != now:
+            raise ResultsError(
+                f"{path} has a column {one.name} that is another quantity (its unit, say): give "
+                "this one another name"
+            )
 
 
 def _check_sound(history: History, path: str | PathLike, row: int) -> None:

@@ -1,0 +1,134 @@
+"""A column of one's own: in memory, in a file, read back, shown, drawn, and when it is resumed."""
+
+import io
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import tractive_sam as ts
+
+
+def centre(contact):
+    pressure = contact.pressure / contact.pressure.sum()
+    return pressure.sum(1) @ contact.grid.x, pressure.sum(0) @ contact.grid.y
+
+
+MEAN = ts.Quantity(
+    "p_mean",
+    "MPa",
+    "mean contact pressure",
+    lambda contact: contact.pressure[contact.touching].mean(),
+    symbol=r"\bar{p}",
+)
+PER_LENGTH = ts.Quantity("load", "N", "load once more", lambda c: c.P, per_length=True)
+ROWS = ts.Quantity("p_rows", "MPa", "peak of each row", lambda c: c.pressure.max(0), ("y",))
+CENTRE = ts.Quantity("centre", "mm", "centre of pressure", centre, ("axis",))
+COLUMNS = (MEAN, PER_LENGTH, ROWS, CENTRE)
+
+DISCS = ts.Scene.builtin("twin-discs").with_set(
+    ["grid.elements=[15, 31]", "wear.revolutions=4", "wear.save=[0, 4]"]
+)
+DISCS = DISCS.replace(subsurface=None)
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory):
+    return tmp_path_factory.mktemp("column") / "a.h5"
+
+
+@pytest.fixture(scope="module")
+def written(path):
+    return ts.roll(DISCS, path, columns=COLUMNS)
+
+
+def test_it_is_that_of_the_contact(written):
+    for at in written.saved:
+        state, row = written.state(at), written["revolution"] == at
+        assert written["p_mean"][row] == MEAN.of(state)
+        np.testing.assert_array_equal(written["p_rows"][row][0], ROWS.of(state))
+        np.testing.assert_array_equal(written["centre"][row][0], centre(state))
+    np.testing.assert_array_equal(written["load"], written["P"])
+
+
+def test_it_is_the_same_in_memory_and_in_a_file(written, path):
+    kept, read = ts.roll(DISCS, columns=COLUMNS), ts.open_history(path)
+    for one in COLUMNS:
+        # Plans of transforms may differ, and with them the last digits.
+        np.testing.assert_allclose(kept[one.name], read[one.name], rtol=1e-9, atol=1e-12)
+        assert kept.columns[one.name] == read.columns[one.name] == one
+
+
+def test_it_is_per_length_in_a_line_contact(tmp_path):
+    history = ts.roll(ts.Scene.builtin("cylinders"), tmp_path / "a.h5", columns=[PER_LENGTH])
+    assert history.columns["load"].unit == "N/mm"
+    assert ts.open_history(tmp_path / "a.h5").columns["load"].unit == "N/mm"
+
+
+def test_it_is_shown(written, path):
+    def told(*options):
+        command = [sys.executable, "-m", "tractive_sam", "show", str(path), *options]
+        return subprocess.run(command, capture_output=True, text=True, check=True).stdout
+
+    assert json.loads(told("--json"))["p_mean"] == written["p_mean"].tolist()
+    (line,) = [line for line in told().splitlines() if "p_mean" in line]
+    assert "MPa" in line
+    assert "mean contact pressure" in line
+
+
+def test_it_is_drawn(written):
+    kept = ts.roll(DISCS, columns=[MEAN])
+    figure = ts.plot.compared({"file": written, "memory": kept}, "p_mean")
+    figure.savefig(io.BytesIO(), dpi=40)
+    (axes,) = figure.axes
+    np.testing.assert_array_equal(axes.lines[0].get_ydata(), written["p_mean"])
+    assert axes.get_ylabel() == "mean contact pressure (MPa)"
+
+
+def test_it_is_kept_when_it_is_rolled_on(written, path, tmp_path):
+    longer = DISCS.with_set(["wear.revolutions=6", "wear.save=[0, 4, 6]"])
+    for name, columns in (("with", COLUMNS), ("without", ()), ("new", (*COLUMNS, new("other")))):
+        again = tmp_path / f"{name}.h5"
+        again.write_bytes(path.read_bytes())
+        history = ts.roll(longer, again, resume=True, columns=columns)
+        np.testing.assert_array_equal(history["p_mean"][: len(written)], written["p_mean"])
+        assert np.isfinite(history["p_mean"][-1]) == (name != "without")
+        assert history["revolution"][-1] == 6
+        if name == "new":
+            assert np.isnan(history["other"][: len(written)]).all()
+            assert history["other"][-1] == 1.0
+
+
+def new(name, unit="1", of=lambda contact: 1.0, **about):
+    return ts.Quantity(name, unit, "something else", of, **about)
+
+
+def test_another_quantity_of_its_name_is_refused(written, path):
+    with pytest.raises(ts.ResultsError, match="p_mean"):
+        ts.roll(DISCS, path, resume=True, columns=[new("p_mean", "GPa")])
+
+
+@pytest.mark.parametrize(
+    "columns",
+    [
+        [new(name)]
+        for name in ("P", "pressure", "record", "y", "status", "a0", "a/b", "", "energy_balance")
+    ]
+    + [[new("a", of=None)], [new("a", dims=("x", "y"))], [new("a", role="coordinate")]]
+    + [[new("a"), new("a")]],
+)
+def test_what_cannot_be_a_column_is_refused(columns):
+    with pytest.raises(ValueError, match="columns"):
+        ts.roll(DISCS, columns=columns)
+
+
+def test_what_is_no_quantity_is_refused():
+    with pytest.raises(TypeError, match="columns"):
+        ts.roll(DISCS, columns=["p_mean"])
+
+
+def test_a_value_of_another_shape_is_told():
+    with pytest.raises(ValueError, match="column rows"):
+        ts.roll(DISCS, columns=[new("rows", of=lambda contact: contact.pressure)])
