@@ -183,7 +183,7 @@ def passage_at(
             status=Status.OUT_OF_ITERATIONS,
             message=f"the wear within revolution {revolution} did not settle: its residual is "
             f"{missed:.1e}; the wear of one pass is too deep for the contact, lower "
-            "[wear] or the creepage",
+            f"wear.{_given_key(model)} or the creepage",
         )
     return Passage(revolution, replace(contact, cost=cost), solves)
 
@@ -191,6 +191,11 @@ def passage_at(
 def off_grid(passage: Passage) -> bool:
     """Whether the contact has reached the edge of the mesh."""
     return passage.contact.status is Status.OFF_GRID
+
+
+def _given_key(model: Model) -> str:
+    """Key by which the scene gives how much wears."""
+    return "intensity" if model.scene.wear.coefficient is None else "coefficient"
 
 
 def _with_lag(contact: Contact, missed: float) -> Contact:
