@@ -44,34 +44,33 @@ def _write(file: Path, text: str) -> None:
 
 def keys() -> str:
     """Every table of a scene with its keys: meaning, what is allowed, default."""
-    return "\n".join(_tables(Scene, ""))
+    return "\n".join(_tables(Scene))
 
 
-def _tables(table: type[Table], name: str) -> Iterable[str]:
-    inner, leaves = [], []
+def _tables(table: type[Table], *names: str) -> Iterable[str]:
+    """A table by its names, and the tables inside it; those of one kind are told once."""
+    inner, leaves = {}, []
     for key, info in table.model_fields.items():
         if kind := _table_of(info) or _item_of(info):
-            inner.append((key, kind))
+            inner.setdefault(kind, []).append(key)
         if info.description:  # what is allowed: it may be no table, too
             leaves.append((key, info))
-    if name:
-        yield f"(keys-{name.replace('.', '-')})=\n## `[{name}]`\n"
+    if names:
+        yield "## " + ", ".join(f"`[{name}]`" for name in names) + "\n"
         yield inspect.cleandoc(table.__doc__).split("\n\nExamples")[0].replace("``", "`") + "\n"
     if leaves:
-        rows = ((f"`{key}`", info.title, info.description, _default(info)) for key, info in leaves)
+        rows = ((f"`{key}`", one.title, one.description, _default(one)) for key, one in leaves)
         yield markdown(("key", "meaning", "allowed", "default"), rows)
-    for key, kind in inner:
-        yield from _tables(kind, f"{name}.{key}" if name else key)
+    for kind, keys_ in inner.items():
+        yield from _tables(kind, *(".".join((*names, key)) for key in keys_))
 
 
 def _default(info) -> str:
     if info.is_required():
         return "required"
     if info.default_factory is not None:
-        return "see the meaning"
-    if info.default is None:
-        return "none"
-    return f"`{toml_value(info.default)}`"
+        return "from the others"
+    return "none" if info.default is None else f"`{toml_value(info.default)}`"
 
 
 def toml_value(value) -> str:
