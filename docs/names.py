@@ -45,7 +45,7 @@ def _room(module, prefix: str, told: set[int]):
     records = {n for n, o in names.items() if isinstance(o, type)} - errors
     functions = names.keys() - records - errors
     kinds = (
-        ("Functions", functions, ""),
+        ("Functions", functions, "function.rst"),
         ("Objects", records, "record.rst"),
         ("Errors and warnings", errors, ""),
     )
