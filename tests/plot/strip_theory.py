@@ -31,6 +31,7 @@ def scene(title="Strips", mu=(0.3, 0.3), angle=0.0, hertz=HERTZ):
         line=False,
         subsurface=None,
         accuracy=None,
+        load=SimpleNamespace(force_x=None, force_y=None),
         wear=None,
     )
 

@@ -54,6 +54,7 @@ def with_stress(record, grid=None):
 def make_values(number, revolution, names, n_y):
     """Numbers that tell which record they are of, one for every column."""
     kinds = {(): lambda k: number + 0.01 * k, ("axis",): lambda k: (0.1 * number, -0.1 * number)}
+    kinds[("body",)] = lambda k: {"A": number, "B": number + 1.0}
     values = {
         name: kinds.get(one.dims, lambda k: np.full(n_y, 1e-6 * number))(k)
         for k, (name, one) in enumerate(names.items())

@@ -69,7 +69,7 @@ class TestXarray:
             assert data.Qx.dims == ("record",)
             assert data.wear_profile.dims == ("record", "y")
             assert data.p_max_at.dims == ("record", "axis")
-            assert set(data.coords) == {"record", "revolution", "y", "axis"}
+            assert set(data.coords) == {"record", "revolution", "y", "axis", "body"}
             assert data.axis.values.tolist() == ["x", "y"]
             assert all({"units", "long_name"} <= set(v.attrs) for v in data.variables.values())
             assert data.Qx.swap_dims(record="revolution").sel(revolution=30) == data.Qx[3]

@@ -26,6 +26,9 @@ COURSE = (
 )
 """What is told of every record, after the coordinate: name, heading, factor and format."""
 
+FOUND = (("xi_x", "xi_x", 1, ".3e"), ("xi_y", "xi_y", 1, ".3e"))
+"""The same of creepages, where forces are prescribed."""
+
 MOST_ROWS = 20
 
 CLOSED = 5e-3
@@ -143,7 +146,8 @@ def records(history: "History") -> Table:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     along = history.coordinate
     heading = along.symbol + ("" if along.unit == "1" else f"\n{along.unit}")
-    course = ((along.name, heading, 1, along.format), *COURSE)
+    found = FOUND if "creepage_found" in history.columns else ()
+    course = ((along.name, heading, 1, along.format), *COURSE[:2], *found, *COURSE[2:])
     for _, heading, _, _ in course:
         table.add_column(heading, justify="right", no_wrap=True)
     shown = sorted({round(k * (count - 1) / (MOST_ROWS - 1)) for k in range(MOST_ROWS)})

@@ -61,6 +61,14 @@ class Turns:
         """
         return leaving + (self.gain - 1.0) * (leaving - entering)
 
+    def worn(self, body: str, entering: np.ndarray, leaving: np.ndarray) -> np.ndarray:
+        """Mean depth worn off one body all around, mm; arguments as of `next`.
+
+        What the next revolution meets of it, without what its phase leaves: both bodies roll the
+        same distance, so that their volumes are as their shares. Zero of a flat one.
+        """
+        return self.share[body] * self.per_count[body] / self.gain * self.next(entering, leaving)
+
     def of_body(self, body: str, entering: np.ndarray, leaving: np.ndarray) -> np.ndarray:
         """Depth of one body behind the contact, mm; arguments as of `next`.
 

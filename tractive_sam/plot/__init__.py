@@ -6,7 +6,14 @@ Every function returns a matplotlib `Figure` that belongs to no window and no gl
 
 from tractive_sam.plot.animation import animate
 from tractive_sam.plot.comparison import compared
-from tractive_sam.plot.courses import forces, stress_course, wear_depth, widths
+from tractive_sam.plot.courses import (
+    creepages,
+    forces,
+    stress_course,
+    wear_depth,
+    widths,
+    worn_mass,
+)
 from tractive_sam.plot.creep_force import creep_force_curve
 from tractive_sam.plot.drawn import Drawn
 from tractive_sam.plot.evolution import (
@@ -31,6 +38,7 @@ __all__ = [
     "animate",
     "compared",
     "creep_force_curve",
+    "creepages",
     "forces",
     "line_pressure",
     "line_pressures",
@@ -55,5 +63,6 @@ __all__ = [
     "wear_over_revolutions",
     "wear_profiles",
     "widths",
+    "worn_mass",
     "worn_profiles",
 ]

@@ -10,6 +10,9 @@ from tractive_sam.plot.style import BLUE, VERMILLION, WIDTH, along, set_title, s
 from tractive_sam.results.history import History
 from tractive_sam.results.quantities import BODIES
 
+COLOURS = {"A": BLUE, "B": VERMILLION}
+"""Of the bodies."""
+
 
 @styled
 def forces(history: History) -> Figure:
@@ -73,6 +76,62 @@ def wear_depth(history: History) -> Figure:
 
 
 @styled
+def worn_mass(history: History) -> Figure:
+    """Volume and mass worn off each body since it was new, over the course.
+
+    Raises
+    ------
+    ValueError
+        If nothing wears, or both bodies are flat.
+
+    Examples
+    --------
+    >>> plot.worn_mass(history)
+    <Figure size ...>
+    """
+    figure = Figure(figsize=(WIDTH, WIDTH))
+    panels = figure.subplots(2, sharex=True)
+    for axes, name in zip(panels, ("worn_volume", "worn_mass"), strict=True):
+        of_bodies = _of_bodies(history, name)
+        if not of_bodies:
+            raise ValueError("no body wears all around: add [wear], or the radius_x of a body")
+        for body, values in of_bodies.items():
+            _course(axes, history, values, f"body {body}", color=COLOURS[body])
+        axes.set_ylim(bottom=0.0)
+        unit = history.columns[name].unit.replace("mm3", "mm³").replace("mm2", "mm²")
+        axes.set_ylabel(f"{name.replace('_', ' ')} ({unit})")
+    panels[0].legend(loc="best")
+    along(panels[1], history)
+    set_title(figure, history.title)
+    return figure
+
+
+@styled
+def creepages(history: History) -> Figure:
+    """Creepages that prescribed forces take, over the course.
+
+    Raises
+    ------
+    ValueError
+        If no force is prescribed.
+
+    Examples
+    --------
+    >>> plot.creepages(ts.roll(scene.with_set(["load.force_x=0.05"])))
+    <Figure size ...>
+    """
+    if "creepage_found" not in history.columns:
+        raise ValueError("no creepage is found: prescribe load.force_x or load.force_y")
+    figure, axes = _over_course(history)
+    for label, values in zip((r"$\xi_x$", r"$\xi_y$"), history["creepage_found"].T, strict=True):
+        if np.isfinite(values).any():
+            _course(axes, history, values, label)
+    axes.set_ylabel("creepage found")
+    axes.legend(loc="best")
+    return figure
+
+
+@styled
 def stress_course(history: History) -> Figure:
     """Largest stress of each body, inside and at its surface, over the course.
 
@@ -93,12 +152,11 @@ def stress_course(history: History) -> Figure:
         raise ValueError("no stress was computed: add [subsurface] to the scene")
     figure, axes = _over_course(history)
     scale = Scale.of_history(history)
-    colours = {"A": BLUE, "B": VERMILLION}
     for kind, style in (("interior", "-"), ("surface", "--")):
         column = history.of_role(f"stress_{kind}")
         for body in history.bodies:
             values = history[column.name][:, BODIES.index(body)]
-            look = {"color": colours[body], "linestyle": style}
+            look = {"color": COLOURS[body], "linestyle": style}
             _course(axes, history, values / scale.p, f"{body}, {kind}", **look)
     axes.set_ylim(bottom=0.0)
     axes.set_ylabel(rf"${column.symbol}/{scale.p_symbol}$")
@@ -113,6 +171,14 @@ def _over_course(history: History) -> tuple[Figure, Axes]:
     along(axes, history)
     set_title(figure, history.title)
     return figure, axes
+
+
+def _of_bodies(history: History, name: str) -> dict[str, np.ndarray]:
+    """A column of each body that has it, over the revolutions; none where it was not recorded."""
+    if name not in history.columns:
+        return {}
+    both = zip(BODIES, history[name].T, strict=True)
+    return {body: values for body, values in both if np.isfinite(values).any()}
 
 
 def _course(axes: Axes, history: History, values: np.ndarray, label: str, **style) -> None:

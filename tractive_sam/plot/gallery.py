@@ -7,7 +7,14 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from tractive_sam import interrupt
-from tractive_sam.plot.courses import forces, stress_course, wear_depth, widths
+from tractive_sam.plot.courses import (
+    creepages,
+    forces,
+    stress_course,
+    wear_depth,
+    widths,
+    worn_mass,
+)
 from tractive_sam.plot.drawn import Drawn
 from tractive_sam.plot.evolution import (
     pressure_over_revolutions,
@@ -74,6 +81,10 @@ def _figures(history: History) -> Iterator[tuple[str, Figure]]:
     if len(history) > 1:
         for name, draw in _COURSES.items():
             yield name, draw(history)
+        if "worn_volume" in history.columns and np.isfinite(history["worn_volume"]).any():
+            yield "worn-mass", worn_mass(history)
+        if "creepage_found" in history.columns:
+            yield "creepages", creepages(history)
         if history.bodies:
             yield history.of_role("stress_max").name.replace("_", "-"), stress_course(history)
     if len(stored) > 1:

@@ -409,7 +409,7 @@ class History:
         for name, one in self.columns.items():
             if one.dims[:1] == ("body",):
                 of_bodies = {
-                    body: self[name][:, BODIES.index(body)] for body in one.when(self.scene)
+                    body: self[name][:, BODIES.index(body)] for body in one.bodies(self.scene)
                 }
                 rows[name] = {body: values.tolist() for body, values in of_bodies.items()}
             elif "y" not in one.dims:

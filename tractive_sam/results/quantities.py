@@ -18,7 +18,7 @@ BODIES = ("A", "B")
 DIMS = ((), ("axis",), ("y",), ("body",), ("body", "position"))
 """What a column can have beside the record."""
 
-_PER_LENGTH = {"N": "N/mm", "N mm": "N mm/mm", "mm2": "mm"}
+_PER_LENGTH = {"N": "N/mm", "N mm": "N mm/mm", "mm3": "mm2", "mm2": "mm", "mg": "mg/mm"}
 """Units in a line contact of what is then per length."""
 
 
@@ -28,6 +28,14 @@ def _always(_scene: Scene) -> bool:
 
 def _accurate(scene: Scene) -> bool:
     return scene.accuracy is not None
+
+
+def _worn(scene: Scene) -> bool:
+    return scene.wear is not None
+
+
+def _forced(scene: Scene) -> bool:
+    return scene.load.force_x is not None or scene.load.force_y is not None
 
 
 def _stressed(scene: Scene) -> tuple[str, ...]:
@@ -143,10 +151,12 @@ _SCALARS = (
     Quantity("p_max", "MPa", "peak contact pressure", lambda c: c.p_max, symbol=r"p_\mathrm{max}"),
     Quantity("p_95", "MPa", "pressure that 5 % of the load exceeds",
              lambda c: c.p_95, symbol="p_{95}"),
-    Quantity("half_width_x", "mm", "half width of the contact in the rolling direction",
-             lambda c: c.half_width_x, symbol="a"),
-    Quantity("half_width_y", "mm", "half width of the contact in the lateral direction",
+    Quantity("half_width_x", "mm", "half width of the contact in the rolling direction, to where "
+             "the squared pressure falls to zero", lambda c: c.half_width_x, symbol="a"),
+    Quantity("half_width_y", "mm", "half width of the contact in the lateral direction, likewise",
              lambda c: c.half_width_y, symbol="b"),
+    Quantity("area", "mm2", "contact area within such edges", lambda c: c.area, symbol="A",
+             per_length=True),
     Quantity("wear_max", "mm", "largest wear depth, both bodies together",
              lambda c: float(c.wear.max()), symbol=r"w_\mathrm{max}"),
     Quantity("stick_fraction", "1", "share of the contact area that sticks",
@@ -160,6 +170,10 @@ _SCALARS = (
              lambda c: c.dissipation, per_length=True),
     Quantity("work_supplied", "N", "work per distance rolled of the forces that drive the bodies",
              lambda c: c.work_supplied, per_length=True),
+    Quantity("t_gamma", "N", "T-gamma, -(Q_x xi_x + Q_y xi_y + M_z phi)", lambda c: c.t_gamma,
+             symbol=r"T\gamma", per_length=True),
+    Quantity("t_gamma_over_area", "MPa", "T-gamma over the contact area",
+             lambda c: c.t_gamma_over_area, symbol=r"T\gamma/A"),
     Quantity("worn_area", "mm2", "cross section worn off both bodies in a pass",
              lambda c: c.worn_area, per_length=True),
     Quantity("operator_applications", "1", "applications of elastic operators",
@@ -185,6 +199,12 @@ _OTHERS = (
              dims=("y",)),
     Quantity("wear_profile_B", "mm", "wear depth of body B; of a flat one that of a single pass",
              dims=("y",)),
+    Quantity("creepage_found", "1", "creepages (x, y) that the prescribed forces take",
+             lambda c: c.creepage_found, ("axis",), when=_forced),
+    Quantity("worn_volume", "mm3", "volume worn off each body since it was new; none of a flat one",
+             lambda c: c.worn_volume, ("body",), symbol="V", per_length=True, when=_worn),
+    Quantity("worn_mass", "mg", "mass worn off each body since it was new, by its density",
+             lambda c: c.worn_mass, ("body",), symbol="m", per_length=True, when=_worn),
 )
 # fmt: on
 

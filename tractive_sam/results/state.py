@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from tractive_sam.mechanics.frame import Frame
+from tractive_sam.results.edges import covered, extent
 from tractive_sam.results.grid import Grid, widened
 from tractive_sam.results.status import Cost, Status
 from tractive_sam.scene import Scene
@@ -235,17 +236,26 @@ class Contact:
         i, j = np.unravel_index(np.argmax(self.pressure), self.pressure.shape)
         return float(self.grid.x[i]), float(self.grid.y[j])
 
-    @property
+    @cached_property
     def half_width_x(self) -> float:
-        """Half the extent of the contact in x, in whole elements, mm."""
-        return 0.5 * self.grid.dx * _extent(self.touching.any(axis=1))
+        """Half the extent of the contact in x, mm.
 
-    @property
+        From edge to edge, which are where the squared pressure extrapolates to zero
+        (`results.edges`), of all rows of elements together.
+        """
+        return 0.5 * self.grid.dx * extent(self.pressure)
+
+    @cached_property
     def half_width_y(self) -> float:
-        """Half the extent of the contact in y, in whole elements, mm; inf of a line contact."""
+        """Half the extent of the contact in y, mm, as in x; inf of a line contact."""
         if self.grid.line:
             return math.inf
-        return 0.5 * self.grid.dy * _extent(self.touching.any(axis=0))
+        return 0.5 * self.grid.dy * extent(self.pressure.T)
+
+    @cached_property
+    def area(self) -> float:
+        """Contact area within these edges, mm²; of a line contact its width, mm."""
+        return self.grid.element_area * covered(self.pressure)
 
     @property
     def stick_fraction(self) -> float:
@@ -265,16 +275,53 @@ class Contact:
         -(Q_x xi_x + Q_y xi_y + M_z phi) and, for dissimilar bodies, the rolling resistance. The
         elastic displacements do no work in a cycle: their operators are antisymmetric.
         """
-        creeping = self.Qx * self.xi_x + self.Qy * self.xi_y + self.Mz * self.spin
-        return self.rolling_resistance - creeping
+        return self.rolling_resistance + self.t_gamma
+
+    @property
+    def t_gamma(self) -> float:
+        """T-gamma, the work of the tangential forces per distance rolled, N.
+
+        -(Q_x xi_x + Q_y xi_y + M_z phi).
+        """
+        return 0.0 - (self.Qx * self.xi_x + self.Qy * self.xi_y + self.Mz * self.spin)
+
+    @property
+    def t_gamma_over_area(self) -> float:
+        """T-gamma over the contact area, MPa."""
+        return self.t_gamma / self.area if self.area else 0.0
+
+    @property
+    def creepage_found(self) -> tuple[float, float]:
+        """Longitudinal and lateral creepage where a force is prescribed; nan where it is given."""
+        load = self.scene.load
+        return (
+            math.nan if load.force_x is None else self.xi_x,
+            math.nan if load.force_y is None else self.xi_y,
+        )
+
+    @cached_property
+    def worn_volume(self) -> dict[str, float]:
+        """Volume worn off the bodies "A" and "B" since they were new, mm³; nan of a flat one.
+
+        Worn cross section times the circumference 2 pi R_x; of a line contact per length, mm².
+        """
+        turns, bodies = self.scene.turns, self.scene.body
+        entering, leaving = self.wear[-1], self.wear[0]
+        volumes = {}
+        for name, radius in (("A", bodies.A.radius_x), ("B", bodies.B.radius_x)):
+            section = turns.worn(name, entering, leaving).sum() * self.grid.dy
+            around = 2.0 * math.pi * abs(radius)
+            volumes[name] = float(around * section) if math.isfinite(around) else math.nan
+        return volumes
+
+    @property
+    def worn_mass(self) -> dict[str, float]:
+        """Mass of `worn_volume` by the density of each body, mg."""
+        bodies = self.scene.body
+        density = {"A": bodies.A.density, "B": bodies.B.density}
+        return {name: 1e-3 * density[name] * volume for name, volume in self.worn_volume.items()}
 
     @property
     def worn_area(self) -> float:
         """Cross section worn off both bodies in this revolution, mm²."""
         return float((self.wear[0] - self.wear[-1]).sum() * self.grid.dy)
-
-
-def _extent(occupied: np.ndarray) -> int:
-    """Number of elements from the first to the last occupied one."""
-    where = np.flatnonzero(occupied)
-    return int(where[-1] - where[0] + 1) if where.size else 0

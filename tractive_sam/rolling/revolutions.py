@@ -98,11 +98,14 @@ def recorded(
     stress = stress_on_planes(contact, laws=laws) if keep and maxima else ()
     if judge is not None:
         contact = replace(contact, error_bars=judge(passage, maxima))
+    worn = replace(contact, wear=contact.wear + shift)
     given = {
         "revolution": passage.revolution,
         "jump": passage.jump,
         "solves": passage.solves,
-        "wear_max": float((contact.wear + shift).max()),
+        "wear_max": float(worn.wear.max()),
+        "worn_volume": worn.worn_volume,
+        "worn_mass": worn.worn_mass,
         "wear_profile": leaving,
         "entering_profile": entering,
         "wear_per_revolution": passage.course[-1].rate,
