@@ -2,6 +2,7 @@
 
 from tractive_sam.contact.equilibrium import equilibrium
 from tractive_sam.contact.fitted import fitted
+from tractive_sam.contact.jacobian import check_jacobian, jacobian_of
 from tractive_sam.contact.laws import Laws
 from tractive_sam.contact.mesh import choose_grid, grown
 from tractive_sam.contact.model import Gap, Model
@@ -13,8 +14,10 @@ __all__ = [
     "Laws",
     "Model",
     "NotConverged",
+    "check_jacobian",
     "choose_grid",
     "equilibrium",
     "fitted",
     "grown",
+    "jacobian_of",
 ]

@@ -153,16 +153,15 @@ class Model:
 
     @cached_property
     def rigid_slip(self) -> np.ndarray:
-        """Slip of the undeformed bodies by the given creepages, s/V, shape (2, n_x, n_y).
-
-        At the points at which the stencil takes it.
-        """
+        """Slip of the undeformed bodies by the given creepages, s/V, shape (2, n_x, n_y)."""
         creepage = self.scene.creepage
+        return self.rigid_slip_by(creepage.longitudinal, creepage.lateral, creepage.spin)
+
+    def rigid_slip_by(self, longitudinal: float, lateral: float, spin: float) -> np.ndarray:
+        """The same by any creepages, at the points at which the stencil takes it."""
         x = (self.grid.x + self.stencil.rigid_ahead * self.grid.dx)[:, None]
         y = self.grid.y[None, :]
-        longitudinal = creepage.longitudinal - creepage.spin * y
-        lateral = creepage.lateral + creepage.spin * x
-        return np.stack(np.broadcast_arrays(longitudinal, lateral))
+        return np.stack(np.broadcast_arrays(longitudinal - spin * y, lateral + spin * x))
 
     @cached_property
     def scaled_rigid_slip(self) -> np.ndarray:

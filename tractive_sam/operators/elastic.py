@@ -24,7 +24,7 @@ from tractive_sam.operators import influence
 from tractive_sam.operators.convolution import Convolution
 from tractive_sam.operators.fft import spectrum
 from tractive_sam.operators.influence import Lattice
-from tractive_sam.operators.stencil import UPWIND, FrictionSlip, Stencil, edge_normals
+from tractive_sam.operators.stencil import UPWIND, FrictionSlip, Stencil
 
 
 class Operators:
@@ -137,12 +137,15 @@ class Operators:
 
         What the tractions displace ahead of an edge is told by `Elasticity.opening`.
         """
+        per_gap, F = self._per_slip / (self._per_gap * self.lattice.dx), self.frame.matrix
+        dx, dy = self.lattice.dx, self.lattice.dy
+
+        def opening(angle: np.ndarray) -> np.ndarray:
+            normal = np.stack((np.cos(angle), np.sin(angle)))
+            return per_gap * F @ self.elasticity.opening(normal, dx, dy) @ F.T
+
         leading = self.stencil.leading(bound, gap)
-        n = edge_normals(bound, *leading, self.lattice.dx / self.lattice.dy)
-        per_gap = self._per_slip / (self._per_gap * self.lattice.dx)
-        F = self.frame.matrix
-        opening = per_gap * F @ self.elasticity.opening(n, self.lattice.dx, self.lattice.dy) @ F.T
-        return FrictionSlip(self.stencil.staggered, bound, gap, leading, opening)
+        return FrictionSlip(self.stencil.staggered, bound, gap, leading, dx / dy, opening)
 
     @cached_property
     def tangential(self) -> Convolution:

@@ -33,6 +33,7 @@ the leading edge remains of first order.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -85,8 +86,8 @@ class Stencil:
         return np.nonzero(leading)
 
 
-def edge_normals(bound: np.ndarray, i: np.ndarray, j: np.ndarray, aspect: float) -> np.ndarray:
-    """Unit vectors out of the contact at leading elements (i, j), shape (2, m).
+def edge_angles(bound: np.ndarray, i: np.ndarray, j: np.ndarray, aspect: float) -> np.ndarray:
+    """Angles from x of what points out of the contact at leading elements (i, j), shape (m,).
 
     Down the gradient of the squared pressure, which falls linearly to a smooth edge. Where the
     pressure does not fall towards the edge, as if it fell a little: so it stays continuous.
@@ -100,12 +101,32 @@ def edge_normals(bound: np.ndarray, i: np.ndarray, j: np.ndarray, aspect: float)
     aspect : float
         dx/dy.
     """
-    square = np.pad(bound**2, 1)
-    i, j = i + 1, j + 1
-    fall = np.maximum(square[i - 1, j] - square[i, j], 0.1 * square[i, j])
-    aside = 0.5 * aspect * (square[i - 1, j - 1] - square[i - 1, j + 1])
-    angle = np.arctan2(aside, fall)
-    return np.stack((np.cos(angle), np.sin(angle)))
+    here, behind, left, right = _around(bound, i, j) ** 2
+    return np.arctan2(0.5 * aspect * (left - right), np.maximum(behind - here, 0.1 * here))
+
+
+def edge_turning(
+    bound: np.ndarray, change: np.ndarray, i: np.ndarray, j: np.ndarray, aspect: float
+) -> np.ndarray:
+    """Change of `edge_angles` by a change of the pressure, shape (m,)."""
+
+    def aside_and_fall(here, behind, left, right):
+        return 0.5 * aspect * (left - right), np.where(falls, behind - here, 0.1 * here)
+
+    pressure = _around(bound, i, j)
+    squares = pressure**2
+    falls = squares[1] > 1.1 * squares[0]
+    aside, fall = aside_and_fall(*squares)
+    moving, falling = aside_and_fall(*(2.0 * pressure * _around(change, i, j)))
+    return (fall * moving - aside * falling) / (fall**2 + aside**2)
+
+
+def _around(field: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
+    """Values at elements, behind them, and behind them to either side; zero beyond the mesh."""
+    rows, columns = np.stack((i, i - 1, i - 1, i - 1)), np.stack((j, j, j - 1, j + 1))
+    width = field.shape[1]
+    inside = (rows >= 0) & (columns >= 0) & (columns < width)
+    return np.where(inside, field[rows, columns % width], 0.0)
 
 
 class FrictionSlip:
@@ -119,19 +140,30 @@ class FrictionSlip:
         Pressure and gap.
     leading : tuple of ndarray of int, shape (m,)
         Indices (i, j) of the leading elements.
-    opening : ndarray, shape (m, 2, 2)
-        What the face ahead slips by a unit of gap there, over the share of the bound.
+    aspect : float
+        dx/dy.
+    opening : callable
+        What the face ahead slips by a unit of gap there, over the share of the bound, by the angle
+        of an edge, shape (m,) to (m, 2, 2).
     """
 
-    def __init__(self, staggered, bound, gap, leading, opening):
+    def __init__(self, staggered, bound, gap, leading, aspect, opening):
         self.staggered = staggered
         self.bound = bound
         self._here, self._ahead = leading, (leading[0] + 1, leading[1])
-        self._opening = opening
+        self._aspect, self._opening_at = aspect, opening
+        self._angle = edge_angles(bound, leading[0], leading[1], aspect)
+        self._opening = opening(self._angle)
         # A thousandth of a billionth of the pressure bears no traction that matters.
         self._bound = np.maximum(bound[self._here], 1e-12 * bound.max(initial=0.0))
         self._gap = gap[self._ahead]
-        self._stiffness = np.trace(opening, axis1=1, axis2=2) * self._gap / self._bound
+        self._stiffness = np.trace(self._opening, axis1=1, axis2=2) * self._gap / self._bound
+
+    @cached_property
+    def _turned(self) -> np.ndarray:
+        """Derivative of the opening by the angle, in which it is smooth, by differences."""
+        h = 1e-4
+        return (self._opening_at(self._angle + h) - self._opening_at(self._angle - h)) / (2.0 * h)
 
     def sticking(self, slip: np.ndarray, traction: np.ndarray) -> np.ndarray:
         """What must vanish where an element sticks, linear in slip and traction.
@@ -147,12 +179,25 @@ class FrictionSlip:
         """
         if not self._gap.size:
             return slip
-        return self._with_opening(slip, self._gap * traction[:, *self._here] / self._bound)
+        slip = slip.copy()
+        slip[:, *self._here] = self._leading(slip, self._gap * self._share(traction))
+        return slip
+
+    def _share(self, traction: np.ndarray) -> np.ndarray:
+        """Traction of the leading elements over their bound, shape (2, m)."""
+        return traction[:, *self._here] / self._bound
 
     def sticking_change(
-        self, slip: np.ndarray, traction: np.ndarray, change: np.ndarray, gap: np.ndarray
+        self,
+        slip: np.ndarray,
+        traction: np.ndarray,
+        change: np.ndarray,
+        gap: np.ndarray,
+        at: np.ndarray,
     ) -> np.ndarray:
         """Change of `sticking` where pressure and gap change as well.
+
+        The elements that lead are taken to remain the same.
 
         Parameters
         ----------
@@ -164,18 +209,33 @@ class FrictionSlip:
             Change of pressure and tractions.
         gap : ndarray, shape (n_x, n_y)
             Change of the gap.
+        at : ndarray, shape (2, n_x, n_y)
+            Slip of the leading faces at which the change is taken.
         """
         if not self._gap.size:
             return slip
-        share = traction[:, *self._here] / self._bound
-        shifted = (change[1:, *self._here] - share * change[0][self._here]) / self._bound
-        return self._with_opening(slip, self._gap * shifted + share * gap[self._ahead])
-
-    def _with_opening(self, slip: np.ndarray, times_gap: np.ndarray) -> np.ndarray:
-        opening = np.einsum("mab,bm->am", self._opening, times_gap)
+        share, shifted = self._share(traction), self._share(change[1:])
+        pressed, widened = change[0][self._here] / self._bound, gap[self._ahead]
+        shifted -= share * pressed
+        changed = self._leading(slip, self._gap * shifted + share * widened)
+        # The edge turns with the pressure around it, and with it the opening; and the divisor
+        # changes, which matters where a leading element slips.
+        i, j = self._here
+        angle = edge_turning(self.bound, change[0], i, j, self._aspect)
+        turned = self._turned * angle[:, None, None]
+        more = np.einsum("mab,bm->am", turned, self._gap * share)
+        stiffer = np.trace(turned, axis1=1, axis2=2) * self._gap
+        stiffer += np.trace(self._opening, axis1=1, axis2=2) * widened
+        stiffer = stiffer / self._bound - self._stiffness * pressed
+        more -= stiffer * self._leading(at, self._gap * share)
         slip = slip.copy()
-        slip[:, *self._here] = (slip[:, *self._here] + opening) / (1.0 + self._stiffness)
+        slip[:, *self._here] = changed + more / (1.0 + self._stiffness)
         return slip
+
+    def _leading(self, slip: np.ndarray, times_gap: np.ndarray) -> np.ndarray:
+        """`sticking` of the leading elements, shape (2, m)."""
+        opening = np.einsum("mab,bm->am", self._opening, times_gap)
+        return (slip[:, *self._here] + opening) / (1.0 + self._stiffness)
 
     @property
     def stiffness(self) -> np.ndarray:

@@ -2,13 +2,14 @@
 
 from collections.abc import Callable, Iterable
 from contextlib import nullcontext
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 from time import perf_counter
 
 from numpy.typing import ArrayLike
 
-from tractive_sam.contact import Gap, Laws, equilibrium, fitted
+from tractive_sam.contact import Gap, Laws, check_jacobian, equilibrium, fitted, jacobian_of
 from tractive_sam.operators.threads import one_blas_thread
 from tractive_sam.results.history import History
 from tractive_sam.results.quantities import Quantity
@@ -42,6 +43,7 @@ def solve(
     throw: bool = True,
     laws: Laws | None = None,
     solver: Solver | None = None,
+    jacobian: bool = False,
 ) -> Contact:
     """Solve one steady state of a scene.
 
@@ -60,6 +62,9 @@ def solve(
     solver : Solver, optional
         Method in place of the scene's: any object with `solve(problem, tolerance, start)`, see
         `solvers`.
+    jacobian : bool
+        Whether to compute the derivatives of forces and approach as well, `Contact.jacobian`: a
+        linear system for each parameter. Needs xarray, which comes with the extra ``study``.
 
     Returns
     -------
@@ -73,7 +78,10 @@ def solve(
         If `scene` is no Scene, `start` no Contact, `laws` no Laws, or `solver` has no method
         `solve`.
     ValueError
-        If `wear` or `start` do not fit the mesh, or are not finite.
+        If `wear` or `start` do not fit the mesh, or are not finite; or a Jacobian is asked for
+        without friction.
+    ImportError
+        If a Jacobian is asked for without xarray.
     SceneError
         If no mesh can be chosen that holds the contact, or the memory does not suffice.
     GapError
@@ -95,17 +103,23 @@ def solve(
     measured = measured_gap(scene)
     model = model_of(scene, measured)
     memory.check_solve(model)
-    if scene.accuracy is not None and wear is None and start is None:
-        return _checked(accurately.solved(scene, measured, model_of), throw)
+    if jacobian:
+        check_jacobian(model)
     if wear is not None:
         wear = given.depths_of(wear, model.grid)
     if start is not None:
         given.check_start(start, model.grid)
-    if start is None and wear is None:
-        _, contact = fitted(model)
-    else:
+    if start is not None or wear is not None:
         contact = equilibrium(model, wear, start)
-    return _checked(contact, throw)
+    elif scene.accuracy is not None:
+        contact = accurately.solved(scene, measured, model_of)
+    else:
+        _, contact = fitted(model)
+    contact = _checked(contact, throw)
+    if jacobian and contact.converged:  # on the mesh that it was solved on
+        model = model_of(scene, measured, contact.grid)
+        return replace(contact, jacobian=jacobian_of(model, contact))
+    return contact
 
 
 def _checked(contact: Contact, throw: bool) -> Contact:

@@ -112,7 +112,7 @@ class System:
         at, rows = self.at, self._rows_made
         if self.free:
             rows[0] = np.where(at.active, response[0], 0.0)
-            slip = at.seen.sticking_change(response[1:], at.traction, step, response[0])
+            slip = at.seen.sticking_change(response[1:], at.traction, step, response[0], at.slip)
         else:
             slip = at.seen.sticking(response, step)
         at.law.rows(step[-2:], slip, rows[-2:])

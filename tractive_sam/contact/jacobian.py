@@ -1,0 +1,237 @@
+"""Derivatives of forces and approach at a solved contact, by the matrix of Newton's step there.
+
+Pressure and scaled tractions, approach, and the creepages sought for given forces, together w, have
+R(w; q) = 0: no gap in contact, tractions that friction allows, resultants as asked for. While no
+element changes its state,
+
+    dw/dq = -(dR/dw)^-1 dR/dq,
+
+where dR/dw is the matrix of `solvers.newton_system`. It takes one linear system for each parameter
+q, for all rows at once; its transpose would take one for each row, six against four. What a
+parameter changes by itself, w held, is
+
+xi_x, xi_y, spin
+    the slip of the undeformed bodies, s~ = F (xi_x - spin y, xi_y + spin x), at the points at which
+    the stencil takes it;
+load, approach, forces
+    what is asked for. Of the load the bound of friction, the slip by the pressure and the opening
+    ahead of the leading edge follow, with w;
+mu_k
+    the frame F = M R (`mechanics.frame`). With E = dF F^-1, which has 1/mu_k at (k, k) and is zero
+    elsewhere, the tractions p_t = F^T p~ change as if p~ did by E p~, and with them elastic slip,
+    gap and forces; and the slip s~ = F s changes by E s~.
+
+The tractions then change by F^T (dp~ + E p~). Of alike bodies the pressure answers to the load
+alone, so that every other column is solved under a pressure that is held.
+"""
+
+import warnings
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from tractive_sam.contact.equilibrium import start_of
+from tractive_sam.contact.model import Model
+from tractive_sam.mechanics.friction import Coulomb
+from tractive_sam.results.quantities import COLUMNS, table
+from tractive_sam.results.state import Contact
+from tractive_sam.scene import SceneWarning
+from tractive_sam.solvers.gmres import gmres
+from tractive_sam.solvers.newton_system import Iterate, System
+from tractive_sam.solvers.outcome import Start
+from tractive_sam.solvers.problem import Problem
+
+if TYPE_CHECKING:
+    import xarray
+
+TOLERANCE = 1e-7
+"""Relative residual of a linear system."""
+
+USELESS = 1e-5
+"""That above which its solution is no derivative."""
+
+KRYLOV, ROUNDS = 150, 4
+"""Most iterations of GMRES, and how often it may begin again from what is left."""
+
+
+def check_jacobian(model: Model) -> None:
+    """Refuse, before anything is solved, what has no Jacobian.
+
+    Raises
+    ------
+    ImportError
+        If xarray is missing.
+    ValueError
+        If there is no friction.
+    """
+    try:
+        import xarray  # noqa: F401, PLC0415 - of an extra
+    except ImportError:
+        cure = "pip install 'tractive_sam[study]'"
+        raise ImportError(f"jacobian: xarray is needed, of the extra study: {cure}") from None
+    if model.laws.friction is None:
+        raise ValueError("jacobian: friction is needed; give the scene a [friction] table")
+
+
+def jacobian_of(model: Model, contact: Contact) -> "xarray.DataArray":
+    """Derivatives at a solved contact, on its mesh; see `Contact.jacobian`.
+
+    Parameters
+    ----------
+    model : Model
+        What was solved.
+    contact : Contact
+        Its solution.
+    """
+    import xarray  # noqa: PLC0415 - of an extra
+
+    gap = (model.undeformed_gap + contact.wear) / model.units.gap
+    whole = tangential = _Linearised(model, model.problem(gap), start_of(model, contact))
+    if not model.elasticity.coupled:
+        tangential = whole.with_pressure_held()
+    rows, columns = [], {}
+    for k, (force, creepage) in enumerate((("Qx", "xi_x"), ("Qy", "xi_y"))):
+        if model.free[k]:
+            rows.append(creepage)
+            columns[force] = tangential.by_force(k)
+        else:
+            rows.append(force)
+            columns[creepage] = tangential.by_creepages(*np.eye(3)[k])
+    if not model.grid.line:
+        columns["spin"] = tangential.by_creepages(0.0, 0.0, 1.0)
+    if model.load is None:
+        rows += ["Mz", "P"]
+        columns["approach"] = whole.by_approach()
+    else:
+        rows += ["Mz", "approach"]
+        columns["P"] = whole.by_load()
+    if type(model.laws.friction) is Coulomb:  # of another law the bound may hang on mu as well
+        columns |= {f"mu{k + 1}": tangential.by_mu(k) for k in (0, 1)}
+
+    unsolved = [name for name, column in columns.items() if np.isnan(column).any()]
+    if unsolved:
+        told = f"jacobian: the linear systems of {', '.join(unsolved)} were not solved: nan"
+        warnings.warn(told, SceneWarning, stacklevel=2)
+    known, line = table(COLUMNS), model.grid.line
+    units = {n: known[n].of_line(line).unit if n in known else "1" for n in (*rows, *columns)}
+    cost = sum(one.applications for one in {whole, tangential})
+    return xarray.DataArray(
+        np.stack(list(columns.values()), axis=1),
+        [("result", rows), ("parameter", list(columns))],
+        attrs={"units": units, "operator_applications": cost},
+    )
+
+
+class _Linearised:
+    """A problem linearised at its solution, and what the results answer to parameters.
+
+    Every answer has the shape (4,): Q_x or xi_x, Q_y or xi_y, M_z, approach or P.
+    """
+
+    def __init__(self, model: Model, problem: Problem, start: Start):
+        self.model, self.problem, self.start = model, problem, start
+        self.at = Iterate(problem, start.pressure, start.traction, start.approach, start.creepage)
+        self.system = System(problem, self.at, float)
+        self._beside = 1  # applications beside those of the system
+        self._force = model.units.pressure * model.grid.element_area
+        self._none = np.zeros((3, *model.grid.elements))
+
+    def with_pressure_held(self) -> "_Linearised":
+        """The tangential problem under the pressure of this one."""
+        held = self.problem.holding(self.at.pressure, self.at.gap)
+        return _Linearised(self.model, held, self.start)
+
+    @property
+    def applications(self) -> int:
+        """Applications of the elastic operators so far."""
+        return self.system.applications + self._beside
+
+    def by_creepages(self, *creepages: float) -> np.ndarray:
+        """By creepages (longitudinal, lateral, spin)."""
+        model = self.model
+        slip = model.frame.slip_to_scaled(model.rigid_slip_by(*creepages)) / model.units.slip
+        return self._answer(slip=self._seen(slip, self._none))
+
+    def by_force(self, axis: int) -> np.ndarray:
+        """By the force given along an axis."""
+        given = np.flatnonzero(self.model.free)
+        return self._answer(forces=(given == axis) / self._force)
+
+    def by_load(self) -> np.ndarray:
+        """By the load, where it is given."""
+        return self._answer(load=1.0 / self._force)
+
+    def by_approach(self) -> np.ndarray:
+        """By the approach, where it is given."""
+        gap = np.full(self.at.pressure.shape, -1.0 / self.model.units.gap)
+        return self._answer(gap, self._seen(self._none[1:], self._none, gap))
+
+    def by_mu(self, axis: int) -> np.ndarray:
+        """By a coefficient of friction."""
+        at = self.at
+        E = np.zeros((2, 1, 1))
+        E[axis] = 1.0 / self.model.frame.mu[axis]
+        stretched = np.concatenate((self._none[:1], E * at.traction))
+        response = self.problem.response(stretched[-self.problem.shape[0] :])
+        self._beside += 1
+        gap = self._none[0] if self.problem.held else response[0]
+        slip = self._seen(response[-2:], stretched, gap)
+        # But for the divisor of leading elements that slip, which hardly matters.
+        slip = slip + E * at.seen.sticking(at.slip, at.traction)
+        forces = -self.problem.forces.force(stretched[1:])
+        return self._answer(gap, slip, forces=forces, stretched=stretched[1:])
+
+    def _seen(self, slip: np.ndarray, fields: np.ndarray, gap=None) -> np.ndarray:
+        """Change of the slip that friction sees, by that of leading faces, of fields and gap."""
+        at, gap = self.at, self._none[0] if gap is None else gap
+        return at.seen.sticking_change(slip, at.traction, fields, gap, at.slip)
+
+    def _answer(self, gap=0.0, slip=None, load=0.0, forces=0.0, stretched=0.0) -> np.ndarray:
+        """What the results answer to what a parameter changes by itself.
+
+        Parameters
+        ----------
+        gap, slip : ndarray
+            Gap, and slip that friction sees.
+        load, forces : float and ndarray
+            Load and forces asked for.
+        stretched : ndarray
+            Tractions, by their frame.
+        """
+        model, system, at = self.model, self.system, self.at
+        rhs = np.zeros(system.length)
+        rows, under_load = system.fields(rhs), int(system.under_load)
+        rows[:-2] = -np.where(at.active, gap, 0.0)
+        if slip is not None:
+            at.law.rows(self._none[1:], slip, rows[-2:])
+            rows[-2:] *= -at.ratio
+        border = rhs[system.size :]
+        border[:under_load] = system.weight * load
+        border[under_load:] = system.weight * at.ratio * forces
+
+        vector = self._solved(rhs)
+        step, extra = system.completed(system.fields(vector)), vector[system.size :]
+        traction = self._force * model.frame.to_physical(step[-2:] + stretched)
+        x, y = model.grid.x[:, None], model.grid.y[None, :]
+        moment = (x * traction[1] - y * traction[0]).sum()
+        results = np.array([*traction.sum(axis=(1, 2)), moment, 0.0])
+        results[np.flatnonzero(model.free)] = model.units.slip * extra[under_load:]
+        if under_load:
+            results[3] = model.units.gap * extra[0]
+        elif system.free:
+            results[3] = self._force * step[0].sum()
+        return results
+
+    def _solved(self, rhs: np.ndarray) -> np.ndarray:
+        """Solution of the linear system; nan where it is none."""
+        system, size = self.system, np.linalg.norm(rhs)
+        vector, left, missed = np.zeros_like(rhs), rhs, size
+        for _ in range(ROUNDS):
+            if missed <= TOLERANCE * size:
+                break
+            goal = 0.9 * TOLERANCE * size / missed
+            step, _ = gmres(system.operator, system.preconditioner, left, goal, KRYLOV)
+            vector += step
+            left = rhs - system.operator(vector)
+            missed = np.linalg.norm(left)
+        return vector if missed <= USELESS * size else np.full_like(rhs, np.nan)
