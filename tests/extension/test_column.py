@@ -124,6 +124,18 @@ def test_what_cannot_be_a_column_is_refused(columns):
         ts.roll(DISCS, columns=columns)
 
 
+def test_a_column_of_the_criterion_is_not_replaced():
+    class Longitudinal(ts.StressCriterion):
+        name, symbol, long_name = "along", r"\sigma_x", "longitudinal stress"
+
+        def __call__(self, stress):
+            return stress[0]
+
+    laws = ts.Laws.of(DISCS).replace(criterion=Longitudinal())
+    with pytest.raises(ValueError, match="along_max"):
+        ts.roll(DISCS, laws=laws, columns=[new("along_max")])
+
+
 def test_what_is_no_quantity_is_refused():
     with pytest.raises(TypeError, match="columns"):
         ts.roll(DISCS, columns=["p_mean"])

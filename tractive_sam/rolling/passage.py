@@ -161,11 +161,7 @@ def passage_at(
     if model.method.wears_in_pass:
         return Passage(revolution, equilibrium(model, depth, start), 1)
 
-    # The first guess: within the pass, material gains as it gained in the one before.
-    gained = start.wear - start.wear[-1]
-    if expected is not None:
-        gained = gained * np.where(gained[0] > 0.0, expected / np.maximum(gained[0], 1e-300), 0.0)
-    wear = entering + gained
+    wear = entering + _gained(start, expected)
     contact, cost, solves = start, Cost(), 0
     for _ in range(CORRECTIONS):
         contact = equilibrium(model, wear, contact)
@@ -186,6 +182,14 @@ def passage_at(
             f"wear.{_given_key(model)} or the creepage",
         )
     return Passage(revolution, replace(contact, cost=cost), solves)
+
+
+def _gained(start: Contact, expected: np.ndarray | None) -> np.ndarray:
+    """Depth that material gains within the pass, at first guess as it did in the one before, mm."""
+    gained = start.wear - start.wear[-1]
+    if expected is None:
+        return gained
+    return gained * np.where(gained[0] > 0.0, expected / np.maximum(gained[0], 1e-300), 0.0)
 
 
 def off_grid(passage: Passage) -> bool:

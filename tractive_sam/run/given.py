@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from tractive_sam.contact import Laws, Model
 from tractive_sam.results.grid import Grid
 from tractive_sam.results.history import BESIDE, LABELS
-from tractive_sam.results.quantities import COLUMNS, DIMS, FIELDS, Quantity
+from tractive_sam.results.quantities import COLUMNS, DIMS, FIELDS, Quantity, stress_columns
 from tractive_sam.results.state import Contact
 from tractive_sam.scene import Scene
 from tractive_sam.scene.quantities import LARGEST
@@ -34,10 +34,11 @@ def model_of(laws: Laws | None, solver: Solver | None) -> Callable[..., Model]:
     return partial(Model, laws=laws, solver=solver)
 
 
-def columns_of(columns: Iterable[Quantity]) -> tuple[Quantity, ...]:
-    """Columns of one's own."""
+def columns_of(columns: Iterable[Quantity], laws: Laws | None = None) -> tuple[Quantity, ...]:
+    """Columns of one's own, beside the package's and those of a criterion."""
     taken = {"status", "message", "record", "saved", "x", "y", *FIELDS, *LABELS, *BESIDE}
-    taken |= {one.name for one in COLUMNS}
+    judged = () if laws is None else stress_columns(laws.criterion)
+    taken |= {one.name for one in (*COLUMNS, *judged)}
     own = tuple(columns)
     for one in own:
         if not isinstance(one, Quantity):

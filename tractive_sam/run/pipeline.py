@@ -197,7 +197,7 @@ def roll(
     given.check_scene(scene)
     if resume and path is None:
         raise ValueError("resume: the path of a results file is needed to go on from")
-    model_of, own = given.model_of(laws, solver), given.columns_of(columns)
+    model_of, own = given.model_of(laws, solver), given.columns_of(columns, laws)
     replaced = overwrite or resume
     with nullcontext() if path is None else results_writer(Path(path), replaced):  # at once
         before = open_history(path) if resume and Path(path).exists() else None
