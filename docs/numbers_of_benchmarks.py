@@ -242,6 +242,28 @@ def subsurface() -> str:
     return of_columns(rows_of("subsurface.csv"), columns)
 
 
+def jacobian() -> str:
+    """Work of derivatives beside that of central differences."""
+    columns = {
+        "scene": ("scene", str),
+        "solve": ("solve", number(".0f")),
+        "Jacobian": ("jacobian", number(".0f")),
+        "central differences": ("differences", number(".0f")),
+        "apart": ("apart", number(".0e")),
+    }
+    return of_columns(rows_of("jacobian.csv"), columns)
+
+
+def jacobian_carter() -> str:
+    """Errors of the slope of Carter's curve over the mesh."""
+    columns = {
+        "elements across": ("n", str),
+        "error of the slope": ("slope", number(".1e")),
+        "error of the force": ("force", number(".1e")),
+    }
+    return of_columns(rows_of("jacobian_carter.csv"), columns)
+
+
 def study_scaling() -> str:
     """A study on one and two workers."""
     columns = {
@@ -272,6 +294,8 @@ TABLES = {
         hard_scenes,
         error_bars,
         subsurface,
+        jacobian,
+        jacobian_carter,
         study_scaling,
     )
 }

@@ -250,3 +250,11 @@ def test_what_has_none(monkeypatch):
     monkeypatch.setitem(sys.modules, "xarray", None)
     with pytest.raises(ImportError, match="study"):
         ts.solve(ball(), jacobian=True)
+
+
+def test_what_is_not_solved_is_nan(monkeypatch):
+    monkeypatch.setattr("tractive_sam.contact.jacobian.KRYLOV", 2)
+    monkeypatch.setattr("tractive_sam.contact.jacobian.ROUNDS", 1)
+    with pytest.warns(ts.SceneWarning, match="spin"):
+        contact = ts.solve(ball(CREEPING, tolerance=1e-6), jacobian=True)
+    assert np.isnan(contact.jacobian.loc["Qx":"Mz", "spin"]).all()
