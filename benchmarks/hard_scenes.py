@@ -2,8 +2,8 @@
 
 Half of the scenes have bodies of equal material, in which the pressure stands alone; the others
 have any. Each method is asked for a residual of 1e-8 from nothing; `uzawa` and `anderson` get
-`BUDGET` iterations for every correction of the load and take no forces to transmit. `alternating`
-is what the coupled methods are to replace: the normal problem under the lift of the last tractions,
+`BUDGET` iterations for every correction of the load and take no prescribed tangential forces.
+`alternating` is what the coupled methods are to replace: the normal problem under the lift of the last tractions,
 then the tangential one under the pressure found. Costs are applications of operators and their
 approximate inverses.
 
@@ -41,7 +41,8 @@ def hard_scene(seed: int) -> tuple[Scene, dict]:
 
     Aspect ratios a/b 0.05-20, mu 0.001-2, mu1/mu2 up to 10 (every tenth one up to 100), creepage
     and spin from 1e-8 to 100 times full slip, Poisson's ratios 0-0.4999, E_A/E_B 1e-3-1e3, gaps
-    smooth, rough, worn and with steps, contacts from a few elements on, forces to transmit.
+    smooth, rough, worn and with steps, contacts from a few elements on, and
+    prescribed tangential forces.
     """
     rng = np.random.default_rng(seed)
 

@@ -3,8 +3,8 @@
 - spheres in full slip: stress at the trailing edge (Hamilton 1983): at centres of elements,
   between them, and taken on to the edge;
 - cylinders in partial slip (Carter 1926), where the largest stress of body B is where stick ends;
-- the largest pressure of Hertz, of an element and by a parabola through its neighbours, with the
-  middle of the contact on a centre of an element, and on a corner of four;
+- the peak contact pressure of Hertz, of an element and by a parabola through its neighbours, with
+  the middle of the contact on a centre of an element, and on a corner of four;
 - worn discs: how far pressures zigzag about a smooth course from N = 2,500 to 15,000.
 
 Errors are relative; for the discs they are the largest distance from the smooth course, and the
@@ -16,7 +16,7 @@ from discs import discs, timed
 from timing import show, write
 
 import tractive_sam as ts
-from tractive_sam.contact import Contact, Model, equilibrium
+from tractive_sam.contact import Model, State, equilibrium
 from tractive_sam.mechanics.invariants import von_mises
 from tractive_sam.operators import Lattice, surface_stress
 from tractive_sam.reference import (
@@ -36,7 +36,7 @@ MESHES = ((21, 61), (29, 85), (41, 121))
 WORN = 2500
 
 
-def on_mesh(scene: ts.Scene, across: float, odd: bool = True) -> Contact:
+def on_mesh(scene: ts.Scene, across: float, odd: bool = True) -> State:
     """The contact with so many elements across, on a mesh of an odd number of them or not."""
     hertz = scene.hertz
     elements = 2 * int(across / 2 + 3) + odd
@@ -48,7 +48,7 @@ def on_mesh(scene: ts.Scene, across: float, odd: bool = True) -> Contact:
     return equilibrium(Model(scene.replace(**grid)))
 
 
-def surfaces(contact: Contact, body: str) -> dict[str, float]:
+def surfaces(contact: State, body: str) -> dict[str, float]:
     """The largest stress at a surface by each way."""
     ((_, at_centres),) = stress_volume(contact, [0.0], body)
     load, grid = LoadedBodies.of(contact, (body,)), contact.grid
@@ -113,8 +113,8 @@ def hertz_peak() -> list[dict]:
     return rows
 
 
-def top(contact: Contact) -> float:
-    """The top of parabolas in x and y through the largest pressure and its neighbours."""
+def top(contact: State) -> float:
+    """The top of parabolas in x and y through the peak contact pressure and its neighbours."""
     p = contact.pressure
     i, j = np.unravel_index(np.argmax(p), p.shape)
     value = p[i, j]

@@ -27,7 +27,7 @@ from tractive_sam.operators import Lattice, StressLayers, StressPlane
 from tractive_sam.operators.fft import padded_length
 from tractive_sam.operators.stress_fft import edge_transform, layer_transform
 from tractive_sam.results.grid import Grid
-from tractive_sam.results.state import Contact
+from tractive_sam.results.state import State
 from tractive_sam.scene import Scene
 from tractive_sam.subsurface import stress_maximum, stress_on_plane, stress_volume
 from tractive_sam.subsurface.loaded import LoadedBodies
@@ -38,15 +38,15 @@ LARGE = 512
 CONTACT_SECONDS = 2.0
 
 
-def spheres(n: int) -> Contact:
+def spheres(n: int) -> State:
     return equilibrium(Model(Scene.builtin("spheres").with_set([f"grid.elements=[{n}, {n}]"])))
 
 
-def depths(contact: Contact, count: int) -> np.ndarray:
+def depths(contact: State, count: int) -> np.ndarray:
     return np.linspace(0.0, 1.5 * contact.scene.hertz.a, count)
 
 
-def stream(contact: Contact, count: int, threads: int = 1) -> list[float]:
+def stream(contact: State, count: int, threads: int = 1) -> list[float]:
     """Compute every layer of a volume and drop it; the seconds of each."""
     stamps = [perf_counter()]
     for _ in stress_volume(contact, depths(contact, count), threads=threads):
@@ -63,7 +63,7 @@ def peak(run: Callable[[], object]) -> int:
     return most
 
 
-def volume(contact: Contact) -> dict:
+def volume(contact: State) -> dict:
     n = contact.grid.elements[0]
     load = LoadedBodies.of(contact, "A")
     lattice = Lattice(contact.grid.elements, contact.grid.dx, contact.grid.dy)
@@ -104,7 +104,7 @@ def textbook(n: int) -> float:
     return seconds(run, 0.5, DEPTHS)
 
 
-def plane(contact: Contact, text: str, count: int) -> dict:
+def plane(contact: State, text: str, count: int) -> dict:
     n = contact.grid.elements[0]
     z = depths(contact, count)
     load = LoadedBodies.of(contact, "A")

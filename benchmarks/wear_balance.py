@@ -21,7 +21,7 @@ from matplotlib.figure import Figure
 from timing import RESULTS, show, write
 
 import tractive_sam as ts
-from tractive_sam.contact import Contact, Model, equilibrium
+from tractive_sam.contact import Model, State, equilibrium
 from tractive_sam.mechanics.wear import Archard, ArchardByWork
 
 SHARES = (0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0)
@@ -37,7 +37,7 @@ INTENSITY = {
 }
 
 
-def solved(across: int, friction: str, creepage: str, share: float, slip: str) -> Contact:
+def solved(across: int, friction: str, creepage: str, share: float, slip: str) -> State:
     """Spheres at a share of the creepage of full slip, on elements across the contact."""
     scene = ts.Scene.builtin("spheres").replace(subsurface=None)
     hertz, material, load = scene.hertz, scene.material, scene.load.normal
@@ -58,7 +58,7 @@ def solved(across: int, friction: str, creepage: str, share: float, slip: str) -
     return equilibrium(Model(scene.with_set(settings)))
 
 
-def sections(contact: Contact, intensity: tuple[float, float]) -> dict[str, float]:
+def sections(contact: State, intensity: tuple[float, float]) -> dict[str, float]:
     """Section worn by each law, mm²."""
     friction = contact.scene.friction
     angle, mu = np.deg2rad(friction.angle), friction.mu

@@ -109,7 +109,7 @@ def scenes() -> dict[str, ts.Scene]:
 
 
 def solved(scene: ts.Scene, across: int):
-    """The new bodies, with so many elements across the shorter axis of the contact."""
+    """The unworn bodies, with so many elements across the shorter axis of the contact."""
     steady = scene.replace(wear=None)  # the mesh of a scene without wear is smaller
     return equilibrium(Model(scene, None, choose_grid(steady, finer=across / 64)))
 

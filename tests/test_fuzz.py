@@ -212,7 +212,7 @@ def test_other_things_than_scenes_and_contacts(solved):
         ts.solve("spheres")
     with pytest.raises(TypeError, match=r"Scene\.builtin"):
         ts.roll("spheres")
-    with pytest.raises(TypeError, match="Contact"):
+    with pytest.raises(TypeError, match="State"):
         ts.solve(solved.scene, start=solved.pressure)
 
 

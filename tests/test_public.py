@@ -88,7 +88,7 @@ def test_what_holds_arrays_is_equal_only_to_itself():
         for field in fields(kind)
         if "ndarray" in str(field.type).partition("Callable")[0]
     }
-    assert {ts.Contact, ts.PlaneStress, ts.solvers.Outcome} <= holding
+    assert {ts.State, ts.PlaneStress, ts.solvers.Outcome} <= holding
     assert not [kind for kind in holding if kind.__eq__ is not object.__eq__]
 
 

@@ -17,7 +17,7 @@ def test_run_show_and_explain(call, folder):
     assert 0.0 < told["Qx_error"][0] < 0.02
     assert set(told["von_mises_max_error"]) == {"A", "B"}
     explained = call("explain", "spheres", *COARSE).stdout
-    assert "Qx of the new bodies" in explained
+    assert "Qx of the unworn bodies" in explained
     assert "found by refinement" in explained
 
 

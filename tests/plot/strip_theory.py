@@ -10,7 +10,7 @@ from tractive_sam.results.grid import Grid
 from tractive_sam.results.history import History
 from tractive_sam.results.quantities import columns
 from tractive_sam.results.record import Record, fields
-from tractive_sam.results.state import Contact
+from tractive_sam.results.state import State
 from tractive_sam.results.status import Cost, Status
 
 HERTZ = HertzContact(a=0.5, b=0.8, p0=900.0, approach=0.01, load=754.0)
@@ -59,7 +59,7 @@ def slip():
 def contact(asked=None, **changes):
     """A solved contact."""
     fields = {"pressure": pressure(), "traction": traction(), "slip": slip()}
-    found = Contact(
+    found = State(
         scene=asked or scene(),
         grid=GRID,
         gap=np.zeros(GRID.elements),

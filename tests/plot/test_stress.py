@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from tests.conftest import steady
 from tractive_sam import plot
 from tractive_sam.plot import gallery
-from tractive_sam.plot.summits import summits
+from tractive_sam.plot.stress_maxima import stress_maxima
 from tractive_sam.results.history import History
 from tractive_sam.results.record import Record
 from tractive_sam.subsurface import stress_maximum, stress_on_plane, stress_on_planes
@@ -69,9 +69,9 @@ def test_summits_are_no_maxima_of_the_edges_of_elements():
     values = np.ones((9, 6))
     values[4, 1] = values[0, 3] = values[2, 5] = 9.0  # too shallow; at the ends of the plane
     values[6, 3], values[2, 0] = 3.0, 2.0
-    found = {summit.kind: (summit.value, summit.at) for summit in summits(values, (along, depth))}
+    found = {top.kind: (top.value, top.at) for top in stress_maxima(values, (along, depth))}
     assert found == {"interior": (3.0, (6.0, 2.0)), "surface": (2.0, (2.0, 0.0))}
-    (only,) = summits(np.outer(along, 1.0 + depth), (along, 1.0 + depth))
+    (only,) = stress_maxima(np.outer(along, 1.0 + depth), (along, 1.0 + depth))
     assert (only.kind, only.at) == ("largest", (8.0, 5.0))
 
 

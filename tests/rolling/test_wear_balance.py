@@ -39,7 +39,7 @@ def told(history):
 def test_wear_and_work_are_balanced(settings):
     history = rolled(*settings)
     assert history.finished
-    assert np.isnan(history.wear_balance[0])  # the new bodies
+    assert np.isnan(history.wear_balance[0])  # the unworn bodies
     # Elements with negative work, which do not wear: none or few.
     np.testing.assert_allclose(history.wear_balance[1:], 1.0, rtol=1e-4)
     np.testing.assert_allclose(history.energy_balance, 1.0, rtol=1e-9)

@@ -31,7 +31,7 @@ def spheres(*settings):
 def test_every_scene_is_explained_in_words(name):
     scene = ts.Scene.builtin(name)
     sections = told(scene)
-    assert list(sections) == ["Bodies", "Contact", "Wear", "Stress", "Mesh", "Work"]
+    assert list(sections) == ["Bodies", "State", "Wear", "Stress", "Mesh", "Work"]
     assert all(
         answer and isinstance(answer, str) for s in sections.values() for answer in s.values()
     )
@@ -41,31 +41,31 @@ def test_what_is_left_out_is_said_with_the_key_that_adds_it():
     scene = spheres().replace(subsurface=None)
     assert "[wear]" in told(scene)["Wear"]["wear"]
     assert "[subsurface]" in told(scene)["Stress"]["stress"]
-    rolling = told(scene.replace(creepage=None))["Contact"]["tangential problem"]
-    frictionless = told(scene.replace(friction=None, creepage=None))["Contact"]
+    rolling = told(scene.replace(creepage=None))["State"]["tangential problem"]
+    frictionless = told(scene.replace(friction=None, creepage=None))["State"]
     assert "creepage" in rolling
     assert "friction" in frictionless["tangential problem"]
     assert "friction" not in frictionless
 
 
 def test_forces_to_transmit_and_creepages_are_told_apart():
-    given = told(spheres("creepage.longitudinal=-0.002"))["Contact"]["tangential problem"]
-    found = told(spheres("load.force_x=0.1"))["Contact"]["tangential problem"]
+    given = told(spheres("creepage.longitudinal=-0.002"))["State"]["tangential problem"]
+    found = told(spheres("load.force_x=0.1"))["State"]["tangential problem"]
     assert "xi_x = -0.002" in given
     assert "Q_x = 0.1 N" in found
 
 
 def test_friction_and_wear_laws():
     discs = told(ts.Scene.builtin("twin-discs").with_set(["grid.elements=[15, 31]"]))
-    assert "(0.6, 0.3) at 45 degrees" in discs["Contact"]["friction"]
+    assert "(0.6, 0.3) at 45 degrees" in discs["State"]["friction"]
     assert "(2e-06, 1e-06)" in discs["Wear"]["law"]
     assert "15000" in discs["Wear"]["revolutions"]
 
 
 def test_dissimilar_bodies_are_coupled():
-    assert told(spheres())["Contact"]["coupling"].startswith("K = 0:")
+    assert told(spheres())["State"]["coupling"].startswith("K = 0:")
     scene = ts.Scene.builtin("spheres-dissimilar")
-    assert not told(scene)["Contact"]["coupling"].startswith("K = 0:")
+    assert not told(scene)["State"]["coupling"].startswith("K = 0:")
 
 
 def test_the_mesh_is_given_chosen_or_found():
@@ -73,7 +73,7 @@ def test_the_mesh_is_given_chosen_or_found():
     assert "chosen" in told(spheres().replace(grid=None))["Mesh"]["mesh"]
     sections = told(spheres().replace(**{"grid": None, "accuracy.tolerance": 0.05}))
     assert "found" in sections["Mesh"]["mesh"]
-    assert "+-" in sections["Accuracy"]["Qx of the new bodies"]
+    assert "+-" in sections["Accuracy"]["Qx of the unworn bodies"]
 
 
 @pytest.mark.parametrize(

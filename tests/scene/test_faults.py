@@ -192,7 +192,7 @@ def test_friction_limit_is_unknown_for_a_given_approach(tables):
     [
         ({"A.radius_x": math.inf, "B.radius_x": math.inf}, "curve one body"),
         ({"A.radius_y": -337.5}, "or both inf (a line contact)"),
-        ({"B.radius_x": -300.0}, "hollow body must have the larger radius"),
+        ({"B.radius_x": -300.0}, "concave body must have the larger radius"),
     ],
 )
 def test_bodies_that_cannot_touch(tables, radii, words, tmp_path):

@@ -109,8 +109,8 @@ def test_is_rolled_on_in_the_new_format(tmp_path, name, kept):
     with h5py.File(path) as file:
         assert file.attrs["format_version"] == FORMAT_VERSION
         assert all(file["fields"][name].fletcher32 for name in FIELDS)
-    # Beside a roll of today from new bodies: most revolutions were worn by a former version, whose
-    # wear on so coarse a mesh was some tenths of a per cent otherwise.
+    # Beside a roll of today from unworn bodies: most revolutions were worn by a former version,
+    # whose wear on so coarse a mesh was some tenths of a per cent otherwise.
     wanted = roll(scene)
     np.testing.assert_allclose(history["Qx"][-1], wanted["Qx"][-1], rtol=1e-4)
     np.testing.assert_allclose(history["wear_max"][-1], wanted["wear_max"][-1], rtol=1e-2)

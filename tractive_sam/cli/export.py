@@ -11,7 +11,7 @@ from tractive_sam.cli.scene_input import Settings, read_scene
 
 if TYPE_CHECKING:
     from tractive_sam.results.history import History
-    from tractive_sam.results.state import Contact
+    from tractive_sam.results.state import State
 
 RESULTS = (".h5", ".hdf5")
 """Suffixes by which a results file is told from a scene."""
@@ -29,7 +29,7 @@ def export(
         str,
         typer.Argument(
             metavar="FILE.h5|SCENE",
-            help="A results file, or a scene, which is solved for the new bodies first.",
+            help="A results file, or a scene, which is solved for the unworn bodies first.",
         ),
     ],
     settings: Settings = None,
@@ -87,7 +87,7 @@ def export(
     tell(output)
 
 
-def _opened(source: str, settings: list[str] | None, revolution: int | None) -> "Contact | History":
+def _opened(source: str, settings: list[str] | None, revolution: int | None) -> "State | History":
     """The history in a results file, or the contact of a scene."""
     if Path(source).suffix in RESULTS:
         from tractive_sam.store import open_history

@@ -129,7 +129,7 @@ def _progress(scene: "Scene") -> Iterator[Callable[["Record"], None] | None]:
             yield None
             return
         coarser = scene.accuracy is not None and scene.wear is not None
-        first = "rolling on coarser meshes" if coarser else "solving the new bodies"
+        first = "rolling on coarser meshes" if coarser else "solving the unworn bodies"
         task = bar.add_task(first, total=effort(revolutions) or None)
 
         def advance(record: "Record") -> None:

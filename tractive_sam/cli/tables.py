@@ -32,7 +32,7 @@ FOUND = (("xi_x", "xi_x", 1, ".3e"), ("xi_y", "xi_y", 1, ".3e"))
 MOST_ROWS = 20
 
 CLOSED = 5e-3
-"""Error of the energy balance that needs no word."""
+"""Error of the energy balance that is not reported."""
 
 
 def about(history: "History") -> Table:

@@ -7,7 +7,7 @@ import numpy as np
 
 from tractive_sam.contact.message import message
 from tractive_sam.contact.model import Model
-from tractive_sam.results.state import Contact
+from tractive_sam.results.state import State
 from tractive_sam.results.status import Status
 from tractive_sam.solvers.ladder import ALONE
 from tractive_sam.solvers.outcome import Outcome, Start
@@ -20,8 +20,8 @@ DepthInPass = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 def equilibrium(
     model: Model,
     depth: np.ndarray | DepthInPass | None = None,
-    start: Contact | None = None,
-) -> Contact:
+    start: State | None = None,
+) -> State:
     """Solve one steady state.
 
     Parameters
@@ -31,12 +31,12 @@ def equilibrium(
     depth : ndarray, shape (n_x, n_y), or callable, optional
         Depth worn off both bodies, mm. As a function of pressure, traction and slip it is
         updated within the iteration, as the paper does it; that is for ``method = "uzawa"`` only.
-    start : Contact, optional
+    start : State, optional
         A contact nearby, as first guess.
 
     Returns
     -------
-    Contact
+    State
         Converged or not: see its status and message.
     """
     gap, in_pass = model.undeformed_gap, None
@@ -55,8 +55,8 @@ def equilibrium(
     return _contact(model, problem, outcome, depth)
 
 
-def start_of(model: Model, contact: Contact) -> Start:
-    """The solution of a contact nearby, dimensionless: the inverse of what makes a `Contact`."""
+def start_of(model: Model, contact: State) -> Start:
+    """The solution of a contact nearby, dimensionless: the inverse of what makes a `State`."""
     units = model.units
     creepage = np.array([contact.xi_x, contact.xi_y])[list(model.free)]
     return Start(
@@ -110,7 +110,7 @@ def _rolling_resistance(
 
 def _contact(
     model: Model, problem: Problem, outcome: Outcome, depth: np.ndarray | DepthInPass | None
-) -> Contact:
+) -> State:
     units = model.units
     touching = outcome.pressure > 0.0
     pressure = units.pressure * outcome.pressure
@@ -125,7 +125,7 @@ def _contact(
         fields = outcome.pressure, outcome.gap, outcome.traction, outcome.slip
         sliding = problem.sliding(*fields)
     xi_x, xi_y, spin = model.creepages(outcome.creepage)
-    contact = Contact(
+    contact = State(
         model.scene,
         model.grid,
         pressure,

@@ -3,19 +3,19 @@
 from tractive_sam.contact.equilibrium import equilibrium
 from tractive_sam.contact.mesh import grown
 from tractive_sam.contact.model import Model
-from tractive_sam.results.state import Contact
+from tractive_sam.results.state import State
 from tractive_sam.results.status import Status
 
 GROWTHS = 8
 """Most enlargements of a mesh that the scene left to us."""
 
 
-def fitted(model: Model) -> tuple[Model, Contact]:
-    """Solve new bodies, enlarging a mesh that the scene left to us until it holds the contact.
+def fitted(model: Model) -> tuple[Model, State]:
+    """Solve unworn bodies, enlarging a mesh that the scene left to us until it holds the contact.
 
     Returns
     -------
-    Model, Contact
+    Model, State
         The model on the mesh of the contact.
     """
     contact = equilibrium(model)

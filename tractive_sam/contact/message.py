@@ -43,8 +43,8 @@ def message(status: Status, outcome: Outcome, model: Model) -> str:
     forces = [f"load.{key}" for key in ("force_x", "force_y") if getattr(load, key)]
     if forces and outcome.status is Status.DIVERGED:
         return reached + (
-            "the force to transmit may be more than friction can carry beside the other creepages "
-            f"and the spin: lower {' or '.join(forces)}, or raise friction.mu"
+            "the prescribed tangential force may be more than friction can carry beside the other "
+            f"creepages and the spin: lower {' or '.join(forces)}, or raise friction.mu"
         )
     return reached + model.method.cure
 

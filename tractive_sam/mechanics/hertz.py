@@ -22,7 +22,7 @@ class HertzContact:
     a, b : float
         Semi-axes of the contact ellipse in x and in y, mm; either may be the longer one.
     p0 : float
-        Largest pressure, MPa.
+        Peak contact pressure, MPa.
     approach : float
         Approach of distant points of the two bodies, mm.
     load : float
@@ -63,7 +63,7 @@ class HertzContact:
 
 
 def combined_radius(radius_A: float, radius_B: float) -> float:
-    """Radius R of 1/R = 1/R_A + 1/R_B, mm: negative for a body that is hollow, inf for flat.
+    """Radius R of 1/R = 1/R_A + 1/R_B, mm: negative for a body that is concave, inf for flat.
 
     The separation of the bodies is then x²/(2 R_x) + y²/(2 R_y).
 

@@ -41,7 +41,7 @@ class Turns:
         share : mapping of str to float
             As of `Turns`.
         radius_A, radius_B : float
-            Radii in the rolling direction, mm: inf for flat, negative for hollow; one is finite.
+            Radii in the rolling direction, mm: inf for flat, negative for concave; one is finite.
         """
         counted = abs(radius_A if math.isfinite(radius_A) else radius_B)
         return cls(share, {"A": counted / abs(radius_A), "B": counted / abs(radius_B)})

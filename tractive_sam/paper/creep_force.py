@@ -23,7 +23,7 @@ from tractive_sam.reference import (
     linear_creep_forces,
     vermeulen_johnson,
 )
-from tractive_sam.results.state import Contact
+from tractive_sam.results.state import State
 from tractive_sam.run.pipeline import solve
 from tractive_sam.scene import Scene
 
@@ -207,6 +207,6 @@ def _curve(scene: Scene, xi: np.ndarray) -> np.ndarray:
     forces, neighbour = [], None
     for parameter in xi:
         at = scene.replace(**{"creepage.longitudinal": -parameter / unit})
-        neighbour: Contact = solve(at, start=neighbour)
+        neighbour: State = solve(at, start=neighbour)
         forces.append((neighbour.Qx / scale, neighbour.Qy / scale, neighbour.stick_fraction))
     return np.transpose(forces)

@@ -84,7 +84,7 @@ def _contact(histories: Histories) -> Iterator[Finding]:
         "revolutions; it counts whole elements.",
         Verdict.of(bool(np.all(b[0] >= b[1:]) and np.all(b[0, -1] > b[1:, -1]))),
     )
-    # The largest pressure itself hinges on one element at the rim.
+    # The peak contact pressure itself hinges on one element at the rim.
     p = _of_all(histories, "p_95") / histories[0.0].p0
     spread = np.ptp(p, axis=0) / p.mean(axis=0)
     worst = spread.argmax()
@@ -100,7 +100,7 @@ def _contact(histories: Histories) -> Iterator[Finding]:
     places = np.abs(_of_all(histories, "p_max_at")[..., 1]) / b
     yield Statement(
         "Fig. 17",
-        "By N = 15000 the largest pressure has moved from y = 0 to the edges y = ±b.",
+        "By N = 15000 the peak contact pressure has moved from y = 0 to the edges y = ±b.",
         f"It is at |y|/b = {listed(places[:, 0], '.2f')} for N = 0 and at "
         f"{listed(places[:, -1], '.2f')} for N = {_last(histories)}. At the edge it is a peak as "
         "wide as an element: its height depends on the mesh.",

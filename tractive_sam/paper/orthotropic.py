@@ -8,7 +8,7 @@ from tractive_sam import plot
 from tractive_sam.paper.finding import Finding, Picture, Statement, Table, Verdict, Work, listed
 from tractive_sam.paper.scenes import ANGLES, orthotropic_spheres
 from tractive_sam.results.maximum import Maximum
-from tractive_sam.results.state import Contact
+from tractive_sam.results.state import State
 from tractive_sam.run.pipeline import solve
 from tractive_sam.subsurface import stress_maximum, stress_on_plane
 
@@ -49,7 +49,7 @@ def find(work: Work) -> Iterator[Finding]:
             )
 
 
-def _lateral(contacts: dict[float, Contact]) -> Statement:
+def _lateral(contacts: dict[float, State]) -> Statement:
     p_y = [
         float(abs(contact.traction[1]).max() / contact.scene.hertz.p0)
         for contact in contacts.values()
@@ -89,7 +89,7 @@ def _inside_and_surface(maxima: dict[float, Maximum], p0: float) -> Iterator[Fin
     )
 
 
-def _sides(contacts: dict[float, Contact]) -> Statement:
+def _sides(contacts: dict[float, State]) -> Statement:
     differences = []
     for contact in contacts.values():
         values = stress_on_plane(contact, "x=0", "A").von_mises
@@ -104,7 +104,7 @@ def _sides(contacts: dict[float, Contact]) -> Statement:
     )
 
 
-def _table(contacts: dict[float, Contact], maxima: dict[float, Maximum]) -> Table:
+def _table(contacts: dict[float, State], maxima: dict[float, Maximum]) -> Table:
     rows = []
     for angle, contact in contacts.items():
         top, hertz = maxima[angle], contact.scene.hertz

@@ -7,8 +7,8 @@ import numpy as np
 from tractive_sam import plot
 from tractive_sam.paper.finding import Finding, Picture, Statement, Table, Verdict, Work, percent
 from tractive_sam.paper.scenes import spheres
-from tractive_sam.plot.summits import summits
-from tractive_sam.results.state import Contact
+from tractive_sam.plot.stress_maxima import stress_maxima
+from tractive_sam.results.state import State
 from tractive_sam.run.pipeline import solve
 from tractive_sam.subsurface import stress_on_plane
 
@@ -72,7 +72,7 @@ def find(work: Work) -> Iterator[Finding]:
     yield Picture("fig-05b", plot.traction_sections(contact), "Fig. 5(b). Tractions on body A.")
     yield Picture("fig-05c", plot.pressure(contact), "Fig. 5(c). Pressure.")
     yield Picture(
-        "fig-05d", plot.traction(contact), "Fig. 5(d). Traction; dashed: the border of stick."
+        "fig-05d", plot.traction(contact), "Fig. 5(d). Traction; dashed: the stick-slip boundary."
     )
     for letter, (plane, told) in zip("ef", PLANES.items(), strict=True):
         yield Picture(
@@ -82,7 +82,7 @@ def find(work: Work) -> Iterator[Finding]:
         )
 
 
-def _zones(contact: Contact) -> Statement:
+def _zones(contact: State) -> Statement:
     x = np.broadcast_to(contact.grid.x[:, None] / contact.scene.hertz.a, contact.pressure.shape)
     stick, slip = x[contact.sticking].mean(), x[contact.sliding].mean()
     last = [column.argmax() for column in contact.touching.T if column.any()]
@@ -98,7 +98,7 @@ def _zones(contact: Contact) -> Statement:
     )
 
 
-def _maxima(contact: Contact) -> Iterator[Finding]:
+def _maxima(contact: State) -> Iterator[Finding]:
     """Maxima on both planes, inside and at the surface, and where stick ends there."""
     p0, a = contact.scene.hertz.p0, contact.scene.hertz.a
     rows, both, at_border = [], [], {}
@@ -106,7 +106,7 @@ def _maxima(contact: Contact) -> Iterator[Finding]:
         for body in "AB":
             stress = stress_on_plane(contact, plane, body)
             axes = stress.axes["x"] / a, stress.axes["depth"] / a
-            found = {top.kind: top for top in summits(stress.von_mises / p0, axes)}
+            found = {top.kind: top for top in stress_maxima(stress.von_mises / p0, axes)}
             inside, surface = found.get("interior"), found["surface"]
             border = _border(contact, stress.position) / a
             where = f"{told}, body {body}"
@@ -142,7 +142,7 @@ def _maxima(contact: Contact) -> Iterator[Finding]:
     )
 
 
-def _border(contact: Contact, y: float) -> float:
+def _border(contact: State, y: float) -> float:
     """The trailing end of the stick zone in the row nearest to y, mm."""
     row = contact.sticking[:, np.abs(contact.grid.y - y).argmin()]
     return float(contact.grid.x[row.argmax()] - 0.5 * contact.grid.dx) if row.any() else np.nan

@@ -86,7 +86,7 @@ def _states(history: History) -> Iterator[Drawn]:
 
 
 def _envelope(history: History) -> Drawn:
-    """The largest pressure and depth that each element sees at any of the revolutions."""
+    """The peak contact pressure and depth that each element sees at any of the revolutions."""
     states = _states(history)
     envelope = next(states)
     for state in states:

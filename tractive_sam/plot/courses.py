@@ -51,7 +51,7 @@ def widths(history: History) -> Figure:
         _course(axes, history, history["half_width_y"] / scale.b, f"half width in $y$ / ${b}$")
     told, pressure = f"pressure that 5 % of the load exceeds / ${p}$", history["p_95"]
     if np.isnan(pressure).all():
-        told, pressure = f"largest pressure / ${p}$", history["p_max"]
+        told, pressure = f"peak contact pressure / ${p}$", history["p_max"]
     _course(axes, history, pressure / scale.p, told)
     axes.set_ylim(bottom=0.0)
     axes.set_ylabel("relative to the unworn contact")

@@ -10,7 +10,7 @@ from scipy.ndimage import binary_opening
 from tractive_sam.plot.scale import Scale
 from tractive_sam.results.history import History
 from tractive_sam.results.quantities import REVOLUTION, Quantity
-from tractive_sam.results.state import Contact
+from tractive_sam.results.state import State
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,7 +19,7 @@ class Drawn:
 
     Attributes
     ----------
-    contact : Contact
+    contact : State
         The contact.
     scale : Scale
         Half widths and pressure that stand for one.
@@ -35,7 +35,7 @@ class Drawn:
     ('Twin discs, orthotropic friction and wear, N\xa0=\xa02', False)
     """
 
-    contact: Contact
+    contact: State
     scale: Scale
     coordinate: Quantity = REVOLUTION
     at: float = 0
@@ -123,5 +123,5 @@ class Drawn:
         return tuple(np.linalg.norm(self.contact.frame.matrix, axis=0).tolist())
 
 
-Source: TypeAlias = "Drawn | Contact | History"
+Source: TypeAlias = "Drawn | State | History"
 """What holds a contact; a history holds one of each record whose fields it stored."""

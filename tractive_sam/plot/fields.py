@@ -1,6 +1,6 @@
 """Figures of one state: pressure, traction, stick and slip, wear.
 
-Each takes a `Drawn`, a solved `Contact`, or a `History` and one of its `saved` values, also by the
+Each takes a `Drawn`, a solved `State`, or a `History` and one of its `saved` values, also by the
 name of its coordinate, ``revolution=2`` (the last by default).
 """
 

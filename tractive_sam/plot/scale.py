@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Self
 
 from tractive_sam.results.history import History
-from tractive_sam.results.state import Contact
+from tractive_sam.results.state import State
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Scale:
     hertz: bool
 
     @classmethod
-    def of_contact(cls, contact: "Contact") -> Self:
+    def of_contact(cls, contact: "State") -> Self:
         """Scale of a contact."""
         hertz = contact.scene.hertz
         if hertz is not None:

@@ -11,8 +11,8 @@ from matplotlib.ticker import MaxNLocator
 
 from tractive_sam.mechanics.criteria import CRITERIA, StressCriterion
 from tractive_sam.plot.scale import Scale
+from tractive_sam.plot.stress_maxima import StressMaximum, stress_maxima
 from tractive_sam.plot.style import SIGNED, STRESS
-from tractive_sam.plot.summits import Summit, summits
 from tractive_sam.results.plane_stress import PlaneStress
 
 GIVEN = ("zz", "xz", "yz")
@@ -100,11 +100,11 @@ class Section:
         return values[:, np.argsort(second)] / (self.scale.p if self.scale else 1.0)
 
     @cached_property
-    def summits(self) -> list[Summit]:
+    def stress_maxima(self) -> list[StressMaximum]:
         """What is to be marked."""
         if self.parallel or self.signed:
-            return [Summit.of("largest", self.values, self.axes)]
-        return summits(self.values, self.axes)
+            return [StressMaximum.of("largest", self.values, self.axes)]
+        return stress_maxima(self.values, self.axes)
 
     @property
     def symbol(self) -> str:

@@ -17,15 +17,15 @@ from tractive_sam.plot.frame import TICK_ROOM, Frame
 from tractive_sam.plot.map import APART, BOTTOM, LEFT, LINE, RIGHT, bar, paper, placed
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.section import Section, common_levels
+from tractive_sam.plot.stress_maxima import StressMaximum
 from tractive_sam.plot.style import WIDTH, styled
-from tractive_sam.plot.summits import Summit
 from tractive_sam.plot.zones import contact_edge
 from tractive_sam.results.history import History
 from tractive_sam.results.plane_stress import PlaneStress
-from tractive_sam.results.state import Contact
+from tractive_sam.results.state import State
 from tractive_sam.scene import Plane
 
-Source: TypeAlias = "Contact | History | PlaneStress | Iterable[PlaneStress]"
+Source: TypeAlias = "State | History | PlaneStress | Iterable[PlaneStress]"
 """What holds stress on a plane, or lets it be computed."""
 
 AROUND = 0.5
@@ -58,7 +58,7 @@ def von_mises(
 
     Parameters
     ----------
-    source : Contact, History or PlaneStress
+    source : State, History or PlaneStress
         A contact, whose stress is computed; a history that stored it; or the stress on one plane,
         which is drawn in mm and MPa unless there is a scale.
     body : "A" or "B"
@@ -105,7 +105,7 @@ def von_mises_sections(
 
     Parameters
     ----------
-    source : Contact, History or iterable of PlaneStress
+    source : State, History or iterable of PlaneStress
         As for `von_mises`; of stresses one plane, a body at a time.
     plane, at, quantity, scale
         As for `von_mises`.
@@ -230,7 +230,7 @@ def _panels(
     handles = [
         _entry(section, summit, several=len(sections) > 1)
         for section in sections
-        for summit in section.summits
+        for summit in section.stress_maxima
     ]
     if any(section.mesh_dependent for section in sections):
         handles.append(Line2D([], [], linestyle="none", label=NOTE))
@@ -244,7 +244,7 @@ def _panels(
     return figure, [placed(figure, at, bottom, frame.width, frame.height) for at in places]
 
 
-def _entry(section: Section, summit: Summit, *, several: bool) -> Line2D:
+def _entry(section: Section, summit: StressMaximum, *, several: bool) -> Line2D:
     """What the legend tells of a maximum."""
     where = ", ".join(
         section.coordinate(r"\mathrm{depth}" if name == "depth" else name, value)
@@ -257,13 +257,13 @@ def _entry(section: Section, summit: Summit, *, several: bool) -> Line2D:
 
 
 def _mark(axes: Axes, section: Section, upwards: bool = True) -> None:
-    for summit in section.summits:
+    for summit in section.stress_maxima:
         first, second = summit.at
         second = second if upwards else -second
         axes.plot(first, second, clip_on=False, zorder=5, **_marker(section, summit))
 
 
-def _marker(section: Section, summit: Summit) -> dict[str, object]:
+def _marker(section: Section, summit: StressMaximum) -> dict[str, object]:
     """A circle; at the surface a triangle, upright in A and upside down in B."""
     triangle = "^" if section.body == "A" else "v"
     return {

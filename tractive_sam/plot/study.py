@@ -26,7 +26,7 @@ LABELS = {
     "Mz": "$M_z$",
     "Qx_over_P": "$Q_x/P$",
     "Qy_over_P": "$Q_y/P$",
-    "p_max": "largest pressure",
+    "p_max": "peak contact pressure",
     "p_95": "pressure that 5 % of the load exceeds",
     "wear_max": "largest wear depth",
     "creepage.longitudinal": r"$\xi_x$",

@@ -20,7 +20,7 @@ from tractive_sam.results.quantities import (
     of_role,
 )
 from tractive_sam.results.record import Record
-from tractive_sam.results.state import Contact
+from tractive_sam.results.state import State
 from tractive_sam.results.status import Cost, Status
 from tractive_sam.scene import Scene
 
@@ -346,7 +346,7 @@ class History:
             raise LookupError(f"no fields of {coordinate} {at}; there are those of {kept}")
         return int(rows[-1])
 
-    def state(self, at: float | None = None, **named: float | None) -> Contact:
+    def state(self, at: float | None = None, **named: float | None) -> State:
         """The contact of one record, as of `solve`.
 
         Files of the first format kept neither its gap, which then is nan, nor where it slips, which
@@ -371,7 +371,7 @@ class History:
         row = int(np.flatnonzero(self[self.coordinate.name] == self.saved[kept])[-1])
         return self.contact(row, {name: rows[kept] for name, rows in self.fields.items()})
 
-    def contact(self, row: int, fields: Mapping[str, np.ndarray]) -> Contact:
+    def contact(self, row: int, fields: Mapping[str, np.ndarray]) -> State:
         """The contact of a record, from its fields by the names of `FIELDS`."""
         number = {name: float(self[name][row]) for name in self.of_dims()}
         creeping = sum(
@@ -380,7 +380,7 @@ class History:
         )
         solved = number["converged"] > 0.0
         message = f"contact conditions hold to {number['residual']:.1e}"
-        found = Contact(
+        found = State(
             scene=self.scene,
             grid=self.grid,
             pressure=fields["pressure"],

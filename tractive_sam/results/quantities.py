@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 from tractive_sam.mechanics.criteria import VON_MISES, StressCriterion
-from tractive_sam.results.state import Contact
+from tractive_sam.results.state import State
 from tractive_sam.scene import Scene
 
 BODIES = ("A", "B")
@@ -90,7 +90,7 @@ class Quantity:
     name: str
     unit: str
     long_name: str
-    of: Callable[[Contact], Any] | None = field(default=None, compare=False)
+    of: Callable[[State], Any] | None = field(default=None, compare=False)
     dims: tuple[str, ...] = ()
     symbol: str = ""
     label: str = ""
@@ -214,10 +214,10 @@ BARRED = ("P", "Qx", "Qy", "Mz", "approach", "p_max", "wear_max", "xi_x", "xi_y"
 def _error_bar(of: Quantity) -> Quantity:
     """The error bar of a quantity; nan where it is not known."""
 
-    def bar(contact: Contact) -> float:
+    def bar(contact: State) -> float:
         return contact.error_bars.get(of.name, math.nan)
 
-    def bars(contact: Contact) -> dict[str, float]:
+    def bars(contact: State) -> dict[str, float]:
         known = contact.error_bars.get(of.name, {})
         return {body: known.get(body, math.nan) for body in BODIES}
 

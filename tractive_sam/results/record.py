@@ -8,7 +8,7 @@ import numpy as np
 
 from tractive_sam.results.plane_stress import PlaneStress
 from tractive_sam.results.quantities import COORDINATE, FIELDS, Quantity, columns, of_role
-from tractive_sam.results.state import Contact
+from tractive_sam.results.state import State
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +35,7 @@ class Record:
     @classmethod
     def of(
         cls,
-        contact: Contact,
+        contact: State,
         given: Mapping[str, Any],
         *,
         own: Iterable[Quantity] = (),
@@ -46,7 +46,7 @@ class Record:
 
         Parameters
         ----------
-        contact : Contact
+        contact : State
             The solved contact.
         given : mapping of str to object
             Columns that the stepping knows, or knows better; what only it knows is nan without.
@@ -80,7 +80,7 @@ class Record:
         return int(self.values["revolution"])
 
 
-def _read(one: Quantity, contact: Contact) -> Any:
+def _read(one: Quantity, contact: State) -> Any:
     if one.of is not None:
         value = one.of(contact)
         along = {"axis": 2, "y": contact.grid.elements[1]}
@@ -94,6 +94,6 @@ def _read(one: Quantity, contact: Contact) -> Any:
     return np.full(contact.grid.elements[1], np.nan) if one.dims == ("y",) else np.nan
 
 
-def fields(contact: Contact) -> dict[str, np.ndarray]:
+def fields(contact: State) -> dict[str, np.ndarray]:
     """All fields of a contact, from which rolling goes on, by the names of `FIELDS`."""
     return {name: one.of(contact) for name, one in FIELDS.items()}

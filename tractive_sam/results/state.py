@@ -35,7 +35,7 @@ class NotConverged(RuntimeError):  # noqa: N818 - the name says what happened
     False
     """
 
-    def __init__(self, contact: "Contact"):
+    def __init__(self, contact: "State"):
         super().__init__(contact.message)
         self.contact = contact
 
@@ -45,7 +45,7 @@ class NotConverged(RuntimeError):  # noqa: N818 - the name says what happened
 
 
 @dataclass(frozen=True, eq=False)
-class Contact:
+class State:
     """One steady state of rolling contact.
 
     Fields have the shape (n_x, n_y) of the grid, vectors (2, n_x, n_y) with the x-component first.
@@ -166,7 +166,7 @@ class Contact:
         sides = bool(columns[0] or columns[-1]) and columns.size > 1
         return bool(rows[0] or rows[-1]), sides
 
-    def on(self, grid: Grid) -> "Contact":
+    def on(self, grid: Grid) -> "State":
         """The same contact on a wider mesh of the same elements, as a first guess there.
 
         Raises
@@ -205,7 +205,7 @@ class Contact:
             return np.zeros_like(self.pressure)
         return np.hypot(*self.frame.to_scaled(self.traction))
 
-    def with_sliding_by_traction(self) -> "Contact":
+    def with_sliding_by_traction(self) -> "State":
         """The same, sliding where the traction is on its bound, as far as any solution tells."""
         margin = ON_THE_BOUND * self.pressure.max()
         return replace(self, sliding=self.touching & (self.utilisation >= self.pressure - margin))
@@ -236,16 +236,16 @@ class Contact:
 
     @property
     def p_max(self) -> float:
-        """Largest pressure of an element, MPa."""
+        """Peak contact pressure of an element, MPa."""
         return float(self.pressure.max())
 
     @cached_property
     def p_95(self) -> float:
         """Pressure that 5 % of the load exceeds, MPa: a peak that hinges on no element.
 
-        In Hertz contacts 0.95^(1/3) = 0.983 of the largest pressure, in line contacts 0.999.
-        Where the rim of a worn contact carries a spike as wide as an element, the largest pressure
-        rises and falls with every element that comes into contact, this one does not.
+        In Hertz contacts 0.95^(1/3) = 0.983 of the peak contact pressure, in line contacts 0.999.
+        Where the rim of a worn contact carries a spike as wide as an element, the peak contact
+        pressure rises and falls with every element that comes into contact, this one does not.
         """
         pressures = np.sort(self.pressure[self.touching])[::-1]
         if not pressures.size:

@@ -208,7 +208,7 @@ def _one(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple[
         return now, np.inf
     rate = now.gained + response @ (predicted - profile)
     error = _error(model, formula.correction(response, predicted, rate), profile)
-    # The new bodies are no milestone: nothing is worn in their contact.
+    # The unworn bodies are no milestone: nothing is worn in their contact.
     course = (here, *now.course) if last.revolution else now.course
     return replace(now, course=course), error
 

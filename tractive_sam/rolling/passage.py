@@ -6,7 +6,7 @@ import numpy as np
 
 from tractive_sam.contact import Model, equilibrium, fitted
 from tractive_sam.results.grid import Grid
-from tractive_sam.results.state import Contact
+from tractive_sam.results.state import State
 from tractive_sam.results.status import Cost, Status
 
 CORRECTIONS = 20
@@ -49,7 +49,7 @@ class Passage:
     ----------
     revolution : int
         Revolutions rolled so far.
-    contact : Contact
+    contact : State
         The contact during the last of them; its `wear` includes what it wore itself.
     solves : int
         Contacts solved since the passage before.
@@ -60,7 +60,7 @@ class Passage:
     """
 
     revolution: int
-    contact: Contact
+    contact: State
     solves: int
     jump: int = 1
     course: tuple[Milestone, ...] = ()
@@ -105,7 +105,7 @@ class Passage:
 
 
 def unworn(model: Model) -> Passage:
-    """Revolution zero: the new bodies."""
+    """Revolution zero: the unworn bodies."""
     return Passage(0, equilibrium(model), 1)
 
 
@@ -126,7 +126,7 @@ def passage_at(
     model: Model,
     revolution: int,
     entering: np.ndarray,
-    start: Contact,
+    start: State,
     tolerance: float,
     expected: np.ndarray | None = None,
 ) -> Passage:
@@ -146,7 +146,7 @@ def passage_at(
         Number of the revolution.
     entering : ndarray, shape (n_y,)
         Depth with which material enters, mm.
-    start : Contact
+    start : State
         A contact nearby, as first guess.
     tolerance : float
         Residual that the wear within the pass may leave in the contact conditions.
@@ -202,7 +202,7 @@ def _given_key(model: Model) -> str:
     return "intensity" if model.scene.wear.coefficient is None else "coefficient"
 
 
-def _with_lag(contact: Contact, missed: float) -> Contact:
+def _with_lag(contact: State, missed: float) -> State:
     """The contact with the residual that its own wear leaves, where that is the larger one."""
     if not contact.converged or missed <= contact.residual:
         return contact
@@ -210,7 +210,7 @@ def _with_lag(contact: Contact, missed: float) -> Contact:
     return replace(contact, residual=missed, message=message)
 
 
-def _residual(model: Model, contact: Contact, change: np.ndarray) -> float:
+def _residual(model: Model, contact: State, change: np.ndarray) -> float:
     """Natural residual of the normal contact that a change of the wear leaves, relative."""
     if not contact.touching.any():
         return 0.0

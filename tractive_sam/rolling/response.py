@@ -4,10 +4,10 @@ import numpy as np
 
 from tractive_sam.contact import Model
 from tractive_sam.operators.rows import row_compliance
-from tractive_sam.results.state import Contact
+from tractive_sam.results.state import State
 
 
-def wear_response(model: Model, contact: Contact, closing: float = 0.0) -> np.ndarray:
+def wear_response(model: Model, contact: State, closing: float = 0.0) -> np.ndarray:
     """Approximate Jacobian of the wear of a pass with respect to the entering profile.
 
     Material worn deeper carries less pressure, by the compliance between rows at constant load,
@@ -20,7 +20,7 @@ def wear_response(model: Model, contact: Contact, closing: float = 0.0) -> np.nd
     ----------
     model : Model
         The scene in numbers.
-    contact : Contact
+    contact : State
         The contact at the profile.
     closing : float
         Elements whose gap is no wider than this count as in contact, mm: those that are about to
@@ -47,7 +47,7 @@ def wear_response(model: Model, contact: Contact, closing: float = 0.0) -> np.nd
     return response
 
 
-def _wear_per_load(model: Model, contact: Contact) -> np.ndarray:
+def _wear_per_load(model: Model, contact: State) -> np.ndarray:
     """Depth worn by each row per MPa summed over its elements, mm; beyond the rim as at the rim."""
     touching = contact.touching
     count = touching.sum(axis=0)

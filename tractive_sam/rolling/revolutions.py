@@ -29,7 +29,7 @@ def passages(model: Model, start: Passage | None = None) -> Iterator[Passage]:
     model : Model
         The scene in numbers.
     start : Passage, optional
-        Where to go on; by default with the new bodies, which are then the first one yielded.
+        Where to go on; by default with the unworn bodies, which are then the first one yielded.
     """
     last = start
     if last is None:
@@ -59,7 +59,7 @@ def every_passage(model: Model, start: Passage, saves: Saves) -> Iterator[Passag
 
 
 Judge = Callable[[Passage, Mapping[str, Maximum]], Mapping[str, Any]]
-"""Gives a passage, with the largest stresses in its bodies, the error bars of `Contact`."""
+"""Gives a passage, with the largest stresses in its bodies, the error bars of `State`."""
 
 
 def recorded(

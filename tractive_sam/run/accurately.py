@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from tractive_sam.contact import Gap, Model
 from tractive_sam.results.history import History
-from tractive_sam.results.state import Contact
+from tractive_sam.results.state import State
 from tractive_sam.results.status import Status
 from tractive_sam.rolling import Passage, first_passage
 from tractive_sam.run.accuracy import (
@@ -22,7 +22,7 @@ from tractive_sam.scene import Scene
 from tractive_sam.store import ResultsError
 
 
-def solved(scene: Scene, measured: Gap | None, model_of: Callable[..., Model]) -> Contact:
+def solved(scene: Scene, measured: Gap | None, model_of: Callable[..., Model]) -> State:
     """Unworn bodies on the mesh that their accuracy takes; arguments as of `refined`."""
     found = refined(with_tolerances(scene), measured, model_of)
     if not found.contact.converged or not found.missed:

@@ -77,7 +77,7 @@ def _accuracy(found: Refined) -> Section:
         if name in contact.error_bars:
             bar = contact.error_bars[name]
             value = f"{getattr(contact, name):.6g} +- {bar:.1g} {columns(scene)[name].unit}"
-            rows.append((f"{name} of the new bodies", value))
+            rows.append((f"{name} of the unworn bodies", value))
     return Section("Accuracy", rows)
 
 
@@ -144,7 +144,7 @@ def _contact(model: Model) -> Section:
     rows.append(
         ("left out", "inertia, speed, lubricant, heat, plasticity; thin or conforming bodies")
     )
-    return Section("Contact", rows)
+    return Section("State", rows)
 
 
 def _drive(model: Model) -> str:
@@ -195,7 +195,7 @@ def _subsurface(model: Model) -> Section:
         return Section("Stress", [("stress", "left out: the scene has no [subsurface]")])
     hertz = model.scene.hertz
     deepest = f"{asked.depth:g} a" if hertz is None else f"{asked.depth * hertz.a:.4g} mm"
-    kept = "the new bodies" if model.scene.wear is None else "each revolution of wear.save"
+    kept = "the unworn bodies" if model.scene.wear is None else "each revolution of wear.save"
     rows = [
         ("bodies", ", ".join(asked.bodies)),
         ("planes", f"{', '.join(map(str, asked.planes))}, at {kept}"),

@@ -9,7 +9,7 @@ import numpy as np
 from tractive_sam.mechanics.criteria import CRITERIA
 from tractive_sam.results.grid import Grid
 from tractive_sam.results.history import History
-from tractive_sam.results.state import Contact
+from tractive_sam.results.state import State
 from tractive_sam.scene import Subsurface
 from tractive_sam.store import Image, check_volume, write_volume
 from tractive_sam.subsurface import stress_volume
@@ -19,7 +19,7 @@ DEFAULT = Subsurface(planes=("y=0",))
 
 
 def export_volume(
-    source: Contact | History,
+    source: State | History,
     path: str | PathLike,
     *,
     body: str = "A",
@@ -37,7 +37,7 @@ def export_volume(
 
     Parameters
     ----------
-    source : Contact or History
+    source : State or History
         A solved contact, or a history that stored fields.
     path : path-like
         The file, with the suffix ``.vtkhdf``.
@@ -81,7 +81,7 @@ def export_volume(
         about[source.coordinate.name] = source.saved[source.row_of(revolution)]
         source = source.state(revolution)
     elif revolution is not None:
-        raise ValueError("revolution: only a history has revolutions; leave it away")
+        raise ValueError("revolution: only a history has revolutions; omit it")
     if not source.pressure.any():
         raise ValueError("the bodies do not touch: there is no stress to export")
     depths = _depths(source, depth, elements)
@@ -91,7 +91,7 @@ def export_volume(
     return path
 
 
-def _depths(source: Contact, depth: float | None, elements: int | None) -> np.ndarray:
+def _depths(source: State, depth: float | None, elements: int | None) -> np.ndarray:
     """Equally spaced depths from 0, mm."""
     asked = source.scene.subsurface or DEFAULT
     depth = asked.depth if depth is None else depth

@@ -73,10 +73,10 @@ def depths_of(wear: ArrayLike, grid: Grid) -> np.ndarray:
     return depths.astype(float)
 
 
-def check_start(start: Contact, grid: Grid) -> None:
+def check_start(start: State, grid: Grid) -> None:
     """See that a first guess is a contact on the mesh."""
-    if not isinstance(start, Contact):
-        raise TypeError(f"start: a Contact is needed, as of solve, not {type(start).__name__}")
+    if not isinstance(start, State):
+        raise TypeError(f"start: a State is needed, as of solve, not {type(start).__name__}")
     if start.grid != grid:
         raise ValueError(
             f"start: a contact on the mesh of the scene is needed, {grid.elements} elements "

@@ -14,7 +14,7 @@ from tractive_sam.operators.threads import one_blas_thread
 from tractive_sam.results.history import History
 from tractive_sam.results.quantities import Quantity
 from tractive_sam.results.record import Record
-from tractive_sam.results.state import Contact, NotConverged
+from tractive_sam.results.state import NotConverged, State
 from tractive_sam.rolling import first_passage
 from tractive_sam.run import accurately, given, memory
 from tractive_sam.run.recording import Recording
@@ -39,7 +39,7 @@ def solve(
     scene: Scene,
     *,
     wear: ArrayLike | None = None,
-    start: Contact | None = None,
+    start: State | None = None,
     throw: bool = True,
     laws: Laws | None = None,
     solver: Solver | None = None,
@@ -53,8 +53,8 @@ def solve(
         What is asked; its [wear] is not rolled, see `roll`.
     wear : array_like, shape (n_x, n_y), optional
         Depth worn off both bodies together, mm.
-    start : Contact, optional
-        Contact of a similar scene on the same mesh, as first guess.
+    start : State, optional
+        State of a similar scene on the same mesh, as first guess.
     throw : bool
         Whether to raise where the solve did not converge.
     laws : Laws, optional
@@ -68,14 +68,14 @@ def solve(
 
     Returns
     -------
-    Contact
+    State
         Fields, resultants, residual and cost; of a scene with [accuracy], without `wear` or
         `start`, on the mesh that it takes, and with error bars.
 
     Raises
     ------
     TypeError
-        If `scene` is no Scene, `start` no Contact, `laws` no Laws, or `solver` has no method
+        If `scene` is no Scene, `start` no State, `laws` no Laws, or `solver` has no method
         `solve`.
     ValueError
         If `wear` or `start` do not fit the mesh, or are not finite; or a Jacobian is asked for
@@ -122,7 +122,7 @@ def solve(
     return contact
 
 
-def _checked(contact: Contact, throw: bool) -> Contact:
+def _checked(contact: State, throw: bool) -> State:
     if throw and not contact.converged:
         raise NotConverged(contact)
     return contact
@@ -140,7 +140,7 @@ def roll(
     solver: Solver | None = None,
     columns: Iterable[Quantity] = (),
 ) -> History:
-    """Roll a scene through its revolutions; without [wear] that is revolution 0, the new bodies.
+    """Roll a scene through its revolutions; without [wear] that is revolution 0, the unworn bodies.
 
     Parameters
     ----------

@@ -87,7 +87,7 @@ def last_passage(
             history["wear_per_revolution"][k],
         )
         for k in (row - 1, row)
-        if k > 0  # the new bodies are not worn yet: the course begins with revolution 1
+        if k > 0  # the unworn bodies are not worn yet: the course begins with revolution 1
     )
     passage = Passage(revolution, contact, 0, int(history["jump"][row]), course)
     return _on_grid_of(scene, passage, path)

@@ -91,7 +91,7 @@ def _bodies_can_touch(known: Known) -> Iterator[Fault]:
         if curvature > 0 or (axis == "y" and is_line(known)):
             continue
         if curvature < 0:
-            cure = f"1/A + 1/B above 0: the hollow body must have the larger radius in {axis}"
+            cure = f"1/A + 1/B above 0: the concave body must have the larger radius in {axis}"
         elif axis == "x":
             cure = "radii that curve one body against the other in x, or a [gap]"
         else:

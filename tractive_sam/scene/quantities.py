@@ -26,7 +26,7 @@ def _not_tiny(value: float) -> float:
 def _curved(value: float) -> float:
     if value == math.inf or SMALLEST <= abs(value) <= LARGEST:
         return value
-    raise ValueError("a number other than 0 (negative: hollow), or inf (flat)")
+    raise ValueError("a number other than 0 (negative: concave), or inf (flat)")
 
 
 def _twice(value: Any) -> Any:

@@ -256,7 +256,7 @@ class Accuracy(Table):
     """An accuracy in place of a mesh: the mesh and all tolerances follow from it.
 
     The mesh is refined until the error bars of the forces and of the moment, of the largest
-    pressure of the new bodies and of the depth of wear are within the tolerance. The largest
+    pressure of the unworn bodies and of the depth of wear are within the tolerance. The largest
     stress has a bar of its own, which may be wider.
 
     Examples

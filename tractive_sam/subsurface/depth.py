@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tractive_sam.results.state import Contact
+from tractive_sam.results.state import State
 from tractive_sam.scene import Subsurface
 
 
@@ -34,7 +34,7 @@ def depths(subsurface: Subsurface, a: float) -> np.ndarray:
     return subsurface.depth * a * np.linspace(0.0, 1.0, subsurface.elements) ** 1.5
 
 
-def semi_axes(contact: Contact) -> tuple[float, float]:
+def semi_axes(contact: State) -> tuple[float, float]:
     """Semi-axes a, b of the unworn Hertz contact, or half widths of the contact without one, mm."""
     hertz = contact.scene.hertz
     if hertz is None:
@@ -42,7 +42,7 @@ def semi_axes(contact: Contact) -> tuple[float, float]:
     return hertz.a, hertz.b
 
 
-def default_depths(contact: Contact) -> np.ndarray:
+def default_depths(contact: State) -> np.ndarray:
     """The depths that the scene asks for, or those of a [subsurface] without entries, mm."""
     subsurface = contact.scene.subsurface or Subsurface(planes=("y=0",))
     return depths(subsurface, semi_axes(contact)[0])

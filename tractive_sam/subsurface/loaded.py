@@ -17,7 +17,7 @@ SIGNS = {"A": 1.0, "B": -1.0}
 
 
 class Loading(Protocol):
-    """What stress is computed from: a `Contact`, or as much as was stored of one.
+    """What stress is computed from: a `State`, or as much as was stored of one.
 
     Attributes
     ----------
@@ -26,7 +26,7 @@ class Loading(Protocol):
     grid : Grid
         The mesh.
     pressure, traction : ndarray
-        As of `Contact`.
+        As of `State`.
     """
 
     scene: Scene

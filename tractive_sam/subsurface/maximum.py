@@ -5,7 +5,7 @@ from scipy.ndimage import maximum_filter
 
 from tractive_sam.contact.laws import Laws
 from tractive_sam.results.maximum import Maximum, Point
-from tractive_sam.results.state import Contact
+from tractive_sam.results.state import State
 from tractive_sam.subsurface.climb import climb, polish
 from tractive_sam.subsurface.loaded import LoadedBodies
 from tractive_sam.subsurface.pyramid import Pyramid
@@ -26,7 +26,7 @@ quarter of the depth aside of that of Hertz it is 2 %."""
 _NOWHERE: Point = (np.nan, np.nan, np.nan)
 
 
-def stress_maximum(contact: Contact, body: str = "A", laws: Laws | None = None) -> Maximum:
+def stress_maximum(contact: State, body: str = "A", laws: Laws | None = None) -> Maximum:
     """Find the largest stress in a body, by von Mises or another criterion.
 
     Layers at depths that grow by `GROWTH` show where to look; below the first few, elements are
@@ -40,7 +40,7 @@ def stress_maximum(contact: Contact, body: str = "A", laws: Laws | None = None) 
 
     Parameters
     ----------
-    contact : Contact
+    contact : State
         The solved contact.
     body : "A" or "B"
         The body concerned.
@@ -76,7 +76,7 @@ def stress_maximum(contact: Contact, body: str = "A", laws: Laws | None = None) 
     return Maximum(criterion, value, at, interior, interior_at, surface, surface_at)
 
 
-def stress_maxima(contact: Contact, laws: Laws | None = None) -> dict[str, Maximum]:
+def stress_maxima(contact: State, laws: Laws | None = None) -> dict[str, Maximum]:
     """The largest stress in each body that the scene's [subsurface] names; see `stress_maximum`.
 
     Examples
@@ -89,7 +89,7 @@ def stress_maxima(contact: Contact, laws: Laws | None = None) -> dict[str, Maxim
     return {body: stress_maximum(contact, body, laws) for body in bodies}
 
 
-def _search_depths(contact: Contact, side: float) -> np.ndarray:
+def _search_depths(contact: State, side: float) -> np.ndarray:
     """The surface, one element below it, and on until no maximum is to be expected any more, mm."""
     deepest = DEEPEST * min(contact.half_width_x, contact.half_width_y)
     count = max(3, int(np.ceil(np.log(deepest / side) / np.log(GROWTH))) + 1)

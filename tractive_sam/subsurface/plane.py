@@ -8,14 +8,14 @@ from numpy.typing import ArrayLike
 from tractive_sam.contact.laws import Laws
 from tractive_sam.kernels.stress import COMPONENTS
 from tractive_sam.results.plane_stress import PlaneStress
-from tractive_sam.results.state import Contact
+from tractive_sam.results.state import State
 from tractive_sam.scene import Plane
 from tractive_sam.subsurface.depth import checked, default_depths, semi_axes
 from tractive_sam.subsurface.loaded import LoadedBodies
 
 
 def stress_on_plane(
-    contact: Contact,
+    contact: State,
     plane: Plane | str,
     body: str = "A",
     depths: ArrayLike | None = None,
@@ -25,7 +25,7 @@ def stress_on_plane(
 
     Parameters
     ----------
-    contact : Contact
+    contact : State
         The solved contact.
     plane : Plane or str
         As in a scene: "y=0", "x=-0.3" (mm), "y=0.75a", "z=0.48a"; a, b are the semi-axes of the
@@ -53,7 +53,7 @@ def stress_on_plane(
 
 
 def stress_on_planes(
-    contact: Contact,
+    contact: State,
     planes: Sequence[Plane | str] | None = None,
     bodies: Sequence[str] | None = None,
     depths: ArrayLike | None = None,
@@ -65,7 +65,7 @@ def stress_on_planes(
 
     Parameters
     ----------
-    contact : Contact
+    contact : State
         The solved contact.
     planes : sequence of Plane or str, optional
         As for `stress_on_plane`; by default those of the scene's [subsurface].
@@ -95,7 +95,7 @@ def stress_on_planes(
     return (stress for where in placed for stress in _on_plane(contact, *where, load, depths))
 
 
-def _position(contact: Contact, plane: Plane) -> float:
+def _position(contact: State, plane: Plane) -> float:
     position = plane.value_in(*semi_axes(contact))
     if not np.isfinite(position):
         raise ValueError(f"{plane}: the semi-axis b of a line contact is infinite; use mm or a")
@@ -103,7 +103,7 @@ def _position(contact: Contact, plane: Plane) -> float:
 
 
 def _on_plane(
-    contact: Contact, plane: Plane, position: float, load: LoadedBodies, depths: np.ndarray
+    contact: State, plane: Plane, position: float, load: LoadedBodies, depths: np.ndarray
 ) -> Iterator[PlaneStress]:
     grid = contact.grid
     if plane.axis == "z":

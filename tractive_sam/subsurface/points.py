@@ -4,12 +4,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tractive_sam.contact.laws import Laws
-from tractive_sam.results.state import Contact
+from tractive_sam.results.state import State
 from tractive_sam.subsurface.loaded import LoadedBodies
 
 
 def stress_at(
-    contact: Contact, points: ArrayLike, body: str = "A", laws: Laws | None = None
+    contact: State, points: ArrayLike, body: str = "A", laws: Laws | None = None
 ) -> np.ndarray:
     """Stress at points, summed over the loaded elements; exact for their constant tractions.
 
@@ -19,7 +19,7 @@ def stress_at(
 
     Parameters
     ----------
-    contact : Contact
+    contact : State
         The solved contact.
     points : array_like, shape (n, 3)
         x, y and depth, mm.

@@ -21,7 +21,7 @@ def stress_volume(
 
     Parameters
     ----------
-    contact : Contact or Loading
+    contact : State or Loading
         The solved contact, or its scene, grid and tractions.
     depths : array_like, shape (n,)
         Depths, in any order, mm.

@@ -132,7 +132,7 @@ def judge_of(
     measured : Gap, optional
         Its measured separation.
     level : int
-        Level of the mesh on which the new bodies are accurate enough.
+        Level of the mesh on which the unworn bodies are accurate enough.
     model_of : callable
         As of `refined`.
 

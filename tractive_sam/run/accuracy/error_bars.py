@@ -10,8 +10,8 @@ is seen of one force is taken for all, since one traction causes them.
 The largest stress at a surface may come closer by less. Where slip turns about its pole, and where
 no elements resolve the end of stick, it is a cusp: its error falls with the root of h.
 
-A largest pressure that grows on two refinements as no such error does may have no limit at all, as
-at the edge of a step, nor has the stress below it then: their bars are infinite.
+A peak contact pressure that grows on two refinements as no such error does may have no limit at
+all, as at the edge of a step, nor has the stress below it then: their bars are infinite.
 """
 
 import math
@@ -22,7 +22,7 @@ from typing import Any, Self
 import numpy as np
 
 from tractive_sam.results.maximum import Maximum
-from tractive_sam.results.state import Contact
+from tractive_sam.results.state import State
 
 SAFETY = 3.0
 """Error bar over the difference between the last two meshes (benchmarks/error_bars.py)."""
@@ -34,7 +34,7 @@ SURFACE_SAFETY, SURFACE_FORMER = 6.0, 0.84
 """The same two of the largest stress at a surface: 1/(2^(1/4) - 1) = 5.3, and 2^(-1/4)."""
 
 GROWING = 0.9
-"""Last growth of the largest pressure over the one before, above which it nears no limit."""
+"""Last growth of the peak contact pressure over the one before, above which it nears no limit."""
 
 GROWN = 0.02
 """Least relative growth that is no chance."""
@@ -89,7 +89,7 @@ class Sample:
     residual: float
 
     @classmethod
-    def of(cls, contact: Contact, maxima: Mapping[str, Maximum]) -> Self:
+    def of(cls, contact: State, maxima: Mapping[str, Maximum]) -> Self:
         """The sample of a contact and the largest stresses in its bodies."""
         names = ("P", *FORCES, "xi_x", "xi_y", "approach", "p_max")
         values: dict[Name, float] = {name: float(getattr(contact, name)) for name in names}
@@ -111,7 +111,7 @@ class Sample:
         return cls(values, scales, contact.residual)
 
 
-def off_given(contact: Contact) -> dict[str, float]:
+def off_given(contact: State) -> dict[str, float]:
     """How far the quantities that the scene gives are from what it gives, by their names."""
     load, creepage = contact.scene.load, contact.scene.creepage
     given = {

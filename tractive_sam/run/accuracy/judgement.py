@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from tractive_sam.results.history import History
-from tractive_sam.results.state import Contact
+from tractive_sam.results.state import State
 from tractive_sam.rolling import Saves
 from tractive_sam.run.accuracy.error_bars import (
     Name,
@@ -19,7 +19,7 @@ from tractive_sam.run.accuracy.levels import NEEDED
 from tractive_sam.scene import Scene
 
 GOVERNING = ("P", "Qx", "Qy", "Mz", "xi_x", "xi_y", "wear_max")
-"""What has to be within the tolerance; of new bodies the largest pressure as well."""
+"""What has to be within the tolerance; of unworn bodies the peak contact pressure as well."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Judgement:
     Attributes
     ----------
     error_bars : mapping of str to float
-        As of `Contact`; empty where too few meshes were solved.
+        As of `State`; empty where too few meshes were solved.
     missed : str
         Which of them is too wide, and what to do; empty where all are as asked for.
     """
@@ -38,17 +38,17 @@ class Judgement:
     missed: str
 
 
-def judge(contact: Contact, samples: Sequence[Sample | None], peak: bool) -> Judgement:
+def judge(contact: State, samples: Sequence[Sample | None], peak: bool) -> Judgement:
     """Judge a contact by coarser ones.
 
     Parameters
     ----------
-    contact : Contact
+    contact : State
         On the finest mesh.
     samples : sequence of Sample or None
         Of this and coarser meshes, the finest last; None where a mesh could not be solved.
     peak : bool
-        Whether the largest pressure has to be within the tolerance as well.
+        Whether the peak contact pressure has to be within the tolerance as well.
     """
     solved = [sample for sample in samples[-NEEDED:] if sample is not None]
     if len(solved) < NEEDED:

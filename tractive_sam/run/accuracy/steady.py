@@ -5,7 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from tractive_sam.contact import Gap, Model, fitted
-from tractive_sam.results.state import Contact
+from tractive_sam.results.state import State
 from tractive_sam.results.status import Cost
 from tractive_sam.run.accuracy.error_bars import Sample
 from tractive_sam.run.accuracy.judgement import judge
@@ -22,7 +22,7 @@ class Refined:
     ----------
     model : Model
         The scene on that mesh.
-    contact : Contact
+    contact : State
         Its contact, with error bars; its cost is that of all meshes.
     level : int
         Level of the mesh.
@@ -31,13 +31,13 @@ class Refined:
     """
 
     model: Model
-    contact: Contact
+    contact: State
     level: int
     missed: str
 
 
 def refined(scene: Scene, measured: Gap | None, model_of: Callable[..., Model] = Model) -> Refined:
-    """Solve new bodies on finer and finer meshes, until the error bars are within the tolerance.
+    """Solve unworn bodies on finer and finer meshes, until the error bars are within the tolerance.
 
     Parameters
     ----------

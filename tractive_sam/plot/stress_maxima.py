@@ -8,7 +8,7 @@ from scipy.ndimage import maximum_filter
 
 
 @dataclass(frozen=True)
-class Summit:
+class StressMaximum:
     """A maximum on a plane, at one of the points where the stress was computed.
 
     Attributes
@@ -33,7 +33,7 @@ class Summit:
         return cls(kind, float(values[index]), at)
 
 
-def summits(values: np.ndarray, axes: tuple[np.ndarray, np.ndarray]) -> list[Summit]:
+def stress_maxima(values: np.ndarray, axes: tuple[np.ndarray, np.ndarray]) -> list[StressMaximum]:
     """The largest local maximum inside a body, and the largest value at its surface.
 
     As for `subsurface.Maximum`, what is nearer to the surface than one element is not
@@ -48,7 +48,7 @@ def summits(values: np.ndarray, axes: tuple[np.ndarray, np.ndarray]) -> list[Sum
 
     Returns
     -------
-    list of Summit
+    list of StressMaximum
         Both, as far as the plane has them; else its largest value.
     """
     along, depth = axes
@@ -58,8 +58,8 @@ def summits(values: np.ndarray, axes: tuple[np.ndarray, np.ndarray]) -> list[Sum
     inside = np.where(tops & (depth >= along[1] - along[0]), values, 0.0)
     at_surface = np.where(depth == 0.0, values, 0.0)
     found = [
-        Summit.of(kind, where, axes)
+        StressMaximum.of(kind, where, axes)
         for kind, where in (("interior", inside), ("surface", at_surface))
         if where.any()
     ]
-    return found or [Summit.of("largest", values, axes)]
+    return found or [StressMaximum.of("largest", values, axes)]
