@@ -87,7 +87,7 @@ class Bodies(Table):
 
     @property
     def radii(self) -> tuple[float, float]:
-        """Combined radii in x and in y, mm: inf for flat, negative where the concave one is smaller."""
+        """Combined radii in x and in y, mm: inf for flat, negative where bodies do not fit."""
         return (
             combined_radius(self.A.radius_x, self.B.radius_x),
             combined_radius(self.A.radius_y, self.B.radius_y),
