@@ -4,8 +4,8 @@ Half of the scenes have bodies of equal material, in which the pressure stands a
 have any. Each method is asked for a residual of 1e-8 from nothing; `uzawa` and `anderson` get
 `BUDGET` iterations for every correction of the load and take no prescribed tangential forces.
 `alternating` is what the coupled methods are to replace: the normal problem under the lift of the
-last tractions, then the tangential one under the pressure found. Costs are applications of operators and their
-approximate inverses.
+last tractions, then the tangential one under the pressure found. Costs are applications of
+operators and their approximate inverses.
 
 Two families more, a sixth as many of each, have dissimilar bodies throughout: *gentle* ones creep
 and spin at 0.1 to 1 % of full slip, or combine creepages of any size; *lines* roll freely, or with

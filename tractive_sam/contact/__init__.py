@@ -13,6 +13,7 @@ __all__ = [
     "Laws",
     "Model",
     "NotConverged",
+    "State",
     "check_jacobian",
     "choose_grid",
     "equilibrium",

@@ -34,7 +34,7 @@ from tractive_sam.contact.equilibrium import start_of
 from tractive_sam.contact.model import Model
 from tractive_sam.mechanics.friction import Coulomb
 from tractive_sam.results.quantities import COLUMNS, table
-from tractive_sam.results.state import Contact
+from tractive_sam.results.state import State
 from tractive_sam.scene import SceneWarning
 from tractive_sam.solvers.gmres import gmres
 from tractive_sam.solvers.newton_system import Iterate, System
@@ -73,14 +73,14 @@ def check_jacobian(model: Model) -> None:
         raise ValueError("jacobian: friction is needed; give the scene a [friction] table")
 
 
-def jacobian_of(model: Model, contact: Contact) -> "xarray.DataArray":
-    """Derivatives at a solved contact, on its mesh; see `Contact.jacobian`.
+def jacobian_of(model: Model, contact: State) -> "xarray.DataArray":
+    """Derivatives at a solved contact, on its mesh; see `State.jacobian`.
 
     Parameters
     ----------
     model : Model
         What was solved.
-    contact : Contact
+    contact : State
         Its solution.
     """
     import xarray  # noqa: PLC0415 - of an extra

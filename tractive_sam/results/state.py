@@ -348,3 +348,7 @@ class State:
     def worn_area(self) -> float:
         """Cross section worn off both bodies in this revolution, mm²."""
         return float((self.wear[0] - self.wear[-1]).sum() * self.grid.dy)
+
+
+Contact = State
+"""Its former name."""

@@ -184,7 +184,7 @@ def passage_at(
     return Passage(revolution, replace(contact, cost=cost), solves)
 
 
-def _gained(start: Contact, expected: np.ndarray | None) -> np.ndarray:
+def _gained(start: State, expected: np.ndarray | None) -> np.ndarray:
     """Depth that material gains within the pass, at first guess as it did in the one before, mm."""
     gained = start.wear - start.wear[-1]
     if expected is None:

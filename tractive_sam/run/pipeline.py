@@ -44,7 +44,7 @@ def solve(
     laws: Laws | None = None,
     solver: Solver | None = None,
     jacobian: bool = False,
-) -> Contact:
+) -> State:
     """Solve one steady state of a scene.
 
     Parameters
@@ -63,7 +63,7 @@ def solve(
         Method in place of the scene's: any object with `solve(problem, tolerance, start)`, see
         `solvers`.
     jacobian : bool
-        Whether to compute the derivatives of forces and approach as well, `Contact.jacobian`: a
+        Whether to compute the derivatives of forces and approach as well, `State.jacobian`: a
         linear system for each parameter. Needs xarray, which comes with the extra ``study``.
 
     Returns
