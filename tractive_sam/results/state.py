@@ -350,5 +350,9 @@ class State:
         return float((self.wear[0] - self.wear[-1]).sum() * self.grid.dy)
 
 
+State = State
+"""Its former name."""
+
+
 Contact = State
 """Its former name."""
