@@ -350,7 +350,7 @@ class State:
         return float((self.wear[0] - self.wear[-1]).sum() * self.grid.dy)
 
 
-State = State
+Contact = State
 """Its former name."""
 
 
