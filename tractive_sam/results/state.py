@@ -352,7 +352,3 @@ class State:
 
 Contact = State
 """Its former name."""
-
-
-Contact = State
-"""Its former name."""
