@@ -18,8 +18,8 @@ from tables import markdown
 
 from tractive_sam.cli.program import app
 from tractive_sam.results.quantities import COLUMNS, FIELDS, STRESS
+from tractive_sam.scene.keys import Group, Key, groups
 from tractive_sam.scene.scene import Scene
-from tractive_sam.scene.table import Table, _item_of, _table_of
 from tractive_sam.store import layout
 
 
@@ -44,42 +44,21 @@ def _write(file: Path, text: str) -> None:
 
 def keys() -> str:
     """Every table of a scene with its keys: meaning, what is allowed, default."""
-    return "\n".join(_tables(Scene))
+    return "\n".join(part for group in groups(Scene) for part in _group(group))
 
 
-def _tables(table: type[Table], *names: str) -> Iterable[str]:
-    """A table by its names, and the tables inside it; those of one kind are told once."""
-    inner, leaves = {}, []
-    for key, info in table.model_fields.items():
-        if kind := _table_of(info) or _item_of(info):
-            inner.setdefault(kind, []).append(key)
-        if info.description:  # what is allowed: it may be no table, too
-            leaves.append((key, info))
-    if names:
-        yield "## " + ", ".join(f"`[{name}]`" for name in names) + "\n"
-        yield inspect.cleandoc(table.__doc__).split("\n\nExamples")[0].replace("``", "`") + "\n"
-    if leaves:
-        rows = ((f"`{key}`", one.title, one.description, _default(one)) for key, one in leaves)
+def _group(group: Group) -> Iterable[str]:
+    if group.names != ("",):
+        yield "## " + ", ".join(f"`[{name}]`" for name in group.names) + "\n"
+        yield group.about + "\n"
+    if group.keys:
+        rows = ((f"`{key.name}`", key.meaning, key.allowed, _default(key)) for key in group.keys)
         yield markdown(("key", "meaning", "allowed", "default"), rows)
-    for kind, keys_ in inner.items():
-        yield from _tables(kind, *(".".join((*names, key)) for key in keys_))
 
 
-def _default(info) -> str:
-    if info.is_required():
-        return "required"
-    if info.default_factory is not None:
-        return "from the others"
-    return "none" if info.default is None else f"`{toml_value(info.default)}`"
-
-
-def toml_value(value) -> str:
-    """A default as it is written in a scene file."""
-    if isinstance(value, tuple):
-        return "[" + ", ".join(map(toml_value, value)) + "]"
-    if isinstance(value, bool):
-        return str(value).lower()
-    return f'"{value}"' if isinstance(value, str) else repr(value)
+def _default(key: Key) -> str:
+    words = ("required", "none", "from the others")
+    return key.default if key.default in words else f"`{key.default}`"
 
 
 def columns() -> str:

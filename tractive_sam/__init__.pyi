@@ -19,6 +19,7 @@ from .results.quantities import Quantity as Quantity
 from .results.state import Contact as Contact
 from .results.state import NotConverged as NotConverged
 from .results.state import State as State
+from .run.explain import explain as explain
 from .run.export import export_volume as export_volume
 from .run.pipeline import roll as roll
 from .run.pipeline import solve as solve

@@ -47,3 +47,25 @@ def test_module_is_the_program():
     )
     assert result.returncode == 2
     assert "missing.h5 does not exist" in result.stderr
+
+
+def test_keys(call):
+    everything, wear = call("keys").stdout, call("keys", "wear").stdout
+    for table in ("[body.A], [body.B]", "[load]", "[wear]", "[subsurface]"):
+        assert table in everything
+    assert "mm3/(N m)" in wear
+    assert "adaptive" in wear
+    assert "[load]" not in wear
+    result = call("keys", "waer")
+    assert result.exit_code == 2
+    assert "wear, perhaps" in result.stderr
+
+
+def test_a_scene_to_start_from(call, folder):
+    assert call("scenes", "--write", "cylinders").stdout.split() == ["cylinders.toml"]
+    assert Scene.from_toml("cylinders.toml") == Scene.builtin("cylinders")
+    written = (folder / "cylinders.toml").read_bytes()
+    assert call("scenes", "--write", "cylinders").exit_code == 2
+    assert (folder / "cylinders.toml").read_bytes() == written
+    assert call("scenes", "--write", "nonsense").exit_code == 2
+    assert call("explain", "cylinders.toml").exit_code == 0

@@ -1,3 +1,5 @@
+import csv
+import io
 import json
 import subprocess
 import sys
@@ -30,6 +32,16 @@ def test_show_json(call, stored):
     result = call("show", stored, "--json")
     assert json.loads(result.stdout) == open_history(stored).to_dict()
     assert not result.stderr
+
+
+def test_show_csv(call, stored):
+    history = open_history(stored)
+    result = call("show", stored, "--csv")
+    head, *rows = list(csv.reader(io.StringIO(result.stdout)))
+    assert head == list(history.numbers())
+    assert len(rows) == len(history)
+    assert [float(row[head.index("Qx")]) for row in rows] == history["Qx"].tolist()
+    assert call("show", stored, "--csv", "--json").exit_code == 2
 
 
 def test_show_and_plot_of_an_empty_history(call, folder):

@@ -190,6 +190,18 @@ class TestXarray:
         )
 
 
+def test_dataframe_has_a_column_a_number(history):
+    pytest.importorskip("pandas", reason="pandas comes with xarray, of the extra study")
+    frame = history.to_dataframe()
+    assert frame.index.name == "revolution"
+    assert frame.index.tolist() == history["revolution"].tolist()
+    np.testing.assert_array_equal(frame["worn_mass B"], history["worn_mass"][:, 1])
+    np.testing.assert_array_equal(frame["p_max_at y"], history["p_max_at"][:, 1])
+    np.testing.assert_array_equal(
+        frame["von_mises_max_at A depth"], history["von_mises_max_at"][:, 0, 2]
+    )
+
+
 def test_error_bars_are_of_scenes_that_ask_for_them(discs):
     asked = discs.replace(grid=None, accuracy={"tolerance": 1e-2})
     assert not [name for name in columns(discs) if name.endswith("_error")]

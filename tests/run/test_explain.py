@@ -37,6 +37,16 @@ def test_every_scene_is_explained_in_words(name):
     )
 
 
+def test_it_prints_itself():
+    found = explain(spheres())
+    text = repr(found)
+    for section in found:
+        assert section.title in text.splitlines()
+        for what, answer in section.rows:
+            assert what in text
+            assert answer in text
+
+
 def test_what_is_left_out_is_said_with_the_key_that_adds_it():
     scene = spheres().replace(subsurface=None)
     assert "[wear]" in told(scene)["Wear"]["wear"]

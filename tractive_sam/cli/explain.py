@@ -32,7 +32,8 @@ def explain(
             asked, sections = _study(Path(scene), settings, workers)
         else:
             asked = read_scene(scene, settings)
-            sections = explanation.explain(asked)
+            with warnings_told():
+                sections = explanation.explain(asked)
     out = console()
     if asked.title:
         out.print(asked.title, style="bold")

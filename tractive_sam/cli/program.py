@@ -11,6 +11,7 @@ from typer.core import TyperGroup
 from tractive_sam import interrupt
 from tractive_sam.cli.explain import explain
 from tractive_sam.cli.export import export
+from tractive_sam.cli.keys import keys
 from tractive_sam.cli.output import Status, silence, spell_what_has_no_sign, stop, tell
 from tractive_sam.cli.plot import plot
 from tractive_sam.cli.reproduce import reproduce
@@ -63,7 +64,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (run, show, plot, export, explain, scenes, reproduce, study, study_show):
+for command in (run, show, plot, export, explain, keys, scenes, reproduce, study, study_show):
     app.command()(command)
 
 

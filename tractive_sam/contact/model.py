@@ -1,26 +1,22 @@
 """A scene put into numbers: mesh, undeformed gap, rigid slip, units and operators."""
 
-import warnings
 from dataclasses import astuple, dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.interpolate import Akima1DInterpolator
 
 from tractive_sam.contact.laws import Laws
+from tractive_sam.contact.measured import Gap, resampled, warn_if_standing, warn_if_unseen
 from tractive_sam.contact.mesh import choose_grid
 from tractive_sam.mechanics.frame import Frame
 from tractive_sam.mechanics.friction import Coulomb, Friction, FrictionLaw
 from tractive_sam.mechanics.wear import WearLaw
 from tractive_sam.operators import STAGGERED, UPWIND, Lattice, Operators, Stencil
 from tractive_sam.results.grid import Grid
-from tractive_sam.scene import Scene, SceneWarning
+from tractive_sam.scene import Scene
 from tractive_sam.solvers.ladder import METHODS, Method
 from tractive_sam.solvers.outcome import Solver
 from tractive_sam.solvers.problem import NormalProblem, PrescribedForces, Problem, WearInPass
-
-Gap = tuple[np.ndarray, np.ndarray, np.ndarray]
-"""Coordinates x (n,), y (m,) and separation (n, m) of a measured gap, mm."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +82,11 @@ class Model:
         radius_x, radius_y = self.scene.body.radii
         gap = 0.5 * (x**2 / radius_x + y**2 / radius_y)
         if self.measured is not None:
-            gap = gap + _resampled(self.measured, self.grid)
+            taken = resampled(self.measured, self.grid)
+            gap = gap + taken
+            warn_if_unseen(self.measured, self.grid, taken, self.units.gap)
+            if self.transmits or self.scene.wear is not None:
+                warn_if_standing(self.measured, self.grid)
         return gap - gap.min()
 
     @cached_property
@@ -215,35 +215,3 @@ class Model:
             for k, value in zip(unknown, found, strict=True):
                 values[k] = float(value) * self.units.slip
         return values[0], values[1], creepage.spin
-
-
-def _resampled(measured: Gap, grid: Grid) -> np.ndarray:
-    """The measured separation at the elements; beyond its edge, its value there.
-
-    By Akima's interpolation (1970, J. ACM 17, 589-602) in x and then in y: it is exact for the
-    parabolas that bodies are near a contact, where facets of a bilinear one would carry the
-    pressure, and unlike a spline it does not ring at the steps of a profile.
-    """
-    x, y, separation = measured
-    short = [
-        axis
-        for axis, known, asked, step in (("x", x, grid.x, grid.dx), ("y", y, grid.y, grid.dy))
-        if known[0] > asked[0] + step or known[-1] < asked[-1] - step
-    ]
-    if short:
-        text = (
-            f"gap: the measured separation covers less than the grid in {' and '.join(short)}; "
-            "beyond its edge it is continued as a constant. Measure further, or lessen "
-            "grid.half_length"
-        )
-        warnings.warn(text, SceneWarning, stacklevel=2)
-    rows = _interpolated(x, separation, np.clip(grid.x, x[0], x[-1]))
-    return _interpolated(y, rows.T, np.clip(grid.y, y[0], y[-1])).T
-
-
-def _interpolated(known: np.ndarray, values: np.ndarray, asked: np.ndarray) -> np.ndarray:
-    """Interpolate rows of values along the first axis."""
-    if known.size == 2:  # a straight line; Akima's slopes need a third point
-        share = ((asked - known[0]) / (known[1] - known[0]))[:, None]
-        return (1.0 - share) * values[0] + share * values[1]
-    return Akima1DInterpolator(known, values)(asked)

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar
 
 import numpy as np
@@ -25,6 +26,7 @@ from tractive_sam.results.status import Cost, Status
 from tractive_sam.scene import Scene
 
 if TYPE_CHECKING:
+    import pandas
     import xarray
 
 DONE = "done"
@@ -418,6 +420,35 @@ class History:
         reference = {"a0": self.a0, "b0": self.b0, "p0": self.p0}
         about = {"status": self.status, "message": self.message} | reference
         return _without_nan(about | rows | self.totals)
+
+    def numbers(self) -> dict[str, np.ndarray]:
+        """Every column but profiles as arrays of one number a record.
+
+        Those of a body, an axis or a position by names like "worn_mass A" and "p_max_at x".
+        """
+        found = {}
+        for name, one in self.columns.items():
+            if "y" in one.dims:
+                continue
+            labels = [LABELS[dim] for dim in one.dims]
+            if one.dims[:1] == ("body",):
+                labels[0] = one.bodies(self.scene)
+            for place in product(*labels):
+                at = tuple(LABELS[dim].index(k) for dim, k in zip(one.dims, place, strict=True))
+                found[" ".join((name, *place))] = self[name][(..., *at)]
+        return found
+
+    def to_dataframe(self) -> "pandas.DataFrame":
+        """`numbers` as a table along the coordinate; needs pandas, which comes with xarray.
+
+        Examples
+        --------
+        >>> history.to_dataframe()["worn_mass A"].loc[2] == history["worn_mass"][2, 0]
+        True
+        """
+        import pandas  # noqa: PLC0415 - of an extra
+
+        return pandas.DataFrame(self.numbers()).set_index(self.coordinate.name)
 
     def to_xarray(self) -> "xarray.Dataset":
         """Columns, and fields of the records that kept them, with units and coordinates.

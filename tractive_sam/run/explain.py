@@ -40,7 +40,21 @@ class Section:
     rows: list[tuple[str, str]]
 
 
-def explain(scene: Scene) -> list[Section]:
+class Explanation(tuple[Section, ...]):
+    """Sections, which print themselves as `tractive-sam explain` does."""
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        parts = []
+        for section in self:
+            width = max(len(what) for what, _ in section.rows)
+            rows = (f"  {what:{width}}  {answer}" for what, answer in section.rows)
+            parts.append("\n".join((section.title, *rows)))
+        return "\n\n".join(parts)
+
+
+def explain(scene: Scene) -> Explanation:
     """Say what will be modelled, on which mesh, and estimate memory and time.
 
     The time is estimated from transforms measured on this machine.
@@ -51,6 +65,13 @@ def explain(scene: Scene) -> list[Section]:
         If the measured gap cannot be read.
     SceneError
         If the memory does not suffice to find the mesh of an [accuracy].
+
+    Examples
+    --------
+    >>> ts.explain(scene)
+    Bodies
+      combined modulus        E* = 1.41... MPa, nu = 0.28
+    ...
     """
     measured = measured_gap(scene)
     accuracy = []
@@ -62,7 +83,8 @@ def explain(scene: Scene) -> list[Section]:
         model = Model(chosen, measured, found.model.grid)
         accuracy = [_accuracy(found)]
     parts = (_bodies, _contact, _wear, _subsurface, _mesh, _work)
-    return [part(model) for part in parts[:4]] + accuracy + [part(model) for part in parts[4:]]
+    told = [part(model) for part in parts]
+    return Explanation((*told[:4], *accuracy, *told[4:]))
 
 
 def _accuracy(found: Refined) -> Section:
@@ -98,6 +120,7 @@ def _bodies(model: Model) -> Section:
     rows.append(("load", told.load_told(model.scene)))
     if model.measured is not None:
         rows.append(("separation", "that of the radii and the measured one of [gap]"))
+        _ = model.undeformed_gap  # warns of what the mesh or the motion makes of it
     return Section("Bodies", rows)
 
 

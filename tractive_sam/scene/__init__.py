@@ -5,7 +5,7 @@ Tables and keys are those of a scene file; units mm, N, MPa, degrees, revolution
 
 from .bodies import Bodies, Body
 from .catalogue import builtin_names
-from .faults import Fault, SceneError, SceneWarning
+from .faults import Fault, PlausibilityWarning, SceneError, SceneWarning
 from .gap import Gap
 from .plane import Plane
 from .scene import Scene
@@ -33,6 +33,7 @@ __all__ = [
     "Load",
     "Mesh",
     "Plane",
+    "PlausibilityWarning",
     "Scene",
     "SceneError",
     "SceneWarning",

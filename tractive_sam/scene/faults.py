@@ -90,6 +90,10 @@ class SceneWarning(UserWarning):
     """
 
 
+class PlausibilityWarning(SceneWarning):
+    """A scene with an entry that looks as if it was meant in another unit, or forgotten."""
+
+
 def shown(value: object) -> str:
     """Short text of a given value."""
     try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import warnings
 from collections.abc import Iterable
 from os import PathLike
 from pathlib import Path
@@ -20,6 +21,8 @@ from . import toml
 from .bodies import Bodies
 from .catalogue import builtin_text
 from .checks import SCENE_CHECKS, warn_if_coarse, warn_if_large, warn_if_unequal
+from .doubts import doubts
+from .faults import PlausibilityWarning
 from .gap import Gap
 from .override import override, parse_settings
 from .quantities import entry
@@ -41,8 +44,9 @@ class Scene(Table):
     Warns
     -----
     SceneWarning
-        If the grid is too coarse for the contact, the contact large against the radii, or bodies
-        that wear come round unequally often without ``wear.turns = "each"``.
+        If the grid is too coarse for the contact, the contact large against the radii, bodies that
+        wear come round unequally often without ``wear.turns = "each"``, or an entry looks as if it
+        was meant in another unit, or forgotten.
 
     Examples
     --------
@@ -66,6 +70,8 @@ class Scene(Table):
 
     def __init__(self, /, **tables: Any) -> None:
         super().__init__(**tables)
+        for doubt in doubts(self):
+            warnings.warn(doubt, PlausibilityWarning, stacklevel=2)
         if self.wear:
             warn_if_unequal(self.body, self.wear, stacklevel=2)
         if self.gap:  # the Hertz ellipse is not the contact

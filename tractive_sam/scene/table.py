@@ -18,6 +18,7 @@ from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 
 from .faults import MOST_TOLD, Fault, SceneError, shown, suggestion
+from .keys import documented
 
 _CONFIG = ConfigDict(strict=True, arbitrary_types_allowed=True)
 
@@ -69,6 +70,16 @@ class Table(BaseModel):
         if reading.faults:
             raise SceneError(reading.faults)
         super().__init__(**{key: reading.values[key] for key in reading.given})
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **_: Any) -> None:
+        """Have its keys in its docstring, for `help`."""
+        cls.__doc__ = documented(cls)
+
+    @staticmethod
+    def table_of(info: FieldInfo) -> type[Table] | None:
+        """The kind of the tables that a field may hold, one or an array of them."""
+        return _table_of(info) or _item_of(info)
 
     def entries(self) -> dict[str, Any]:
         """Return what was given, not the defaults, nested as in TOML."""

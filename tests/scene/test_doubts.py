@@ -1,0 +1,91 @@
+"""Entries that look as if they were meant in another unit are told, and computed as given."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+import tractive_sam as ts
+from tractive_sam.scene import PlausibilityWarning
+
+DISCS = ts.Scene.builtin("twin-discs").replace(subsurface=None, grid=None)
+
+
+@pytest.mark.parametrize(
+    ("settings", "key"),
+    [
+        (["body.A.young=210"], r"body\.A"),
+        (["body.B.young=208e9", "load.normal=1"], r"body\.B"),
+        (["load.pressure=11e3"], "p0"),
+        (["creepage.longitudinal=-0.5"], r"creepage\.longitudinal"),
+        (["creepage.lateral=1.0"], r"creepage\.lateral"),
+        (["friction.mu=30"], r"friction\.mu"),
+        (["wear.intensity=1e-4"], "wear"),
+        (["wear.coefficient=2"], "wear"),
+    ],
+)
+def test_what_looks_like_another_unit(settings, key):
+    with pytest.warns(PlausibilityWarning, match=key):
+        DISCS.with_set(settings)
+
+
+def test_creepage_without_friction():
+    with pytest.warns(PlausibilityWarning, match=r"creepage\.longitudinal.*\[friction\]"):
+        DISCS.replace(friction=None, wear=None)
+
+
+@pytest.mark.parametrize("name", ts.builtin_names())
+def test_built_in_scenes_are_beyond_doubt(name):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", PlausibilityWarning)
+        ts.Scene.builtin(name)
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        ["body.A.young=3.0", "body.A.poisson=0.49", "load.normal=0.01"],  # rubber
+        ["body.A.young=70e3"],
+        ["creepage.longitudinal=-0.1"],
+        ["friction.mu=[1.5, 0.8]"],
+        ["wear.coefficient=2e-3"],
+    ],
+)
+def test_the_usual_needs_no_word(settings):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", PlausibilityWarning)
+        DISCS.with_set(settings)
+
+
+X = np.linspace(-0.5, 0.5, 201)
+Y = np.linspace(-0.9, 0.9, 201)
+WAVE = 1e-3  # mm
+
+
+def told(x, y, *settings, **tables):
+    """Warnings about a gap that is the sum of one along x and one along y."""
+    gap = {"x": X, "y": Y, "separation": np.add.outer(x, y)}
+    grid = {"half_length": (0.45, 0.8), "elements": (31, 41)}
+    asked = DISCS.replace(gap=gap, grid=grid, wear=None, **tables).with_set(settings)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        ts.solve(asked, throw=False)
+    return [str(one.message) for one in caught]
+
+
+def test_a_gap_finer_than_the_mesh():
+    fine = WAVE * np.cos(2 * np.pi * Y / 0.03)
+    (text,) = told(0 * X, fine)
+    assert "gap" in text
+    # 201 samples over 1 and over 1.8 mm, of which the mesh has 0.9 and 1.6.
+    assert "[180, 178]" in text
+    assert not told(0 * X, WAVE * np.cos(2 * np.pi * Y / 0.8))  # resolved by the mesh
+    assert not told(0 * X, Y**2 / 100)  # a form, sampled finely
+
+
+def test_a_gap_that_stands_still_while_the_bodies_roll():
+    waves = WAVE * np.cos(2 * np.pi * X / 0.3)
+    (text,) = told(waves, 0 * Y)
+    assert "along x" in text
+    assert not told(waves, 0 * Y, friction=None, creepage=None)  # nothing rolls
+    assert not told(X**2 / 80, Y**2 / 100)  # the form of a body that turns

@@ -1,0 +1,69 @@
+"""What can be modelled but looks as if it was given in another unit, or forgotten."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from .tables import PER_INTENSITY
+
+if TYPE_CHECKING:
+    from .scene import Scene
+
+LIKE_GPA = (30.0, 1000.0)
+"""Young's moduli in MPa that are those of metals and ceramics in GPa."""
+
+SOFT = 0.45
+"""Poisson's ratio from which such a modulus is taken for rubber's without a word."""
+
+LIKE_PA = (1e9, 2e12)
+"""Young's moduli in MPa that are those of plastics to diamond in Pa."""
+
+HARDEST = 1e4
+"""Peak pressure that no engineering material bears, MPa."""
+
+MOST_CREEPAGE = 0.1
+"""Creepage beyond which bodies rather slide than roll; 1 is one body at rest."""
+
+MOST_FRICTION = 2.0
+"""Friction coefficient of rubber on a dry road, and of cold welds."""
+
+MOST_WEAR = 2.0
+"""Wear intensity times E*: a thousand times that of dry steel, of k = 2e-5 mm3/(N m)."""
+
+
+_STEEL = "Steel has 2.1e5 MPa"
+
+
+def doubts(scene: Scene) -> Iterator[str]:
+    """A line for each entry that is doubtful, with what may be meant."""
+    for name, material in scene.materials.items():
+        E = material.young
+        if LIKE_GPA[0] <= E <= LIKE_GPA[1] and material.poisson < SOFT:
+            yield f"body.{name}: E = {E:g} MPa is that of a soft plastic; in GPa? {_STEEL}"
+        elif LIKE_PA[0] <= E <= LIKE_PA[1]:
+            yield f"body.{name}: E = {E:g} MPa is beyond any material; in Pa? {_STEEL}"
+    if scene.hertz is not None and scene.hertz.p0 > HARDEST:
+        yield (
+            f"load: p0 = {scene.hertz.p0:.4g} MPa by Hertz, and nothing bears {HARDEST:g} MPa; "
+            "units are mm, N and MPa"
+        )
+    for key in ("longitudinal", "lateral"):
+        creepage = getattr(scene.creepage, key)
+        if abs(creepage) > MOST_CREEPAGE:
+            yield f"creepage.{key}: {creepage:g} is {100 * creepage:g} %; 1 % is 0.01"
+    if scene.friction is None:
+        moved = [key for key, value in scene.creepage.settings().items() if value]
+        if moved:
+            keys = ", ".join(f"creepage.{key}" for key in moved)
+            yield f"{keys}: without [friction] there is no traction; friction.mu gives it"
+    elif max(scene.friction.mu) > MOST_FRICTION:
+        yield f"friction.mu: {max(scene.friction.mu):g} is more than surfaces have; in per cent?"
+    if scene.wear is None:
+        return
+    i = max(scene.wear.intensities)
+    if i * scene.material.plane_strain_modulus > MOST_WEAR:
+        yield (
+            f"wear: i = {i:g} /MPa, k = {PER_INTENSITY * i:g} mm3/(N m), is a thousand times what "
+            "is usual of dry steel; wear.coefficient is in mm3/(N m), wear.intensity in 1/MPa"
+        )
