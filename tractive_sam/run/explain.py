@@ -68,10 +68,9 @@ def explain(scene: Scene) -> Explanation:
 
     Examples
     --------
-    >>> ts.explain(scene)
-    Bodies
-      combined modulus        E* = 1.41... MPa, nu = 0.28
-    ...
+    >>> told = ts.explain(scene)  # prints itself
+    >>> told[0].title, told[0].rows[1]
+    ('Bodies', ('combined radii', 'R_x = 168.75 mm, R_y = 168.75 mm'))
     """
     measured = measured_gap(scene)
     accuracy = []
