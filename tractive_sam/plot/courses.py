@@ -96,7 +96,8 @@ def worn_mass(history: History) -> Figure:
         if not of_bodies:
             raise ValueError("no body wears all around: add [wear], or the radius_x of a body")
         for body, values in of_bodies.items():
-            _course(axes, history, values, f"body {body}", color=COLOURS[body])
+            look = {"color": COLOURS[body], "linestyle": {"A": "-", "B": "--"}[body]}
+            _course(axes, history, values, f"body {body}", **look)
         axes.set_ylim(bottom=0.0)
         unit = history.columns[name].unit.replace("mm3", "mm³").replace("mm2", "mm²")
         axes.set_ylabel(f"{name.replace('_', ' ')} ({unit})")
