@@ -71,7 +71,7 @@ def contact(asked=None, **changes):
         rolling_resistance=0.0,
         sliding=np.zeros(GRID.elements, bool),
         status=Status.CONVERGED,
-        message="",
+        note="",
         residual=0.0,
         cost=Cost(),
         **(fields | changes),

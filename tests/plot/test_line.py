@@ -59,6 +59,7 @@ def test_save_all_draws_no_maps(history, tmp_path):
         "forces",
         "widths",
         "wear-depth",
+        "worn-mass",
         "von-mises-max",
         "pressure-profiles",
     }

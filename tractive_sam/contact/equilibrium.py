@@ -147,5 +147,5 @@ def _contact(
     )
     if contact.converged and any(contact.at_edge):
         status = Status.OFF_GRID
-        contact = replace(contact, status=status, message=message(status, outcome, model))
+        contact = replace(contact, status=status, note=message(status, outcome, model))
     return contact

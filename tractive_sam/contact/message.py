@@ -8,10 +8,10 @@ from tractive_sam.solvers.outcome import Outcome
 
 
 def message(status: Status, outcome: Outcome, model: Model) -> str:
-    """Explain how a solve ended."""
+    """Explain how a solve ended; of a solution what else there is to say (`State.message`)."""
     solver = model.scene.solver
     if status is Status.CONVERGED:
-        text = f"contact conditions hold to {outcome.residual:.1e}"
+        text = ""
         if any(note.status is not Status.CONVERGED for note in outcome.trace):
             text += f", by way of {', '.join(map(str, outcome.trace))}"
         touching = outcome.pressure > 0.0

@@ -381,7 +381,6 @@ class History:
             for force, creepage in (("Qx", "xi_x"), ("Qy", "xi_y"), ("Mz", "spin"))
         )
         solved = number["converged"] > 0.0
-        message = f"contact conditions hold to {number['residual']:.1e}"
         found = State(
             scene=self.scene,
             grid=self.grid,
@@ -397,7 +396,7 @@ class History:
             rolling_resistance=number["work_supplied"] + creeping,
             sliding=fields.get("sliding", np.zeros(self.grid.elements)) > 0.0,
             status=Status.CONVERGED if solved else _status(self.status),
-            message=message if solved else self.message,
+            note="" if solved else self.message,
             residual=number["residual"],
             cost=Cost(number["operator_applications"]),
             revolution=int(number.get("revolution", 0)),

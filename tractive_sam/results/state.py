@@ -90,8 +90,8 @@ class State:
         Elements in contact whose traction has reached the friction bound.
     status : Status
         CONVERGED, or why not.
-    message : str
-        What the status means and, where it is not converged, what to try.
+    note : str
+        What else there is to say of a solution; what to try where it is none. See `message`.
     residual : float
         Relative natural residual of all contact conditions.
     cost : Cost
@@ -142,7 +142,7 @@ class State:
     rolling_resistance: float
     sliding: np.ndarray
     status: Status
-    message: str
+    note: str
     residual: float
     cost: Cost
     trace: tuple[str, ...] = ()
@@ -153,6 +153,13 @@ class State:
     def __getstate__(self) -> dict[str, Any]:
         """Without the Jacobian: who reads it may not have xarray."""
         return self.__dict__ | {"jacobian": None}
+
+    @property
+    def message(self) -> str:
+        """What the status means and, where it is not converged, what to try."""
+        if self.converged:
+            return f"contact conditions hold to {self.residual:.1e}{self.note}"
+        return self.note
 
     @property
     def converged(self) -> bool:

@@ -177,7 +177,7 @@ def passage_at(
         contact = replace(
             contact,
             status=Status.OUT_OF_ITERATIONS,
-            message=f"the wear within revolution {revolution} did not settle: its residual is "
+            note=f"the wear within revolution {revolution} did not settle: its residual is "
             f"{missed:.1e}; the wear of one pass is too deep for the contact, lower "
             f"wear.{_given_key(model)} or the creepage",
         )
@@ -204,10 +204,8 @@ def _given_key(model: Model) -> str:
 
 def _with_lag(contact: State, missed: float) -> State:
     """The contact with the residual that its own wear leaves, where that is the larger one."""
-    if not contact.converged or missed <= contact.residual:
-        return contact
-    message = contact.message.replace(f"{contact.residual:.1e}", f"{missed:.1e}")
-    return replace(contact, residual=missed, message=message)
+    larger = contact.converged and missed > contact.residual
+    return replace(contact, residual=missed) if larger else contact
 
 
 def _residual(model: Model, contact: State, change: np.ndarray) -> float:

@@ -27,7 +27,7 @@ def solved(scene: Scene, measured: Gap | None, model_of: Callable[..., Model]) -
     found = refined(with_tolerances(scene), measured, model_of)
     if not found.contact.converged or not found.missed:
         return found.contact
-    return replace(found.contact, status=Status.INACCURATE, message=found.missed)
+    return replace(found.contact, status=Status.INACCURATE, note=found.missed)
 
 
 def rolled(run: Recording) -> History:

@@ -16,6 +16,9 @@ from tractive_sam.rolling import Milestone, Passage
 from tractive_sam.scene import Scene
 from tractive_sam.store import DamagedError, ResultsError, state_of
 
+MOST_TOLD = 5
+"""Differences of two scenes that are told one by one."""
+
 FREE = (
     "title",
     "wear.revolutions",
@@ -97,7 +100,9 @@ def what_differs(before: Scene, now: Scene) -> str:
     """What makes two scenes different ones, as far as resuming goes; empty for the same one."""
     there, here = before.settings(), now.settings()
     differ = sorted(_differing(there, here))
-    return "; ".join(f"{k}: {_shown(there, k)} there, {_shown(here, k)} now" for k in differ)
+    told = [f"{k}: {_shown(there, k)} there, {_shown(here, k)} now" for k in differ[:MOST_TOLD]]
+    more = [f"and {len(differ) - MOST_TOLD} more"] if len(differ) > MOST_TOLD else []
+    return "; ".join(told + more)
 
 
 def _check_same(history: History, path: str | PathLike, scene: Scene) -> None:
