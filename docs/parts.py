@@ -17,7 +17,7 @@ from numbers_of_benchmarks import TABLES
 from tables import markdown
 
 from tractive_sam.cli.program import app
-from tractive_sam.results.quantities import COLUMNS, FIELDS, STRESS
+from tractive_sam.results import COLUMNS, FIELDS, STRESS
 from tractive_sam.scene.keys import Group, Key, groups
 from tractive_sam.scene.scene import Scene
 from tractive_sam.store import layout

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from tractive_sam.mechanics.hertz_line import HertzLine
+from tractive_sam.mechanics.line_contact import HertzLine
 from tractive_sam.scene import Scene, SceneError, SceneWarning
 
 GAP = {"x": [0, 1], "y": [0, 1], "separation": [[0, 1], [1, 2]]}

@@ -10,8 +10,7 @@ from tractive_sam.cli.output import Status, bad_input_told, say, stop, tell, war
 from tractive_sam.cli.scene_input import Settings, read_scene
 
 if TYPE_CHECKING:
-    from tractive_sam.results.history import History
-    from tractive_sam.results.state import State
+    from tractive_sam.results import History, State
 
 RESULTS = (".h5", ".hdf5")
 """Suffixes by which a results file is told from a scene."""

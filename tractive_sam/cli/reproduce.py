@@ -41,7 +41,7 @@ def reproduce(
 ) -> None:
     """Reproduce every figure and table of the paper, with its statements beside our numbers."""
     from tractive_sam import paper
-    from tractive_sam.results.state import NotConverged
+    from tractive_sam.results import NotConverged
 
     size = paper.REDUCED if reduced else paper.FULL
     with bad_input_told():

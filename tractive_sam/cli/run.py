@@ -20,7 +20,7 @@ from tractive_sam.cli.output import (
 from tractive_sam.cli.scene_input import SceneName, Settings, read_scene
 
 if TYPE_CHECKING:
-    from tractive_sam.results.record import Record
+    from tractive_sam.results import Record
     from tractive_sam.scene import Scene
 
 

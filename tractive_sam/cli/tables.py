@@ -8,11 +8,11 @@ import numpy as np
 from rich import box
 from rich.table import Table
 
-from tractive_sam.results.quantities import BODIES
+from tractive_sam.results import BODIES
 from tractive_sam.scene.told import told
 
 if TYPE_CHECKING:
-    from tractive_sam.results.history import History
+    from tractive_sam.results import History
 
 COURSE = (
     ("Qx_over_P", "Qx/P", 1, ".4f"),

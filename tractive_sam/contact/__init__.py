@@ -6,7 +6,7 @@ from tractive_sam.contact.jacobian import check_jacobian, jacobian_of
 from tractive_sam.contact.laws import Laws
 from tractive_sam.contact.mesh import choose_grid, grown
 from tractive_sam.contact.model import Gap, Model
-from tractive_sam.results.state import NotConverged, State
+from tractive_sam.results import NotConverged, State
 
 __all__ = [
     "Gap",

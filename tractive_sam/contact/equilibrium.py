@@ -7,8 +7,7 @@ import numpy as np
 
 from tractive_sam.contact.message import message
 from tractive_sam.contact.model import Model
-from tractive_sam.results.state import State
-from tractive_sam.results.status import Status
+from tractive_sam.results import State, Status
 from tractive_sam.solvers.ladder import ALONE
 from tractive_sam.solvers.outcome import Outcome, Start
 from tractive_sam.solvers.problem import Problem

@@ -3,8 +3,7 @@
 from tractive_sam.contact.equilibrium import equilibrium
 from tractive_sam.contact.mesh import grown
 from tractive_sam.contact.model import Model
-from tractive_sam.results.state import State
-from tractive_sam.results.status import Status
+from tractive_sam.results import State, Status
 
 GROWTHS = 8
 """Most enlargements of a mesh that the scene left to us."""

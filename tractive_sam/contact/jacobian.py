@@ -32,9 +32,8 @@ import numpy as np
 
 from tractive_sam.contact.equilibrium import start_of
 from tractive_sam.contact.model import Model
-from tractive_sam.mechanics.friction import Coulomb
-from tractive_sam.results.quantities import COLUMNS, table
-from tractive_sam.results.state import State
+from tractive_sam.mechanics import Coulomb
+from tractive_sam.results import COLUMNS, State, by_name
 from tractive_sam.scene import SceneWarning
 from tractive_sam.solvers.gmres import gmres
 from tractive_sam.solvers.newton_system import Iterate, System
@@ -112,7 +111,7 @@ def jacobian_of(model: Model, contact: State) -> "xarray.DataArray":
     if unsolved:
         told = f"jacobian: the linear systems of {', '.join(unsolved)} were not solved: nan"
         warnings.warn(told, SceneWarning, stacklevel=2)
-    known, line = table(COLUMNS), model.grid.line
+    known, line = by_name(COLUMNS), model.grid.line
     units = {n: known[n].of_line(line).unit if n in known else "1" for n in (*rows, *columns)}
     cost = sum(one.applications for one in {whole, tangential})
     return xarray.DataArray(

@@ -5,10 +5,18 @@ from typing import Any
 
 import numpy as np
 
-from tractive_sam.mechanics.criteria import VON_MISES, StressCriterion
-from tractive_sam.mechanics.elasticity import Elasticity, HalfSpaces, Strips
-from tractive_sam.mechanics.friction import Coulomb, FrictionLaw
-from tractive_sam.mechanics.wear import Archard, ArchardByWork, WearLaw
+from tractive_sam.mechanics import (
+    VON_MISES,
+    Archard,
+    ArchardByWork,
+    Coulomb,
+    Elasticity,
+    FrictionLaw,
+    HalfSpaces,
+    StressCriterion,
+    Strips,
+    WearLaw,
+)
 from tractive_sam.scene import Scene
 
 

@@ -5,7 +5,7 @@ import warnings
 import numpy as np
 from scipy.interpolate import Akima1DInterpolator
 
-from tractive_sam.results.grid import Grid
+from tractive_sam.results import Grid
 from tractive_sam.scene import SceneWarning
 
 Gap = tuple[np.ndarray, np.ndarray, np.ndarray]

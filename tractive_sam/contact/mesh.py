@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from tractive_sam.results.grid import Grid
+from tractive_sam.results import Grid
 from tractive_sam.scene import Fault, Scene, SceneError
 from tractive_sam.scene.tables import MOST_ELEMENTS
 

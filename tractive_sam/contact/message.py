@@ -1,8 +1,7 @@
 """What a status means, and what to try where it is not a solution."""
 
 from tractive_sam.contact.model import Model
-from tractive_sam.results.grid import Grid
-from tractive_sam.results.status import Status
+from tractive_sam.results import Grid, Status
 from tractive_sam.scene.checks import FEWEST_ELEMENTS
 from tractive_sam.solvers.outcome import Outcome
 

@@ -8,11 +8,9 @@ import numpy as np
 from tractive_sam.contact.laws import Laws
 from tractive_sam.contact.measured import Gap, resampled, warn_if_standing, warn_if_unseen
 from tractive_sam.contact.mesh import choose_grid
-from tractive_sam.mechanics.frame import Frame
-from tractive_sam.mechanics.friction import Coulomb, Friction, FrictionLaw
-from tractive_sam.mechanics.wear import WearLaw
+from tractive_sam.mechanics import Coulomb, Frame, Friction, FrictionLaw, WearLaw
 from tractive_sam.operators import STAGGERED, UPWIND, Lattice, Operators, Stencil
-from tractive_sam.results.grid import Grid
+from tractive_sam.results import Grid
 from tractive_sam.scene import Scene
 from tractive_sam.solvers.ladder import METHODS, Method
 from tractive_sam.solvers.outcome import Solver

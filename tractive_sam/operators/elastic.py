@@ -18,8 +18,7 @@ from functools import cached_property, lru_cache, partial
 import numpy as np
 
 from tractive_sam.kernels import spectral
-from tractive_sam.mechanics.elasticity import Elasticity
-from tractive_sam.mechanics.frame import Frame
+from tractive_sam.mechanics import Elasticity, Frame
 from tractive_sam.operators import influence
 from tractive_sam.operators.convolution import Convolution
 from tractive_sam.operators.fft import spectrum

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tractive_sam.mechanics.elasticity import Elasticity
+from tractive_sam.mechanics import Elasticity
 from tractive_sam.operators.fft import fast_length, padded_length
 
 _PARITY = {"xx": (1, 1), "xy": (-1, -1), "yy": (1, 1), "zz": (1, 1), "xz": (-1, 1), "yz": (1, -1)}

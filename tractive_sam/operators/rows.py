@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tractive_sam.mechanics.elasticity import Elasticity
+from tractive_sam.mechanics import Elasticity
 from tractive_sam.operators import influence
 from tractive_sam.operators.influence import Lattice
 

@@ -10,7 +10,7 @@ from tractive_sam.kernels.stress_spectral import plane_product
 from tractive_sam.operators.extent import extent, reach
 from tractive_sam.operators.fft import padded_length
 from tractive_sam.operators.stress_fft import edge_transform
-from tractive_sam.results.grid import Grid
+from tractive_sam.results import Grid
 
 _EXCHANGED = [1, 0, 2, 3, 5, 4]
 """The components xx, yy, zz, xy, xz, yz after an exchange of x and y."""

@@ -4,7 +4,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from tractive_sam.mechanics.elasticity import HalfSpaces
+from tractive_sam.mechanics import HalfSpaces
 from tractive_sam.operators import influence
 from tractive_sam.operators.influence import Lattice
 

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from tractive_sam import plot
-from tractive_sam.mechanics.full_slip import full_slip_force
+from tractive_sam.mechanics import full_slip_force
 from tractive_sam.paper.finding import (
     Finding,
     Picture,
@@ -23,7 +23,7 @@ from tractive_sam.reference import (
     linear_creep_forces,
     vermeulen_johnson,
 )
-from tractive_sam.results.state import State
+from tractive_sam.results import State
 from tractive_sam.run.pipeline import solve
 from tractive_sam.scene import Scene
 

@@ -8,7 +8,7 @@ from tractive_sam import plot
 from tractive_sam.paper.finding import Finding, Picture, Statement, Table, Verdict, Work, listed
 from tractive_sam.paper.rolled import at_saved, rolled
 from tractive_sam.paper.scenes import ANGLES, ANGLES_TOLD, discs
-from tractive_sam.results.history import History
+from tractive_sam.results import History
 
 SIMILAR = 0.2
 """Relative spread of largest pressures that are very similar."""

@@ -7,8 +7,7 @@ import numpy as np
 from tractive_sam import plot
 from tractive_sam.paper.finding import Finding, Picture, Statement, Table, Verdict, Work, listed
 from tractive_sam.paper.scenes import ANGLES, orthotropic_spheres
-from tractive_sam.results.maximum import Maximum
-from tractive_sam.results.state import State
+from tractive_sam.results import Maximum, State
 from tractive_sam.run.pipeline import solve
 from tractive_sam.subsurface import stress_maximum, stress_on_plane
 

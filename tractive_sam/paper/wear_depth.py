@@ -9,7 +9,7 @@ from tractive_sam.paper.finding import Finding, Picture, Statement, Table, Verdi
 from tractive_sam.paper.rolled import at_saved, rolled
 from tractive_sam.paper.scenes import flat_discs
 from tractive_sam.reference import GlobalWear, giwm
-from tractive_sam.results.history import History
+from tractive_sam.results import History
 from tractive_sam.scene import Scene
 
 GOOD = 0.1

@@ -15,7 +15,7 @@ from tractive_sam.plot.frame import Frame
 from tractive_sam.plot.map import BOTTOM, LEFT, RIGHT, Map, paper, placed
 from tractive_sam.plot.profiles import chosen
 from tractive_sam.plot.style import BLUE, MICRON, PRESSURE, WIDTH, styled
-from tractive_sam.results.history import History
+from tractive_sam.results import History
 
 MOST = 100
 """Pictures of an animation, which are in memory together; of more revolutions some are left out."""

@@ -6,8 +6,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from tractive_sam.plot.style import GREY, MICRON, WIDTH, along, styled
-from tractive_sam.results.history import History
-from tractive_sam.results.quantities import Quantity
+from tractive_sam.results import History, Quantity
 
 Points = tuple[ArrayLike, ArrayLike]
 

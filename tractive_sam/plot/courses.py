@@ -7,8 +7,7 @@ from matplotlib.figure import Figure
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.stress import NOTE
 from tractive_sam.plot.style import BLUE, VERMILLION, WIDTH, along, set_title, styled
-from tractive_sam.results.history import History
-from tractive_sam.results.quantities import BODIES
+from tractive_sam.results import BODIES, History
 
 COLOURS = {"A": BLUE, "B": VERMILLION}
 """Of the bodies."""

@@ -8,9 +8,7 @@ import numpy as np
 from scipy.ndimage import binary_opening
 
 from tractive_sam.plot.scale import Scale
-from tractive_sam.results.history import History
-from tractive_sam.results.quantities import REVOLUTION, Quantity
-from tractive_sam.results.state import State
+from tractive_sam.results import REVOLUTION, History, Quantity, State
 
 
 @dataclass(frozen=True, eq=False)

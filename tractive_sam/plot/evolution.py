@@ -9,7 +9,7 @@ from tractive_sam.plot.drawn import Drawn
 from tractive_sam.plot.map import Map
 from tractive_sam.plot.profiles import chosen
 from tractive_sam.plot.style import MICRON, PRESSURE, SLIP, WEAR, styled
-from tractive_sam.results.history import History
+from tractive_sam.results import History
 
 MOST = 6
 """Maps of a figure; of more revolutions some are left out."""

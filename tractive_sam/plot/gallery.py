@@ -26,7 +26,7 @@ from tractive_sam.plot.line import line_pressure, line_pressures, line_slip, lin
 from tractive_sam.plot.profiles import pressure_profiles, wear_profiles, worn_profiles
 from tractive_sam.plot.sections import traction_sections
 from tractive_sam.plot.stress import von_mises_sections
-from tractive_sam.results.history import History
+from tractive_sam.results import History
 
 FORMATS = ("png", "pdf", "svg")
 

@@ -10,7 +10,7 @@ from tractive_sam.plot.profiles import chosen
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.sections import MARGIN, section
 from tractive_sam.plot.style import BLUE, GREY, VERMILLION, WIDTH, set_title, styled, symbol_of
-from tractive_sam.results.history import History
+from tractive_sam.results import History
 
 
 @styled

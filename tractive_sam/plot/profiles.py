@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.style import GREY, MICRON, WIDTH, set_title, styled, symbol_of
-from tractive_sam.results.history import History
+from tractive_sam.results import History
 
 MOST = 8
 """Lines of a figure; of more records some are left out."""

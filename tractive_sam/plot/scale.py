@@ -4,8 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Self
 
-from tractive_sam.results.history import History
-from tractive_sam.results.state import State
+from tractive_sam.results import History, State
 
 
 @dataclass(frozen=True)

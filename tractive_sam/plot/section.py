@@ -9,11 +9,11 @@ from matplotlib.axes import Axes
 from matplotlib.contour import ContourSet
 from matplotlib.ticker import MaxNLocator
 
-from tractive_sam.mechanics.criteria import CRITERIA, StressCriterion
+from tractive_sam.mechanics import CRITERIA, StressCriterion
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.stress_maxima import StressMaximum, stress_maxima
 from tractive_sam.plot.style import SIGNED, STRESS
-from tractive_sam.results.plane_stress import PlaneStress
+from tractive_sam.results import PlaneStress
 
 GIVEN = ("zz", "xz", "yz")
 """Components that at the surface are the tractions, and do not depend on the mesh."""

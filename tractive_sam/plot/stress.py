@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
-from tractive_sam.mechanics.criteria import VON_MISES, StressCriterion
+from tractive_sam.mechanics import VON_MISES, StressCriterion
 from tractive_sam.plot.drawn import Drawn
 from tractive_sam.plot.frame import TICK_ROOM, Frame
 from tractive_sam.plot.map import APART, BOTTOM, LEFT, LINE, RIGHT, bar, paper, placed
@@ -20,9 +20,7 @@ from tractive_sam.plot.section import Section, common_levels
 from tractive_sam.plot.stress_maxima import StressMaximum
 from tractive_sam.plot.style import WIDTH, styled
 from tractive_sam.plot.zones import contact_edge
-from tractive_sam.results.history import History
-from tractive_sam.results.plane_stress import PlaneStress
-from tractive_sam.results.state import State
+from tractive_sam.results import History, PlaneStress, State
 from tractive_sam.scene import Plane
 
 Source: TypeAlias = "State | History | PlaneStress | Iterable[PlaneStress]"

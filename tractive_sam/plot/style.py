@@ -11,8 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from tractive_sam.plain import plain
-from tractive_sam.results.history import History
-from tractive_sam.results.quantities import Quantity
+from tractive_sam.results import History, Quantity
 
 P = ParamSpec("P")
 Drawn = TypeVar("Drawn")

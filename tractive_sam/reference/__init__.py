@@ -4,11 +4,21 @@ Units mm, N, MPa; x is the rolling direction; forces and tractions act on the up
 a negative longitudinal creepage drives it (Q_x > 0). Imports nothing of the package.
 """
 
-from tractive_sam.mechanics.full_slip import full_slip_force, load_to_carry
-from tractive_sam.mechanics.hertz import HertzContact, combined_radius, hertz
-from tractive_sam.mechanics.hertz_line import HertzLine, hertz_line
-from tractive_sam.mechanics.invariants import max_shear, principal_stresses, von_mises
-from tractive_sam.mechanics.material import CombinedMaterial, Material, combine
+from tractive_sam.mechanics import (
+    CombinedMaterial,
+    HertzContact,
+    HertzLine,
+    Material,
+    combine,
+    combined_radius,
+    full_slip_force,
+    hertz,
+    hertz_line,
+    load_to_carry,
+    max_shear,
+    principal_stresses,
+    von_mises,
+)
 
 from .bentall_johnson import bentall_johnson_creepage
 from .carter import Carter

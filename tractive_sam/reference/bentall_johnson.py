@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tractive_sam.mechanics.material import CombinedMaterial
+from tractive_sam.mechanics import CombinedMaterial
 
 # Slip changes sign where the pressure is p0 cos t; half of the load lies between these two points
 # when 2t + sin 2t = pi/2. This is cos(t) / 2 at its root, 0.457 in the literature.

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tractive_sam.mechanics.hertz_line import HertzLine
+from tractive_sam.mechanics import HertzLine
 
 
 @dataclass(frozen=True)

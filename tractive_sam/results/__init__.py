@@ -3,3 +3,9 @@
 A `State` is one solved contact, a `Record` what is kept of it, a `History` all records; a
 `Quantity` says what a recorded number is and how it is read off a contact.
 """
+
+import lazy_loader
+
+# Names, listed in __init__.pyi, are looked up when first used: a mesh needs nothing of scenes, which
+# the rest of the room reads.
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from tractive_sam.mechanics.criteria import StressCriterion
+from tractive_sam.mechanics import StressCriterion
 
 Point = tuple[float, float, float]
 """(x, y, depth), mm."""

@@ -5,8 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from tractive_sam.mechanics.criteria import StressCriterion
-from tractive_sam.mechanics.invariants import max_shear, principal_stresses, von_mises
+from tractive_sam.mechanics import StressCriterion, max_shear, principal_stresses, von_mises
 from tractive_sam.scene import Plane
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "xz", "yz")

@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
-from tractive_sam.mechanics.criteria import VON_MISES, StressCriterion
+from tractive_sam.mechanics import VON_MISES, StressCriterion
 from tractive_sam.results.state import State
 from tractive_sam.scene import Scene
 
@@ -113,7 +113,7 @@ class Quantity:
         return replace(self, unit=_PER_LENGTH[self.unit], long_name=name, per_length=False)
 
 
-def table(quantities: Iterable[Quantity]) -> dict[str, Quantity]:
+def by_name(quantities: Iterable[Quantity]) -> dict[str, Quantity]:
     """Quantities by their names."""
     return {one.name: one for one in quantities}
 
@@ -263,7 +263,7 @@ _STRESSES = stress_columns(VON_MISES)
 STRESSES = tuple(one.name for one in _STRESSES[:-1])
 """Columns of the largest stress in each body."""
 
-_KNOWN = table((*_SCALARS, *_OTHERS))
+_KNOWN = by_name((*_SCALARS, *_OTHERS))
 
 COLUMNS = (
     *_SCALARS,
@@ -281,7 +281,7 @@ COLUMNS = (
 )
 """What is recorded of every revolution. What a former results file lacks is nan in it."""
 
-FIELDS = table(
+FIELDS = by_name(
     (
         Quantity("pressure", "MPa", "contact pressure", lambda c: c.pressure),
         Quantity("traction_x", "MPa", "longitudinal traction on body A", lambda c: c.traction[0]),
@@ -311,7 +311,7 @@ OUTSIDE = {"gap": math.inf}
 """What a field is beside the mesh, where that is not zero: nothing touches there, and how wide the
 gap is only the next contact tells."""
 
-STRESS = table(
+STRESS = by_name(
     (
         Quantity(VON_MISES.name, VON_MISES.unit, VON_MISES.long_name),
         Quantity("xx", "MPa", "normal stress in x"),
@@ -347,4 +347,4 @@ def columns(scene: Scene, own: Iterable[Quantity] = ()) -> dict[str, Quantity]:
         replace(instead[one.role], when=one.when) if one.role in instead else one for one in COLUMNS
     ]
     found += [one for one in own if not one.role]
-    return table(one.of_line(scene.line) for one in found if one.when(scene))
+    return by_name(one.of_line(scene.line) for one in found if one.when(scene))

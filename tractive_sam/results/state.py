@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tractive_sam.mechanics.frame import Frame
+from tractive_sam.mechanics import Frame
 from tractive_sam.results.edges import covered, extent
 from tractive_sam.results.grid import Grid, widened
 from tractive_sam.results.status import Cost, Status

@@ -5,9 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tractive_sam.contact import Model, equilibrium, fitted
-from tractive_sam.results.grid import Grid
-from tractive_sam.results.state import State
-from tractive_sam.results.status import Cost, Status
+from tractive_sam.results import Cost, Grid, State, Status
 
 CORRECTIONS = 20
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from tractive_sam.contact import Model
 from tractive_sam.operators.rows import row_compliance
-from tractive_sam.results.state import State
+from tractive_sam.results import State
 
 
 def wear_response(model: Model, contact: State, closing: float = 0.0) -> np.ndarray:

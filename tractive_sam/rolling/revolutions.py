@@ -6,9 +6,7 @@ from time import perf_counter
 from typing import Any
 
 from tractive_sam.contact import Laws, Model, grown
-from tractive_sam.results.maximum import Maximum
-from tractive_sam.results.quantities import Quantity, stress_columns
-from tractive_sam.results.record import Record
+from tractive_sam.results import Maximum, Quantity, Record, stress_columns
 from tractive_sam.rolling.adaptive import adaptive_passages
 from tractive_sam.rolling.passage import Passage, next_passage, off_grid, unworn
 from tractive_sam.rolling.saves import Saves

@@ -4,9 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from tractive_sam.contact import Gap, Model
-from tractive_sam.results.history import History
-from tractive_sam.results.state import State
-from tractive_sam.results.status import Status
+from tractive_sam.results import History, State, Status
 from tractive_sam.rolling import Passage, first_passage
 from tractive_sam.run.accuracy import (
     Judge,

@@ -7,7 +7,7 @@ import numpy as np
 
 from tractive_sam.contact import Model
 from tractive_sam.operators.memory import available
-from tractive_sam.results.quantities import columns
+from tractive_sam.results import columns
 from tractive_sam.rolling import Saves
 from tractive_sam.run import memory
 from tractive_sam.run.accuracy import Refined, refined, with_tolerances

@@ -6,10 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from tractive_sam.mechanics.criteria import CRITERIA
-from tractive_sam.results.grid import Grid
-from tractive_sam.results.history import History
-from tractive_sam.results.state import State
+from tractive_sam.mechanics import CRITERIA
+from tractive_sam.results import Grid, History, State
 from tractive_sam.scene import Subsurface
 from tractive_sam.store import Image, check_volume, write_volume
 from tractive_sam.subsurface import stress_volume

@@ -7,10 +7,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tractive_sam.contact import Laws, Model
-from tractive_sam.results.grid import Grid
-from tractive_sam.results.history import BESIDE, LABELS
-from tractive_sam.results.quantities import COLUMNS, DIMS, FIELDS, Quantity, stress_columns
-from tractive_sam.results.state import State
+from tractive_sam.results import (
+    BESIDE,
+    COLUMNS,
+    DIMS,
+    FIELDS,
+    LABELS,
+    Grid,
+    Quantity,
+    State,
+    stress_columns,
+)
 from tractive_sam.scene import Scene
 from tractive_sam.scene.quantities import LARGEST
 from tractive_sam.solvers import Solver

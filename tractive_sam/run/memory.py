@@ -5,7 +5,7 @@ import math
 from tractive_sam.contact import Model
 from tractive_sam.kernels.stress import COMPONENTS
 from tractive_sam.operators import memory
-from tractive_sam.results.quantities import FIELDS
+from tractive_sam.results import FIELDS
 from tractive_sam.rolling import Saves
 from tractive_sam.scene import Fault, SceneError
 

@@ -11,10 +11,7 @@ from numpy.typing import ArrayLike
 
 from tractive_sam.contact import Gap, Laws, check_jacobian, equilibrium, fitted, jacobian_of
 from tractive_sam.operators.threads import one_blas_thread
-from tractive_sam.results.history import History
-from tractive_sam.results.quantities import Quantity
-from tractive_sam.results.record import Record
-from tractive_sam.results.state import NotConverged, State
+from tractive_sam.results import History, NotConverged, Quantity, Record, State
 from tractive_sam.rolling import first_passage
 from tractive_sam.run import accurately, given, memory
 from tractive_sam.run.recording import Recording

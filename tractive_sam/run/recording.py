@@ -12,11 +12,7 @@ import numpy as np
 
 from tractive_sam import interrupt
 from tractive_sam.contact import Gap, Model
-from tractive_sam.results.grid import Grid
-from tractive_sam.results.history import History
-from tractive_sam.results.quantities import Quantity
-from tractive_sam.results.record import Record, fields
-from tractive_sam.results.status import Status
+from tractive_sam.results import Grid, History, Quantity, Record, Status, fields
 from tractive_sam.rolling import Passage, passages, recorded
 from tractive_sam.run.accuracy import Judge
 from tractive_sam.scene import Scene

@@ -8,10 +8,7 @@ from typing import Any
 import numpy as np
 
 from tractive_sam.contact import Laws
-from tractive_sam.results.grid import Grid
-from tractive_sam.results.history import History
-from tractive_sam.results.quantities import Quantity
-from tractive_sam.results.status import Cost
+from tractive_sam.results import Cost, Grid, History, Quantity
 from tractive_sam.rolling import Milestone, Passage
 from tractive_sam.scene import Scene
 from tractive_sam.store import DamagedError, ResultsError, state_of

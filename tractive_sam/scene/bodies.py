@@ -6,9 +6,16 @@ import math
 from collections.abc import Iterator
 from typing import ClassVar
 
-from tractive_sam.mechanics.hertz import HertzContact, combined_radius, hertz
-from tractive_sam.mechanics.hertz_line import HertzLine, hertz_line
-from tractive_sam.mechanics.material import CombinedMaterial, Material, combine
+from tractive_sam.mechanics import (
+    CombinedMaterial,
+    HertzContact,
+    HertzLine,
+    Material,
+    combine,
+    combined_radius,
+    hertz,
+    hertz_line,
+)
 
 from .alternatives import exactly_one
 from .faults import Fault

@@ -6,9 +6,7 @@ import math
 import warnings
 from collections.abc import Iterator
 
-from tractive_sam.mechanics.full_slip import full_slip_force, load_to_carry
-from tractive_sam.mechanics.hertz import HertzContact
-from tractive_sam.mechanics.hertz_line import HertzLine
+from tractive_sam.mechanics import HertzContact, HertzLine, full_slip_force, load_to_carry
 
 from .alternatives import not_both
 from .bodies import Bodies

@@ -12,10 +12,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from tractive_sam.mechanics.hertz import HertzContact
-from tractive_sam.mechanics.hertz_line import HertzLine
-from tractive_sam.mechanics.material import CombinedMaterial, Material
-from tractive_sam.mechanics.turns import Turns
+from tractive_sam.mechanics import CombinedMaterial, HertzContact, HertzLine, Material, Turns
 
 from . import toml
 from .bodies import Bodies

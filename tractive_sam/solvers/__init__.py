@@ -10,7 +10,7 @@ meshes, one after the other, by way of easier problems.
     1.0
 """
 
-from tractive_sam.results.status import Cost, Status
+from tractive_sam.results import Cost, Status
 from tractive_sam.solvers.anderson import Anderson
 from tractive_sam.solvers.bracketing import Bracketing
 from tractive_sam.solvers.conjugate_gradients import ConjugateGradients

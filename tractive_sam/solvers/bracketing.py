@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import brentq
 
-from tractive_sam.results.status import Status
+from tractive_sam.results import Status
 from tractive_sam.solvers.continuation import Continuation
 from tractive_sam.solvers.outcome import Note, Outcome, Solver, Start
 from tractive_sam.solvers.problem import PrescribedForces, Problem

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tractive_sam.results.status import Cost, Status
+from tractive_sam.results import Cost, Status
 from tractive_sam.solvers.outcome import Note, Outcome, Start
 from tractive_sam.solvers.problem import NormalProblem
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tractive_sam.results.status import Cost, Status
+from tractive_sam.results import Cost, Status
 from tractive_sam.solvers.outcome import Note, Outcome, Solver, Start
 from tractive_sam.solvers.problem import Box, PrescribedForces, Problem
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tractive_sam.results.status import Cost, Status
+from tractive_sam.results import Cost, Status
 from tractive_sam.solvers.conjugate_gradients import ConjugateGradients
 from tractive_sam.solvers.gmres import gmres
 from tractive_sam.solvers.newton_system import Iterate, System

@@ -5,7 +5,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from tractive_sam.results.status import Cost, Status
+from tractive_sam.results import Cost, Status
 
 
 def relative(distance: float, size: float) -> float:

@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from tractive_sam.mechanics.friction import Bound, Friction, Linearisation
+from tractive_sam.mechanics import Bound, Friction, Linearisation
 from tractive_sam.operators import Operators
 from tractive_sam.operators.stencil import FrictionSlip
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tractive_sam.operators import Operators
-from tractive_sam.results.status import Cost, Status
+from tractive_sam.results import Cost, Status
 from tractive_sam.solvers.conjugate_gradients import ConjugateGradients
 from tractive_sam.solvers.nested import Nested
 from tractive_sam.solvers.outcome import Note, Outcome, Start, relative

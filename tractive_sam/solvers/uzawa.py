@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from tractive_sam.results.status import Status
+from tractive_sam.results import Status
 from tractive_sam.solvers.outcome import Outcome
 from tractive_sam.solvers.projection import ProjectedMap, Projection
 

@@ -8,9 +8,7 @@ were of any length, and nothing had a checksum. Such a file is rewritten when it
 import h5py
 import numpy as np
 
-from tractive_sam.results.history import FORMER, History
-from tractive_sam.results.quantities import BODIES, FIELDS
-from tractive_sam.results.record import Record, fields
+from tractive_sam.results import BODIES, FIELDS, FORMER, History, Record, fields
 from tractive_sam.scene import Scene, toml
 from tractive_sam.store import layout, rows
 from tractive_sam.store.errors import ResultsError

@@ -26,20 +26,20 @@ from collections.abc import Mapping, Sequence
 import h5py
 import numpy as np
 
-from tractive_sam.results.grid import Grid
-from tractive_sam.results.history import LABELS
-from tractive_sam.results.plane_stress import PlaneStress
-from tractive_sam.results.quantities import (
+from tractive_sam.results import (
     COLUMNS,
     COORDINATE,
     FIELDS,
+    LABELS,
     REVOLUTION,
     STRESS,
+    Grid,
+    PlaneStress,
     Quantity,
+    Record,
     of_role,
 )
-from tractive_sam.results.quantities import columns as columns_of
-from tractive_sam.results.record import Record
+from tractive_sam.results import columns as columns_of
 from tractive_sam.scene import Scene
 from tractive_sam.store.texts import create_text, set_text, text_of
 from tractive_sam.store.versions import versions

@@ -7,14 +7,15 @@ from pathlib import Path
 
 import numpy as np
 
-from tractive_sam.results.grid import Grid
-from tractive_sam.results.history import LABELS, History
-from tractive_sam.results.quantities import (
+from tractive_sam.results import (
     BODIES,
     COORDINATE,
     FIELDS,
+    LABELS,
     OUTSIDE,
     STRESS,
+    Grid,
+    History,
     Quantity,
     columns,
     of_role,

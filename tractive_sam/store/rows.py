@@ -5,11 +5,8 @@ from collections.abc import Iterator, Mapping, Sequence
 import h5py
 import numpy as np
 
-from tractive_sam.mechanics.criteria import VON_MISES
-from tractive_sam.results.grid import Grid, widened
-from tractive_sam.results.history import stacked
-from tractive_sam.results.quantities import FIELDS, OUTSIDE, STRESS
-from tractive_sam.results.record import Record
+from tractive_sam.mechanics import VON_MISES
+from tractive_sam.results import FIELDS, OUTSIDE, STRESS, Grid, Record, stacked, widened
 
 SCALES = ("y", "axis", "body", "position")
 """What is in /history beside rows of records."""

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tractive_sam.results.plane_stress import COMPONENTS, PlaneStress
+from tractive_sam.results import COMPONENTS, PlaneStress
 from tractive_sam.scene import Plane
 from tractive_sam.store.opening import results_file
 

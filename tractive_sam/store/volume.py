@@ -19,8 +19,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from tractive_sam.mechanics.criteria import CRITERIA, VON_MISES
-from tractive_sam.results.quantities import Quantity
+from tractive_sam.mechanics import CRITERIA, VON_MISES
+from tractive_sam.results import Quantity
 from tractive_sam.scene import Scene
 from tractive_sam.store.errors import ResultsError
 from tractive_sam.store.replacement import replacement

@@ -17,9 +17,7 @@ from uuid import uuid4
 import numpy as np
 from h5py import File
 
-from tractive_sam.results.grid import Grid, widened
-from tractive_sam.results.quantities import REVOLUTION, Quantity
-from tractive_sam.results.record import Record
+from tractive_sam.results import REVOLUTION, Grid, Quantity, Record, widened
 from tractive_sam.scene import Scene
 from tractive_sam.store import former, layout, room, rows
 from tractive_sam.store.checkpoints import Checkpoints

@@ -10,7 +10,7 @@ import numpy as np
 
 from tractive_sam import interrupt
 from tractive_sam.plot import Variable, study_curves, study_map, study_samples
-from tractive_sam.results.quantities import COLUMNS, table
+from tractive_sam.results import COLUMNS, by_name
 from tractive_sam.studies.axis import SAMPLE
 from tractive_sam.studies.results import StudyResults, title_of
 
@@ -161,7 +161,7 @@ def _variable(columns: Mapping[str, tuple], line: bool, key: str | None = None) 
 
 def _unit(key: str, line: bool) -> str:
     """Unit of an entry that is drawn under a symbol; the titles of others tell theirs."""
-    units = {name: one.of_line(line).unit for name, one in table(COLUMNS).items()}
+    units = {name: one.of_line(line).unit for name, one in by_name(COLUMNS).items()}
     of_entries = {
         "load.normal": units["P"],
         "load.pressure": units["p_max"],

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tractive_sam import interrupt
-from tractive_sam.results.history import History
-from tractive_sam.results.quantities import BODIES, COLUMNS, Quantity, table
+from tractive_sam.results import BODIES, COLUMNS, History, Quantity, by_name
 from tractive_sam.scene import Scene
 from tractive_sam.store import ResultsError, is_written, open_history
 from tractive_sam.studies.case import Case, cases
@@ -134,7 +133,7 @@ class StudyResults:
             if one.dims == ("body",)
             for body in BODIES
         ]
-        return table([*(one for one in known if not one.dims), *of_bodies])
+        return by_name([*(one for one in known if not one.dims), *of_bodies])
 
     @cached_property
     def _names(self) -> set[str]:

@@ -4,8 +4,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from tractive_sam.results.history import History
-from tractive_sam.results.quantities import BODIES
+from tractive_sam.results import BODIES, History
 from tractive_sam.studies.case import Case
 
 COMPLETE, FAILED, HELD = "complete", "failed", "held"

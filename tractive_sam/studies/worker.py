@@ -7,7 +7,7 @@ from pathlib import Path
 from time import perf_counter
 from traceback import format_exc
 
-from tractive_sam.results.history import History
+from tractive_sam.results import History
 from tractive_sam.run.pipeline import roll
 from tractive_sam.scene import Scene
 from tractive_sam.store import DamagedError, HeldError, lock_of, locked, open_history

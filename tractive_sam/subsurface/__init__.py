@@ -6,8 +6,7 @@ z = +depth, body B at z = -depth. Across the interface xz, yz and zz are continu
 -p_n.
 """
 
-from tractive_sam.results.maximum import Maximum
-from tractive_sam.results.plane_stress import PlaneStress
+from tractive_sam.results import Maximum, PlaneStress
 from tractive_sam.subsurface.depth import depths
 from tractive_sam.subsurface.maximum import stress_maxima, stress_maximum
 from tractive_sam.subsurface.plane import stress_on_plane, stress_on_planes

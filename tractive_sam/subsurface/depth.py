@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tractive_sam.results.state import State
+from tractive_sam.results import State
 from tractive_sam.scene import Subsurface
 
 

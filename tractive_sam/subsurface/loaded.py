@@ -7,8 +7,8 @@ from typing import Protocol
 import numpy as np
 
 from tractive_sam.contact.laws import Laws
-from tractive_sam.mechanics.elasticity import Elasticity
-from tractive_sam.results.grid import Grid
+from tractive_sam.mechanics import Elasticity
+from tractive_sam.results import Grid
 from tractive_sam.scene import Scene
 from tractive_sam.subsurface.source import StressSource, stress_source
 

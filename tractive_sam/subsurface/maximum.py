@@ -4,8 +4,7 @@ import numpy as np
 from scipy.ndimage import maximum_filter
 
 from tractive_sam.contact.laws import Laws
-from tractive_sam.results.maximum import Maximum, Point
-from tractive_sam.results.state import State
+from tractive_sam.results import Maximum, Point, State
 from tractive_sam.subsurface.climb import climb, polish
 from tractive_sam.subsurface.loaded import LoadedBodies
 from tractive_sam.subsurface.pyramid import Pyramid

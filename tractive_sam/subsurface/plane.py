@@ -7,8 +7,7 @@ from numpy.typing import ArrayLike
 
 from tractive_sam.contact.laws import Laws
 from tractive_sam.kernels.stress import COMPONENTS
-from tractive_sam.results.plane_stress import PlaneStress
-from tractive_sam.results.state import State
+from tractive_sam.results import PlaneStress, State
 from tractive_sam.scene import Plane
 from tractive_sam.subsurface.depth import checked, default_depths, semi_axes
 from tractive_sam.subsurface.loaded import LoadedBodies

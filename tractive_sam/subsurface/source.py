@@ -6,10 +6,9 @@ from typing import Literal, Protocol
 
 import numpy as np
 
-from tractive_sam.mechanics.criteria import StressCriterion
-from tractive_sam.mechanics.elasticity import Elasticity, HalfSpaces, Strips
+from tractive_sam.mechanics import Elasticity, HalfSpaces, StressCriterion, Strips
 from tractive_sam.operators import Lattice, StressLayers, StressPlane
-from tractive_sam.results.grid import Grid
+from tractive_sam.results import Grid
 from tractive_sam.subsurface.patches import Patches
 from tractive_sam.subsurface.pyramid import Pyramid
 from tractive_sam.subsurface.strips import StripLevels, StripLoads

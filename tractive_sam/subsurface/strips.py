@@ -5,10 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from tractive_sam.kernels import strip_stress
-from tractive_sam.mechanics.criteria import StressCriterion
-from tractive_sam.mechanics.elasticity import Strips
+from tractive_sam.mechanics import StressCriterion, Strips
 from tractive_sam.operators import Lattice
-from tractive_sam.results.grid import Grid
+from tractive_sam.results import Grid
 from tractive_sam.subsurface.surface import largest_at_surface
 
 

@@ -6,8 +6,7 @@ follows; but each stress has its root on one side only, and is smooth on the oth
 
 import numpy as np
 
-from tractive_sam.mechanics.criteria import StressCriterion
-from tractive_sam.mechanics.elasticity import HalfSpaces
+from tractive_sam.mechanics import HalfSpaces, StressCriterion
 from tractive_sam.operators import Lattice, surface_stress
 from tractive_sam.operators.surface import between, slopes
 

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from tractive_sam.contact import Gap, Model
-from tractive_sam.results.maximum import Maximum
+from tractive_sam.results import Maximum
 from tractive_sam.rolling import Passage, Saves, first_passage, passages
 from tractive_sam.run.accuracy.error_bars import Sample, relative_error_bars
 from tractive_sam.run.accuracy.judgement import judge, worst_of

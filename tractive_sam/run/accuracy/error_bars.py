@@ -21,8 +21,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from tractive_sam.results.maximum import Maximum
-from tractive_sam.results.state import State
+from tractive_sam.results import Maximum, State
 
 SAFETY = 3.0
 """Error bar over the difference between the last two meshes (benchmarks/error_bars.py)."""

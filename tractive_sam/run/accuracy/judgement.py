@@ -5,8 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from tractive_sam.results.history import History
-from tractive_sam.results.state import State
+from tractive_sam.results import History, State
 from tractive_sam.rolling import Saves
 from tractive_sam.run.accuracy.error_bars import (
     Name,

@@ -3,7 +3,7 @@
 import math
 
 from tractive_sam.contact import Gap, choose_grid
-from tractive_sam.results.grid import Grid
+from tractive_sam.results import Grid
 from tractive_sam.scene import Scene
 
 FIRST = -4

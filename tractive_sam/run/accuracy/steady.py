@@ -5,8 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from tractive_sam.contact import Gap, Model, fitted
-from tractive_sam.results.state import State
-from tractive_sam.results.status import Cost
+from tractive_sam.results import Cost, State
 from tractive_sam.run.accuracy.error_bars import Sample
 from tractive_sam.run.accuracy.judgement import judge
 from tractive_sam.run.accuracy.levels import FIRST, Levels

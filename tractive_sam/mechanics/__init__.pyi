@@ -1,0 +1,31 @@
+"""What `mechanics` lets out, for `__init__.py` and for type checkers."""
+
+from .criteria import CRITERIA as CRITERIA
+from .criteria import VON_MISES as VON_MISES
+from .criteria import StressCriterion as StressCriterion
+from .elasticity import Elasticity as Elasticity
+from .elasticity import HalfSpaces as HalfSpaces
+from .elasticity import Strips as Strips
+from .frame import Frame as Frame
+from .friction import Bound as Bound
+from .friction import Coulomb as Coulomb
+from .friction import Friction as Friction
+from .friction import FrictionLaw as FrictionLaw
+from .friction import Linearisation as Linearisation
+from .full_slip import full_slip_force as full_slip_force
+from .full_slip import load_to_carry as load_to_carry
+from .invariants import max_shear as max_shear
+from .invariants import principal_stresses as principal_stresses
+from .invariants import von_mises as von_mises
+from .line_contact import HertzLine as HertzLine
+from .line_contact import hertz_line as hertz_line
+from .material import CombinedMaterial as CombinedMaterial
+from .material import Material as Material
+from .material import combine as combine
+from .point_contact import HertzContact as HertzContact
+from .point_contact import combined_radius as combined_radius
+from .point_contact import hertz as hertz
+from .turns import Turns as Turns
+from .wear import Archard as Archard
+from .wear import ArchardByWork as ArchardByWork
+from .wear import WearLaw as WearLaw

@@ -1,0 +1,33 @@
+"""What `results` lets out, for `__init__.py` and for type checkers."""
+
+from .grid import Grid as Grid
+from .grid import widened as widened
+from .history import BESIDE as BESIDE
+from .history import FORMER as FORMER
+from .history import LABELS as LABELS
+from .history import History as History
+from .history import stacked as stacked
+from .maximum import Maximum as Maximum
+from .maximum import Point as Point
+from .plane_stress import COMPONENTS as COMPONENTS
+from .plane_stress import PlaneStress as PlaneStress
+from .quantities import BODIES as BODIES
+from .quantities import COLUMNS as COLUMNS
+from .quantities import COORDINATE as COORDINATE
+from .quantities import DIMS as DIMS
+from .quantities import FIELDS as FIELDS
+from .quantities import OUTSIDE as OUTSIDE
+from .quantities import REVOLUTION as REVOLUTION
+from .quantities import STRESS as STRESS
+from .quantities import Quantity as Quantity
+from .quantities import by_name as by_name
+from .quantities import columns as columns
+from .quantities import of_role as of_role
+from .quantities import stress_columns as stress_columns
+from .record import Record as Record
+from .record import fields as fields
+from .state import Contact as Contact
+from .state import NotConverged as NotConverged
+from .state import State as State
+from .status import Cost as Cost
+from .status import Status as Status
