@@ -6,6 +6,6 @@ A `State` is one solved contact, a `Record` what is kept of it, a `History` all 
 
 import lazy_loader
 
-# Names, listed in __init__.pyi, are looked up when first used: a mesh needs nothing of scenes, which
-# the rest of the room reads.
+# Names, listed in __init__.pyi, are looked up when first used: whoever needs a mesh need not read
+# scenes, as the rest of the room does.
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
