@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tractive_sam.kernels.stress_sum import stress_at
-from tractive_sam.operators import Lattice, StressLayers, StressPlane
+from tractive_sam.operators import Lattice, StressLayers, StressPlane, stress_layers
 from tractive_sam.results.grid import Grid
 
 GRID = Grid((3.0, 2.0), (13, 10))
@@ -130,3 +130,22 @@ def test_error_far_below_is_absolute():
     stress = StressLayers(MESH, tractions, POISSON).at(depth)[0].reshape(6, -1)
     assert np.abs(truth).max() < 1e-3
     np.testing.assert_allclose(stress, truth, atol=ROUNDING)
+
+
+def test_what_is_kept_of_a_mesh_is_bounded_and_changes_nothing(monkeypatch):
+    layers = StressLayers(MESH, random_tractions(*BOXES[0]), POISSON)
+    depths = np.linspace(0.1, 0.9, 9)
+    once = [layers.at(depth) for depth in depths]
+    kept = stress_layers._Transforms()
+    size = 4 * 18 * 10 * 16
+    monkeypatch.setattr(stress_layers, "_transforms", kept)
+    monkeypatch.setattr(stress_layers, "KEPT", 5 * size)
+    for _ in range(2):
+        for depth, stress in zip(depths, once, strict=True):
+            np.testing.assert_array_equal(layers.at(depth), stress)
+            assert kept._size() <= stress_layers.KEPT
+    mesh = (GRID.dx, GRID.dy, *layers._padded)
+    assert [kept.get(mesh, depth) is not None for depth in depths] == 5 * [True] + 4 * [False]
+    other = StressLayers(MESH.of((20, 10)), np.ones((1, 3, 20, 10)), (0.3,))
+    other.at(0.1)
+    assert kept.get(mesh, depths[0]) is None

@@ -11,6 +11,7 @@ from tractive_sam.scene import Plane, Scene
 from tractive_sam.subsurface import (
     depths,
     stress_at,
+    stress_layers,
     stress_on_plane,
     stress_on_planes,
     stress_volume,
@@ -62,6 +63,26 @@ def test_plane_at_a_depth_is_a_layer(contact, body):
     ((depth, layer),) = stress_volume(contact, stress.depth, body)
     assert depth == stress.depth[0]
     np.testing.assert_array_equal(tensor(stress), layer)
+
+
+def test_layers_go_on_beyond_the_mesh(contact):
+    wanted, beyond = [0.0, 0.4], 30
+    x = contact.grid.lengthened(beyond).x
+    np.testing.assert_allclose(x[beyond:-beyond], contact.grid.x, atol=1e-14)
+    layers = list(stress_layers(contact, wanted, ("A", "B"), beyond))
+    for (depth, found), *alone in zip(
+        layers, *(stress_volume(contact, wanted, body) for body in "AB"), strict=True
+    ):
+        for stress, body, (_, inside) in zip(found, "AB", alone, strict=True):
+            assert stress.shape == (6, 81, 21)
+            np.testing.assert_allclose(
+                stress[:, beyond:-beyond], inside, atol=ROUNDING * contact.p_max
+            )
+            for i, j in ((0, 0), (80, 3), (40, 13)):
+                truth = stress_at(contact, [(x[i], contact.grid.y[j], depth)], body)[0]
+                np.testing.assert_allclose(
+                    stress[:, i, j], truth, rtol=1e-11, atol=ROUNDING * contact.p_max
+                )
 
 
 def test_volume_equals_the_sum_at_its_points(contact):

@@ -1,8 +1,10 @@
 """Stress in planes parallel to the surface, from tractions on a mesh."""
 
-from collections.abc import Callable, Sequence
+from collections import OrderedDict
+from collections.abc import Callable, Hashable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
+from threading import Lock
 
 import numpy as np
 
@@ -11,7 +13,45 @@ from tractive_sam.kernels.stress_spectral import layer_product
 from tractive_sam.operators.extent import reach
 from tractive_sam.operators.fft import padded_length
 from tractive_sam.operators.influence import Lattice
-from tractive_sam.operators.stress_fft import layer_transform
+from tractive_sam.operators.stress_fft import LayerTransform, layer_transform
+
+KEPT = 64 * 2**20
+"""Most memory that transforms kept for further layers take, bytes."""
+
+
+class _Transforms:
+    """Transforms of the integrals over an element, for other tractions on the same mesh.
+
+    Those of a mesh, by their depths. Where they become too many those of the mesh used longest ago
+    are dropped; of one mesh the first are kept, as depths are gone through again and again.
+    """
+
+    def __init__(self) -> None:
+        self._meshes: OrderedDict[Hashable, dict[float, np.ndarray]] = OrderedDict()
+        self._lock = Lock()
+
+    def get(self, mesh: Hashable, depth: float) -> np.ndarray | None:
+        """What is kept, or None."""
+        with self._lock:
+            if mesh not in self._meshes:
+                return None
+            self._meshes.move_to_end(mesh)
+            return self._meshes[mesh].get(depth)
+
+    def keep(self, mesh: Hashable, depth: float, transforms: np.ndarray) -> None:
+        """Keep a copy, if there is room for it."""
+        with self._lock:
+            of_mesh = self._meshes.setdefault(mesh, {})
+            while self._size() + transforms.nbytes > KEPT and len(self._meshes) > 1:
+                self._meshes.popitem(last=False)
+            if self._size() + transforms.nbytes <= KEPT:
+                of_mesh[depth] = transforms.copy()
+
+    def _size(self) -> int:
+        return sum(one.nbytes for of_mesh in self._meshes.values() for one in of_mesh.values())
+
+
+_transforms = _Transforms()
 
 
 class StressLayers:
@@ -20,8 +60,9 @@ class StressLayers:
     The bodies are half-spaces z >= 0 with z into the body, loaded as in
     :mod:`tractive_sam.kernels.stress`. For tractions constant on every element the result is exact;
     its error is that of rounding, about 1e-15 of the tractions at any depth. Nothing is kept of a
-    layer, so that memory does not grow with their number. Bodies under one contact share the
-    integrals over an element, which do not depend on Poisson's ratio, and their transforms.
+    layer's stress, so that memory does not grow with their number. Bodies under one contact share
+    the integrals over an element, which do not depend on Poisson's ratio, and their transforms;
+    up to `KEPT` bytes of these serve other tractions on the same mesh.
 
     Parameters
     ----------
@@ -61,15 +102,23 @@ class StressLayers:
             In the order of `kernels.stress.COMPONENTS`, MPa; a new array.
         """
         transform = layer_transform(self.lattice.shape, self._padded, self.threads)
-        table = transform.tables, float(depth), self.lattice.dx, self.lattice.dy
-        self._by_rows(partial(layer_table, *table))
-        transform.forward()
+        packs = self._packs(transform, float(depth))
         out = np.empty((len(self.poisson), 6, *self.lattice.shape))
         for stress, load, nu in zip(out, self._loads, self.poisson, strict=True):
-            spectra = transform.spectra, transform.packs, load
-            self._by_rows(partial(layer_product, *spectra, nu))
+            self._by_rows(partial(layer_product, transform.spectra, packs, load, nu))
             stress[:] = transform.backward()
         return out
+
+    def _packs(self, transform: LayerTransform, depth: float) -> np.ndarray:
+        sides = self.lattice.dx, self.lattice.dy
+        mesh = *sides, *self._padded
+        packs = _transforms.get(mesh, depth)
+        if packs is None:
+            self._by_rows(partial(layer_table, transform.tables, depth, *sides))
+            transform.forward()
+            packs = transform.packs
+            _transforms.keep(mesh, depth, packs)
+        return packs
 
     def _by_rows(self, work: Callable[[int, int], None]) -> None:
         """Share the rows 0 to p_x/2 of tables and spectra among the threads: work(first, last)."""

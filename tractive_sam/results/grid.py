@@ -29,6 +29,11 @@ class Grid:
         """The grid of two directions, or of x alone: that of a line contact."""
         return cls((*half_length, 0.5)[:2], (*elements, 1)[:2])
 
+    def lengthened(self, elements: int) -> "Grid":
+        """The same elements, and so many more before and behind in the rolling direction."""
+        (half_x, half_y), (nx, ny) = self.half_length, self.elements
+        return Grid((half_x + elements * self.dx, half_y), (nx + 2 * elements, ny))
+
     @property
     def line(self) -> bool:
         """Whether it is that of a line contact."""

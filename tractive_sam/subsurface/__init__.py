@@ -8,6 +8,7 @@ z = +depth, body B at z = -depth. Across the interface xz, yz and zz are continu
 
 from tractive_sam.results import Maximum, PlaneStress
 from tractive_sam.subsurface.depth import depths
+from tractive_sam.subsurface.layers import stress_layers
 from tractive_sam.subsurface.maximum import stress_maxima, stress_maximum
 from tractive_sam.subsurface.plane import stress_on_plane, stress_on_planes
 from tractive_sam.subsurface.points import stress_at
@@ -18,6 +19,7 @@ __all__ = [
     "PlaneStress",
     "depths",
     "stress_at",
+    "stress_layers",
     "stress_maxima",
     "stress_maximum",
     "stress_on_plane",

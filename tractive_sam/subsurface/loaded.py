@@ -8,7 +8,7 @@ import numpy as np
 
 from tractive_sam.contact.laws import Laws
 from tractive_sam.mechanics import Elasticity
-from tractive_sam.results import Grid
+from tractive_sam.results import Grid, widened
 from tractive_sam.scene import Scene
 from tractive_sam.subsurface.source import StressSource, stress_source
 
@@ -60,8 +60,17 @@ class LoadedBodies:
     source: StressSource
 
     @classmethod
-    def of(cls, contact: Loading, names: Sequence[str], laws: Laws | None = None) -> "LoadedBodies":
+    def of(
+        cls,
+        contact: Loading,
+        names: Sequence[str],
+        laws: Laws | None = None,
+        beyond: int = 0,
+    ) -> "LoadedBodies":
         """Take bodies of a contact, by default with the laws of its scene.
+
+        Their mesh may go on `beyond` the contact's by so many elements without load, before and
+        behind it in the rolling direction.
 
         Raises
         ------
@@ -75,9 +84,11 @@ class LoadedBodies:
         tractions = np.stack(
             [np.concatenate((SIGNS[name] * contact.traction, p_n)) for name in names]
         )
+        grid = contact.grid.lengthened(beyond) if beyond else contact.grid
+        tractions = widened(tractions, grid.elements)
         elasticity = (laws or Laws.of(contact.scene)).elasticity
         bodies = tuple(elasticity.alone(name) for name in names)
-        source = stress_source(bodies[0], bodies, contact.grid, tractions)
+        source = stress_source(bodies[0], bodies, grid, tractions)
         return cls(tuple(names), tractions, bodies, source)
 
     def in_contact_axes(self, stress: np.ndarray) -> np.ndarray:

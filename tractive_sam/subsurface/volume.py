@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tractive_sam.contact.laws import Laws
-from tractive_sam.subsurface.depth import checked
-from tractive_sam.subsurface.loaded import LoadedBodies, Loading
+from tractive_sam.subsurface.layers import stress_layers
+from tractive_sam.subsurface.loaded import Loading
 
 
 def stress_volume(
@@ -49,10 +49,5 @@ def stress_volume(
     0.5 (6, 91, 91)
     1.0 (6, 91, 91)
     """
-    # Checked at the call, not at the first layer.
-    return _layers(LoadedBodies.of(contact, (body,), laws), checked(depths), threads)
-
-
-def _layers(load: LoadedBodies, depths: np.ndarray, threads: int):
-    for depth, stress in zip(depths, load.source.layers(depths, threads), strict=True):
-        yield float(depth), load.in_contact_axes(stress)[0]
+    layers = stress_layers(contact, depths, (body,), threads=threads, laws=laws)
+    return ((depth, stress[0]) for depth, stress in layers)

@@ -1,0 +1,60 @@
+"""Stress of bodies in whole layers, one after another."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tractive_sam.contact.laws import Laws
+from tractive_sam.subsurface.depth import checked
+from tractive_sam.subsurface.loaded import LoadedBodies, Loading
+
+
+def stress_layers(
+    contact: Loading,
+    depths: ArrayLike,
+    bodies: Sequence[str] = ("A",),
+    beyond: int = 0,
+    threads: int = 1,
+    laws: Laws | None = None,
+) -> Iterator[tuple[float, np.ndarray]]:
+    """Stress at the centres of the mesh, layer by layer; nothing is kept of a layer.
+
+    Along x a layer holds what the material at (y, depth) goes through as it rolls through the
+    contact. By FFT: exact for tractions constant on the elements. Bodies cost little more than one,
+    and what a layer takes of mesh and depth alone is kept for the next contact on that mesh
+    (`operators.StressLayers`).
+
+    Parameters
+    ----------
+    contact : State or Loading
+        The solved contact, or its scene, grid and tractions.
+    depths : array_like, shape (n,)
+        Depths, in any order, 0 at the surface, mm.
+    bodies : sequence of str
+        "A" or "B".
+    beyond : int
+        Elements by which the layers go on before and behind the mesh in the rolling direction;
+        they are at the x of ``contact.grid.lengthened(beyond)``.
+    threads : int
+        Threads to use.
+    laws : Laws, optional
+        Laws that the contact was solved with, where they are not those of its scene.
+
+    Yields
+    ------
+    (float, ndarray of shape (bodies, 6, n_x + 2 beyond, n_y))
+        Depth, and xx, yy, zz, xy, xz, yz of each body in the axes of the contact, MPa.
+
+    Raises
+    ------
+    ValueError
+        If there is no such body, or depths are negative or not finite.
+    """
+    # Checked at the call, not at the first layer.
+    return _layers(LoadedBodies.of(contact, bodies, laws, beyond), checked(depths), threads)
+
+
+def _layers(load: LoadedBodies, depths: np.ndarray, threads: int):
+    for depth, stress in zip(depths, load.source.layers(depths, threads), strict=True):
+        yield float(depth), load.in_contact_axes(stress)
