@@ -39,8 +39,6 @@ ANYTHING = st.one_of(
 CHANGES = st.dictionaries(st.sampled_from(ENTRIES), ANYTHING, min_size=1, max_size=3)
 quick = settings(
     max_examples=30,
-    deadline=None,  # machines differ, and the first contact compiles
-    database=None,  # a run does not depend on the one before
     suppress_health_check=[HealthCheck.function_scoped_fixture],
 )
 
@@ -123,15 +121,15 @@ FOREIGN = st.sampled_from([np.float64(1.0), b"text", "text", np.zeros(0), np.zer
 
 
 @quick
-@given(data=st.data(), value=FOREIGN)
-def test_foreign_results(content, data, value, tmp_path):
+@given(number=st.integers(0, 999), replaced=st.booleans(), value=FOREIGN)
+def test_foreign_results(content, number, replaced, value, tmp_path):
     """Another program has put something else in place of a group or a dataset."""
     path = tmp_path / "foreign.h5"
     path.write_bytes(content[0])
     with h5py.File(path, "r+") as file:
-        name = data.draw(st.sampled_from(content[1]))
+        name = content[1][number % len(content[1])]
         del file[name]
-        if data.draw(st.booleans(), "replaced"):
+        if replaced:
             file[name] = value
     readable_or_told(path)
 
@@ -167,9 +165,10 @@ def solved():
 
 
 @quick
+@example(wear=np.full((11, 11), 1e6))  # the gap still has ten digits beside it
 @given(wear=arrays.arrays(float, st.sampled_from([(11, 11), (11,), (9, 11)]), elements=NUMBERS))
 def test_wear_from_outside(solved, wear):
-    if wear.shape != (11, 11) or not (np.abs(wear) <= 1e30).all():
+    if wear.shape != (11, 11) or not (np.abs(wear) <= 1e6).all():
         with pytest.raises(ValueError, match=r"wear.*\(11, 11\)"):
             ts.solve(solved.scene, wear=wear, throw=False)
         return

@@ -20,7 +20,7 @@ def projected(traction, bound, weights=(1.0, 1.0)):
     return out
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(fields, bounds)
 def test_projection_is_admissible_and_idempotent(traction, bound):
     once = projected(traction, bound)
@@ -30,14 +30,14 @@ def test_projection_is_admissible_and_idempotent(traction, bound):
     np.testing.assert_array_equal(once[:, inside & (bound > 0)], traction[:, inside & (bound > 0)])
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(fields, fields, bounds)
 def test_projection_shortens_distances(a, b, bound):
     apart = np.hypot(*(a - b))
     assert (np.hypot(*(projected(a, bound) - projected(b, bound))) <= apart + 1e-12).all()
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(fields, bounds, st.floats(1.0, 1e4))
 def test_nearest_in_a_weighted_norm(traction, bound, weight):
     """On the disc, and apart from it along the normal in that norm: (1 + l w) z = p, l >= 0."""

@@ -69,7 +69,7 @@ SCENES = st.fixed_dictionaries(
 
 
 @pytest.mark.filterwarnings("ignore::tractive_sam.scene.SceneWarning")  # large contacts
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(SCENES)
 def test_round_trip(tables):
     scene = Scene(**tables)
@@ -118,14 +118,14 @@ def tables_like(model):
     return st.fixed_dictionaries({}, optional=fields)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(tables_like(Scene), st.dictionaries(TEXT, JUNK, max_size=1))
 def test_junk_gives_faults(tables, more):
     with pytest.raises(SceneError):
         Scene(**tables, **{key: value for key, value in more.items() if key not in tables})
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(
     SCENES, st.lists(st.tuples(st.sampled_from(["load", "body", "wear", "grid", "friction"]), JUNK))
 )

@@ -81,7 +81,7 @@ class Model:
         gap = 0.5 * (x**2 / radius_x + y**2 / radius_y)
         if self.measured is not None:
             taken = resampled(self.measured, self.grid)
-            gap = gap + taken
+            gap = gap + (taken - taken.min())  # a distance shared by all would take its digits
             warn_if_unseen(self.measured, self.grid, taken, self.units.gap)
             if self.transmits or self.scene.wear is not None:
                 warn_if_standing(self.measured, self.grid)

@@ -22,6 +22,9 @@ from tractive_sam.scene import Scene
 from tractive_sam.scene.quantities import LARGEST
 from tractive_sam.solvers import Solver
 
+DEEPEST = 1e6
+"""Depth of wear, mm, beyond which rounding would take the gap beside it."""
+
 
 def check_scene(scene: Scene) -> None:
     """See that it is a scene."""
@@ -64,7 +67,7 @@ def columns_of(columns: Iterable[Quantity], laws: Laws | None = None) -> tuple[Q
 
 def depths_of(wear: ArrayLike, grid: Grid) -> np.ndarray:
     """Depths of wear given from outside, mm."""
-    needed = f"wear: finite numbers of the shape {grid.elements} are needed, mm"
+    needed = f"wear: numbers up to {DEEPEST:g} mm of the shape {grid.elements} are needed"
     try:
         depths = np.asarray(wear)
     except ValueError:  # rows of different lengths
@@ -74,7 +77,7 @@ def depths_of(wear: ArrayLike, grid: Grid) -> np.ndarray:
         depths.dtype.kind not in "fiu"
         or depths.shape != grid.elements
         or np.ma.is_masked(wear)
-        or not (np.abs(depths) <= LARGEST).all()
+        or not (np.abs(depths) <= DEEPEST).all()
     ):
         raise ValueError(needed)
     return depths.astype(float)

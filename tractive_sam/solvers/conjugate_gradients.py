@@ -56,8 +56,7 @@ class ConjugateGradients:
         p = _first_guess(problem) if start is None else np.maximum(start.pressure, 0.0)
         p = _loaded(problem, p)
         lift = apply(p)
-        response = active = direction = gap_before = None
-        product_before = 0.0
+        response = active = direction = gap_before = product_before = None
         status = Status.OUT_OF_ITERATIONS
         for taken in range(self.iterations + 1):
             gap = problem.gap + lift
@@ -91,7 +90,11 @@ class ConjugateGradients:
                     # Those of the former area must not change the load on this one.
                     direction -= response * (direction.sum() / response.sum())
             change = apply(direction)
-            length = np.vdot(gap, direction) / np.vdot(direction, change)
+            if (
+                not (curvature := np.vdot(direction, change)) > 0.0
+            ):  # of gaps so wide that rounding leaves no way to go
+                break
+            length = np.vdot(gap, direction) / curvature
             p = p - length * direction
             if p.min() < 0.0:
                 # Elements that would pull leave; then what was summed up no longer is the lift.
