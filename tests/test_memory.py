@@ -4,7 +4,6 @@ import pytest
 
 import tractive_sam as ts
 from tractive_sam.contact import Model
-from tractive_sam.operators import memory as machine
 from tractive_sam.run import explain, memory
 
 FREE = 256 * 2**20
@@ -19,7 +18,7 @@ LARGE = {
 
 @pytest.fixture
 def little(monkeypatch):
-    monkeypatch.setattr(machine, "available", lambda: FREE)
+    monkeypatch.setattr(memory, "available", lambda: FREE)
     monkeypatch.setattr(explain, "available", lambda: FREE)
 
 

@@ -9,7 +9,6 @@ from tractive_sam.cli import app
 from tractive_sam.results.grid import Grid
 from tractive_sam.results.quantities import FIELDS, columns
 from tractive_sam.results.record import Record
-from tractive_sam.run import pipeline
 from tractive_sam.scene import Scene
 from tractive_sam.store import HistoryWriter, open_history
 
@@ -85,5 +84,5 @@ def roll(monkeypatch):
             return open_history(path)
 
     fake = Roll()
-    monkeypatch.setattr(pipeline, "roll", fake)
+    monkeypatch.setattr("tractive_sam.run.roll", fake)
     return fake

@@ -2,7 +2,6 @@ import h5py
 import pytest
 
 import tractive_sam as ts
-from tractive_sam.run import export as exporting
 
 SMALL = ("--set", "grid.elements=[15, 15]")
 
@@ -77,7 +76,7 @@ def test_interrupt(call, results, monkeypatch):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(exporting, "export_volume", interrupted)
+    monkeypatch.setattr("tractive_sam.run.export_volume", interrupted)
     result = call("export", results)
     assert result.exit_code == 3
     assert "discs-A.vtkhdf was not written" in result.stderr

@@ -2,8 +2,6 @@ import csv
 
 import pytest
 
-from tractive_sam.operators import threads
-
 SMALL = """
 title = "Friction of small spheres"
 scene = "spheres"
@@ -71,7 +69,7 @@ def test_explain(call, file, monkeypatch):
     assert result.exit_code == 0
     for text in ("Friction of small spheres", "2 values: 0.2, 0.4", "2 cases", "with 3 workers"):
         assert text in result.stdout
-    monkeypatch.setattr(threads, "cores", lambda: 7)
+    monkeypatch.setattr("tractive_sam.operators.cores", lambda: 7)
     assert "with 7 workers" in call("explain", file).stdout
     refused = call("explain", file, "--set", "load.normal=1")
     assert refused.exit_code == 2

@@ -47,7 +47,7 @@ def explain(
 
 def _study(file: Path, settings: list[str] | None, workers: int | None):
     """A study and what there is to say of it."""
-    from tractive_sam.operators.threads import cores
+    from tractive_sam.operators import cores
     from tractive_sam.studies import Study, explain_study
 
     if settings:

@@ -60,7 +60,7 @@ def export(
     ] = None,
 ) -> None:
     """Write the stress in a volume of one body into a file that ParaView opens."""
-    from tractive_sam.run.export import export_volume
+    from tractive_sam.run import export_volume
     from tractive_sam.store import check_volume
 
     output = output or Path(f"{Path(source).stem}-{body}.vtkhdf")
@@ -98,7 +98,7 @@ def _opened(source: str, settings: list[str] | None, revolution: int | None) -> 
         if not history.finished:
             say(("note: ", "bold yellow"), f"{source} is {history.status}: {history.message}")
         return history
-    from tractive_sam.run.pipeline import solve
+    from tractive_sam.run import solve
 
     asked = read_scene(source, settings)
     if revolution is not None:

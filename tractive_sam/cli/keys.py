@@ -16,9 +16,7 @@ def keys(
     ] = None,
 ) -> None:
     """Tell every key of a scene: meaning with unit, what is allowed, default."""
-    from tractive_sam.scene import Fault, Scene, SceneError
-    from tractive_sam.scene.faults import shown, suggestion
-    from tractive_sam.scene.keys import groups
+    from tractive_sam.scene import Fault, Scene, SceneError, groups, shown, suggestion
 
     found = list(groups(Scene))
     names = [name for group in found for name in group.names if name]

@@ -162,7 +162,7 @@ def bad_input_told() -> Iterator[None]:
 
 def _faults(faults: Sequence, subject: str = "scene") -> typer.Exit:
     """List faults: anything with key, given and allowed."""
-    from tractive_sam.scene.faults import MOST_TOLD
+    from tractive_sam.scene import MOST_TOLD
 
     count = f"{len(faults)} faults" if len(faults) > 1 else "1 fault"
     leave = stop(Status.INVALID, f"{count} in the {subject}")

@@ -50,7 +50,7 @@ def run(
 ) -> None:
     """Compute a scene, all its revolutions, into a results file."""
     from tractive_sam.cli import tables
-    from tractive_sam.run import pipeline
+    from tractive_sam.run import roll
 
     if resume and overwrite:
         raise stop(Status.INVALID, "--resume goes on, --overwrite starts anew: give one of them")
@@ -62,9 +62,7 @@ def run(
         before = _written(output)
         try:
             with _progress(asked) as progress, warnings_told():
-                history = pipeline.roll(
-                    asked, output, overwrite=True, resume=resume, progress=progress
-                )
+                history = roll(asked, output, overwrite=True, resume=resume, progress=progress)
         except KeyboardInterrupt:
             held = f"{output} holds what was computed, --resume goes on from there"
             told = f"; {held}" if resume or _written(output) != before else ""
@@ -88,7 +86,7 @@ def run(
 
 def _kept(path: Path, scene: "Scene") -> str:
     """What a file holds that is not replaced unasked, and what to do instead."""
-    from tractive_sam.run.resume import what_differs
+    from tractive_sam.run import what_differs
     from tractive_sam.store import ResultsError, open_history
 
     own = "-o FILE.h5 gives this run a file of its own"

@@ -33,8 +33,7 @@ def read_scene(name: str, settings: list[str] | None) -> "Scene":
     SceneError
         With every fault.
     """
-    from tractive_sam.scene import Scene
-    from tractive_sam.scene.catalogue import names_file
+    from tractive_sam.scene import Scene, names_file
 
     path = Path(name)
     with warnings_told() as notes:

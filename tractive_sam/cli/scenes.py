@@ -31,7 +31,7 @@ def scenes(
 
 
 def _write(name: str) -> None:
-    from tractive_sam.scene.starter import starter
+    from tractive_sam.scene import starter
 
     path = Path(f"{name}.toml")
     with bad_input_told():

@@ -57,7 +57,7 @@ def study(
     """Compute every case of a study that is not complete, long ones first."""
     from tractive_sam import studies
     from tractive_sam.cli.study_show import failures, mixed_versions
-    from tractive_sam.studies.run import SCHEDULER_ENCRYPTS
+    from tractive_sam.studies import SCHEDULER_ENCRYPTS
 
     if scheduler is not None and workers is not None:
         refusal = "--workers: a scheduler has its own, start them by dask worker ADDRESS"

@@ -44,7 +44,7 @@ def study_show(
 ) -> None:
     """Show all cases of a study with their last records, also while it runs."""
     with bad_input_told():
-        from tractive_sam.scene.override import parse_settings
+        from tractive_sam.scene import parse_settings
         from tractive_sam.studies import open_study, save_figures
 
         results = open_study(directory)

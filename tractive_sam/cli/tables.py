@@ -9,7 +9,7 @@ from rich import box
 from rich.table import Table
 
 from tractive_sam.results import BODIES
-from tractive_sam.scene.told import told
+from tractive_sam.scene import told
 
 if TYPE_CHECKING:
     from tractive_sam.results import History
@@ -43,7 +43,7 @@ def about(history: "History") -> Table:
         unworn = f"a0 = {history.a0:.5g} mm, b0 = {history.b0:.5g} mm, p0 = {history.p0:.6g} MPa"
         rows["unworn contact"] = unworn
     rows["records"] = f"{len(history)}, {len(history.saved)} with fields"
-    rows |= told(history.scene)
+    rows |= told.told(history.scene)
     if others := rolled_on_by(history):
         rows["rolled on by"] = others
     rows |= balances(history)
@@ -59,7 +59,7 @@ def about(history: "History") -> Table:
 def asked(history: "History") -> Table:
     """The load and the wear that were asked for, in the units that people have."""
     table = Table.grid(padding=(0, 2))
-    for name, value in told(history.scene).items():
+    for name, value in told.told(history.scene).items():
         table.add_row(name, value)
     return table
 

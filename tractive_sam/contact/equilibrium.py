@@ -8,9 +8,7 @@ import numpy as np
 from tractive_sam.contact.message import message
 from tractive_sam.contact.model import Model
 from tractive_sam.results import State, Status
-from tractive_sam.solvers.ladder import ALONE
-from tractive_sam.solvers.outcome import Outcome, Start
-from tractive_sam.solvers.problem import Problem
+from tractive_sam.solvers import ALONE, Outcome, Problem, Start
 
 DepthInPass = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 """(p_n and p_t in MPa, s/V) -> depth of wear in mm below every element."""

@@ -35,10 +35,7 @@ from tractive_sam.contact.model import Model
 from tractive_sam.mechanics import Coulomb
 from tractive_sam.results import COLUMNS, State, by_name
 from tractive_sam.scene import SceneWarning
-from tractive_sam.solvers.gmres import gmres
-from tractive_sam.solvers.newton_system import Iterate, System
-from tractive_sam.solvers.outcome import Start
-from tractive_sam.solvers.problem import Problem
+from tractive_sam.solvers import Iterate, Problem, Start, System, gmres
 
 if TYPE_CHECKING:
     import xarray

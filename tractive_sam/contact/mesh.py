@@ -5,8 +5,7 @@ import math
 import numpy as np
 
 from tractive_sam.results import Grid
-from tractive_sam.scene import Fault, Scene, SceneError
-from tractive_sam.scene.tables import MOST_ELEMENTS
+from tractive_sam.scene import MOST_ELEMENTS, Fault, Scene, SceneError
 
 MARGIN = 1.15
 """Half length of the domain over the semi-axis of the Hertzian contact."""

@@ -2,8 +2,8 @@
 
 from tractive_sam.contact.model import Model
 from tractive_sam.results import Grid, Status
-from tractive_sam.scene.checks import FEWEST_ELEMENTS
-from tractive_sam.solvers.outcome import Outcome
+from tractive_sam.scene import FEWEST_ELEMENTS
+from tractive_sam.solvers import Outcome
 
 
 def message(status: Status, outcome: Outcome, model: Model) -> str:

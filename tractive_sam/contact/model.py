@@ -12,9 +12,15 @@ from tractive_sam.mechanics import Coulomb, Frame, Friction, FrictionLaw, WearLa
 from tractive_sam.operators import STAGGERED, UPWIND, Lattice, Operators, Stencil
 from tractive_sam.results import Grid
 from tractive_sam.scene import Scene
-from tractive_sam.solvers.ladder import METHODS, Method
-from tractive_sam.solvers.outcome import Solver
-from tractive_sam.solvers.problem import NormalProblem, PrescribedForces, Problem, WearInPass
+from tractive_sam.solvers import (
+    METHODS,
+    Method,
+    NormalProblem,
+    PrescribedForces,
+    Problem,
+    Solver,
+    WearInPass,
+)
 
 
 @dataclass(frozen=True)

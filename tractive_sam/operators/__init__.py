@@ -3,11 +3,15 @@
 from tractive_sam.mechanics import Frame
 from tractive_sam.operators.convolution import Convolution
 from tractive_sam.operators.elastic import Operators
+from tractive_sam.operators.extent import extent
 from tractive_sam.operators.influence import Lattice
-from tractive_sam.operators.stencil import STAGGERED, UPWIND, Stencil
+from tractive_sam.operators.memory import available
+from tractive_sam.operators.rows import row_compliance
+from tractive_sam.operators.stencil import STAGGERED, UPWIND, FrictionSlip, Stencil
 from tractive_sam.operators.stress_layers import StressLayers
 from tractive_sam.operators.stress_plane import StressPlane
-from tractive_sam.operators.surface import surface_stress
+from tractive_sam.operators.surface import between, slopes, surface_stress
+from tractive_sam.operators.threads import cores, one_blas_thread
 from tractive_sam.results import Grid
 
 __all__ = [
@@ -15,11 +19,19 @@ __all__ = [
     "UPWIND",
     "Convolution",
     "Frame",
+    "FrictionSlip",
     "Grid",
     "Lattice",
     "Operators",
     "Stencil",
     "StressLayers",
     "StressPlane",
+    "available",
+    "between",
+    "cores",
+    "extent",
+    "one_blas_thread",
+    "row_compliance",
+    "slopes",
     "surface_stress",
 ]

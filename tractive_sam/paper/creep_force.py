@@ -24,7 +24,7 @@ from tractive_sam.reference import (
     vermeulen_johnson,
 )
 from tractive_sam.results import State
-from tractive_sam.run.pipeline import solve
+from tractive_sam.run import solve
 from tractive_sam.scene import Scene
 
 LAST = 1.3

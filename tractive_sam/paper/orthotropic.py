@@ -8,7 +8,7 @@ from tractive_sam import plot
 from tractive_sam.paper.finding import Finding, Picture, Statement, Table, Verdict, Work, listed
 from tractive_sam.paper.scenes import ANGLES, orthotropic_spheres
 from tractive_sam.results import Maximum, State
-from tractive_sam.run.pipeline import solve
+from tractive_sam.run import solve
 from tractive_sam.subsurface import stress_maximum, stress_on_plane
 
 PAPER_INTERIOR = 0.6

@@ -4,7 +4,7 @@ import numpy as np
 
 from tractive_sam.paper.finding import Work
 from tractive_sam.results import History, Record
-from tractive_sam.run.pipeline import roll
+from tractive_sam.run import roll
 from tractive_sam.scene import Scene
 
 

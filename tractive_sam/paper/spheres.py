@@ -7,9 +7,9 @@ import numpy as np
 from tractive_sam import plot
 from tractive_sam.paper.finding import Finding, Picture, Statement, Table, Verdict, Work, percent
 from tractive_sam.paper.scenes import spheres
-from tractive_sam.plot.stress_maxima import stress_maxima
+from tractive_sam.plot import stress_maxima
 from tractive_sam.results import State
-from tractive_sam.run.pipeline import solve
+from tractive_sam.run import solve
 from tractive_sam.subsurface import stress_on_plane
 
 PAPER_FORCE = 0.657

@@ -28,6 +28,7 @@ from tractive_sam.plot.profiles import pressure_profiles, wear_profiles, worn_pr
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.sections import traction_sections
 from tractive_sam.plot.stress import von_mises, von_mises_sections
+from tractive_sam.plot.stress_maxima import stress_maxima as stress_maxima
 from tractive_sam.plot.study import Variable, study_curves, study_map, study_samples
 
 __all__ = [

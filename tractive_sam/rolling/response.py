@@ -3,7 +3,7 @@
 import numpy as np
 
 from tractive_sam.contact import Model
-from tractive_sam.operators.rows import row_compliance
+from tractive_sam.operators import row_compliance
 from tractive_sam.results import State
 
 

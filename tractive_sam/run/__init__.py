@@ -1,1 +1,16 @@
 """The front doors of a scene: solve, roll, resume, explain, export, and error bars."""
+
+from tractive_sam.run import explain, memory
+from tractive_sam.run.export import export_volume
+from tractive_sam.run.pipeline import measured_gap, roll, solve
+from tractive_sam.run.resume import what_differs
+
+__all__ = [
+    "explain",
+    "export_volume",
+    "measured_gap",
+    "memory",
+    "roll",
+    "solve",
+    "what_differs",
+]

@@ -6,7 +6,7 @@ from time import perf_counter
 import numpy as np
 
 from tractive_sam.contact import Model
-from tractive_sam.operators.memory import available
+from tractive_sam.operators import available
 from tractive_sam.results import columns
 from tractive_sam.rolling import Saves
 from tractive_sam.run import memory

@@ -18,8 +18,7 @@ from tractive_sam.results import (
     State,
     stress_columns,
 )
-from tractive_sam.scene import Scene
-from tractive_sam.scene.quantities import LARGEST
+from tractive_sam.scene import LARGEST, Scene
 from tractive_sam.solvers import Solver
 
 DEEPEST = 1e6

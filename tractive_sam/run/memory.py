@@ -4,7 +4,7 @@ import math
 
 from tractive_sam.contact import Model
 from tractive_sam.kernels.stress import COMPONENTS
-from tractive_sam.operators import memory
+from tractive_sam.operators import available
 from tractive_sam.results import FIELDS
 from tractive_sam.rolling import Saves
 from tractive_sam.scene import Fault, SceneError
@@ -75,7 +75,7 @@ def check_roll(model: Model, in_memory: bool) -> None:
         With what does.
     """
     check_solve(model)
-    free, contact, stress = memory.available(), of_contact(model), of_stress(model)
+    free, contact, stress = available(), of_contact(model), of_stress(model)
     if in_memory:
         contact += of_records(model)
         _check_mesh(model, contact)
@@ -87,7 +87,7 @@ def check_roll(model: Model, in_memory: bool) -> None:
 
 
 def _check_accuracy(model: Model) -> None:
-    free, most = memory.available(), model.scene.accuracy.elements
+    free, most = available(), model.scene.accuracy.elements
     needed = of_contact(model) * most / math.prod(model.grid.elements)
     if needed > free:
         given = f"{most}, for which {_told(needed, free)}"
@@ -96,7 +96,7 @@ def _check_accuracy(model: Model) -> None:
 
 
 def _check_mesh(model: Model, needed: float) -> None:
-    free = memory.available()
+    free = available()
     if needed <= free:
         return
     nx, ny = model.grid.elements

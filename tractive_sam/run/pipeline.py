@@ -10,7 +10,7 @@ from time import perf_counter
 from numpy.typing import ArrayLike
 
 from tractive_sam.contact import Gap, Laws, check_jacobian, equilibrium, fitted, jacobian_of
-from tractive_sam.operators.threads import one_blas_thread
+from tractive_sam.operators import one_blas_thread
 from tractive_sam.results import History, NotConverged, Quantity, Record, State
 from tractive_sam.rolling import first_passage
 from tractive_sam.run import accurately, given, memory

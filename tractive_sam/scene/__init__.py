@@ -3,13 +3,29 @@
 Tables and keys are those of a scene file; units mm, N, MPa, degrees, revolutions.
 """
 
+from . import told
 from .bodies import Bodies, Body
-from .catalogue import builtin_names
-from .faults import Fault, PlausibilityWarning, SceneError, SceneWarning
-from .gap import Gap
+from .catalogue import builtin_names, names_file
+from .checks import FEWEST_ELEMENTS
+from .faults import (
+    MOST_TOLD,
+    Fault,
+    PlausibilityWarning,
+    SceneError,
+    SceneWarning,
+    shown,
+    suggestion,
+)
+from .gap import Gap, files_anywhere
+from .keys import groups
+from .override import parse_settings
 from .plane import Plane
+from .quantities import LARGEST, Real, entry, number
 from .scene import Scene
+from .starter import starter
+from .table import Check, Known, Table
 from .tables import (
+    MOST_ELEMENTS,
     Accuracy,
     Coefficients,
     Creepage,
@@ -22,23 +38,41 @@ from .tables import (
 )
 
 __all__ = [
+    "FEWEST_ELEMENTS",
+    "LARGEST",
+    "MOST_ELEMENTS",
+    "MOST_TOLD",
     "Accuracy",
     "Bodies",
     "Body",
+    "Check",
     "Coefficients",
     "Creepage",
     "Fault",
     "Friction",
     "Gap",
+    "Known",
     "Load",
     "Mesh",
     "Plane",
     "PlausibilityWarning",
+    "Real",
     "Scene",
     "SceneError",
     "SceneWarning",
     "Solver",
     "Subsurface",
+    "Table",
     "Wear",
     "builtin_names",
+    "entry",
+    "files_anywhere",
+    "groups",
+    "names_file",
+    "number",
+    "parse_settings",
+    "shown",
+    "starter",
+    "suggestion",
+    "told",
 ]

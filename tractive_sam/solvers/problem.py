@@ -13,8 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from tractive_sam.mechanics import Bound, Friction, Linearisation
-from tractive_sam.operators import Operators
-from tractive_sam.operators.stencil import FrictionSlip
+from tractive_sam.operators import FrictionSlip, Operators
 
 WearInPass = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 """(pi_n, pi_t, sigma) -> depth worn within the pass, in units of gap, shape (n_x, n_y)."""

@@ -2,13 +2,16 @@
 
 from tractive_sam.store.errors import DamagedError, GapError, HeldError, ResultsError, StorageError
 from tractive_sam.store.gap import read_gap
+from tractive_sam.store.layout import FORMAT_VERSION
 from tractive_sam.store.lock import locked
 from tractive_sam.store.reader import open_history, state_of
 from tractive_sam.store.room import is_written, lock_of
+from tractive_sam.store.versions import versions
 from tractive_sam.store.volume import Image, check_volume, write_volume
 from tractive_sam.store.writer import HistoryWriter, check_results, results_writer
 
 __all__ = [
+    "FORMAT_VERSION",
     "DamagedError",
     "GapError",
     "HeldError",
@@ -25,5 +28,6 @@ __all__ = [
     "read_gap",
     "results_writer",
     "state_of",
+    "versions",
     "write_volume",
 ]

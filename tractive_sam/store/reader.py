@@ -20,8 +20,7 @@ from tractive_sam.results import (
     columns,
     of_role,
 )
-from tractive_sam.scene import Scene, SceneError, SceneWarning
-from tractive_sam.scene.gap import files_anywhere
+from tractive_sam.scene import Scene, SceneError, SceneWarning, files_anywhere
 from tractive_sam.store import former, layout
 from tractive_sam.store.errors import ResultsError
 from tractive_sam.store.opening import Results, results_file

@@ -18,5 +18,6 @@ from .results import STATUSES as STATUSES
 from .results import Row as Row
 from .results import StudyResults as StudyResults
 from .results import open_study as open_study
+from .run import SCHEDULER_ENCRYPTS as SCHEDULER_ENCRYPTS
 from .run import Progress as Progress
 from .run import study as study

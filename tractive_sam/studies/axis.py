@@ -10,10 +10,18 @@ import numpy as np
 from pydantic import AfterValidator
 from scipy.stats import qmc
 
-from tractive_sam.scene import Fault, Scene, SceneError
-from tractive_sam.scene.faults import shown
-from tractive_sam.scene.quantities import Real, entry, number
-from tractive_sam.scene.table import Check, Known, Table
+from tractive_sam.scene import (
+    Check,
+    Fault,
+    Known,
+    Real,
+    Scene,
+    SceneError,
+    Table,
+    entry,
+    number,
+    shown,
+)
 
 MOST = 1_000_000
 """Cases of a study, and values of an axis."""

@@ -13,9 +13,7 @@ import numpy as np
 
 from tractive_sam import interrupt
 from tractive_sam.scene import Fault, Scene, SceneError
-from tractive_sam.store import GapError, read_gap
-from tractive_sam.store.layout import FORMAT_VERSION
-from tractive_sam.store.versions import versions
+from tractive_sam.store import FORMAT_VERSION, GapError, read_gap, versions
 from tractive_sam.studies.design import Study, StudyError
 
 DIGEST = 16

@@ -6,11 +6,10 @@ from functools import cache
 import numpy as np
 
 from tractive_sam.contact import Model
-from tractive_sam.operators.memory import available
+from tractive_sam.operators import available
 from tractive_sam.results import FIELDS, STRESS, columns
 from tractive_sam.rolling import Saves
-from tractive_sam.run import explain, memory
-from tractive_sam.run.pipeline import measured_gap
+from tractive_sam.run import explain, measured_gap, memory
 from tractive_sam.scene import Fault
 from tractive_sam.store import read_gap
 from tractive_sam.studies.case import Case, cases

@@ -10,11 +10,20 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, ClassVar
 
-from tractive_sam.scene import Fault, Scene, SceneError, builtin_names, toml
-from tractive_sam.scene.catalogue import names_file
-from tractive_sam.scene.faults import shown, suggestion
-from tractive_sam.scene.quantities import entry
-from tractive_sam.scene.table import Check, Known, Table
+from tractive_sam.scene import (
+    Check,
+    Fault,
+    Known,
+    Scene,
+    SceneError,
+    Table,
+    builtin_names,
+    entry,
+    names_file,
+    shown,
+    suggestion,
+    toml,
+)
 from tractive_sam.studies.axis import MOST, Axis, Dimension, Latin
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from time import sleep
 
 from tractive_sam import interrupt
-from tractive_sam.operators.threads import cores
+from tractive_sam.operators import cores
 from tractive_sam.store import ResultsError, open_history
 from tractive_sam.studies import cluster
 from tractive_sam.studies.case import Case, cases

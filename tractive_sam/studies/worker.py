@@ -8,10 +8,9 @@ from time import perf_counter
 from traceback import format_exc
 
 from tractive_sam.results import History
-from tractive_sam.run.pipeline import roll
+from tractive_sam.run import roll
 from tractive_sam.scene import Scene
-from tractive_sam.store import DamagedError, HeldError, lock_of, locked, open_history
-from tractive_sam.store.versions import versions
+from tractive_sam.store import DamagedError, HeldError, lock_of, locked, open_history, versions
 from tractive_sam.studies.task import COMPLETE, FAILED, HELD, Outcome, summary
 
 ONE_THREAD = {

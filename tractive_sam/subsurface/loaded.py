@@ -6,7 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
-from tractive_sam.contact.laws import Laws
+from tractive_sam.contact import Laws
 from tractive_sam.mechanics import Elasticity
 from tractive_sam.results import Grid, widened
 from tractive_sam.scene import Scene

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.ndimage import maximum_filter
 
-from tractive_sam.contact.laws import Laws
+from tractive_sam.contact import Laws
 from tractive_sam.results import Maximum, Point, State
 from tractive_sam.subsurface.climb import climb, polish
 from tractive_sam.subsurface.loaded import LoadedBodies

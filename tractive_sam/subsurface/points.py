@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tractive_sam.contact.laws import Laws
+from tractive_sam.contact import Laws
 from tractive_sam.results import State
 from tractive_sam.subsurface.loaded import LoadedBodies
 

@@ -6,8 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from tractive_sam.mechanics import HalfSpaces, StressCriterion
-from tractive_sam.operators import Lattice, StressLayers
-from tractive_sam.operators.extent import extent
+from tractive_sam.operators import Lattice, StressLayers, extent
 from tractive_sam.results import Grid
 from tractive_sam.subsurface.patches import Patches
 from tractive_sam.subsurface.surface import largest_at_surface

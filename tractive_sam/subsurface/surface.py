@@ -7,8 +7,7 @@ follows; but each stress has its root on one side only, and is smooth on the oth
 import numpy as np
 
 from tractive_sam.mechanics import HalfSpaces, StressCriterion
-from tractive_sam.operators import Lattice, surface_stress
-from tractive_sam.operators.surface import between, slopes
+from tractive_sam.operators import Lattice, between, slopes, surface_stress
 
 FARTHEST = 1.5
 """Most elements from a corner that all four elements touch to the edge of the contact."""
