@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tractive_sam.contact.laws import Laws
+from tractive_sam.contact import Laws
 from tractive_sam.subsurface.layers import stress_layers
 from tractive_sam.subsurface.loaded import Loading
 
