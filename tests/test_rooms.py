@@ -36,4 +36,5 @@ def test_what_has_a_room_of_its_own():
         "h5py",
         "matplotlib",
         "dask",
+        "tomli_w",
     }

@@ -99,7 +99,7 @@ def test_file_that_may_not_be_read_is_let_alone(tmp_path, monkeypatch):
         raise ResultsError(f"{path} may not be read")
 
     monkeypatch.setattr(worker, "open_history", refused)
-    assert worker.run_case(case.scene.to_toml(), str(file)).status == "failed"
+    assert worker.run_case(case.scene, str(file)).status == "failed"
     assert file.read_text() == "not for everybody"
 
 
@@ -211,7 +211,7 @@ def test_a_case_has_one_writer(tmp_path):
     (case, _) = cases(small(MU))
     file = tmp_path / f"{case.name}.h5"
     with results_writer(file):
-        outcome = worker.run_case(case.scene.to_toml(), str(file))
+        outcome = worker.run_case(case.scene, str(file))
     assert outcome.status == worker.HELD
     assert not file.exists()
 
@@ -229,7 +229,7 @@ def test_what_another_process_computes_is_waited_for_and_told_once(tmp_path, mon
 
 def test_worker_that_does_not_see_the_folder(tmp_path):
     (case, _) = cases(small(MU))
-    outcome = worker.run_case(case.scene.to_toml(), str(tmp_path / "nowhere" / "a.h5"))
+    outcome = worker.run_case(case.scene, str(tmp_path / "nowhere" / "a.h5"))
     assert outcome.status == "failed"
     assert "must be on a file system that all its machines share" in outcome.message
 

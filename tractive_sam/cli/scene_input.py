@@ -1,6 +1,5 @@
 """The scene that a command is given."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
@@ -33,11 +32,10 @@ def read_scene(name: str, settings: list[str] | None) -> "Scene":
     SceneError
         With every fault.
     """
-    from tractive_sam.scene import Scene, names_file
+    from tractive_sam.scene import Scene
 
-    path = Path(name)
     with warnings_told() as notes:
-        scene = Scene.from_toml(path) if names_file(path) else Scene.builtin(name)
+        scene = Scene.named(name)
         if settings:
             notes.clear()  # the settings may have cured what was warned of
             scene = scene.with_set(settings)

@@ -5,8 +5,9 @@ Tables and keys are those of a scene file; units mm, N, MPa, degrees, revolution
 
 from . import told
 from .bodies import Bodies, Body
-from .catalogue import builtin_names, names_file
+from .catalogue import builtin_names
 from .checks import FEWEST_ELEMENTS
+from .document import Document
 from .faults import (
     MOST_TOLD,
     Fault,
@@ -48,6 +49,7 @@ __all__ = [
     "Check",
     "Coefficients",
     "Creepage",
+    "Document",
     "Fault",
     "Friction",
     "Gap",
@@ -68,7 +70,6 @@ __all__ = [
     "entry",
     "files_anywhere",
     "groups",
-    "names_file",
     "number",
     "parse_settings",
     "shown",

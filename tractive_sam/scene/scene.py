@@ -6,7 +6,6 @@ import hashlib
 import json
 import warnings
 from collections.abc import Iterable
-from os import PathLike
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -14,10 +13,10 @@ import numpy as np
 
 from tractive_sam.mechanics import CombinedMaterial, HertzContact, HertzLine, Material, Turns
 
-from . import toml
 from .bodies import Bodies
-from .catalogue import builtin_text
+from .catalogue import builtin_text, names_file
 from .checks import SCENE_CHECKS, warn_if_coarse, warn_if_large, warn_if_unequal
+from .document import Document
 from .doubts import doubts
 from .faults import PlausibilityWarning
 from .gap import Gap
@@ -27,7 +26,7 @@ from .table import Check, Table
 from .tables import Accuracy, Creepage, Friction, Load, Mesh, Solver, Subsurface, Wear
 
 
-class Scene(Table):
+class Scene(Document):
     """Two bodies, what presses and moves them, and what is to be computed.
 
     Built from keywords, from TOML, or from a built-in scene; immutable. Tables may be given as
@@ -78,27 +77,15 @@ class Scene(Table):
             warn_if_coarse(self.grid, self.hertz, stacklevel=2)
 
     @classmethod
-    def from_toml(cls, path: str | PathLike[str]) -> Scene:
-        """Read a scene file; a relative gap file is sought from its folder.
+    def named(cls, name: str) -> Scene:
+        """Read a scene file, or build a built-in scene: what a command or a study is given.
 
         Raises
         ------
         SceneError
-            If the file cannot be read, is no TOML, or describes no valid scene.
+            If there is none, or if it is not valid.
         """
-        path = Path(path).absolute()
-        return cls._from_tables(toml.parse_file(path), path.parent)
-
-    @classmethod
-    def from_toml_text(cls, text: str) -> Scene:
-        """Read a scene from TOML text; a relative gap file is sought from the working folder.
-
-        Raises
-        ------
-        SceneError
-            If the text is no TOML, or describes no valid scene.
-        """
-        return cls._from_tables(toml.parse(text), Path())
+        return cls.from_toml(name) if names_file(name) else cls.builtin(name)
 
     @classmethod
     def builtin(cls, name: str) -> Scene:
@@ -110,10 +97,6 @@ class Scene(Table):
             If there is none of this name.
         """
         return cls.from_toml_text(builtin_text(name))
-
-    def to_toml(self) -> str:
-        """Write what was given, not the defaults, as TOML; `from_toml_text` gives it back."""
-        return toml.emit(self.entries())
 
     def fingerprint(self) -> str:
         """Hash of all that is asked, defaults included: the same for the same scene.
@@ -195,11 +178,12 @@ class Scene(Table):
         return self.body.hertz(self.load)
 
     @classmethod
-    def _from_tables(cls, tables: dict[str, Any], folder: Path) -> Scene:
+    def files_from(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
+        """The tables, with a relative gap file sought from a folder."""
         match tables:
             case {"gap": {"file": str(file)}}:
                 tables["gap"]["file"] = str(folder / file)
-        return cls(**tables)
+        return tables
 
 
 def _canonical(value: Any) -> Any:

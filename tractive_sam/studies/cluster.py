@@ -231,7 +231,7 @@ def _handed_out(client: "Client", tasks: list[Task]) -> Iterator[tuple[Task, Out
     futures = {
         client.submit(
             run_case,
-            task.case.scene.to_toml(),
+            task.case.scene,
             str(task.file),
             key=f"case-{task.case.number}-{round_of}",
             priority=task.seconds,

@@ -8,21 +8,20 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 from tractive_sam.scene import (
     Check,
+    Document,
     Fault,
     Known,
     Scene,
     SceneError,
-    Table,
     builtin_names,
     entry,
-    names_file,
+    parse_settings,
     shown,
     suggestion,
-    toml,
 )
 from tractive_sam.studies.axis import MOST, Axis, Dimension, Latin
 
@@ -64,7 +63,7 @@ def _not_too_many(known: Known) -> Iterator[Fault]:
         yield Fault("axis", f"{count} cases", f"at most {MOST:.0e}")
 
 
-class Study(Table):
+class Study(Document):
     """A scene, and the entries of it that vary: every combination of the axes is a case.
 
     Parameters
@@ -128,14 +127,14 @@ class Study(Table):
             faults += error.faults
             scene = Scene.builtin(builtin_names()[0])  # so that the rest is judged as well
         try:
-            super().__init__(scene=scene, **given)
+            super().__init__(**given | {"scene": scene})
         except SceneError as error:
             faults += error.faults
         if faults:
             raise StudyError(faults)
 
     @classmethod
-    def from_toml(cls, path: str | PathLike[str]) -> Study:
+    def from_toml(cls, path: str | PathLike[str]) -> Self:
         """Read a study file; relative files in it are sought from its folder.
 
         Raises
@@ -143,19 +142,34 @@ class Study(Table):
         StudyError
             If the file cannot be read, is no TOML, or describes no valid study.
         """
-        path = Path(path).absolute()
         try:
-            tables = toml.parse_file(path)
+            return super().from_toml(path)
         except SceneError as error:
             raise StudyError(error.faults) from None
-        return cls(**_files_from(path.parent, tables))
 
-    def to_toml(self) -> str:
-        """Write it as TOML, with its scene in it and settings made; `from_toml` gives it back.
+    def entries(self) -> dict[str, Any]:
+        """Return what was given, with its scene in it and settings made.
 
         Relative files in it, which are sought from the working folder, become absolute.
         """
-        return toml.emit(_files_from(Path.cwd(), self.entries()))
+        return self.files_from(Path.cwd(), super().entries())
+
+    @classmethod
+    def files_from(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
+        """The tables, with relative files in them sought from a folder."""
+        match tables:
+            case {"scene": str(name)} if (folder / name).is_file():
+                tables["scene"] = str(folder / name)
+            case {"scene": dict(scene)}:
+                Scene.files_from(folder, scene)
+        match tables:
+            case {"set": list(settings)}:
+                tables["set"] = [_setting_from(folder, one) for one in settings]
+        for one in _tables_with_values(tables.get("axis")):
+            match one:
+                case {"key": "gap.file", "values": list() | tuple() as files}:
+                    one["values"] = [str(folder / str(file)) for file in files]
+        return tables
 
     @property
     def dimensions(self) -> tuple[Dimension, ...]:
@@ -181,34 +195,17 @@ def is_study(path: str | PathLike[str]) -> bool:
     False
     """
     try:
-        return bool({"axis", "latin"} & toml.parse_file(Path(path)).keys())
+        return bool({"axis", "latin"} & Study.tables_of(path).keys())
     except SceneError:
         return False
 
 
-def _files_from(folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
-    """The tables with relative files sought from a folder."""
-    match tables:
-        case {"scene": str(name)} if (folder / name).is_file():
-            tables["scene"] = str(folder / name)
-        case {"scene": {"gap": {"file": str(file)}}}:
-            tables["scene"]["gap"]["file"] = str(folder / file)
-    match tables:
-        case {"set": list(settings)}:
-            tables["set"] = [_setting_from(folder, one) for one in settings]
-    for one in _tables_with_values(tables.get("axis")):
-        match one:
-            case {"key": "gap.file", "values": list() | tuple() as files}:
-                one["values"] = [str(folder / str(file)) for file in files]
-    return tables
-
-
 def _setting_from(folder: Path, setting: Any) -> Any:
     """A setting like ``gap.file=profile.csv`` with its file sought from a folder."""
-    key, _, value = setting.partition("=") if isinstance(setting, str) else ("", "", "")
-    if key.strip() != "gap.file":
+    if not isinstance(setting, str) or setting.partition("=")[0].strip() != "gap.file":
         return setting
-    return f"gap.file={folder / str(toml.parse_value(value.strip()))}"
+    (file,) = parse_settings([setting]).values()
+    return f"gap.file={folder / str(file)}"
 
 
 def _tables_with_values(axes: Any) -> Iterator[Any]:
@@ -267,5 +264,4 @@ def _named(scene: Scene | Mapping[str, Any] | str) -> Scene:
         return scene
     if not isinstance(scene, str):
         return Scene(**scene)
-    path = Path(scene)
-    return Scene.from_toml(path) if names_file(path) else Scene.builtin(scene)
+    return Scene.named(scene)

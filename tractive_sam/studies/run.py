@@ -200,7 +200,7 @@ def _one_after_another(
 ) -> Iterator[tuple[Task, Outcome]]:
     for task in tasks:
         told = False
-        while (outcome := run_case(task.case.scene.to_toml(), str(task.file))).status == HELD:
+        while (outcome := run_case(task.case.scene, str(task.file))).status == HELD:
             if not told:
                 say(f"waiting for {task.case}, which another process computes")
             told = True

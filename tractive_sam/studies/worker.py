@@ -24,13 +24,13 @@ ONE_THREAD = {
 thread wherever nothing else is asked for.)"""
 
 
-def run_case(scene_toml: str, path: str) -> Outcome:
+def run_case(scene: Scene, path: str) -> Outcome:
     """Roll a scene, from where its results file ends if there is one.
 
     Parameters
     ----------
-    scene_toml : str
-        The scene.
+    scene : Scene
+        What is computed.
     path : str
         Its results file, in a folder that all machines share.
     """
@@ -40,7 +40,7 @@ def run_case(scene_toml: str, path: str) -> Outcome:
         cure = "the folder of a study must be on a file system that all its machines share"
         return Outcome(FAILED, f"{worker} finds no folder {file.parent}; {cure}", {}, worker)
     try:
-        outcome = _rolled_or_again(Scene.from_toml_text(scene_toml), file)
+        outcome = _rolled_or_again(scene, file)
     except HeldError:
         outcome = Outcome(HELD, "another process computes it")
     except Exception as error:  # whatever it is, the other cases go on

@@ -1,0 +1,57 @@
+"""Tables that have a file of their own: a scene, or a study of one."""
+
+from __future__ import annotations
+
+from os import PathLike
+from pathlib import Path
+from typing import Any, Self
+
+from . import toml
+from .table import Table
+
+
+class Document(Table):
+    """A table that is read from a TOML file, and written as one."""
+
+    @classmethod
+    def from_toml(cls, path: str | PathLike[str]) -> Self:
+        """Read a file; relative files in it are sought from its folder.
+
+        Raises
+        ------
+        SceneError
+            If the file cannot be read, is no TOML, or describes nothing valid.
+        """
+        path = Path(path).absolute()
+        return cls(**cls.files_from(path.parent, cls.tables_of(path)))
+
+    @classmethod
+    def from_toml_text(cls, text: str) -> Self:
+        """Read TOML text; relative files in it are sought from the working folder.
+
+        Raises
+        ------
+        SceneError
+            If the text is no TOML, or describes nothing valid.
+        """
+        return cls(**toml.parse(text))
+
+    def to_toml(self) -> str:
+        """Write what was given, not the defaults, as TOML; `from_toml_text` gives it back."""
+        return toml.emit(self.entries())
+
+    @staticmethod
+    def tables_of(path: str | PathLike[str]) -> dict[str, Any]:
+        """The tables of a TOML file, be they valid or not.
+
+        Raises
+        ------
+        SceneError
+            If the file cannot be read, or is no TOML.
+        """
+        return toml.parse_file(Path(path))
+
+    @classmethod
+    def files_from(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
+        """The tables, with relative files in them sought from a folder."""
+        return tables
