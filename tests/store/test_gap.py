@@ -4,6 +4,7 @@ import h5py
 import numpy as np
 import pytest
 
+import tractive_sam as ts
 from tractive_sam.scene import quantities
 from tractive_sam.store import GapError, gap, read_gap
 
@@ -71,7 +72,8 @@ def write_damaged(path, what):
 
 FAULTS = {
     "missing.h5": (lambda path: None, "no such file"),
-    "a.txt": (lambda path: path.write_text("1"), "suffix '.txt'"),
+    "a.pdf": (lambda path: path.write_text("1"), "suffix '.pdf'"),
+    "one.txt": (lambda path: path.write_text("1"), r"shape \(1, 1\)"),
     "text.h5": (lambda path: path.write_text("1"), "unreadable"),
     "no-y.h5": (lambda path: write_hdf5(path, x=X, separation=SEPARATION), "no dataset y"),
     "turned.h5": (
@@ -85,7 +87,8 @@ FAULTS = {
     "single.h5": (lambda path: write_hdf5(path, x=X[:1], y=Y, separation=SEPARATION[:1]), "x of"),
     "words.h5": (lambda path: write_hdf5(path, x=["a"], y=Y, separation=SEPARATION), "unreadable"),
     "pickle.npy": (lambda path: np.save(path, np.array([{}], object)), "unreadable"),
-    "two.npy": (lambda path: np.save(path, POINTS[:, :2]), r"shape \(12, 2\)"),
+    "two.npy": (lambda path: np.save(path, POINTS[:, :2]), "neither its body"),
+    "map.npy": (lambda path: np.save(path, SEPARATION), "gap.step"),
     "fields.npy": (lambda path: np.save(path, np.zeros(3, [("x", float)])), "no field y"),
     "hole.npy": (lambda path: np.save(path, POINTS[1:]), "11 points"),
     "twice.npy": (lambda path: np.save(path, POINTS[[0, *range(11)]]), "11 distinct"),
@@ -94,14 +97,16 @@ FAULTS = {
     "empty.npy": (lambda path: path.write_bytes(b""), "unreadable"),
     "archive.npy": (write_archive, "an archive of arrays"),
     "zip.npy": (lambda path: path.write_bytes(b"PK\3\4 and no more"), "unreadable"),
-    "long.csv": (lambda path: path.write_text("1" * 200_000), "unreadable .*field larger"),
+    "long.csv": (lambda path: path.write_text("1" * 1_000_001), "a line longer"),
     "tree.h5": (lambda path: write_damaged(path, b"TREE"), r"unreadable \(.*B-tree"),
     "heap.h5": (lambda path: write_damaged(path, b"HEAP"), r"unreadable \(.*heap"),
     "link.h5": (lambda path: write_damaged(path, b"SNOD"), "unreadable"),
     "group.h5": (lambda path: write_hdf5(path, **{"x": X, "y": Y, "separation/a": X}), "unread"),
     "empty.csv": (lambda path: path.write_text(""), "no rows"),
     "ragged.csv": (lambda path: path.write_text("x,y,separation\n1,2\n"), "rows of"),
-    "header.csv": (lambda path: path.write_text("x,y,separation\n"), "x of shape"),
+    "header.csv": (lambda path: path.write_text("x,y,separation\n"), "no rows below"),
+    "units.csv": (lambda path: path.write_text("y [mm];z\n0;1\n"), "the unit of z"),
+    "order.csv": (lambda path: path.write_text("z,x,y\n1,2,3\n"), "columns z, x, y"),
     "words.csv": (lambda path: path.write_text("x,y,separation\na,b,c\n"), "unreadable"),
 }
 
@@ -121,14 +126,91 @@ def test_lengths_are_bounded_as_those_of_a_scene():
     assert gap.LARGEST == quantities.LARGEST
 
 
-def test_other_units_are_refused(tmp_path):
+def test_units_are_those_of_the_file(tmp_path):
     path = tmp_path / "gap.h5"
-    with h5py.File(path, "w") as file:
-        for name, values in (("x", [0, 1]), ("y", [0, 1]), ("separation", [[0, 1], [2, 3]])):
-            file[name] = np.array(values, float)
+    write_hdf5(path, x=X, y=Y, separation=1e3 * SEPARATION)
+    with h5py.File(path, "r+") as file:
         file["separation"].attrs["units"] = "um"
-    with pytest.raises(GapError, match="separation in um"):
+    np.testing.assert_allclose(read_gap(path)[2], SEPARATION, rtol=1e-15)  # one product
+    with h5py.File(path, "r+") as file:
+        file["separation"].attrs["units"] = "inch"
+    with pytest.raises(GapError, match="separation in inch"):
         read_gap(path)
+
+
+HEIGHT = np.array([0.5, -1.25, 2.0, 0.0])  # micrometres over Y in mm
+ROWS = list(zip(Y, HEIGHT, strict=True))
+PROFILES = {
+    "semicolon.csv": "y [mm];z [µm]\n"
+    + "\n".join(f"{y};{z}" for y, z in ROWS),
+    "comma.csv": "y_mm,z_um\n" + "\n".join(f"{y},{z}" for y, z in ROWS),
+    "decimal.csv": "Y [mm]; Z [um]\n"
+    + "\n".join(f"{y}; {z}".replace(".", ",") for y, z in ROWS),
+    "tab.txt": "# stylus 2 um\n# y (mm)\tz (um)\n"
+    + "\n".join(f"{y}\t{z}".replace(".", ",") for y, z in ROWS),
+    "space.dat": "y [mm]  z [um]\n"
+    + "\n".join(f"{y}   {z}" for y, z in zip(Y[::-1], HEIGHT[::-1], strict=True)),
+    "decimal-space.txt": "y [mm]  z [um]\n"
+    + "\n".join(f"{y} {z}".replace(".", ",") for y, z in ROWS),
+}
+
+
+@pytest.mark.parametrize("name", PROFILES)
+def test_profiles_as_instruments_write_them(tmp_path, name):
+    path = tmp_path / name
+    path.write_text(PROFILES[name], encoding="utf-8")
+    _, y, separation = read_gap(ts.Gap(file=path, body="A"))
+    np.testing.assert_array_equal(y, Y)
+    for row in separation:  # what stands out of a body closes the gap
+        np.testing.assert_allclose(row, -1e-3 * HEIGHT, rtol=1e-15)
+    depths = read_gap(ts.Gap(file=path, body="B", positive="inward"))[2]
+    np.testing.assert_array_equal(depths, -separation)
+
+
+def test_a_profile_without_a_header_has_the_units_of_the_scene(tmp_path):
+    path = tmp_path / "trace.txt"
+    np.savetxt(path, np.stack([1e3 * Y, 1e3 * HEIGHT], axis=1))
+    gap = ts.Gap(file=path, body="A", unit="nm", length_unit="um")
+    _, y, separation = read_gap(gap)
+    np.testing.assert_allclose(y, Y, rtol=1e-15)
+    np.testing.assert_allclose(separation[0], -1e-3 * HEIGHT, rtol=1e-15)
+
+
+@pytest.mark.parametrize("name", ["map.npy", "map.npz", "map.csv", "map.txt"])
+def test_a_map_with_a_step_is_centred(tmp_path, name):
+    path = tmp_path / name
+    if name.endswith("npy"):
+        np.save(path, SEPARATION)
+    elif name.endswith("npz"):
+        np.savez(path, SEPARATION)
+    else:
+        np.savetxt(path, SEPARATION, delimiter="," if name.endswith("csv") else " ")
+    x, y, separation = read_gap(ts.Gap(file=path, step=[0.5, 0.25]))
+    np.testing.assert_array_equal(x, [-0.5, 0.0, 0.5])
+    np.testing.assert_array_equal(y, [-0.375, -0.125, 0.125, 0.375])
+    np.testing.assert_array_equal(separation, SEPARATION)
+
+
+def test_an_archive_of_named_arrays(tmp_path):
+    path = tmp_path / "profile.npz"
+    np.savez(path, y=Y, z=HEIGHT)
+    assert read_gap(ts.Gap(file=path, body="A", unit="um"))[2].shape == (2, 4)
+    np.savez(path, x=X, y=Y, separation=SEPARATION)
+    np.testing.assert_array_equal(read_gap(path)[2], SEPARATION)
+
+
+def test_what_a_table_cannot_mean(tmp_path):
+    with pytest.raises(ts.SceneError, match="positive"):
+        ts.Gap(x=X, y=Y, separation=SEPARATION, positive="inward")
+    with pytest.raises(ts.SceneError, match="step"):
+        ts.Gap(x=X, y=Y, separation=SEPARATION, step=[1.0, 1.0])
+
+
+def test_the_heights_of_both_bodies_close_the_gap_alike():
+    peaks = {body: ts.Gap(x=X, y=Y, separation=SEPARATION, body=body) for body in "AB"}
+    for of_one in peaks.values():
+        np.testing.assert_array_equal(read_gap(of_one)[2], -SEPARATION)
+    assert peaks["A"] != peaks["B"]
 
 
 def test_scattered_points_are_refused_without_their_grid(tmp_path):

@@ -42,6 +42,12 @@ def resampled(measured: Gap, grid: Grid) -> np.ndarray:
     return _on(measured, at_x, at_y)
 
 
+def across(measured: Gap, grid: Grid) -> np.ndarray:
+    """The measured separation across the track, at x = 0 and the rows of a mesh, mm."""
+    x, y, _ = measured
+    return _on(measured, np.clip([0.0], x[0], x[-1]), np.clip(grid.y, y[0], y[-1]))[0]
+
+
 def warn_if_unseen(measured: Gap, grid: Grid, taken: np.ndarray, scale: float) -> None:
     """Warn of a gap with waves between the elements.
 
@@ -58,7 +64,7 @@ def warn_if_unseen(measured: Gap, grid: Grid, taken: np.ndarray, scale: float) -
     """
     x, y, separation = _within(measured, grid)
     each = (grid.dx * _per_length(x), grid.dy * _per_length(y))
-    if max(each) <= 1.0 or min(x.size, y.size) < 2:
+    if max(each) <= 1.0 or y.size < 2:
         return
     seen = _on((grid.x, grid.y, taken), x, y)
     missed = float(np.sqrt(np.mean((separation - seen) ** 2)))
@@ -96,6 +102,8 @@ def _within(measured: Gap, grid: Grid) -> Gap:
     in_x, in_y = (
         np.abs(known) <= length for known, length in zip((x, y), grid.half_length, strict=True)
     )
+    if not in_x.any():  # a profile across the track, told far before and behind
+        return np.zeros(1), y[in_y], _on(measured, np.zeros(1), y[in_y])
     return x[in_x], y[in_y], separation[np.ix_(in_x, in_y)]
 
 

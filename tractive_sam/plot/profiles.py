@@ -46,8 +46,8 @@ def wear_profiles(history: History) -> Figure:
 def worn_profiles(history: History) -> Figure:
     """Cross sections of both bodies across the track, undeformed, at the stored revolutions.
 
-    A above B, as they touch before they wear: the radii R_y and the depth worn off each. Heights
-    are exaggerated; a measured [gap] belongs to neither body and is not drawn.
+    A above B, as they touch before they wear: the radii R_y, the depth worn off each and a measured
+    [gap] at x = 0, on the body that it is of, else on A. Heights are exaggerated.
 
     Raises
     ------
@@ -74,16 +74,27 @@ def worn_profiles(history: History) -> Figure:
     for body, end in ends.items():
         axes.fill_between(y, surfaces[body][last], end, color=GREY, alpha=0.12, linewidth=0.0)
         place = {"va": "top", "y": 0.96} if body == "A" else {"va": "bottom", "y": 0.04}
-        axes.text(x=0.02, s=body, transform=axes.transAxes, fontsize=13, **place)
+        name = f"{body}, with the measured profile" if body == _measured_body(history) else body
+        axes.text(x=0.02, s=name, transform=axes.transAxes, fontsize=13, **place)
     axes.set(xlim=(y[shown].min(), y[shown].max()), ylim=(ends["B"], ends["A"]))
     axes.set_ylabel(r"height $z$ ($\mathrm{\mu m}$)")
     return figure
+
+
+def _measured_body(history: History) -> str:
+    """The body on which the measured gap is drawn; none where there is none."""
+    gap = history.scene.gap
+    if gap is None or np.isnan(history["measured_profile"]).any():  # a file that lacks it
+        return ""
+    return gap.body or "A"
 
 
 def _surfaces(history: History, body: str) -> dict[float, np.ndarray]:
     """Height of the surface of a body at every record, micrometres, shape (n_y,)."""
     upwards = 1.0 if body == "A" else -1.0
     crown = history.y**2 / (2.0 * getattr(history.scene.body, body).radius_y)
+    if body == _measured_body(history):
+        crown = crown + _stored(history, "measured_profile")[history.saved[-1].item()]
     depth = _stored(history, f"wear_profile_{body}")
     return {N: upwards * MICRON * (crown + worn) for N, worn in depth.items()}
 

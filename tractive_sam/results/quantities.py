@@ -34,6 +34,10 @@ def _worn(scene: Scene) -> bool:
     return scene.wear is not None
 
 
+def _measured(scene: Scene) -> bool:
+    return scene.gap is not None
+
+
 def _forced(scene: Scene) -> bool:
     return scene.load.force_x is not None or scene.load.force_y is not None
 
@@ -199,6 +203,8 @@ _OTHERS = (
              dims=("y",)),
     Quantity("wear_profile_B", "mm", "wear depth of body B; of a flat one that of a single pass",
              dims=("y",)),
+    Quantity("measured_profile", "mm", "measured separation across the track, at x = 0",
+             dims=("y",), when=_measured),
     Quantity("creepage_found", "1", "creepages (x, y) that the prescribed forces take",
              lambda c: c.creepage_found, ("axis",), when=_forced),
     Quantity("worn_volume", "mm3", "volume worn off each body since it was new; none of a flat one",

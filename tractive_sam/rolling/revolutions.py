@@ -5,7 +5,7 @@ from dataclasses import replace
 from time import perf_counter
 from typing import Any
 
-from tractive_sam.contact import Laws, Model, grown
+from tractive_sam.contact import Gap, Laws, Model, across, grown
 from tractive_sam.results import Maximum, Quantity, Record, stress_columns
 from tractive_sam.rolling.adaptive import adaptive_passages
 from tractive_sam.rolling.passage import Passage, next_passage, off_grid, unworn
@@ -66,6 +66,7 @@ def recorded(
     began: float,
     judge: Judge | None = None,
     own: Iterable[Quantity] = (),
+    measured: Gap | None = None,
 ) -> Record:
     """The record of a passage.
 
@@ -84,6 +85,8 @@ def recorded(
         Where its error bars come from; by default they are those of the contact.
     own : iterable of Quantity
         Columns beside the package's.
+    measured : Gap, optional
+        The measured separation of the scene.
     """
     contact = replace(passage.contact, revolution=passage.revolution)
     turns = contact.scene.turns
@@ -111,6 +114,8 @@ def recorded(
         "wear_profile_B": turns.of_body("B", entering, leaving),
         "seconds": perf_counter() - began,
     }
+    if measured is not None:
+        given["measured_profile"] = across(measured, contact.grid)
     stresses = stress_columns(laws.criterion)
     for one, found in zip(stresses, ("value", "interior", "surface", "at"), strict=False):
         given[one.name] = {body: getattr(largest, found) for body, largest in maxima.items()}

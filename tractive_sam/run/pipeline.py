@@ -23,12 +23,7 @@ from tractive_sam.store import open_history, read_gap, results_writer
 
 def measured_gap(scene: Scene) -> Gap | None:
     """The measured separation of a scene, read from its file where it names one."""
-    gap = scene.gap
-    if gap is None:
-        return None
-    if gap.file is not None:
-        return read_gap(gap.file)
-    return gap.x, gap.y, gap.separation
+    return None if scene.gap is None else read_gap(scene.gap)
 
 
 @one_blas_thread()

@@ -86,7 +86,7 @@ class Recording:
         passage, began = start, self.began
         with keeper:
             for passage in chain(first, passages(model, start)):
-                record = recorded(passage, model.laws, began, judge, self.columns)
+                record = recorded(passage, model.laws, began, judge, self.columns, self.measured)
                 began = perf_counter()
                 keeper.append(record, passage.contact.grid, fields(passage.contact))
                 if self.progress is not None:

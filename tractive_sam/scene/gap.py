@@ -1,4 +1,4 @@
-"""The [gap] table: a measured or worn separation added to that of the radii."""
+"""The [gap] table: a measured or worn separation, or profile, added to the radii."""
 
 from __future__ import annotations
 
@@ -7,18 +7,22 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator, BeforeValidator, PlainValidator
 
 from .faults import Fault
-from .quantities import LARGEST, SMALLEST, entry
+from .quantities import LARGEST, SMALLEST, PositivePair, entry
 from .table import Check, Known, Table
 
-SUFFIXES = (".h5", ".npy", ".csv")
+TEXTS = (".csv", ".txt", ".dat", ".tsv", ".xyz", ".asc")
+SUFFIXES = (".h5", ".npy", ".npz", *TEXTS)
 """Formats of a gap file."""
+
+LENGTHS = {"m": 1e3, "mm": 1.0, "um": 1e-3, "nm": 1e-6}
+"""Units of lengths, mm."""
 
 _ARRAYS = ("x", "y", "separation")
 
@@ -87,6 +91,20 @@ def _fitting_shape(known: Known) -> Iterator[Fault]:
         yield Fault("separation", shape, f"the shape ({x.size}, {y.size}), a row for each x")
 
 
+def _heights_of_a_body(known: Known) -> Iterator[Fault]:
+    if "positive" in known.given and "body" not in known.given:
+        cure = "gap.body as well: only heights of a body point out of it or into it"
+        yield Fault("positive", known["positive"], cure)
+
+
+def _step_of_a_file(known: Known) -> Iterator[Fault]:
+    if "step" in known.given and "file" not in known.given:
+        yield Fault("step", known["step"], "a file that holds no x and y; arrays have theirs")
+
+
+_Unit = Literal["m", "mm", "um", "nm"]
+_UNITS = f"one of {', '.join(LENGTHS)}"
+
 _File = Annotated[
     Path,
     BeforeValidator(lambda text: Path(text) if isinstance(text, str) else text),
@@ -97,11 +115,11 @@ _Axis = Annotated[_Array, AfterValidator(_axis)]
 
 
 class Gap(Table):
-    """A separation on a rectangular grid, from a file or as arrays; mm.
+    """A separation on a rectangular grid, or the heights of a body, from a file or as arrays.
 
     `separation` has the shape (len(x), len(y)). The arrays are read-only. Only the existence of
     a file is checked here; a relative one is sought from the folder of the TOML file, or else from
-    the working folder, and absolute from then on.
+    the working folder, and absolute from then on. What a file may hold tells `store.read_gap`.
 
     Examples
     --------
@@ -115,15 +133,56 @@ class Gap(Table):
     x: _Axis | None = entry("x of the rows of separation, mm", "an array", None)
     y: _Axis | None = entry("y of the columns of separation, mm", "an array", None)
     separation: _Array | None = entry("separation to add to the radii', mm", "an array", None)
-    checks: ClassVar[tuple[Check, ...]] = (_either_file_or_arrays, _fitting_shape)
+    body: Literal["A", "B"] | None = entry(
+        "body whose heights are given in place of a separation", "A or B", None
+    )
+    positive: Literal["outward", "inward"] = entry(
+        "where positive heights point: out of the body (peaks) or into it (depths)",
+        "outward or inward",
+        "outward",
+    )
+    unit: _Unit | None = entry(
+        "unit of the separation or the heights; else that in the file's header, or mm", _UNITS, None
+    )
+    length_unit: _Unit | None = entry(
+        "unit of x and y; else that in the file's header, or mm", _UNITS, None
+    )
+    step: PositivePair | None = entry(
+        "spacing of a matrix without x and y, in the unit of x and y; it is centred at 0",
+        "two numbers above 0",
+        None,
+    )
+    checks: ClassVar[tuple[Check, ...]] = (
+        _either_file_or_arrays,
+        _fitting_shape,
+        _heights_of_a_body,
+        _step_of_a_file,
+    )
+
+    def in_mm(self, x: Any, y: Any, values: Any, units: tuple[str, str] = ("mm", "mm")) -> Any:
+        """x, y and separation in mm, of what was measured.
+
+        Parameters
+        ----------
+        x, y, values : ndarray
+            As measured, in the units of this table.
+        units : tuple of str
+            Of x and y, and of values, where this table has none.
+        """
+        length = LENGTHS[self.length_unit or units[0]]
+        height = LENGTHS[self.unit or units[1]]
+        if self.body is not None and self.positive == "outward":
+            height = -height  # what stands out of either body closes the gap
+        return length * x, length * y, height * values + 0.0
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Gap):
             return NotImplemented
-        return self.file == other.file and all(
-            np.array_equal(getattr(self, key), getattr(other, key)) for key in _ARRAYS
-        )
+        return self._compared() == other._compared()
 
     def __hash__(self) -> int:
-        arrays = (getattr(self, key) for key in _ARRAYS)
-        return hash((self.file, *(None if a is None else a.tobytes() for a in arrays)))
+        return hash(self._compared())
+
+    def _compared(self) -> tuple[Any, ...]:
+        given = (getattr(self, key) for key in type(self).model_fields)
+        return tuple(a.tobytes() if isinstance(a, np.ndarray) else a for a in given)

@@ -1,37 +1,63 @@
-"""Reads measured or worn separations."""
+"""Reads measured or worn separations, and profiles as instruments write them."""
 
-import csv
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import h5py
 import numpy as np
 
+from tractive_sam import scene
+from tractive_sam.scene.gap import LENGTHS, TEXTS
 from tractive_sam.store.errors import GapError
+from tractive_sam.store.gap_text import read_text
 
 NAMES = ("x", "y", "separation")
+VALUES = ("separation", "height", "z")
+"""Names under which files keep what is measured."""
 
 LARGEST = 1e30
 """Magnitude of coordinates and separations, mm, within which nothing can overflow: that of
 `scene.quantities`, without loading what reads scenes."""
 
+ALONG = 1e6
+"""Distance to either side, mm, over which a profile across the track is the same."""
+
 Gap = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
-def read_gap(path: str | Path) -> Gap:
+@dataclass(frozen=True)
+class _Found:
+    """What a file holds: values over x and y, and the units that it tells of both."""
+
+    x: np.ndarray
+    y: np.ndarray
+    values: np.ndarray
+    units: tuple[str, str] = ("mm", "mm")
+
+
+def read_gap(gap: scene.Gap | str | Path) -> Gap:
     """Read a separation on a rectangular grid.
 
-    =====  =========================================================================
-    .h5    datasets x (n_x,), y (n_y,) and separation (n_x, n_y)
-    .npy   a structured array with the fields x, y, separation, or an array (n, 3) of
-           these columns: every point of the grid once, in any order
-    .csv   the same three columns under the header ``x,y,separation``; or a matrix whose
-           first row holds y and whose first column holds x
-    =====  =========================================================================
+    ===============  ==============================================================
+    .h5              datasets x (n_x,), y (n_y,) and separation (n_x, n_y), in the
+                     units of their attribute `units`
+    .npy             a structured array with the fields x, y, separation; an array
+                     (n, 3) of these columns: every point of the grid once, in any
+                     order; an array (n, 2) of y and height, a profile across the
+                     track; with gap.step a matrix, a row for each x
+    .npz             arrays of these names; or a single array, as .npy
+    .csv .txt .dat   columns x, y, separation; or two columns y, height; or a
+    .tsv .xyz .asc   matrix whose first row holds y and whose first column holds x,
+                     without both with gap.step. Between numbers a comma, a
+                     semicolon, tabs or spaces; decimal points or commas. A header
+                     may tell names and units: ``y [mm]; z [um]``. Lines that begin
+                     with # or % are left out
+    ===============  ==============================================================
 
     Parameters
     ----------
-    path : path-like
-        The file; lengths in mm.
+    gap : Gap or path-like
+        The table of a scene, or a file of separations in mm.
 
     Returns
     -------
@@ -45,68 +71,142 @@ def read_gap(path: str | Path) -> Gap:
     GapError
         If the file cannot be read, or does not hold finite numbers on a full grid.
     """
-    path = Path(path)
+    told = gap if isinstance(gap, scene.Gap) else scene.Gap.model_construct(file=Path(gap))
+    if told.file is None:
+        return told.in_mm(told.x, told.y, told.separation)
+    path = told.file
     if path.suffix not in _READERS:
         raise GapError(path, f"the suffix {path.suffix!r}", f"one of {', '.join(_READERS)}")
     try:
-        x, y, separation = _READERS[path.suffix](path)
+        found = _READERS[path.suffix](path, told)
     except FileNotFoundError:
         raise GapError(path, "no such file", "an existing file") from None
     except GapError:
         raise
     except Exception as error:  # damaged files make the libraries raise whatever comes
         raise GapError(path, f"unreadable ({error})", "numbers for x, y and separation") from error
-    return _checked(path, x, y, separation)
+    _check(path, found)
+    return told.in_mm(found.x, found.y, found.values, found.units)
 
 
-def _read_hdf5(path: Path) -> Gap:
+def _read_hdf5(path: Path, told: scene.Gap) -> _Found:
     with h5py.File(path, "r") as file:
         missing = [name for name in NAMES if name not in file]
         if missing:
             raise GapError(path, f"no dataset {', '.join(missing)}", f"datasets {', '.join(NAMES)}")
-        for name in NAMES:
-            unit = file[name].attrs.get("units", "mm")
-            unit = unit.decode() if isinstance(unit, bytes) else unit
-            if unit != "mm":
-                raise GapError(path, f"{name} in {unit}", "x, y and separation in mm")
-        return tuple(np.asarray(file[name], float) for name in NAMES)
+        units = {name: _unit_of(path, name, file[name]) for name in NAMES}
+        if units["x"] != units["y"]:
+            raise GapError(path, f"x in {units['x']}, y in {units['y']}", "the same unit of both")
+        x, y, values = (np.asarray(file[name], float) for name in NAMES)
+    return _Found(x, y, values, (units["x"], units["separation"]))
 
 
-def _read_npy(path: Path) -> Gap:
+def _unit_of(path: Path, name: str, dataset: h5py.Dataset) -> str:
+    unit = dataset.attrs.get("units", "mm")
+    unit = unit.decode() if isinstance(unit, bytes) else str(unit)
+    if unit not in LENGTHS:
+        raise GapError(path, f"{name} in {unit}", f"units of {', '.join(LENGTHS)}")
+    return unit
+
+
+def _read_npy(path: Path, told: scene.Gap) -> _Found:
     with path.open("rb") as file:
         array = np.load(file, allow_pickle=False)
     if not isinstance(array, np.ndarray):
-        raise GapError(path, "an archive of arrays", "a single array, as numpy.save writes it")
+        raise GapError(path, "an archive of arrays", "a single array, or the suffix .npz")
+    return _of_array(path, told, array)
+
+
+def _read_npz(path: Path, told: scene.Gap) -> _Found:
+    with np.load(path, allow_pickle=False) as file:
+        held = {name: np.asarray(file[name]) for name in file.files}
+    if len(held) == 1:
+        return _of_array(path, told, *held.values())
+    value = [held[name] for name in VALUES if name in held]
+    if len(value) != 1 or "y" not in held:
+        needed = f"y, one of {', '.join(VALUES)}, and x but for a profile; or a single array"
+        raise GapError(path, f"arrays {', '.join(held)}", needed)
+    y, values = np.asarray(held["y"], float), np.asarray(value[0], float)
+    if "x" in held:
+        return _Found(np.asarray(held["x"], float), y, values)
+    _check_body(path, told, () if "separation" not in held else ("y", "separation"))
+    return _profile(y, values)
+
+
+def _of_array(path: Path, told: scene.Gap, array: np.ndarray) -> _Found:
     if array.dtype.names is not None:
         missing = [name for name in NAMES if name not in array.dtype.names]
         if missing:
             raise GapError(path, f"no field {', '.join(missing)}", f"fields {', '.join(NAMES)}")
         array = np.stack([array[name].ravel() for name in NAMES], axis=-1)
-    return _gridded(path, np.asarray(array, float))
+    return _of_numbers(path, told, np.asarray(array, float))
 
 
-def _read_csv(path: Path) -> Gap:
-    with path.open(newline="", encoding="utf-8-sig") as file:
-        table = [[cell.strip() for cell in row] for row in csv.reader(file) if any(row)]
-    widths = {len(row) for row in table}
-    if not widths:
-        raise GapError(path, "no rows", "a header x, y, separation and a row for each point")
-    if len(widths) != 1:
-        raise GapError(path, f"rows of {sorted(widths)} entries", "rows of the same length")
-    if tuple(table[0]) == NAMES:
-        return _gridded(path, np.array(table[1:], float).reshape(-1, len(NAMES)))
-    y = np.array(table[0][1:], float)  # the corner may hold anything
-    rows = np.array(table[1:], float).reshape(-1, 1 + len(y))
-    return rows[:, 0], y, rows[:, 1:]
+def _read_text(path: Path, told: scene.Gap) -> _Found:
+    table = read_text(path)
+    named = dict(zip(table.names, table.units, strict=True))
+    if "" in named.values() and set(named.values()) != {""}:
+        bare = ", ".join(name for name, unit in named.items() if not unit)
+        raise GapError(path, f"a header without the unit of {bare}", "units of all columns or none")
+    lateral = {unit for unit in table.units[:-1] if unit}
+    if len(lateral) > 1:
+        raise GapError(path, f"x and y in {', '.join(sorted(lateral))}", "the same unit of both")
+    units = (*(lateral or {"mm"}), table.units[-1] or "mm") if table.units else ("mm", "mm")
+    columns = table.names or len(table.cells[0]) <= len(NAMES) or told.step is not None
+    if columns:
+        return replace(_of_numbers(path, told, table.numbers, table.names), units=units)
+    y = np.array(table.cells[0][1:], float)  # the corner may hold anything
+    rows = np.array(table.cells[1:], float).reshape(-1, 1 + len(y))
+    return _Found(rows[:, 0], y, rows[:, 1:])
 
 
-_READERS = {".h5": _read_hdf5, ".npy": _read_npy, ".csv": _read_csv}
+def _of_numbers(
+    path: Path, told: scene.Gap, array: np.ndarray, names: tuple[str, ...] = ()
+) -> _Found:
+    """What a matrix of numbers stands for: a map, a profile or points."""
+    if array.ndim == 2 and told.step is not None:
+        axes = (
+            step * (np.arange(n) - 0.5 * (n - 1))
+            for step, n in zip(told.step, array.shape, strict=True)
+        )
+        return _Found(*axes, array)
+    if array.ndim == 2 and array.shape[1] == 2:
+        _check_body(path, told, names)
+        return _profile(array[:, 0], array[:, 1])
+    if names and names[:2] not in (("x", "y"), ()):
+        raise GapError(path, f"columns {', '.join(names)}", "x, y and separation in this order")
+    return _gridded(path, array)
 
 
-def _gridded(path: Path, points: np.ndarray) -> Gap:
+def _check_body(path: Path, told: scene.Gap, names: tuple[str, ...]) -> None:
+    """A profile is that of a body, or else a separation by its name."""
+    if told.body is None and names[-1:] != ("separation",):
+        cure = 'gap.body = "A" or "B", whose heights these are; or the header y, separation'
+        raise GapError(path, "a profile that tells neither its body nor that it separates", cure)
+
+
+def _profile(y: np.ndarray, values: np.ndarray) -> _Found:
+    """A profile across the track, the same along it."""
+    if y.ndim == 1 and y.size > 1 and y[0] > y[-1]:
+        y, values = y[::-1], values[::-1]
+    return _Found(np.array([-ALONG, ALONG]), y, np.stack([values, values]))
+
+
+_READERS = {
+    ".h5": _read_hdf5,
+    ".npy": _read_npy,
+    ".npz": _read_npz,
+    **dict.fromkeys(TEXTS, _read_text),
+}
+
+
+def _gridded(path: Path, points: np.ndarray) -> _Found:
     """Sort points (n, 3) into a grid."""
     if points.ndim != 2 or points.shape[1] != len(NAMES):
-        raise GapError(path, f"an array of shape {points.shape}", "columns x, y, separation")
+        cure = (
+            "columns x, y, separation; a profile of two columns; or gap.step = [dx, dy] of a matrix"
+        )
+        raise GapError(path, f"an array of shape {points.shape}", cure)
     x, i = np.unique(points[:, 0], return_inverse=True)
     y, j = np.unique(points[:, 1], return_inverse=True)
     size = len(x) * len(y)  # of scattered points as many as their square: not to be laid out
@@ -116,23 +216,22 @@ def _gridded(path: Path, points: np.ndarray) -> Gap:
         raise GapError(path, found, f"each of the {size} points of the grid once")
     separation = np.empty((len(x), len(y)))
     separation[i, j] = points[:, 2]
-    return x, y, separation
+    return _Found(x, y, separation)
 
 
-def _checked(path: Path, x: np.ndarray, y: np.ndarray, separation: np.ndarray) -> Gap:
-    for name, axis in (("x", x), ("y", y)):
+def _check(path: Path, found: _Found) -> None:
+    for name, axis in (("x", found.x), ("y", found.y)):
         if axis.ndim != 1 or axis.size < 2:
             raise GapError(path, f"{name} of shape {axis.shape}", f"at least 2 values of {name}")
         # "not all" rather than "any": nan must fail, too
         if not np.all(np.diff(axis) > 0) or not np.all(np.isfinite(axis)):
             raise GapError(path, f"{name} that does not increase", f"finite, increasing {name}")
-    wanted = (x.size, y.size)
-    if separation.shape != wanted:
-        raise GapError(path, f"separation of shape {separation.shape}", f"the shape {wanted}")
-    if not np.isfinite(separation).all():
-        bad = np.count_nonzero(~np.isfinite(separation))
-        raise GapError(path, f"{bad} separations that are not finite", "finite numbers, mm")
-    largest = max(float(np.abs(array).max()) for array in (x, y, separation))
+    wanted = (found.x.size, found.y.size)
+    if found.values.shape != wanted:
+        raise GapError(path, f"separation of shape {found.values.shape}", f"the shape {wanted}")
+    if not np.isfinite(found.values).all():
+        bad = np.count_nonzero(~np.isfinite(found.values))
+        raise GapError(path, f"{bad} separations that are not finite", "finite numbers")
+    largest = max(float(np.abs(array).max()) for array in (found.x, found.y, found.values))
     if largest > LARGEST:
         raise GapError(path, f"numbers up to {largest:g}", f"lengths up to {LARGEST:g} mm")
-    return x, y, separation

@@ -6,13 +6,12 @@ import hashlib
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from tractive_sam import interrupt
-from tractive_sam.scene import Fault, Scene, SceneError
+from tractive_sam.scene import Fault, Gap, Scene, SceneError
 from tractive_sam.store import FORMAT_VERSION, GapError, read_gap, versions
 from tractive_sam.studies.design import Study, StudyError
 
@@ -127,7 +126,7 @@ def _digest(scene: Scene, contents) -> str:
     """
     hashed = hashlib.sha256(f"{scene.fingerprint()} {_generation()}".encode())
     if scene.gap is not None and scene.gap.file is not None:
-        hashed.update(contents(str(scene.gap.file)))
+        hashed.update(contents(scene.gap))
     return hashed.hexdigest()[:DIGEST]
 
 
@@ -138,7 +137,7 @@ def _generation() -> str:
     return f"{first}.{second} {FORMAT_VERSION}"
 
 
-def _contents(file: str) -> bytes:
-    """Hash of a measured gap, which is read to see that it can be."""
-    read_gap(file)
-    return hashlib.sha256(Path(file).read_bytes()).digest()
+def _contents(gap: Gap) -> bytes:
+    """Hash of the file of a measured gap, which is read to see that it can be."""
+    read_gap(gap)
+    return hashlib.sha256(gap.file.read_bytes()).digest()

@@ -9,7 +9,7 @@ from tractive_sam.contact import Model
 from tractive_sam.operators import available
 from tractive_sam.results import FIELDS, STRESS, columns
 from tractive_sam.rolling import Saves
-from tractive_sam.run import explain, measured_gap, memory
+from tractive_sam.run import explain, memory
 from tractive_sam.scene import Fault
 from tractive_sam.store import read_gap
 from tractive_sam.studies.case import Case, cases
@@ -116,9 +116,7 @@ def _models(found: list[Case]) -> list[Model]:
     models = []
     for case in found:
         gap = case.scene.gap
-        from_file = gap.file if gap is not None else None
-        measured = read(from_file) if from_file is not None else measured_gap(case.scene)
-        models.append(Model(case.scene, measured))
+        models.append(Model(case.scene, None if gap is None else read(gap)))
     return models
 
 
