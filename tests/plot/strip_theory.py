@@ -33,6 +33,7 @@ def scene(title="Strips", mu=(0.3, 0.3), angle=0.0, hertz=HERTZ):
         accuracy=None,
         load=SimpleNamespace(force_x=None, force_y=None),
         wear=None,
+        gap=None,
     )
 
 

@@ -84,6 +84,20 @@ def test_worn_bodies_part_by_what_was_worn_off_them():
     np.testing.assert_allclose(upper - lower, 1e3 * (worn + history.y**2 / 100.0), rtol=1e-12)
 
 
+def test_a_measured_profile_is_drawn_on_its_body():
+    y = np.linspace(-3.0, 3.0, 61)
+    gap = ts.Gap(x=[-9.0, 9.0], y=y, separation=[0.01 * y**2] * 2, body="B", positive="inward")
+    given = {"gap": gap, "wear.revolutions": 1, "wear.save": [1], "grid.elements": [9, 15]}
+    history = ts.roll(ts.Scene.builtin("twin-discs-isotropic").replace(**given))
+    axes = drawn(plot.worn_profiles(history)).axes[0]
+    upper, lower = (line.get_ydata() for line in axes.lines[-2:])
+    known = history["wear_profile_A"][-1] + history["wear_profile_B"][-1]
+    radii = history.scene.body
+    crowns = 0.5 * history.y**2 * (1.0 / radii.A.radius_y + 1.0 / radii.B.radius_y)
+    measured = 0.01 * history.y**2  # interpolated, exactly for a parabola
+    np.testing.assert_allclose(upper - lower, 1e3 * (known + crowns + measured), rtol=1e-9)
+
+
 @pytest.mark.slow
 def test_animation_has_a_picture_for_every_stored_revolution(tmp_path):
     path = plot.animate(strips.history(), tmp_path / "a.gif")

@@ -59,9 +59,9 @@ def test_neither_file_nor_arrays():
         Gap()
 
 
-@pytest.mark.parametrize("name", ["missing.npy", "profile.txt", "a\0b.npy", "x" * 5000 + ".npy"])
+@pytest.mark.parametrize("name", ["missing.npy", "profile.pdf", "a\0b.npy", "x" * 5000 + ".npy"])
 def test_faulty_file(tmp_path, name):
-    (tmp_path / "profile.txt").touch()
+    (tmp_path / "profile.pdf").touch()
     with pytest.raises(SceneError) as caught:
         Gap(file=str(tmp_path / name))
     assert [fault.key for fault in caught.value.faults] == ["file"]

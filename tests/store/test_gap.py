@@ -141,11 +141,9 @@ def test_units_are_those_of_the_file(tmp_path):
 HEIGHT = np.array([0.5, -1.25, 2.0, 0.0])  # micrometres over Y in mm
 ROWS = list(zip(Y, HEIGHT, strict=True))
 PROFILES = {
-    "semicolon.csv": "y [mm];z [µm]\n"
-    + "\n".join(f"{y};{z}" for y, z in ROWS),
+    "semicolon.csv": "y [mm];z [µm]\n" + "\n".join(f"{y};{z}" for y, z in ROWS),
     "comma.csv": "y_mm,z_um\n" + "\n".join(f"{y},{z}" for y, z in ROWS),
-    "decimal.csv": "Y [mm]; Z [um]\n"
-    + "\n".join(f"{y}; {z}".replace(".", ",") for y, z in ROWS),
+    "decimal.csv": "Y [mm]; Z [um]\n" + "\n".join(f"{y}; {z}".replace(".", ",") for y, z in ROWS),
     "tab.txt": "# stylus 2 um\n# y (mm)\tz (um)\n"
     + "\n".join(f"{y}\t{z}".replace(".", ",") for y, z in ROWS),
     "space.dat": "y [mm]  z [um]\n"

@@ -25,7 +25,7 @@ ALONG = 1e6
 Gap = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Found:
     """What a file holds: values over x and y, and the units that it tells of both."""
 
@@ -165,11 +165,11 @@ def _of_numbers(
 ) -> _Found:
     """What a matrix of numbers stands for: a map, a profile or points."""
     if array.ndim == 2 and told.step is not None:
-        axes = (
+        x, y = (
             step * (np.arange(n) - 0.5 * (n - 1))
             for step, n in zip(told.step, array.shape, strict=True)
         )
-        return _Found(*axes, array)
+        return _Found(x, y, array)
     if array.ndim == 2 and array.shape[1] == 2:
         _check_body(path, told, names)
         return _profile(array[:, 0], array[:, 1])

@@ -6,6 +6,7 @@ import hashlib
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -126,7 +127,7 @@ def _digest(scene: Scene, contents) -> str:
     """
     hashed = hashlib.sha256(f"{scene.fingerprint()} {_generation()}".encode())
     if scene.gap is not None and scene.gap.file is not None:
-        hashed.update(contents(scene.gap))
+        hashed.update(contents(scene.gap, scene.gap.file))
     return hashed.hexdigest()[:DIGEST]
 
 
@@ -137,7 +138,7 @@ def _generation() -> str:
     return f"{first}.{second} {FORMAT_VERSION}"
 
 
-def _contents(gap: Gap) -> bytes:
+def _contents(gap: Gap, file: Path) -> bytes:
     """Hash of the file of a measured gap, which is read to see that it can be."""
     read_gap(gap)
-    return hashlib.sha256(gap.file.read_bytes()).digest()
+    return hashlib.sha256(file.read_bytes()).digest()

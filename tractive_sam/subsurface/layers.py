@@ -50,6 +50,13 @@ def stress_layers(
     ------
     ValueError
         If there is no such body, or depths are negative or not finite.
+
+    Examples
+    --------
+    >>> for depth, stress in stress_layers(contact, [0.0, 0.5]):
+    ...     print(depth, stress.shape == (1, 6, *contact.grid.elements))
+    0.0 True
+    0.5 True
     """
     # Checked at the call, not at the first layer.
     return _layers(LoadedBodies.of(contact, bodies, laws, beyond), checked(depths), threads)
