@@ -22,7 +22,7 @@ from timing import show, write
 
 import tractive_sam as ts
 from tractive_sam.contact import Model, fitted
-from tractive_sam.run.accuracy import Levels, with_tolerances
+from tractive_sam.run.accuracy.levels import Levels, with_tolerances
 from tractive_sam.subsurface import stress_maxima
 
 LOAD, STEEL = 1000.0, 208e3

@@ -26,7 +26,7 @@ from timing import show, write
 
 from tractive_sam.contact import Model, equilibrium
 from tractive_sam.results.status import Status
-from tractive_sam.run.pipeline import measured_gap
+from tractive_sam.run import measured_gap
 from tractive_sam.scene import Scene
 from tractive_sam.solvers import Anderson, Solver, Uzawa
 from tractive_sam.solvers.ladder import METHODS as NAMED

@@ -9,13 +9,13 @@ from hypothesis import strategies as st
 
 import tractive_sam as ts
 from tractive_sam.contact import Model, fitted
-from tractive_sam.run.accuracy import Levels
 from tractive_sam.run.accuracy.error_bars import (
     LargestStress,
     Sample,
     error_bars,
     relative_error_bars,
 )
+from tractive_sam.run.accuracy.levels import Levels
 from tractive_sam.subsurface import stress_maxima
 
 pytestmark = pytest.mark.slow  # meshes far finer than asked for

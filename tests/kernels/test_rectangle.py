@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import quad_vec
 
 from tractive_sam.kernels import rectangle
-from tractive_sam.kernels.tables import quadrant
+from tractive_sam.kernels.rectangle import quadrant
 
 GAUSS = np.polynomial.legendre.leggauss(40)
 NODES, WEIGHTS = 0.5 * (GAUSS[0] + 1.0), 0.5 * GAUSS[1]

@@ -1,7 +1,6 @@
 """Sets up and solves steady rolling contact."""
 
-from tractive_sam.contact.equilibrium import equilibrium
-from tractive_sam.contact.fitted import fitted
+from tractive_sam.contact.equilibrium import equilibrium, fitted
 from tractive_sam.contact.jacobian import check_jacobian, jacobian_of
 from tractive_sam.contact.laws import Laws
 from tractive_sam.contact.measured import across

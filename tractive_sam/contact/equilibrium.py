@@ -5,10 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from tractive_sam.contact.mesh import grown
 from tractive_sam.contact.message import message
 from tractive_sam.contact.model import Model
 from tractive_sam.results import State, Status
 from tractive_sam.solvers import ALONE, Outcome, Problem, Start
+
+GROWTHS = 8
+"""Most enlargements of a mesh that the scene left to us."""
 
 DepthInPass = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 """(p_n and p_t in MPa, s/V) -> depth of wear in mm below every element."""
@@ -50,6 +54,25 @@ def equilibrium(
         solver = ALONE
     outcome = solver.solve(problem, model.scene.solver.tolerance, first)
     return _contact(model, problem, outcome, depth)
+
+
+def fitted(model: Model) -> tuple[Model, State]:
+    """Solve unworn bodies, enlarging a mesh that the scene left to us until it holds the contact.
+
+    Returns
+    -------
+    Model, State
+        The model on the mesh of the contact.
+    """
+    contact = equilibrium(model)
+    for _ in range(GROWTHS):
+        # Beyond a measured gap from which the mesh was chosen there is nothing to grow into.
+        chosen = model.scene.grid is None and model.scene.hertz is not None
+        if contact.status is not Status.OFF_GRID or not chosen:
+            break
+        model = model.on(grown(model.grid))
+        contact = equilibrium(model)
+    return model, contact
 
 
 def start_of(model: Model, contact: State) -> Start:

@@ -24,6 +24,8 @@ Gauss-Legendre rule takes over, whose own relative error is below 2e-13 from the
 
 from math import atan2, hypot, log, sqrt
 
+import numpy as np
+
 from tractive_sam.kernels.compiled import compiled
 
 FAR = 12.0
@@ -135,3 +137,30 @@ def integrals(x, y, dx, dy):
     if hypot(x, y) > FAR * max(dx, dy):
         return far(x, y, dx, dy)
     return near(x, y, dx, dy)
+
+
+@compiled
+def quadrant(nx, ny, dx, dy):
+    """Rectangle integrals at the offsets ``(i dx, j dy)``, 0 <= i < nx, 0 <= j < ny.
+
+    The other three quadrants follow from the parities listed above.
+
+    Parameters
+    ----------
+    nx, ny : int
+        Number of offsets in x and y.
+    dx, dy : float
+        Sides of the rectangle and steps of the offsets, mm.
+
+    Returns
+    -------
+    ndarray, shape (6, nx, ny)
+        Integrals r1, xx, yy, xy, x2, y2, mm.
+    """
+    table = np.empty((6, nx, ny))
+    for i in range(nx):
+        for j in range(ny):
+            values = integrals(i * dx, j * dy, dx, dy)
+            for k in range(6):
+                table[k, i, j] = values[k]
+    return table

@@ -10,8 +10,8 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+from tractive_sam.kernels.rectangle import quadrant
 from tractive_sam.kernels.strip import logarithm, step
-from tractive_sam.kernels.tables import quadrant
 from tractive_sam.mechanics.material import CombinedMaterial, Material, combine
 
 COMPONENTS = ("xx", "xy", "yy", "zz", "xz", "yz")

@@ -1,9 +1,9 @@
 """Rolling: the sequence of revolutions, one record each."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from time import perf_counter
-from typing import Any
+from typing import Any, Protocol
 
 from tractive_sam.contact import Gap, Laws, Model, across, grown
 from tractive_sam.results import Maximum, Quantity, Record, stress_columns
@@ -56,8 +56,14 @@ def every_passage(model: Model, start: Passage, saves: Saves) -> Iterator[Passag
         yield last
 
 
-Judge = Callable[[Passage, Mapping[str, Maximum]], Mapping[str, Any]]
-"""Gives a passage, with the largest stresses in its bodies, the error bars of `State`."""
+class Judge(Protocol):
+    """Gives passages their error bars."""
+
+    missed: str
+    """Which of them was last too wide, and what to do; or empty."""
+
+    def __call__(self, passage: Passage, maxima: Mapping[str, Maximum]) -> Mapping[str, Any]:
+        """The error bars of `State`, given the largest stresses in the bodies."""
 
 
 def recorded(

@@ -2,7 +2,8 @@
 
 from tractive_sam.run import explain, memory
 from tractive_sam.run.export import export_volume
-from tractive_sam.run.pipeline import measured_gap, roll, solve
+from tractive_sam.run.given import measured_gap
+from tractive_sam.run.pipeline import roll, solve
 from tractive_sam.run.resume import what_differs
 
 __all__ = [

@@ -6,15 +6,10 @@ from dataclasses import replace
 from tractive_sam.contact import Gap, Model
 from tractive_sam.results import History, State, Status
 from tractive_sam.rolling import Passage, first_passage
-from tractive_sam.run.accuracy import (
-    Judge,
-    Levels,
-    judge_of,
-    judge_on,
-    missed_before,
-    refined,
-    with_tolerances,
-)
+from tractive_sam.run.accuracy.course import Judge, judge_of, judge_on
+from tractive_sam.run.accuracy.judgement import missed_before
+from tractive_sam.run.accuracy.levels import Levels, with_tolerances
+from tractive_sam.run.accuracy.steady import refined
 from tractive_sam.run.recording import Recording
 from tractive_sam.scene import Scene
 from tractive_sam.store import ResultsError

@@ -10,8 +10,9 @@ from tractive_sam.operators import available
 from tractive_sam.results import columns
 from tractive_sam.rolling import Saves
 from tractive_sam.run import memory
-from tractive_sam.run.accuracy import Refined, refined, with_tolerances
-from tractive_sam.run.pipeline import measured_gap
+from tractive_sam.run.accuracy.levels import with_tolerances
+from tractive_sam.run.accuracy.steady import Refined, refined
+from tractive_sam.run.given import measured_gap
 from tractive_sam.scene import Scene, told
 
 # Typical work at a tolerance of 1e-8, in applications with all that goes with them: of a new

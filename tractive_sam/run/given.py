@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tractive_sam.contact import Laws, Model
+from tractive_sam.contact import Gap, Laws, Model
 from tractive_sam.results import (
     BESIDE,
     COLUMNS,
@@ -20,6 +20,7 @@ from tractive_sam.results import (
 )
 from tractive_sam.scene import LARGEST, Scene
 from tractive_sam.solvers import Solver
+from tractive_sam.store import read_gap
 
 DEEPEST = 1e6
 """Depth of wear, mm, beyond which rounding would take the gap beside it."""
@@ -62,6 +63,11 @@ def columns_of(columns: Iterable[Quantity], laws: Laws | None = None) -> tuple[Q
             raise ValueError(f"columns: {one.name!r} needs {needed}")
         taken.add(one.name)
     return own
+
+
+def measured_gap(scene: Scene) -> Gap | None:
+    """The measured separation of a scene, read from its file where it names one."""
+    return None if scene.gap is None else read_gap(scene.gap)
 
 
 def depths_of(wear: ArrayLike, grid: Grid) -> np.ndarray:

@@ -9,21 +9,17 @@ from time import perf_counter
 
 from numpy.typing import ArrayLike
 
-from tractive_sam.contact import Gap, Laws, check_jacobian, equilibrium, fitted, jacobian_of
+from tractive_sam.contact import Laws, check_jacobian, equilibrium, fitted, jacobian_of
 from tractive_sam.operators import one_blas_thread
 from tractive_sam.results import History, NotConverged, Quantity, Record, State
 from tractive_sam.rolling import first_passage
 from tractive_sam.run import accurately, given, memory
+from tractive_sam.run.given import measured_gap
 from tractive_sam.run.recording import Recording
 from tractive_sam.run.resume import last_passage
 from tractive_sam.scene import Scene
 from tractive_sam.solvers import Solver
-from tractive_sam.store import open_history, read_gap, results_writer
-
-
-def measured_gap(scene: Scene) -> Gap | None:
-    """The measured separation of a scene, read from its file where it names one."""
-    return None if scene.gap is None else read_gap(scene.gap)
+from tractive_sam.store import open_history, results_writer
 
 
 @one_blas_thread()

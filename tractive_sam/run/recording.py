@@ -13,8 +13,7 @@ import numpy as np
 from tractive_sam import interrupt
 from tractive_sam.contact import Gap, Model
 from tractive_sam.results import Grid, History, Quantity, Record, Status, fields
-from tractive_sam.rolling import Passage, passages, recorded
-from tractive_sam.run.accuracy import Judge
+from tractive_sam.rolling import Judge, Passage, passages, recorded
 from tractive_sam.scene import Scene
 from tractive_sam.store import HistoryWriter, open_history
 
