@@ -8,10 +8,18 @@ from . import subsurface as subsurface
 from .contact.laws import Laws as Laws
 from .mechanics import Bound as Bound
 from .mechanics import Coulomb as Coulomb
+from .mechanics import Crossland as Crossland
+from .mechanics import CycleCriterion as CycleCriterion
+from .mechanics import DangVan as DangVan
 from .mechanics import Elasticity as Elasticity
+from .mechanics import FatemiSocie as FatemiSocie
+from .mechanics import Findley as Findley
 from .mechanics import FrictionLaw as FrictionLaw
+from .mechanics import OrthogonalShear as OrthogonalShear
 from .mechanics import StressCriterion as StressCriterion
 from .mechanics import WearLaw as WearLaw
+from .mechanics import Woehler as Woehler
+from .results import BodyFatigue as BodyFatigue
 from .results import Contact as Contact
 from .results import History as History
 from .results import Maximum as Maximum
@@ -28,6 +36,7 @@ from .scene import Bodies as Bodies
 from .scene import Body as Body
 from .scene import Coefficients as Coefficients
 from .scene import Creepage as Creepage
+from .scene import Fatigue as Fatigue
 from .scene import Friction as Friction
 from .scene import Gap as Gap
 from .scene import Load as Load
@@ -48,6 +57,7 @@ from .studies import StudyResults as StudyResults
 from .studies import explain_study as explain_study
 from .studies import open_study as open_study
 from .studies import study as study
+from .subsurface import fatigue as fatigue
 from .subsurface import stress_at as stress_at
 from .subsurface import stress_maximum as stress_maximum
 from .subsurface import stress_on_plane as stress_on_plane

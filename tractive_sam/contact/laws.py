@@ -10,12 +10,19 @@ from tractive_sam.mechanics import (
     Archard,
     ArchardByWork,
     Coulomb,
+    Crossland,
+    CycleCriterion,
+    DangVan,
     Elasticity,
+    FatemiSocie,
+    Findley,
     FrictionLaw,
     HalfSpaces,
+    OrthogonalShear,
     StressCriterion,
     Strips,
     WearLaw,
+    Woehler,
 )
 from tractive_sam.scene import Scene
 
@@ -34,6 +41,10 @@ class Laws:
         How a pass wears; None without.
     criterion : StressCriterion
         What stress in the bodies is judged by.
+    fatigue : CycleCriterion or None
+        What the cycles of stress are judged by; None without a limit.
+    life : Woehler or None
+        How many cycles the material bears at a utilisation.
 
     Examples
     --------
@@ -49,11 +60,14 @@ class Laws:
     friction: FrictionLaw | None = None
     wear: WearLaw | None = None
     criterion: StressCriterion = VON_MISES
+    fatigue: CycleCriterion | None = None
+    life: Woehler | None = None
 
     @classmethod
     def of(cls, scene: Scene) -> "Laws":
         """The laws that the tables of a scene name."""
-        return cls(_elasticity(scene), _friction(scene), _wear(scene))
+        laws = _elasticity(scene), _friction(scene), _wear(scene)
+        return cls(*laws, fatigue=_fatigue(scene), life=_life(scene))
 
     def replace(self, **laws: Any) -> "Laws":
         """These laws, with others in place of some."""
@@ -97,3 +111,22 @@ def _wear(scene: Scene) -> WearLaw | None:
     if scene.solver.slip == "upwind":
         return Archard(table.intensities, angle)
     return ArchardByWork(table.intensities, mu, angle)
+
+
+def _fatigue(scene: Scene) -> CycleCriterion | None:
+    table = scene.fatigue
+    if table is None or table.limit is None:
+        return None
+    if table.criterion == "orthogonal-shear":
+        return OrthogonalShear()
+    if table.criterion == "fatemi-socie":
+        return FatemiSocie(table.sensitivity, table.yield_stress)
+    kinds = {one.name: one for one in (DangVan, Crossland, Findley)}
+    return kinds[table.criterion](table.sensitivity)
+
+
+def _life(scene: Scene) -> Woehler | None:
+    table = scene.fatigue
+    if table is None or table.limit is None:
+        return None
+    return Woehler(table.cycles, table.exponent, table.knee)

@@ -6,6 +6,15 @@ from .criteria import StressCriterion as StressCriterion
 from .elasticity import Elasticity as Elasticity
 from .elasticity import HalfSpaces as HalfSpaces
 from .elasticity import Strips as Strips
+from .fatigue import Crossland as Crossland
+from .fatigue import CycleCriterion as CycleCriterion
+from .fatigue import DangVan as DangVan
+from .fatigue import FatemiSocie as FatemiSocie
+from .fatigue import Findley as Findley
+from .fatigue import OrthogonalShear as OrthogonalShear
+from .fatigue import Woehler as Woehler
+from .fatigue import enclosing_radius as enclosing_radius
+from .fatigue import residual_shear as residual_shear
 from .frame import Frame as Frame
 from .friction import Bound as Bound
 from .friction import Coulomb as Coulomb

@@ -1,5 +1,6 @@
 """What `results` lets out, for `__init__.py` and for type checkers."""
 
+from .fatigue import BodyFatigue as BodyFatigue
 from .grid import Grid as Grid
 from .grid import widened as widened
 from .history import BESIDE as BESIDE

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from tractive_sam.mechanics import StressCriterion
+from tractive_sam.mechanics import CycleCriterion, StressCriterion
 
 Point = tuple[float, float, float]
 """(x, y, depth), mm."""
@@ -14,8 +14,9 @@ class Maximum:
 
     Attributes
     ----------
-    criterion : StressCriterion
-        What makes one number of the stress; its unit is that of the values.
+    criterion : StressCriterion or CycleCriterion
+        What makes one number of the stress; its unit is that of the values. Of a cycle, along all
+        x, the place has no x.
     value, at : float, tuple of float
         The larger one of the two below.
     interior, interior_at : float, tuple of float
@@ -32,7 +33,7 @@ class Maximum:
     True
     """
 
-    criterion: StressCriterion
+    criterion: StressCriterion | CycleCriterion | None
     value: float
     at: Point
     interior: float

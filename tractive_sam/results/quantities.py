@@ -9,6 +9,8 @@ from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
+import numpy as np
+
 from tractive_sam.mechanics import VON_MISES, StressCriterion
 from tractive_sam.results.state import State
 from tractive_sam.scene import Scene
@@ -48,6 +50,34 @@ def _stressed(scene: Scene) -> tuple[str, ...]:
 
 def _stressed_accurate(scene: Scene) -> tuple[str, ...]:
     return _stressed(scene) if _accurate(scene) else ()
+
+
+def _tired(scene: Scene) -> tuple[str, ...]:
+    return () if scene.fatigue is None else scene.fatigue.bodies
+
+
+def _with_limit(scene: Scene) -> tuple[str, ...]:
+    return () if scene.fatigue is None or scene.fatigue.limit is None else scene.fatigue.bodies
+
+
+def _with_yield(scene: Scene) -> tuple[str, ...]:
+    return () if _shear_yield(scene) is None else _tired(scene)
+
+
+def _shear_yield(scene: Scene) -> float | None:
+    return None if scene.fatigue is None else scene.fatigue.shear_yield_stress
+
+
+def _with_yield_and_friction(scene: Scene) -> bool:
+    return _shear_yield(scene) is not None and scene.friction is not None
+
+
+def _surface_fatigue_index(contact: State) -> float:
+    k, touching = _shear_yield(contact.scene), contact.touching
+    if k is None or not touching.any():
+        return math.nan
+    shear = np.hypot(*contact.traction[:, touching]) - k
+    return float((shear / contact.pressure[touching]).max())
 
 
 @dataclass(frozen=True)
@@ -266,6 +296,36 @@ def stress_columns(criterion: StressCriterion) -> tuple[Quantity, ...]:
 
 _STRESSES = stress_columns(VON_MISES)
 
+_OF_BODIES = {"dims": ("body",), "when": _with_limit}
+_OF_PLACES = {"dims": ("body", "position"), "when": _with_limit}
+_SHAKEN = {"dims": ("body",), "when": _with_yield}
+
+# fmt: off
+_FATIGUE = (
+    Quantity("shakedown_lower", "1", "load factor up to which elastic shakedown is certain",
+             symbol=r"\lambda_-", format=".3f", **_SHAKEN),
+    Quantity("shakedown_upper", "1", "load factor from which elastic shakedown is impossible",
+             symbol=r"\lambda_+", format=".3f", **_SHAKEN),
+    Quantity("shakedown_interior", "1", "load factor up to which it is certain inside the body",
+             format=".3f", **_SHAKEN),
+    Quantity("shakedown_surface", "1", "load factor up to which it is certain at the surface",
+             format=".3f", **_SHAKEN),
+    Quantity("shakedown_lower_at", "mm", "position (no x, y, depth) that bounds shakedown_lower",
+             dims=("body", "position"), when=_with_yield),
+    Quantity("fi_surf", "1", "surface fatigue index, the largest |p_t|/p_n - k/p_n",
+             _surface_fatigue_index, symbol=r"FI_\mathrm{surf}", format=".4f",
+             when=_with_yield_and_friction),
+    Quantity("utilisation", "1", "largest equivalent stress of the cycle over its limit",
+             symbol="u", format=".3f", **_OF_BODIES),
+    Quantity("utilisation_interior", "1", "largest utilisation inside the body",
+             format=".3f", **_OF_BODIES),
+    Quantity("utilisation_surface", "1", "largest utilisation at the surface",
+             format=".3f", **_OF_BODIES),
+    Quantity("utilisation_at", "mm", "position (no x, y, depth) of the largest utilisation",
+             **_OF_PLACES),
+)
+# fmt: on
+
 STRESSES = tuple(one.name for one in _STRESSES[:-1])
 """Columns of the largest stress in each body."""
 
@@ -275,6 +335,7 @@ COLUMNS = (
     *_SCALARS,
     *_OTHERS,
     *_STRESSES[:-1],
+    *_FATIGUE,
     *(_error_bar(_KNOWN[name]) for name in BARRED),
     _STRESSES[-1],
     Quantity(

@@ -6,11 +6,11 @@ from time import perf_counter
 from typing import Any, Protocol
 
 from tractive_sam.contact import Gap, Laws, Model, across, grown
-from tractive_sam.results import Maximum, Quantity, Record, stress_columns
+from tractive_sam.results import BodyFatigue, Maximum, Quantity, Record, stress_columns
 from tractive_sam.rolling.adaptive import adaptive_passages
 from tractive_sam.rolling.passage import Passage, next_passage, off_grid, unworn
 from tractive_sam.rolling.saves import Saves
-from tractive_sam.subsurface import stress_maxima, stress_on_planes
+from tractive_sam.subsurface import fatigue, stress_maxima, stress_on_planes
 
 GROWTHS = 16
 """Most enlargements of a mesh: to 35 times its width."""
@@ -125,4 +125,27 @@ def recorded(
     stresses = stress_columns(laws.criterion)
     for one, found in zip(stresses, ("value", "interior", "surface", "at"), strict=False):
         given[one.name] = {body: getattr(largest, found) for body, largest in maxima.items()}
+    if contact.scene.fatigue is not None:
+        given |= fatigue_columns(fatigue(contact, laws=laws))
     return Record.of(contact, given, own=(*own, *stresses), with_fields=keep, stress=stress)
+
+
+def fatigue_columns(cycled: Mapping[str, BodyFatigue]) -> dict[str, dict[str, Any]]:
+    """Columns of what a pass does to the material of each body."""
+    used = {body: one.largest() for body, one in cycled.items()}
+    left = {body: one.largest("residual_shear") for body, one in cycled.items()}
+
+    def factors(of: str) -> dict[str, float]:
+        return {body: one.load_factor(getattr(left[body], of)) for body, one in cycled.items()}
+
+    return {
+        "shakedown_lower": factors("value"),
+        "shakedown_interior": factors("interior"),
+        "shakedown_surface": factors("surface"),
+        "shakedown_lower_at": {body: one.at for body, one in left.items()},
+        "shakedown_upper": {body: one.shakedown_upper for body, one in cycled.items()},
+        "utilisation": {body: one.value for body, one in used.items()},
+        "utilisation_interior": {body: one.interior for body, one in used.items()},
+        "utilisation_surface": {body: one.surface for body, one in used.items()},
+        "utilisation_at": {body: one.at for body, one in used.items()},
+    }

@@ -84,7 +84,8 @@ def explain(scene: Scene) -> Explanation:
         accuracy = [_accuracy(found)]
     parts = (_bodies, _contact, _wear, _subsurface, _mesh, _work)
     told = [part(model) for part in parts]
-    return Explanation((*told[:4], *accuracy, *told[4:]))
+    tired = [] if scene.fatigue is None else [_fatigue(model)]
+    return Explanation((*told[:4], *tired, *accuracy, *told[4:]))
 
 
 def _accuracy(found: Refined) -> Section:
@@ -226,6 +227,32 @@ def _subsurface(model: Model) -> Section:
         (f"largest {criterion.long_name}", "inside and at the surface, with every record"),
     ]
     return Section("Stress", rows)
+
+
+def _fatigue(model: Model) -> Section:
+    asked, laws = model.scene.fatigue, model.laws
+    k = asked.shear_yield_stress
+    shakedown = "left out: there is no shear_yield or yield_strength"
+    if k is not None:
+        shakedown = f"k = {k:.6g} MPa: certain by Melan (rho_xx and rho_yy), impossible by Koiter"
+    rows = [("bodies", ", ".join(asked.bodies)), ("shakedown", shakedown)]
+    if laws.fatigue is None or laws.life is None:
+        rows.append(("utilisation and damage", "left out: there is no limit"))
+    else:
+        line = laws.life
+        life = f"{line.cycles:g} cycles at {asked.limit:g} MPa, to the power -{line.exponent:g}"
+        life += ", endless below" if line.knee else ""
+        rows += [("criterion", laws.fatigue.long_name), ("life", life)]
+    rows += [
+        (
+            "depths",
+            f"{asked.elements} to {asked.depth:g} a; between the surface and one element "
+            "below it nothing is known but both ends",
+        ),
+        ("stress", "elastic: where it is above the shakedown limit the material does not see it"),
+        ("missing", "bending, residual stress from making the bodies, hardness over the depth"),
+    ]
+    return Section("Fatigue", rows)
 
 
 def _mesh(model: Model) -> Section:

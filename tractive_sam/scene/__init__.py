@@ -8,6 +8,7 @@ from .bodies import Bodies, Body
 from .catalogue import builtin_names
 from .checks import FEWEST_ELEMENTS
 from .document import Document
+from .fatigue import Fatigue
 from .faults import (
     MOST_TOLD,
     Fault,
@@ -50,6 +51,7 @@ __all__ = [
     "Coefficients",
     "Creepage",
     "Document",
+    "Fatigue",
     "Fault",
     "Friction",
     "Gap",

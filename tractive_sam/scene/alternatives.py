@@ -15,6 +15,7 @@ _ALTERNATIVES: tuple[tuple[tuple[str, ...], ...], ...] = (
     (("load.force_x",), ("creepage.longitudinal",)),
     (("load.force_y",), ("creepage.lateral",)),
     (("gap.file",), _GAP_ARRAYS),
+    (("fatigue.shear_yield",), ("fatigue.yield_strength",)),
     (("wear.intensity",), ("wear.coefficient", "wear.coefficient.A", "wear.coefficient.B")),
     (
         ("accuracy", "accuracy.tolerance", "accuracy.elements"),

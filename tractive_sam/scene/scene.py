@@ -18,6 +18,7 @@ from .catalogue import builtin_text, names_file
 from .checks import SCENE_CHECKS, warn_if_coarse, warn_if_large, warn_if_unequal
 from .document import Document
 from .doubts import doubts
+from .fatigue import Fatigue
 from .faults import PlausibilityWarning
 from .gap import Gap
 from .override import override, parse_settings
@@ -61,6 +62,7 @@ class Scene(Document):
     accuracy: Accuracy | None = entry("the accuracy that chooses the grid", "", None)
     gap: Gap | None = entry("the additional separation", "", None)
     subsurface: Subsurface | None = entry("the subsurface stress", "", None)
+    fatigue: Fatigue | None = entry("the fatigue of the material", "", None)
     solver: Solver = entry("the solver", "", Solver())
     checks: ClassVar[tuple[Check, ...]] = SCENE_CHECKS
 

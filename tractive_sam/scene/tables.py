@@ -32,7 +32,8 @@ from .table import Check, Known, Table
 Item = TypeVar("Item")
 
 
-def _distinct(items: tuple[Item, ...]) -> tuple[Item, ...]:
+def distinct(items: tuple[Item, ...]) -> tuple[Item, ...]:
+    """See that no item is there twice."""
     if len(set(items)) < len(items):
         raise ValueError("each item once")
     return items
@@ -283,13 +284,13 @@ class Subsurface(Table):
     """
 
     planes: Annotated[
-        tuple[Annotated[Plane, PlainValidator(Plane.parse)], ...], AfterValidator(_distinct)
+        tuple[Annotated[Plane, PlainValidator(Plane.parse)], ...], AfterValidator(distinct)
     ] = entry("planes of the stress", 'a list of planes like "y=0.75a"', min_length=1)
     depth: Positive = positive("depth, in units of the semi-axis a", 1.5)
     elements: int = entry(
         "points over the depth", "a whole number from 2 to 1e6", 64, ge=2, le=10**6
     )
-    bodies: Annotated[tuple[Literal["A", "B"], ...], AfterValidator(_distinct)] = entry(
+    bodies: Annotated[tuple[Literal["A", "B"], ...], AfterValidator(distinct)] = entry(
         "bodies whose stress is computed", 'a list of "A" and "B"', ("A", "B"), min_length=1
     )
 

@@ -57,20 +57,71 @@ def largest_at_surface(
         The stress, MPa, and its place from the centre of the first element, in elements.
     """
     stress = surface_stress(lattice, body, tractions)
-    touching = tractions[2] > 0.0
-    loaded = _whole(touching)
+    loaded = _whole(tractions[2] > 0.0)
     if not loaded.any():  # nowhere wider than an element
         loaded[:] = True
     found = (
         (stress[:, loaded], np.array(np.nonzero(loaded), dtype=float)),
-        _at_edge(lattice, tractions[2], stress, loaded, body.A.poisson),
-        _at_border(stress, _whole(touching & sliding), _whole(touching & ~sliding)),
+        _where_it_is_rough(lattice, body, tractions, sliding, stress, loaded),
     )
     stress, places = (np.concatenate(parts, axis=1) for parts in zip(*found, strict=True))
     values = criterion(stress)
     k = np.argmax(values)
     i, j = places[:, k] + (0.5, 0.5 if tractions.shape[-1] > 1 else 0.0)
     return float(values[k]), float(i), float(j)
+
+
+def surface_cycles(
+    lattice: Lattice, body: HalfSpaces, tractions: np.ndarray, sliding: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """What the surface goes through, along every row of corners.
+
+    At the places of `largest_at_surface` in the row, and where no element is loaded; the material
+    counts as unloaded elsewhere.
+
+    Parameters
+    ----------
+    lattice, body, tractions, sliding
+        As of `largest_at_surface`.
+
+    Returns
+    -------
+    cycles : ndarray, shape (6, n, n_y - 1), of strips (6, n, 1)
+        Stresses, in no order along the row, MPa.
+    known : ndarray of bool, shape (n_y - 1,), of strips (1,)
+        Rows in which that tells something: of those that only graze the contact it does not.
+    """
+    stress = surface_stress(lattice, body, tractions)
+    touching = tractions[2] > 0.0
+    loaded, away = _whole(touching), _whole(~touching)
+    rough, places = _where_it_is_rough(lattice, body, tractions, sliding, stress, loaded)
+    in_row = places[1] == np.rint(places[1])
+    rough, row = rough[:, in_row], places[1, in_row].astype(int)
+    order = np.argsort(row, kind="stable")
+    rough, row = rough[:, order], row[order]
+    count = np.bincount(row, minlength=stress.shape[2])
+    among = np.arange(row.size) - (np.cumsum(count) - count)[row]
+    added = np.zeros((6, count.max(initial=0), stress.shape[2]))
+    added[:, among, row] = rough
+    known = loaded.any(axis=0) | away.all(axis=0)
+    return np.concatenate((np.where(loaded | away, stress, 0.0), added), axis=1), known
+
+
+def _where_it_is_rough(
+    lattice: Lattice,
+    body: HalfSpaces,
+    tractions: np.ndarray,
+    sliding: np.ndarray,
+    stress: np.ndarray,
+    loaded: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Stresses (6, n) at the edge of the contact and where stick ends, and where, in corners."""
+    touching = tractions[2] > 0.0
+    found = (
+        _at_edge(lattice, tractions[2], stress, loaded, body.A.poisson),
+        _at_border(stress, _whole(touching & sliding), _whole(touching & ~sliding)),
+    )
+    return tuple(np.concatenate(parts, axis=1) for parts in zip(*found, strict=True))
 
 
 def _whole(elements: np.ndarray) -> np.ndarray:

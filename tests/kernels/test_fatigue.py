@@ -1,0 +1,238 @@
+"""Smallest balls, critical planes and shakedown of cycles, against closed forms and brute force."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+from scipy.spatial.transform import Rotation
+
+from tractive_sam.kernels import fatigue
+from tractive_sam.mechanics import (
+    Crossland,
+    DangVan,
+    FatemiSocie,
+    Findley,
+    OrthogonalShear,
+    Woehler,
+    enclosing_radius,
+    max_shear,
+    residual_shear,
+    von_mises,
+)
+from tractive_sam.mechanics.fatigue import paths
+from tractive_sam.reference import line_pressure_stress, line_shear_stress
+
+RNG = np.random.default_rng(20)
+CRITERIA = (DangVan(0.3), Crossland(0.3), Findley(0.3), FatemiSocie(0.3, 2.0))
+
+
+def line(mu, depths, points=801, nu=0.3):
+    """The cycles below a sliding line contact of unit semi-axis and pressure, (6, n, depths)."""
+    x, z = np.linspace(-5.0, 5.0, points)[:, None], np.asarray(depths, float)
+    cycle = line_pressure_stress(x, z, 1.0, 1.0, nu) + mu * line_shear_stress(x, z, 1.0, 1.0, nu)
+    return np.concatenate((cycle, np.zeros_like(cycle[:, :1])), axis=1)
+
+
+def random_cycles(number=5, points=12):
+    return RNG.normal(size=(6, points, number))
+
+
+def turned(cycle, rotation):
+    tensor = np.moveaxis(cycle[[[0, 3, 4], [3, 1, 5], [4, 5, 2]]], (0, 1), (-2, -1))
+    tensor = np.moveaxis(rotation @ tensor @ rotation.T, (-2, -1), (0, 1))
+    return tensor[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+
+
+def ball(points, offsets):
+    centre, m = np.empty(points.shape[1]), points.shape[1]
+    support, weights = np.empty(m + 2, int), np.empty(m + 2)
+    count, radius2 = fatigue.enclosing(centre, support, weights, points, offsets)
+    return centre, support[:count], weights[:count], radius2
+
+
+@pytest.mark.parametrize("m", [1, 2, 5])
+@pytest.mark.parametrize("whole", [True, False])
+def test_a_smallest_ball_is_the_optimum_of_its_dual(m, whole):
+    """Weights that are positive and add up to one bound any ball from below."""
+    for _ in range(60):
+        # Whole numbers coincide and lie on common spheres.
+        points = RNG.integers(-2, 3, (25, m)).astype(float) if whole else RNG.normal(size=(25, m))
+        offsets = RNG.integers(0, 3, 25).astype(float)
+        centre, support, weights, radius2 = ball(points, offsets)
+        assert (weights > -1e-12).all()
+        assert weights.sum() == pytest.approx(1.0, abs=1e-12)
+        mean = weights @ points[support]
+        bound = weights @ ((points[support] ** 2).sum(axis=1) + offsets[support]) - mean @ mean
+        assert radius2 == pytest.approx(bound, rel=1e-11)  # rounding of a few digits
+        assert (((points - centre) ** 2).sum(axis=1) + offsets <= radius2 * (1 + 1e-12)).all()
+
+
+def test_distances_of_deviators_are_those_of_j2():
+    cycle = random_cycles(1, 30)
+    deviators = np.empty((30, 5))
+    fatigue.deviators(deviators, paths(cycle)[0])
+    np.testing.assert_allclose(
+        np.linalg.norm(deviators, axis=1), von_mises(cycle)[:, 0] / math.sqrt(3.0), rtol=1e-13
+    )
+    tresca = [fatigue.tresca(one) for one in deviators]
+    np.testing.assert_allclose(tresca, max_shear(cycle)[:, 0], rtol=1e-9)  # by an arc cosine
+
+
+@pytest.mark.parametrize("criterion", CRITERIA, ids=lambda one: one.name)
+def test_rotation_of_the_axes_changes_nothing(criterion):
+    cycle = random_cycles()
+    before = criterion(cycle)
+    for seed in range(3):
+        rotation = Rotation.random(random_state=seed).as_matrix()
+        np.testing.assert_allclose(criterion(turned(cycle, rotation)), before, rtol=1e-10)
+
+
+@pytest.mark.parametrize(("sum_k", "product_k"), [(0.3, 0.0), (0.0, 0.3)])
+def test_the_critical_plane_is_that_of_brute_force(sum_k, product_k):
+    """At least as large as on 1e5 planes, and by no more than their distance allows."""
+    criterion = Findley(sum_k) if sum_k else FatemiSocie(product_k, 1.0)
+    normals = RNG.normal(size=(100_000, 3))
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    cycle = random_cycles(1)
+    room = np.empty((12, 2)), np.zeros(12), np.empty(2), np.empty(4, np.int64), np.empty(4)
+    best = 0.0
+    for normal in normals:
+        best = max(best, fatigue._plane(paths(cycle)[0], normal, sum_k, product_k, room, best))
+    # Planes are .008 apart: beside a maximum values fall by the square.
+    assert best * (1.0 - 1e-12) <= float(criterion(cycle)[0]) <= best * (1.0 + 1e-3)
+
+
+@pytest.mark.parametrize(("tau", "sigma"), [(180.0, 300.0), (200.0, 330.0)])
+def test_limits_in_torsion_and_bending_are_recovered(tau, sigma):
+    """Both reach the limit of a criterion whose sensitivity is by them."""
+    torsion, bending = np.zeros((6, 3)), np.zeros((6, 3))
+    torsion[3, :2] = tau, -tau
+    bending[0, :2] = sigma, -sigma
+    for criterion in (
+        DangVan(3.0 * (tau / sigma - 0.5)),
+        Crossland(3.0 * tau / sigma - math.sqrt(3.0)),
+    ):
+        assert float(criterion(torsion)) == pytest.approx(tau, rel=1e-12)
+        assert float(criterion(bending)) == pytest.approx(tau, rel=1e-12)
+    share = 2.0 * tau / sigma - 1.0  # k / sqrt(1 + k²)
+    k = share / math.sqrt(1.0 - share**2)
+    limit = tau * math.sqrt(1.0 + k * k)
+    assert float(Findley(k)(torsion)) == pytest.approx(limit, rel=1e-10)
+    assert float(Findley(k)(bending)) == pytest.approx(limit, rel=1e-10)
+
+
+DEPTHS = np.linspace(0.3, 0.75, 91)
+SPACED = 3e-4
+"""Error of cycles of 801 points: a parabola misses that much between them."""
+
+
+def largest(values):
+    k = int(np.argmax(values))
+    return float(values[k]), float(DEPTHS[k])
+
+
+@pytest.mark.parametrize(
+    ("criterion", "value", "depth"),
+    [
+        (OrthogonalShear(), 0.25, 0.5),
+        (Findley(0.0), 0.25, 0.5),
+        (Findley(0.5), 0.25, 0.5),
+        (Crossland(0.0), 0.25, 0.5),
+        (DangVan(0.0), 0.25, 0.5),
+    ],
+    ids=repr,
+)
+def test_a_frictionless_line_contact(criterion, value, depth):
+    found, at = largest(criterion(line(0.0, DEPTHS)))
+    assert found == pytest.approx(value, rel=SPACED)
+    assert at == pytest.approx(depth, abs=0.02)  # flat at the top
+
+
+def test_a_frictionless_line_contact_by_dang_van():
+    found, at = largest(DangVan(1.0 / 3.0)(line(0.0, DEPTHS, points=4001)))
+    assert found == pytest.approx(0.1636, rel=1e-3)  # the reference was found with as many digits
+    assert at == pytest.approx(0.61, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("mu", "certain", "depth", "impossible"),
+    [
+        (0.0, 4.0, 0.5, 4.0),
+        (0.1, 3.564, 0.46, 3.986),
+        (0.2, 3.202, 0.42, 3.944),
+        (0.3, 2.900, 0.38, 3.86),
+    ],
+)
+def test_shakedown_of_a_line_contact_in_full_slip(mu, certain, depth, impossible):
+    """The largest p0/k inside the body (Johnson, Contact Mechanics, fig. 9.4)."""
+    cycles = line(mu, DEPTHS)
+    left = np.array([residual_shear(cycles[..., k : k + 1])[0] for k in range(DEPTHS.size)])
+    found, at = largest(left)
+    assert 1.0 / found == pytest.approx(certain, rel=SPACED)
+    assert at == pytest.approx(depth, abs=0.015)  # between depths
+    assert (enclosing_radius(cycles) <= left * (1.0 + 1e-12)).all()
+    if mu < 0.25:  # from there on the surface is the first to become impossible
+        assert 1.0 / enclosing_radius(cycles).max() == pytest.approx(impossible, rel=1e-3)
+
+
+def test_shakedown_at_the_surface_is_worse_than_the_shear_there():
+    """The stress along y counts: von Mises at Poisson's ratio .3 allows less than p0/k = 1/mu.
+
+    The two residual stresses by a search that knows nothing of balls.
+    """
+    cycle = line(0.3, [0.0])
+
+    def left(residual):
+        stress = cycle[..., 0].copy()
+        stress[:2] += residual[:, None]
+        return von_mises(stress).max() / math.sqrt(3.0)
+
+    starts = (np.zeros(2), np.array([0.3, 0.3]), np.array([0.0, -0.3]))
+    options = {"xatol": 1e-9, "fatol": 1e-12}
+    searched = min(minimize(left, at, method="Nelder-Mead", options=options).fun for at in starts)
+    assert residual_shear(cycle)[0] == pytest.approx(searched, rel=1e-6)  # of the search
+    assert 1.0 / searched == pytest.approx(2.99702, rel=2e-4)  # points are .0125 apart
+    assert searched > 0.3
+
+
+def test_one_residual_stress_serves_a_whole_depth():
+    """Points that share a depth leave no less than each alone, and what is left is an optimum."""
+    cycles = random_cycles(4, 10)
+    together = residual_shear(cycles)
+    alone = [residual_shear(cycles[..., k : k + 1])[0] for k in range(4)]
+    assert (together >= np.array(alone) - 1e-12).all()
+
+    def left(residual):
+        stress = cycles.copy()
+        stress[0] += residual[:4]
+        stress[1] += residual[4]
+        return von_mises(stress).max() / math.sqrt(3.0)
+
+    for step in 0.02 * RNG.normal(size=(200, 5)):
+        assert left(step) >= together.max()
+    options = {"xatol": 1e-8, "fatol": 1e-10, "maxiter": 20_000, "adaptive": True}
+    searched = minimize(left, np.zeros(5), method="Nelder-Mead", options=options).fun
+    assert together.max() <= searched * (1.0 + 1e-9)
+    assert together.max() == pytest.approx(searched, rel=2e-2)  # of the search, at a kink
+
+
+def test_the_lower_bound_is_below_the_upper_one():
+    """The ball may choose any residual deviator, the lower bound two of its components."""
+    cycles = random_cycles(200, 15)
+    assert (enclosing_radius(cycles) <= residual_shear(cycles) * (1.0 + 1e-12)).all()
+
+
+def test_a_constant_cycle_does_nothing():
+    cycle = np.repeat(random_cycles(3, 1), 7, axis=1)
+    assert (enclosing_radius(cycle) < 1e-7).all()
+    assert (Findley(0.0)(cycle) < 1e-7).all()
+    assert (OrthogonalShear()(cycle) == 0.0).all()
+
+
+def test_lives_and_the_knee():
+    line_, knee = Woehler(1e6, 8.0), Woehler(1e6, 8.0, knee=True)
+    used = np.array([0.0, 0.5, 1.0, 2.0])
+    np.testing.assert_allclose(line_.damage(used), [0.0, 2.0**-8 / 1e6, 1e-6, 256e-6], rtol=1e-13)
+    np.testing.assert_allclose(knee.damage(used), [0.0, 0.0, 0.0, 256e-6], rtol=1e-13)
+    assert np.isfinite(Woehler(1e-30, 100.0).damage(np.array([1e300]))).all()

@@ -1,0 +1,131 @@
+"""What a pass of a solved contact does to its bodies, against closed forms."""
+
+import math
+
+import numpy as np
+import pytest
+
+import tractive_sam as ts
+from tractive_sam.subsurface import cycle_depths
+
+ASKED = {"shear_yield": 300.0, "criterion": "orthogonal-shear", "limit": 250.0}
+
+
+def cylinders(mu, elements, **asked):
+    """In full slip; nothing else changes a line contact of equal materials."""
+    scene = ts.Scene.builtin("cylinders")
+    grid = {"half_length": 1.1 * scene.hertz.a, "elements": elements}
+    tables = {"friction.mu": mu, "creepage.longitudinal": -0.05, "grid": grid}
+    return scene.replace(subsurface=None, fatigue=ASKED | asked, **tables)
+
+
+@pytest.mark.parametrize(
+    ("mu", "certain", "depth"), [(0.1, 3.564, 0.46), (0.2, 3.202, 0.42), (0.3, 2.900, 0.38)]
+)
+def test_shakedown_below_a_line_contact(mu, certain, depth):
+    scene = cylinders(mu, 101)
+    p0, a = scene.hertz.p0, scene.hertz.a
+    for cycled in ts.fatigue(ts.solve(scene)).values():
+        left = cycled.largest("residual_shear")
+        assert p0 / left.interior == pytest.approx(certain, rel=5e-4)  # of 83 elements
+        assert left.interior_at[2] / a == pytest.approx(depth, abs=0.02)  # flat
+        assert cycled.shakedown_lower == pytest.approx(300.0 / left.value)
+        assert cycled.shakedown_lower <= cycled.shakedown_upper
+
+
+def test_shakedown_at_the_surface_of_a_line_contact_falls_towards_its_limit():
+    errors = []
+    for elements in (51, 101, 201):
+        scene = cylinders(0.3, elements)
+        cycled = ts.fatigue(ts.solve(scene))["A"]
+        errors.append(
+            abs(scene.hertz.p0 / cycled.largest("residual_shear").surface / 2.99702 - 1.0)
+        )
+    assert errors[2] < 1e-3  # of 182 elements
+    assert errors[2] < errors[0]
+
+
+@pytest.mark.parametrize(
+    ("ratio", "shear", "depth"),
+    [(0.5, 0.2372, 0.4351), (1.0, 0.2139, 0.3509), (2.0, 0.1731, 0.2481)],
+)
+def test_orthogonal_shear_below_frictionless_ellipses(ratio, shear, depth):
+    """Lundberg and Palmgren (1947): tau_0/p0 and the depth over the semi-axis in x."""
+    scene = ts.Scene.builtin("spheres").replace(
+        friction=None, creepage=None, grid=None, subsurface=None, fatigue=ASKED | {"bodies": ["A"]}
+    )
+    # Radii for which the semi-axes have this ratio.
+    low, high = 1e-3, 1e3
+    for _ in range(60):
+        middle = math.sqrt(low * high)
+        bent = scene.replace(
+            **{"body.B.radius_y": 460.0 * middle, "body.A.radius_y": 460.0 * middle}
+        )
+        low, high = (middle, high) if bent.hertz.a / bent.hertz.b > ratio else (low, middle)
+    scene, hertz = bent, bent.hertz
+    grid = {"half_length": [1.1 * hertz.a, 1.1 * hertz.b], "elements": [61, 61]}
+    cycled = ts.fatigue(ts.solve(scene.replace(grid=grid)))["A"]
+    top = cycled.largest()
+    assert top.interior * 250.0 / hertz.p0 == pytest.approx(shear, rel=3e-3)  # of 55 elements
+    assert top.interior_at[2] / hertz.a == pytest.approx(depth, abs=0.02)
+    assert abs(top.interior_at[1]) < 0.05 * hertz.b
+
+
+def test_equal_bodies_without_friction_are_alike():
+    scene = ts.Scene.builtin("spheres").with_set(["grid.elements=[21, 21]"])
+    scene = scene.replace(friction=None, creepage=None, subsurface=None, fatigue=ASKED)
+    cycled = ts.fatigue(ts.solve(scene))
+    for name in ("utilisation", "residual_shear", "path_radius"):
+        there, here = (getattr(cycled[body], name) for body in "AB")
+        np.testing.assert_allclose(there, here, rtol=1e-12, atol=1e-9)
+        np.testing.assert_allclose(there, there[::-1], rtol=1e-7, atol=1e-6)  # even in y
+
+
+def test_without_a_yield_stress_or_a_limit_the_rest_is_told():
+    scene = cylinders(0.1, 21)
+    contact = ts.solve(scene)
+    depths = cycle_depths(contact)
+    cycled = ts.fatigue(ts.solve(scene.replace(fatigue={"limit": 250.0, "sensitivity": 0.3})))["A"]
+    assert math.isnan(cycled.shakedown_lower)
+    assert cycled.utilisation_max > 0.0
+    cycled = ts.fatigue(ts.solve(scene.replace(fatigue={"yield_strength": 500.0})))["B"]
+    assert math.isnan(cycled.utilisation_max)
+    assert cycled.shakedown_upper > 0.0
+    np.testing.assert_array_equal(cycled.depth, depths)
+    with pytest.raises(ValueError, match="fatigue"):
+        ts.fatigue(ts.solve(scene.replace(fatigue=None)))
+    with pytest.raises(ValueError, match="depths"):
+        ts.fatigue(contact, depths=depths[1:])
+
+
+def test_a_criterion_of_ones_own_is_asked():
+    class Doubled(ts.CycleCriterion):
+        name, long_name = "doubled", "range of the orthogonal shear stress"
+
+        def __call__(self, cycle):
+            return 2.0 * ts.OrthogonalShear()(cycle)
+
+    contact = ts.solve(cylinders(0.1, 21))
+    laws = ts.Laws.of(contact.scene)
+    own = ts.fatigue(contact, laws=laws.replace(fatigue=Doubled()))["A"]
+    np.testing.assert_allclose(own.utilisation, 2.0 * ts.fatigue(contact)["A"].utilisation)
+
+
+def test_every_record_has_its_columns():
+    scene = ts.Scene.builtin("twin-discs").with_set(
+        ["grid.elements=[15, 31]", "wear.revolutions=3", "wear.save=[0, 3]"]
+    )
+    asked = {"shear_yield": 300.0, "sensitivity": 0.333, "limit": 250.0}
+    scene = scene.replace(subsurface=None, fatigue=asked)
+    history = ts.roll(scene)
+    for row, revolution in ((0, 0), (-1, 3)):
+        for k, cycled in enumerate(ts.fatigue(history.state(revolution)).values()):
+            for name in ("shakedown_lower", "shakedown_upper"):
+                assert history[name][row, k] == pytest.approx(getattr(cycled, name), rel=1e-9)
+            assert history["utilisation"][row, k] == pytest.approx(cycled.utilisation_max, rel=1e-9)
+    k = 300.0 / history["p_max"][0]
+    assert history["fi_surf"][0] <= 0.6 - k
+    told = history.to_dict()
+    assert set(told["utilisation"]) == {"A", "B"}
+    assert told["utilisation_at"]["A"][0][0] is None  # all x count
+    assert "utilisation" not in ts.roll(scene.replace(fatigue=None, wear=None)).columns

@@ -1,0 +1,293 @@
+"""What the stress of a whole cycle does to a material: criteria of fatigue, life, shakedown."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+
+from tractive_sam.kernels import fatigue
+
+
+class CycleCriterion(ABC):
+    """An equivalent stress amplitude of a cycle; above a limit of the material it does damage.
+
+    Attributes
+    ----------
+    name : str
+        As ``fatigue.criterion`` of a scene names it.
+    symbol : str
+        For math text in figures.
+    long_name : str
+        Description for people.
+
+    Examples
+    --------
+    >>> class Range(ts.CycleCriterion):
+    ...     name, long_name = "range", "half the range of xx"
+    ...
+    ...     def __call__(self, cycle):
+    ...         return 0.5 * np.ptp(cycle[0], axis=0)
+    >>> tired = scene.replace(fatigue={"limit": 200.0, "sensitivity": 0.3, "bodies": ["A"]})
+    >>> laws = ts.Laws.of(tired).replace(fatigue=Range())
+    >>> ts.fatigue(ts.solve(tired), laws=laws)["A"].utilisation_max > 0.0
+    True
+    """
+
+    name: str
+    symbol: str = r"\tau_\mathrm{eq}"
+    long_name: str
+
+    @abstractmethod
+    def __call__(self, cycle: np.ndarray) -> np.ndarray:
+        """Judge cycles.
+
+        Parameters
+        ----------
+        cycle : ndarray, shape (6, n, ...)
+            Components xx, yy, zz, xy, xz, yz at n points along the cycle, MPa; the last of them is
+            the unloaded material.
+
+        Returns
+        -------
+        ndarray, shape (...)
+            MPa; up to zero there is no damage.
+        """
+
+
+def paths(cycle: np.ndarray) -> np.ndarray:
+    """Cycles (6, n, ...) as kernels take them, (number, n, 6)."""
+    flat = cycle.reshape(*cycle.shape[:2], -1)
+    return np.ascontiguousarray(flat.transpose(2, 1, 0))
+
+
+def _each(kernel, cycle: np.ndarray, *parameters) -> np.ndarray:
+    out = np.empty(cycle.shape[2:])
+    kernel(out.reshape(-1), paths(cycle), *parameters)
+    return out
+
+
+@dataclass(frozen=True)
+class DangVan(CycleCriterion):
+    """Largest of tau + a sigma_h along the cycle, in what is left once grains have adapted.
+
+    tau is the largest shear stress of the deviator minus the centre of the smallest ball around
+    its path, sigma_h the hydrostatic stress (Dang Van, Griveau & Message 1989).
+
+    Parameters
+    ----------
+    sensitivity : float
+        a = 3 (tau_e/sigma_e - 1/2), by the fatigue limits in torsion and in bending; the limit of
+        the criterion is tau_e.
+
+    Examples
+    --------
+    >>> bending = np.zeros((6, 3))
+    >>> bending[0] = 300.0, -300.0, 0.0
+    >>> round(float(ts.DangVan(sensitivity=0.3)(bending)), 9)  # sigma_e = 300: tau_e = 180
+    180.0
+    """
+
+    sensitivity: float
+    name = "dang-van"
+    long_name = "equivalent shear stress of Dang Van"
+
+    def __call__(self, cycle: np.ndarray) -> np.ndarray:
+        """See `CycleCriterion`."""
+        return _each(fatigue.dang_van, cycle, self.sensitivity)
+
+
+@dataclass(frozen=True)
+class Crossland(CycleCriterion):
+    """Amplitude of sqrt(J2), the radius of the smallest ball, plus a times the largest sigma_h.
+
+    Parameters
+    ----------
+    sensitivity : float
+        a = 3 tau_e/sigma_e - sqrt 3; the limit of the criterion is tau_e (Crossland 1956).
+
+    Examples
+    --------
+    >>> torsion = np.zeros((6, 3))
+    >>> torsion[3] = 200.0, -200.0, 0.0
+    >>> round(float(ts.Crossland(sensitivity=0.3)(torsion)), 9)
+    200.0
+    """
+
+    sensitivity: float
+    name = "crossland"
+    long_name = "equivalent shear stress of Crossland"
+
+    def __call__(self, cycle: np.ndarray) -> np.ndarray:
+        """See `CycleCriterion`."""
+        hydrostatic = cycle[:3].sum(axis=0).max(axis=0) / 3.0
+        return enclosing_radius(cycle) + self.sensitivity * hydrostatic
+
+
+def _look() -> np.ndarray:
+    """Unit vectors spread over half a sphere, about 12 degrees apart (spiral of Fibonacci)."""
+    count = 150
+    i = np.arange(count) + 0.5
+    z, turn = 1.0 - i / count, np.pi * (1.0 + np.sqrt(5.0)) * i
+    across = np.sqrt(1.0 - z * z)
+    return np.stack((across * np.cos(turn), across * np.sin(turn), z), axis=1)
+
+
+@dataclass(frozen=True)
+class Findley(CycleCriterion):
+    """Largest of tau_a + k sigma_n,max over all planes (Findley 1959).
+
+    tau_a is the radius of the smallest circle around the path of the shear stress on the plane,
+    sigma_n,max its largest normal stress.
+
+    Parameters
+    ----------
+    sensitivity : float
+        k; the limit of the criterion is tau_e sqrt(1 + k²), and sigma_e/tau_e is
+        2 / (1 + k/sqrt(1 + k²)).
+
+    Examples
+    --------
+    >>> torsion = np.zeros((6, 3))
+    >>> torsion[3] = 200.0, -200.0, 0.0
+    >>> float(ts.Findley(sensitivity=0.75)(torsion)).__round__(6)
+    250.0
+    """
+
+    sensitivity: float
+    name = "findley"
+    long_name = "equivalent shear stress of Findley"
+
+    def __call__(self, cycle: np.ndarray) -> np.ndarray:
+        """See `CycleCriterion`."""
+        return _each(fatigue.critical_plane, cycle, self.sensitivity, 0.0, _look())
+
+
+@dataclass(frozen=True)
+class FatemiSocie(CycleCriterion):
+    """Largest of tau_a (1 + k sigma_n,max/sigma_y) over all planes (Fatemi & Socie 1988).
+
+    That is G times their parameter gamma_a (1 + k sigma_n,max/sigma_y) of an elastic cycle.
+
+    Parameters
+    ----------
+    sensitivity : float
+        k.
+    yield_strength : float
+        sigma_y, MPa.
+
+    Examples
+    --------
+    >>> torsion = np.zeros((6, 3))
+    >>> torsion[3] = 200.0, -200.0, 0.0
+    >>> float(ts.FatemiSocie(sensitivity=0.0, yield_strength=500.0)(torsion)).__round__(6)
+    200.0
+    """
+
+    sensitivity: float
+    yield_strength: float
+    name = "fatemi-socie"
+    long_name = "equivalent shear stress of Fatemi and Socie"
+
+    def __call__(self, cycle: np.ndarray) -> np.ndarray:
+        """See `CycleCriterion`."""
+        each = self.sensitivity / self.yield_strength
+        return _each(fatigue.critical_plane, cycle, 0.0, each, _look())
+
+
+@dataclass(frozen=True)
+class OrthogonalShear(CycleCriterion):
+    """Half the range of the shear stress xz, across the surface in the rolling direction.
+
+    Source: Lundberg & Palmgren, Acta Polytechnica 7 (1947). In a frictionless line contact it is
+    p0/4, half the semi-axis deep.
+
+    Examples
+    --------
+    >>> cycle = np.zeros((6, 3))
+    >>> cycle[4] = 250.0, -250.0, 0.0
+    >>> float(ts.OrthogonalShear()(cycle))
+    250.0
+    """
+
+    name = "orthogonal-shear"
+    symbol = r"\tau_0"
+    long_name = "amplitude of the orthogonal shear stress"
+
+    def __call__(self, cycle: np.ndarray) -> np.ndarray:
+        """See `CycleCriterion`."""
+        return 0.5 * np.ptp(cycle[4], axis=0)
+
+
+def enclosing_radius(cycle: np.ndarray) -> np.ndarray:
+    """Radius of the smallest ball around the path of the deviator, in the norm sqrt(s:s/2), MPa.
+
+    Yield stress in shear below which no constant residual stress makes the cycle elastic (Koiter).
+
+    Parameters
+    ----------
+    cycle : ndarray, shape (6, n, ...)
+        As of `CycleCriterion`.
+
+    Returns
+    -------
+    ndarray, shape (...)
+    """
+    return _each(fatigue.balls, cycle)
+
+
+def residual_shear(cycle: np.ndarray) -> np.ndarray:
+    """The sqrt(J2) left of the cycles at one depth by residual stresses that rolling can leave.
+
+    rho_xx of each point and one rho_yy of all: a yield stress in shear above the largest of these
+    makes sure that the cycles become elastic (Melan); see `kernels.fatigue.shakedown_layer`.
+
+    Parameters
+    ----------
+    cycle : ndarray, shape (6, n, m)
+        As of `CycleCriterion`, of all points of one depth.
+
+    Returns
+    -------
+    ndarray, shape (m,)
+        MPa.
+    """
+    return _each(fatigue.shakedown_layer, cycle)
+
+
+MOST_PER_CYCLE = 1e9
+"""Damage of a cycle that counts: what does more breaks in the first one, whatever the number."""
+
+
+@dataclass(frozen=True)
+class Woehler:
+    """A life of N = cycles u^-exponent cycles at the utilisation u, and damage that adds up.
+
+    Each cycle does 1/N of the damage that starts a crack (Palmgren 1924, Miner 1945).
+
+    Parameters
+    ----------
+    cycles : float
+        Life at a utilisation of 1.
+    exponent : float
+        Of the line.
+    knee : bool
+        Whether cycles below 1 do no damage.
+
+    Examples
+    --------
+    >>> ts.Woehler(cycles=1e7, exponent=10.0).damage(np.array([0.5, 1.0, 2.0]))
+    array([9.765625e-11, 1.000000e-07, 1.024000e-04])
+    """
+
+    cycles: float
+    exponent: float
+    knee: bool = False
+
+    def damage(self, utilisation: np.ndarray) -> np.ndarray:
+        """Damage of a cycle at utilisations; up to 0 there is none."""
+        loaded = utilisation > (1.0 if self.knee else 0.0)
+        log = np.log(np.where(loaded, utilisation, 1.0))
+        most = np.log(MOST_PER_CYCLE)
+        return np.where(
+            loaded, np.exp(np.minimum(self.exponent * log - np.log(self.cycles), most)), 0.0
+        )

@@ -1,0 +1,122 @@
+"""The [fatigue] table: what the cycles of stress do to the material."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import AfterValidator
+
+from .alternatives import not_both
+from .faults import Fault, shown
+from .quantities import NotNegative, Positive, entry, positive
+from .table import Check, Known, Table
+from .tables import distinct
+
+SENSITIVITIES = {
+    "dang-van": (1.5, "3 (tau_e/sigma_e - 1/2)"),
+    "crossland": (3.0 - math.sqrt(3.0), "3 tau_e/sigma_e - sqrt 3"),
+    "findley": (10.0, "k, sigma_e/tau_e = 2 / (1 + k/sqrt(1 + k²))"),
+    "fatemi-socie": (10.0, "k"),
+}
+"""Of each criterion that has one: up to which sensitivity it is valid, and what that is. The first
+two have the fatigue limit in torsion reach that in bending there."""
+
+MOST_EXPONENT = 100.0
+"""Of a Woehler line: with more, a per cent of the stress is a factor of e in the life."""
+
+
+def _something_asked(known: Known) -> Iterator[Fault]:
+    if not known.given & {"shear_yield", "yield_strength", "limit"}:
+        cure = "shear_yield or yield_strength for shakedown, limit for utilisation and damage"
+        yield Fault("limit", "nothing, and no yield", cure)
+
+
+def _sensitivity_of_the_criterion(known: Known) -> Iterator[Fault]:
+    criterion, given = known["criterion"], known["sensitivity"]
+    if criterion not in SENSITIVITIES:
+        if given is not None:
+            yield Fault("sensitivity", shown(given), f'nothing: "{criterion}" has none')
+        return
+    most, meaning = SENSITIVITIES[criterion]
+    allowed = f'from 0 to below {most:.4g} for "{criterion}" ({meaning})'
+    if given is None:
+        if known["limit"] is not None:
+            yield Fault("sensitivity", "nothing", allowed)
+    elif given >= most:
+        yield Fault("sensitivity", shown(given), allowed)
+
+
+def _yield_of_the_criterion(known: Known) -> Iterator[Fault]:
+    if known["criterion"] != "fatemi-socie" or known["limit"] is None:
+        return
+    if not known.given & {"shear_yield", "yield_strength"}:
+        yield Fault("yield_strength", "nothing", 'a number above 0: "fatemi-socie" divides by it')
+
+
+class Fatigue(Table):
+    """What rolling does to the material: shakedown, fatigue, and damage while it wears.
+
+    With a yield stress there are the loads up to which the material can become elastic; with the
+    limit of a criterion there are its utilisation and, by a Woehler line, the damage. All stress
+    is elastic.
+
+    Examples
+    --------
+    >>> steel = ts.Fatigue(shear_yield=300.0, sensitivity=0.333, limit=250.0)
+    >>> steel.criterion, round(steel.yield_stress, 1)
+    ('dang-van', 519.6)
+    """
+
+    shear_yield: Positive | None = positive("yield stress in shear k, MPa", None)
+    yield_strength: Positive | None = positive("yield stress in tension, sqrt 3 k, MPa", None)
+    criterion: Literal["dang-van", "crossland", "findley", "fatemi-socie", "orthogonal-shear"] = (
+        entry(
+            "fatigue criterion",
+            '"dang-van", "crossland", "findley", "fatemi-socie" or "orthogonal-shear"',
+            "dang-van",
+        )
+    )
+    sensitivity: NotNegative | None = entry(
+        "sensitivity of the criterion to normal stress: a of Dang Van and Crossland, k of Findley "
+        "and Fatemi-Socie",
+        "a number of at least 0, its upper bound depends on the criterion",
+        None,
+    )
+    limit: Positive | None = positive(
+        "limit of the criterion, MPa: utilisation is the equivalent stress over it", None
+    )
+    cycles: Positive = positive("life at a utilisation of 1, cycles", 1e7)
+    exponent: Positive = entry(
+        "exponent of the Woehler line, life = cycles * utilisation ** -exponent",
+        f"a number above 0, at most {MOST_EXPONENT:g}",
+        10.0,
+        le=MOST_EXPONENT,
+    )
+    knee: bool = entry("whether life is endless below a utilisation of 1", "true or false", False)
+    depth: Positive = positive("depth, in units of the semi-axis a", 1.5)
+    elements: int = entry(
+        "points over the depth", "a whole number from 8 to 1e4", 24, ge=8, le=10**4
+    )
+    bodies: Annotated[tuple[Literal["A", "B"], ...], AfterValidator(distinct)] = entry(
+        "bodies that are followed", 'a list of "A" and "B"', ("A", "B"), min_length=1
+    )
+    checks: ClassVar[tuple[Check, ...]] = (
+        not_both("shear_yield", "yield_strength"),
+        _something_asked,
+        _sensitivity_of_the_criterion,
+        _yield_of_the_criterion,
+    )
+
+    @property
+    def yield_stress(self) -> float | None:
+        """Yield stress in tension, MPa, by whichever is given; None without."""
+        if self.yield_strength is not None:
+            return self.yield_strength
+        return None if self.shear_yield is None else math.sqrt(3.0) * self.shear_yield
+
+    @property
+    def shear_yield_stress(self) -> float | None:
+        """Yield stress in shear k, MPa, by whichever is given; None without."""
+        return None if self.yield_stress is None else self.yield_stress / math.sqrt(3.0)
