@@ -18,7 +18,7 @@ from .faults import (
     shown,
     suggestion,
 )
-from .gap import Gap, files_anywhere
+from .gap import LENGTHS, TEXTS, Gap, files_anywhere
 from .keys import groups
 from .override import parse_settings
 from .plane import Plane
@@ -42,8 +42,10 @@ from .tables import (
 __all__ = [
     "FEWEST_ELEMENTS",
     "LARGEST",
+    "LENGTHS",
     "MOST_ELEMENTS",
     "MOST_TOLD",
+    "TEXTS",
     "Accuracy",
     "Bodies",
     "Body",

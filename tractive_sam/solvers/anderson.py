@@ -5,9 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from tractive_sam.results import Status
-from tractive_sam.solvers.outcome import Outcome
-from tractive_sam.solvers.projection import ProjectedMap, Projection
+from tractive_sam.solvers.projection import ProjectedMap, Projection, States
 
 
 @dataclass(frozen=True)
@@ -36,36 +34,24 @@ class Anderson(Projection):
 
     name: ClassVar[str] = "anderson"
 
-    def _iterated(
-        self, mapping: ProjectedMap, tolerance: float, state: np.ndarray
-    ) -> tuple[Outcome, ProjectedMap]:
-        state = mapping.admissible(state)
+    def _states(self, mapping: ProjectedMap, state: np.ndarray) -> States:
         images: list[np.ndarray] = []
         changes: list[np.ndarray] = []
-        best, best_residual = state, np.inf
-        status, taken = Status.OUT_OF_ITERATIONS, 0
-        for taken in range(self.iterations + 1):
-            now = mapping(state)
-            if now.residual <= tolerance:
-                status = Status.CONVERGED
-                break
-            if taken == self.iterations:
-                break
-            if not np.isfinite(now.residual) or now.residual > 10.0 * best_residual:
+        best, least = state, np.inf
+        while True:
+            now = yield mapping, state
+            if not np.isfinite(now.residual) or now.residual > 10.0 * least:
                 if not images:
-                    status = Status.DIVERGED
-                    break
+                    return
                 images, changes = [], []
-                state = best
-                best_residual = np.inf
+                state, least = best, np.inf
                 continue
-            if now.residual < best_residual:
-                best, best_residual = state, now.residual
+            if now.residual < least:
+                best, least = state, now.residual
             images.append(now.image.ravel())
             changes.append((now.image - state).ravel())
             del images[: -self.memory - 1], changes[: -self.memory - 1]
             state = mapping.admissible(_combined(images, changes).reshape(state.shape))
-        return self._outcome(status, mapping, state, now, taken), mapping
 
 
 def _combined(images: list[np.ndarray], changes: list[np.ndarray]) -> np.ndarray:

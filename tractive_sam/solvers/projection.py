@@ -7,6 +7,7 @@ what works best is a fixed multiple.
 """
 
 from abc import ABC, abstractmethod
+from collections.abc import Generator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -120,6 +121,9 @@ class ProjectedMap:
         return Evaluation(self.admissible(state - self.steps * misses), residual, gap, slip)
 
 
+States = Generator[tuple[ProjectedMap, Array], Evaluation, None]
+
+
 @dataclass(frozen=True)
 class Projection(ABC):
     """What the projected iterations share: where they start, and how they meet a load.
@@ -137,12 +141,30 @@ class Projection(ABC):
 
     name = ""
     boldness = 1.0
+    iterations = 0
 
     @abstractmethod
+    def _states(self, mapping: ProjectedMap, state: Array) -> States:
+        """States to evaluate, each after the evaluation of the one before; ends if it diverges."""
+
     def _iterated(
         self, mapping: ProjectedMap, tolerance: float, state: Array
     ) -> tuple[Outcome, ProjectedMap]:
         """Solve under given approach; and the map, whose steps may have been shortened."""
+        states = self._states(mapping, mapping.admissible(state))
+        mapping, state = next(states)
+        for taken in range(self.iterations + 1):
+            now, status = mapping(state), Status.OUT_OF_ITERATIONS
+            if now.residual <= tolerance:
+                status = Status.CONVERGED
+            if status is Status.CONVERGED or taken == self.iterations:
+                break
+            try:
+                mapping, state = states.send(now)
+            except StopIteration:
+                status = Status.DIVERGED
+                break
+        return self._outcome(status, mapping, state, now, taken), mapping
 
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None

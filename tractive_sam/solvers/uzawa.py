@@ -1,13 +1,12 @@
 """Uzawa's method: the paper's solver and the baseline that the others are measured against."""
 
 from dataclasses import dataclass
+from itertools import count
 from typing import ClassVar
 
 import numpy as np
 
-from tractive_sam.results import Status
-from tractive_sam.solvers.outcome import Outcome
-from tractive_sam.solvers.projection import ProjectedMap, Projection
+from tractive_sam.solvers.projection import ProjectedMap, Projection, States
 
 
 @dataclass(frozen=True)
@@ -39,19 +38,10 @@ class Uzawa(Projection):
 
     name: ClassVar[str] = "uzawa"
 
-    def _iterated(
-        self, mapping: ProjectedMap, tolerance: float, state: np.ndarray
-    ) -> tuple[Outcome, ProjectedMap]:
-        state = best = mapping.admissible(state)
-        least, since = np.inf, 0
-        status, taken = Status.OUT_OF_ITERATIONS, 0
-        for taken in range(self.iterations + 1):
-            now = mapping(state)
-            if now.residual <= tolerance:
-                status = Status.CONVERGED
-                break
-            if taken == self.iterations:
-                break
+    def _states(self, mapping: ProjectedMap, state: np.ndarray) -> States:
+        best, least, since = state, np.inf, 0
+        for taken in count():
+            now = yield mapping, state
             if now.residual < least:
                 best, least, since = state, now.residual, taken
             elif not np.isfinite(now.residual) or taken - since > self.patience:
@@ -59,4 +49,3 @@ class Uzawa(Projection):
                 state, since = best, taken
                 continue
             state = now.image
-        return self._outcome(status, mapping, state, now, taken), mapping

@@ -7,7 +7,7 @@ import h5py
 import numpy as np
 
 from tractive_sam import scene
-from tractive_sam.scene.gap import LENGTHS, TEXTS
+from tractive_sam.scene import LENGTHS, TEXTS
 from tractive_sam.store.errors import GapError
 from tractive_sam.store.gap_text import read_text
 
