@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tractive_sam.kernels.stress import stress_patch
-from tractive_sam.kernels.stress_sum import stress_at
+from tractive_sam.kernels.stress_sum import stress_around, stress_at
 
 POINTS = np.array([[0.3, -0.2, 0.4], [5.0, 1.0, 0.0], [0.0, 0.0, 2.0]])
 CENTRES = np.array([[0.0, 0.0], [1.0, -0.6], [-2.0, 0.6]])
@@ -26,4 +26,52 @@ def test_sums_the_patches(loads):
 def test_no_patches_no_stress():
     out = np.ones((3, 6))
     stress_at(out, POINTS, np.empty((0, 2)), np.empty((0, 3)), 1.0, 0.6, 0.3)
+    assert not out.any()
+
+
+SIDES = 1.0, 0.6
+POISSON = 0.3
+NX, NY = 16, 32
+CORNER = (-8.0, -9.6)
+
+
+def uneven_tractions():
+    """Tractions that vary over a few patches, none in some corners."""
+    x, y = np.meshgrid(np.linspace(-1, 1, NX), np.linspace(-1, 1, NY), indexing="ij")
+    pressure = np.sqrt(np.maximum(0.0, 1.0 - x**2 - y**2))
+    return np.stack((0.4 * pressure * (1 + x), 0.2 * pressure * y, pressure))
+
+
+def both_sums(around, blocks=(8, 16)):
+    """Stresses at points around one, taken together and exact."""
+    tractions = uneven_tractions()
+    i, j = np.mgrid[:NX, :NY]
+    centres = np.stack((CORNER[0] + (i + 0.5) * SIDES[0], CORNER[1] + (j + 0.5) * SIDES[1]), axis=2)
+    points = around + 0.1 * around[2] * np.concatenate(([np.zeros(3)], np.eye(3), -np.eye(3)))
+    near, exact = np.empty((7, 6)), np.empty((7, 6))
+    stress_around(near, points, around, CORNER, tractions, *SIDES, *blocks, POISSON)
+    loads = np.ascontiguousarray(tractions.reshape(3, -1).T)
+    stress_at(exact, points, centres.reshape(-1, 2), loads, *SIDES, POISSON)
+    return near, exact
+
+
+@pytest.mark.parametrize("blocks", [(1, 1), (4, 2), (8, 16), (16, 32)])
+@pytest.mark.parametrize(
+    "around", [(0.3, -0.2, 1.0), (-5.2, 3.3, 1.5), (2.0, 0.0, 4.0), (0, 0, 30)]
+)
+def test_far_patches_taken_together(around, blocks):
+    near, exact = both_sums(np.array(around, float), blocks)
+    size = np.abs(exact).max()
+    # Blocks are a quarter of their distance wide: the first moments are kept, the second ones make
+    # 1/16 of 1/24 of each block's stress. Over a tenth of the depth that changes by a third.
+    error = near - exact
+    assert np.abs(error).max() < 3e-3 * size
+    assert np.abs(error - error[0]).max() < 1e-3 * size
+
+
+def test_unloaded_patches_cost_and_cause_nothing():
+    out = np.ones((1, 6))
+    nothing = np.zeros((3, 8, 8))
+    at = np.array([0.0, 0.0, 1.0])
+    stress_around(out, at[None], at, (0.0, 0.0), nothing, *SIDES, 8, 8, POISSON)
     assert not out.any()

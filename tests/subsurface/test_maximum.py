@@ -9,7 +9,7 @@ from tests.conftest import steady
 from tractive_sam.contact import Model, equilibrium
 from tractive_sam.mechanics.invariants import von_mises
 from tractive_sam.scene import Scene
-from tractive_sam.subsurface import stress_at, stress_maximum, stress_volume
+from tractive_sam.subsurface import stress_at, stress_maxima, stress_maximum, stress_volume
 
 
 @pytest.fixture(scope="module")
@@ -85,6 +85,17 @@ def test_interior_is_that_of_its_point(spheres, body):
     found = stress_maximum(spheres, body)
     there = von_mises(stress_at(spheres, [found.interior_at], body).T)
     assert there == pytest.approx(found.interior, rel=1e-11)
+
+
+def test_bodies_together_are_as_alone():
+    contact = steady("spheres-orthotropic", 'subsurface.planes=["y=0"]', elements=41)
+    assert stress_maxima(contact) == {body: stress_maximum(contact, body) for body in "AB"}
+
+
+def test_equal_bodies_without_friction_are_stressed_alike():
+    contact = steady("spheres", "creepage.longitudinal=0", 'subsurface.planes=["y=0"]', elements=41)
+    found = stress_maxima(contact)
+    assert found["A"] == found["B"]
 
 
 @pytest.mark.parametrize("body", ["A", "B"])

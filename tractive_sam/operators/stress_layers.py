@@ -11,7 +11,7 @@ import numpy as np
 from tractive_sam.kernels.stress_lattice import layer_table
 from tractive_sam.kernels.stress_spectral import layer_product
 from tractive_sam.operators.extent import reach
-from tractive_sam.operators.fft import padded_length
+from tractive_sam.operators.fft import padded_length, transform
 from tractive_sam.operators.influence import Lattice
 from tractive_sam.operators.stress_fft import LayerTransform, layer_transform
 
@@ -86,7 +86,9 @@ class StressLayers:
         # No offset from a loaded element is longer than half a period.
         self._padded = tuple(padded_length(reach(loaded.any(axis=k)) + 1) for k in (1, 0))
         px, py = self._padded
-        self._loads = np.fft.rfft2(tractions, s=self._padded) / (2.0 * np.pi * px * py)
+        fields = tractions.reshape(-1, *lattice.shape)
+        spectra = transform(len(fields), lattice.shape, self._padded).forward(fields)
+        self._loads = spectra.reshape(*tractions.shape[:2], px, -1) / (2.0 * np.pi * px * py)
 
     def at(self, depth: float) -> np.ndarray:
         """Stresses at one depth.

@@ -6,6 +6,7 @@ import numpy as np
 
 from tractive_sam.mechanics import HalfSpaces
 from tractive_sam.operators import influence
+from tractive_sam.operators.fft import spectrum, transform
 from tractive_sam.operators.influence import Lattice
 
 
@@ -24,17 +25,17 @@ def surface_stress(lattice: Lattice, body: HalfSpaces, tractions: np.ndarray) ->
         Elements (n_x, n_y), or strips; lengths in mm.
     body : HalfSpaces
         The body, as `HalfSpaces.alone` gives it.
-    tractions : ndarray, shape (3, n_x, n_y)
-        (p_x, p_y, p_n) acting on the half-space z >= 0, MPa.
+    tractions : ndarray, shape (..., 3, n_x, n_y)
+        (p_x, p_y, p_n) acting on the half-space z >= 0, MPa; of several such bodies at once.
 
     Returns
     -------
-    ndarray, shape (6, n_x - 1, n_y - 1), of strips (6, n_x - 1, 1)
+    ndarray, shape (..., 6, n_x - 1, n_y - 1), of strips (..., 6, n_x - 1, 1)
         In the order of `kernels.stress.COMPONENTS`, MPa: of corners that four elements share, or
         of edges that two strips do.
     """
-    p_x, p_y, p_n = between(tractions)
-    u = _displacements(lattice, body, tractions)
+    p_x, p_y, p_n = np.moveaxis(between(tractions), -3, 0)
+    u = np.moveaxis(_displacements(lattice, body, tractions), -3, 0)
     (xx, yx), (xy, yy) = slopes(u, lattice.dx, lattice.dy)
     poisson = body.A.poisson
     # Displacements are those of unit shear modulus.
@@ -47,7 +48,7 @@ def surface_stress(lattice: Lattice, body: HalfSpaces, tractions: np.ndarray) ->
         -p_x,
         -p_y,
     )
-    return np.stack(stress)
+    return np.stack(stress, axis=-3)
 
 
 def between(fields: np.ndarray) -> np.ndarray:
@@ -66,25 +67,30 @@ def slopes(fields: np.ndarray, dx: float, dy: float) -> np.ndarray:
 def _mean(fields: np.ndarray, axis: int) -> np.ndarray:
     if fields.shape[axis] == 1:
         return fields
-    along = np.moveaxis(fields, axis, -1)
-    return np.moveaxis(0.5 * (along[..., 1:] + along[..., :-1]), -1, axis)
+    if axis == -1:
+        return 0.5 * (fields[..., 1:] + fields[..., :-1])
+    return 0.5 * (fields[..., 1:, :] + fields[..., :-1, :])
 
 
 def _displacements(lattice: Lattice, body: HalfSpaces, tractions: np.ndarray) -> np.ndarray:
-    """(u_x, u_y) at the centres."""
+    """(u_x, u_y) at the centres, (..., 2, n_x, n_y); they belong to the transform."""
     xx, xy, yy, xz, yz = _spectra(lattice, body)
-    p_x, p_y, p_n = np.fft.rfft2(tractions, s=lattice.padded)
-    u = np.stack((xx * p_x + xy * p_y + 1j * xz * p_n, xy * p_x + yy * p_y + 1j * yz * p_n))
-    nx, ny = lattice.shape
-    return np.fft.irfft2(u, s=lattice.padded)[:, :nx, :ny]
+    fields = tractions.reshape(-1, *lattice.shape)
+    planned = transform(len(fields), lattice.shape, lattice.padded)
+    spectra = planned.forward(fields)
+    for of_body in spectra.reshape(-1, 3, *spectra.shape[1:]):
+        p_x, p_y, p_n = of_body.copy()
+        of_body[0] = xx * p_x + xy * p_y + xz * p_n
+        of_body[1] = xy * p_x + yy * p_y + yz * p_n
+    return planned.backward().reshape(tractions.shape)[..., :2, :, :]
 
 
-@lru_cache(maxsize=2)
+@lru_cache(maxsize=4)
 def _spectra(lattice: Lattice, body: HalfSpaces) -> tuple[np.ndarray, ...]:
     """Of the kernels: the even ones have real spectra, the odd ones imaginary."""
 
     def of(component: str) -> np.ndarray:
-        return np.fft.rfft2(influence.displacement(lattice, body, component))
+        return spectrum(influence.displacement(lattice, body, component))
 
     even = tuple(of(component).real for component in ("xx", "xy", "yy"))
-    return even + tuple(of(component).imag for component in ("xz", "yz"))
+    return even + tuple(1j * of(component).imag for component in ("xz", "yz"))

@@ -5,24 +5,21 @@ from itertools import combinations
 
 import numpy as np
 
-Function = Callable[[np.ndarray], np.ndarray]
-"""Points (n, 3) -> values (n,)."""
+Function = Callable[[np.ndarray, np.ndarray], np.ndarray]
+"""Points (n, 3) and what they are near, (3,) -> values (n,)."""
 
 STEPS = 6
 """Largest number of Newton steps: a way that is longer swings between elements near the surface."""
 
 SETTLED = 1e-2
-"""A step shorter than this share of the depth is the last but that of `polish`."""
-
-NEAR = 0.1
-"""After a step shorter than this share of the depth the second derivatives are kept."""
+"""A step shorter than this share of the depth is the last."""
 
 _AXES = np.concatenate((np.eye(3), -np.eye(3)))
 _PAIRS = np.array([e + s * f for e, f in combinations(np.eye(3), 2) for s in (1.0, -1.0)])
 _STENCIL = np.concatenate((np.zeros((1, 3)), _AXES, _PAIRS, -_PAIRS))
 
 
-def climb(function: Function, start: np.ndarray, floor: float) -> tuple[np.ndarray, np.ndarray]:
+def climb(function: Function, start: np.ndarray, floor: float) -> np.ndarray:
     """Climb to a local maximum by Newton steps on differences.
 
     Lengths go with the depth, over which fields below a surface change.
@@ -38,38 +35,19 @@ def climb(function: Function, start: np.ndarray, floor: float) -> tuple[np.ndarr
 
     Returns
     -------
-    at : ndarray, shape (3,)
+    ndarray, shape (3,)
         The point reached.
-    hessian : ndarray, shape (3, 3)
-        Second derivatives there, with positive eigenvalues turned negative.
     """
-    at, near = np.array(start), False
+    at = np.array(start)
     for _ in range(STEPS):
         unit = _unit(at)
-        values = function(at + unit * (_STENCIL[:7] if near else _STENCIL))
-        if not near:
-            hessian = _hessian(values, unit)
-        moved = _step(at, _gradient(values, unit), hessian, floor)
+        values = function(at + unit * _STENCIL, at)
+        moved = _step(at, _gradient(values, unit), _hessian(values, unit), floor)
         length = np.linalg.norm(moved - at) / at[2]
-        at, near = moved, length < NEAR
+        at = moved
         if length < SETTLED:
             break
-    return at, hessian
-
-
-def polish(function: Function, at: np.ndarray, hessian: np.ndarray, floor: float):
-    """One more step, with the gradient of a function near that of `climb`, whose hessian serves.
-
-    Returns
-    -------
-    (ndarray of shape (3,), float)
-        The better one of the two points, and the function there.
-    """
-    unit = _unit(at)
-    values = function(at + unit * _STENCIL[:7])
-    moved = _step(at, _gradient(values, unit), hessian, floor)
-    there = function(moved[None])[0]
-    return (moved, float(there)) if there > values[0] else (at, float(values[0]))
+    return at
 
 
 def _unit(at: np.ndarray) -> float:

@@ -1,13 +1,16 @@
 """The largest equivalent stress of a body, and where it is."""
 
+from collections.abc import Iterator, Sequence
+from functools import partial
+
 import numpy as np
-from scipy.ndimage import maximum_filter
 
 from tractive_sam.contact import Laws
 from tractive_sam.results import Maximum, Point, State
-from tractive_sam.subsurface.climb import climb, polish
+from tractive_sam.subsurface.climb import climb
 from tractive_sam.subsurface.loaded import LoadedBodies
-from tractive_sam.subsurface.pyramid import Pyramid
+from tractive_sam.subsurface.pyramid import Layer, Pyramid
+from tractive_sam.subsurface.strips import StripLevels
 
 GROWTH = 1.5
 """Ratio of the depths of successive layers of the search."""
@@ -22,6 +25,9 @@ BETWEEN = 1.1
 """By what a maximum between the points of the search may be higher than these. Half a layer and a
 quarter of the depth aside of that of Hertz it is 2 %."""
 
+CLOSE = 0.99
+"""Tops that may be the highest, over the one that is found so: each is right to a percent."""
+
 _NOWHERE: Point = (np.nan, np.nan, np.nan)
 
 
@@ -29,8 +35,9 @@ def stress_maximum(contact: State, body: str = "A", laws: Laws | None = None) ->
     """Find the largest stress in a body, by von Mises or another criterion.
 
     Layers at depths that grow by `GROWTH` show where to look; below the first few, elements are
-    taken together in blocks of at most half the depth. The best local maxima are climbed with the
-    same blocks; the last step and the value are exact for the tractions on the elements.
+    taken together in blocks of at most half the depth. The best local maxima are climbed with
+    blocks that grow with their distance; the value is exact for the tractions on the elements, the
+    place off by so little of its depth that the value there is the largest to 1e-4.
 
     At the surface it is taken between the elements, at the edge of the contact and where stick
     ends, from differences of displacements: on a mesh, the stress itself is infinite on every edge
@@ -62,17 +69,7 @@ def stress_maximum(contact: State, body: str = "A", laws: Laws | None = None) ->
     >>> round(top.interior / scene.hertz.p0, 2), round(top.interior_at[2] / scene.hertz.a, 2)
     (0.67, 0.47)
     """
-    laws = laws or Laws.of(contact.scene)
-    load, criterion = LoadedBodies.of(contact, (body,), laws), laws.criterion
-    if not load.tractions.any():
-        return Maximum(criterion, 0.0, _NOWHERE, np.nan, _NOWHERE, 0.0, _NOWHERE)
-    pyramid = load.source.levels(criterion)
-    depths = _search_depths(contact, pyramid.side)
-    layers = [pyramid.level(0.5 * depth).layer(depth) for depth in depths]
-    surface, surface_at = pyramid.surface(contact.sliding)
-    interior, interior_at = _interior(pyramid, depths, layers, surface)
-    value, at = (interior, interior_at) if interior > surface else (surface, surface_at)
-    return Maximum(criterion, value, at, interior, interior_at, surface, surface_at)
+    return _maxima(contact, (body,), laws)[body]
 
 
 def stress_maxima(contact: State, laws: Laws | None = None) -> dict[str, Maximum]:
@@ -84,57 +81,99 @@ def stress_maxima(contact: State, laws: Laws | None = None) -> dict[str, Maximum
     ['A', 'B']
     """
     subsurface = contact.scene.subsurface
-    bodies = () if subsurface is None else subsurface.bodies
-    return {body: stress_maximum(contact, body, laws) for body in bodies}
+    return {} if subsurface is None else _maxima(contact, subsurface.bodies, laws)
+
+
+def _maxima(contact: State, bodies: Sequence[str], laws: Laws | None) -> dict[str, Maximum]:
+    """The largest stress in bodies, which share most of the work."""
+    laws = laws or Laws.of(contact.scene)
+    load, criterion = LoadedBodies.of(contact, bodies, laws), laws.criterion
+    if not load.tractions.any():
+        nothing = Maximum(criterion, 0.0, _NOWHERE, np.nan, _NOWHERE, 0.0, _NOWHERE)
+        return dict.fromkeys(load.names, nothing)
+    levels = load.source.levels(criterion)
+    between, surface = levels.surface(contact.sliding)
+    layers = [between, *map(levels.layer, _search_depths(contact, levels.side))]
+    found = {}
+    starts = _local_maxima(layers, levels.blocks)
+    for body, (name, from_here) in enumerate(zip(load.names, starts, strict=True)):
+        value, at = top = surface[body]
+        interior, interior_at = _interior(levels, body, layers, from_here, value)
+        if interior > value:
+            value, at = interior, interior_at
+        found[name] = Maximum(criterion, value, at, interior, interior_at, *top)
+    return found
 
 
 def _search_depths(contact: State, side: float) -> np.ndarray:
-    """The surface, one element below it, and on until no maximum is to be expected any more, mm."""
+    """One element below the surface, and on until no maximum is to be expected any more, mm."""
     deepest = DEEPEST * min(contact.half_width_x, contact.half_width_y)
     count = max(3, int(np.ceil(np.log(deepest / side) / np.log(GROWTH))) + 1)
-    return np.concatenate(([0.0], side * GROWTH ** np.arange(count)))
+    return side * GROWTH ** np.arange(count)
 
 
 def _interior(
-    pyramid: Pyramid, depths: np.ndarray, layers: list[np.ndarray], surface: float
+    levels: Pyramid | StripLevels,
+    body: int,
+    layers: list[Layer],
+    starts: list[tuple[int, int, int]],
+    surface: float,
 ) -> tuple[float, Point]:
     """Climb from the largest local maxima of the layers below the surface."""
-    floor = depths[1]
+    floor = layers[1].depth
+    near, exact = partial(levels.around, body), partial(levels.at, body)
     tops = []
     best = 0.0
-    for k, i, j in _local_maxima(pyramid, layers):
-        if layers[k][i, j] * BETWEEN < best:
+    for k, i, j in starts:
+        layer = layers[k]
+        if layer.values[body, i, j] * BETWEEN < best:
             break  # the others are lower still
-        level = pyramid.level(0.5 * depths[k])
-        start = np.array([level.x[i], level.y[j], depths[k]])
-        blocks = pyramid.level(0.5 * depths[k])
-        at, hessian = climb(blocks.at, start, floor)
-        value = blocks.at(at[None])[0]
+        at = climb(near, np.array([layer.x[i], layer.y[j], layer.depth]), floor)
+        value = near(at[None], at)[0]
         # A way that ends at the floor leads on to the surface, unless that is lower.
-        if at[2] > floor or value > surface:
-            tops.append((value, at, hessian))
-            best = max(best, value)
+        if at[2] <= floor and exact(at[None])[0] <= surface:
+            continue
+        tops.append((value, at))
+        best = max(best, value)
     if not tops:
         return np.nan, _NOWHERE
-    _, at, hessian = max(tops, key=lambda top: top[0])
-    at, value = polish(pyramid.level(0.0).at, at, hessian, floor)
-    return value, tuple(map(float, at))
+    highest = [at for value, at in tops if value >= CLOSE * best]
+    values = exact(np.array(highest))
+    first = np.argmax(values)
+    return float(values[first]), tuple(map(float, highest[first]))
 
 
-def _local_maxima(pyramid: Pyramid, layers: list[np.ndarray]) -> list[tuple[int, int, int]]:
-    """Layer and element (k, i, j) of the largest local maxima below the surface."""
-    # Of every layer the largest value in each of the coarsest blocks, (layer, block, block).
-    values = np.stack([_split(layer, pyramid.blocks).max(axis=(1, 3)) for layer in layers])
-    found = np.argwhere(values == maximum_filter(values, 3, mode="nearest"))
-    found = found[found[:, 0] > 0]
-    best = np.argsort(-values[tuple(found.T)])[:CANDIDATES]
-    return [(k, *_top(layers[k], pyramid.blocks, i, j)) for k, i, j in found[best].tolist()]
+def _local_maxima(
+    layers: list[Layer], blocks: tuple[int, int]
+) -> Iterator[list[tuple[int, int, int]]]:
+    """Layer and place in it, (k, i, j), of the largest local maxima of each body inside it."""
+    # Of every layer the largest value in each of the coarsest blocks, (body, layer, block, block).
+    tops = np.stack([_split(layer.values, blocks).max(axis=(2, 4)) for layer in layers], axis=1)
+    summits = tops == _largest_around(tops)
+    summits[:, 0] = False  # at the surface
+    for body, (values, found) in enumerate(zip(tops, summits, strict=True)):
+        places = np.argwhere(found)
+        best = np.argsort(-values[found])[:CANDIDATES]
+        yield [
+            (k, *_top(layers[k].values[body], blocks, i, j)) for k, i, j in places[best].tolist()
+        ]
+
+
+def _largest_around(values: np.ndarray) -> np.ndarray:
+    """The largest of each value and its 26 neighbours, along the last three axes."""
+    for axis in (1, 2, 3):
+        along = np.moveaxis(values, axis, 0)
+        largest = along.copy()
+        np.maximum(largest[1:], along[:-1], out=largest[1:])
+        np.maximum(largest[:-1], along[1:], out=largest[:-1])
+        values = np.moveaxis(largest, 0, axis)
+    return values
 
 
 def _split(layer: np.ndarray, blocks: tuple[int, int]) -> np.ndarray:
-    """A layer by blocks: (block in x, within it, block in y, within it)."""
-    (nx, ny), (mx, my) = layer.shape, blocks
-    return layer.reshape(mx, nx // mx, my, ny // my)
+    """A layer by blocks: (..., block in x, within it, block in y, within it)."""
+    (*bodies, nx, ny), (mx, my) = layer.shape, blocks
+    return layer.reshape(*bodies, mx, nx // mx, my, ny // my)
 
 
 def _top(layer: np.ndarray, blocks: tuple[int, int], i: int, j: int) -> tuple[int, int]:

@@ -1,15 +1,16 @@
 """The loaded part of a mesh at several resolutions: elements, and blocks of 2, 4, 8 ... of them."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
+from tractive_sam.kernels import stress_sum
 from tractive_sam.mechanics import HalfSpaces, StressCriterion
 from tractive_sam.operators import Lattice, StressLayers, extent
-from tractive_sam.results import Grid
+from tractive_sam.results import Grid, Point
 from tractive_sam.subsurface.patches import Patches
-from tractive_sam.subsurface.surface import largest_at_surface
+from tractive_sam.subsurface.surface import corner_stress, largest_at_surface
 
 FEWEST = 16
 """Fewest blocks across the loaded rectangle."""
@@ -23,49 +24,32 @@ and the transforms of each are planned but once."""
 
 
 @dataclass(frozen=True, eq=False)
-class Level:
-    """Tractions on equal blocks, and the stress they cause.
+class Layer:
+    """Equivalent stress of all bodies at one depth.
 
     Attributes
     ----------
+    depth : float
+        Where it lies, mm.
     x, y : ndarray
-        Centres of the blocks, mm.
-    sides : tuple of float
-        Sides of a block, mm.
-    tractions : ndarray, shape (3, n_x, n_y)
-        (p_x, p_y, p_n), MPa.
-    poisson : float
-        Poisson's ratio.
-    criterion : StressCriterion
-        What makes one number of a stress.
+        Coordinates, mm.
+    values : ndarray, shape (bodies, n_x, n_y)
+        Equivalent stress, MPa.
     """
+
+    depth: float
+    x: np.ndarray
+    y: np.ndarray
+    values: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class _Level:
+    """Blocks of one size: their centres, and the stress below them."""
 
     x: np.ndarray
     y: np.ndarray
-    sides: tuple[float, float]
-    tractions: np.ndarray
-    poisson: float
-    criterion: StressCriterion
-
-    @property
-    def _lattice(self) -> Lattice:
-        return Lattice((self.x.size, self.y.size), *self.sides)
-
-    @cached_property
-    def _layers(self) -> StressLayers:
-        return StressLayers(self._lattice, self.tractions[None], (self.poisson,))
-
-    @cached_property
-    def _patches(self) -> Patches:
-        return Patches.on_mesh(self.x, self.y, self.sides, self.tractions, self.poisson)
-
-    def layer(self, depth: float) -> np.ndarray:
-        """Equivalent stress at the centres at one depth, shape (n_x, n_y), MPa."""
-        return self.criterion(self._layers.at(depth)[0])
-
-    def at(self, points: np.ndarray) -> np.ndarray:
-        """Equivalent stress (n,) at points (n, 3), MPa."""
-        return self.criterion(self._patches.stress(points).T)
+    stress: StressLayers
 
 
 @dataclass(frozen=True)
@@ -86,10 +70,14 @@ class _Side:
         return _power_of_two(self._least / FEWEST)
 
     @property
+    def unit(self) -> int:
+        """The side is a multiple of so many elements, a power of two."""
+        return max(ROUND, self.coarsest)
+
+    @property
     def count(self) -> int:
-        """Elements along the side, a multiple of the largest block and of `ROUND`."""
-        unit = max(ROUND, self.coarsest)
-        return -(-self._least // unit) * unit
+        """Elements along the side."""
+        return -(-self._least // self.unit) * self.unit
 
     @property
     def inside(self) -> slice:
@@ -107,16 +95,16 @@ class _Side:
 
 
 class Pyramid:
-    """Levels of one body's tractions, made as they are asked for.
+    """The tractions of bodies under one contact, and the stress that they cause.
 
     Parameters
     ----------
     grid : Grid
         Elements; lengths in mm.
-    tractions : ndarray, shape (3, n_x, n_y)
-        (p_x, p_y, p_n) on one half-space, MPa.
-    body : HalfSpaces
-        That half-space, as `HalfSpaces.alone` gives it.
+    tractions : ndarray, shape (bodies, 3, n_x, n_y)
+        (p_x, p_y, p_n) on each half-space, MPa.
+    bodies : sequence of HalfSpaces
+        The half-spaces, as `HalfSpaces.alone` gives them.
     criterion : StressCriterion
         What makes one number of a stress.
 
@@ -129,48 +117,99 @@ class Pyramid:
     """
 
     def __init__(
-        self, grid: Grid, tractions: np.ndarray, body: HalfSpaces, criterion: StressCriterion
+        self,
+        grid: Grid,
+        tractions: np.ndarray,
+        bodies: Sequence[HalfSpaces],
+        criterion: StressCriterion,
     ):
-        loaded = tractions.any(axis=0)
+        loaded = tractions.any(axis=(0, 1))
         x = self._x = _Side(extent(loaded.any(axis=1)), grid.x[0], grid.dx)
         y = self._y = _Side(extent(loaded.any(axis=0)), grid.y[0], grid.dy)
         self.side = max(grid.dx, grid.dy)
-        self._body, self._criterion = body, criterion
-        self._tractions = np.zeros((3, x.count, y.count))
-        self._tractions[:, x.inside, y.inside] = tractions[:, x.loaded, y.loaded]
+        self._bodies, self._criterion = bodies, criterion
+        self._poisson = tuple(body.A.poisson for body in bodies)
+        self._tractions = np.zeros((len(bodies), 3, x.count, y.count))
+        self._tractions[:, :, x.inside, y.inside] = tractions[:, :, x.loaded, y.loaded]
         self.blocks = (x.count // x.coarsest, y.count // y.coarsest)
-        self._levels: dict[tuple[int, int], Level] = {}
+        self._patches: dict[int, Patches] = {}
+        self._levels: dict[tuple[int, int], _Level] = {}
 
-    def level(self, longest: float) -> Level:
-        """The largest blocks with sides up to a length in mm; elements where there are none."""
-        block = self._x.block(longest), self._y.block(longest)
-        if block not in self._levels:
-            self._levels[block] = self._made(*block)
-        return self._levels[block]
+    def layer(self, depth: float) -> Layer:
+        """Stress by blocks with sides of at most half the depth; by elements where there are none.
 
-    def surface(self, sliding: np.ndarray) -> tuple[float, tuple[float, float, float]]:
-        """Largest equivalent stress at the surface, MPa, and where, (x, y, 0), mm.
+        At the centres of the blocks.
+        """
+        level = self._level(self._x.block(0.5 * depth), self._y.block(0.5 * depth))
+        return Layer(depth, level.x, level.y, self._equivalent(level.stress.at(depth)))
+
+    def around(self, body: int, points: np.ndarray, around: np.ndarray) -> np.ndarray:
+        """Equivalent stress (n,) of a body at points (n, 3) near a point; right to a percent.
+
+        Smooth as it is exactly: elements that are far are taken together in the same blocks for
+        all the points.
+        """
+        x, y, level = self._x, self._y, self._level(1, 1)
+        corner = float(level.x[0] - 0.5 * x.step), float(level.y[0] - 0.5 * y.step)
+        out = np.empty((len(points), 6))
+        tractions, nu = self._tractions[body], self._poisson[body]
+        lengths = corner, tractions, x.step, y.step, x.unit, y.unit
+        stress_sum.stress_around(out, points, around, *lengths, nu)
+        return self._criterion(out.T)
+
+    def at(self, body: int, points: np.ndarray) -> np.ndarray:
+        """Equivalent stress (n,) of a body at points (n, 3), MPa."""
+        if body not in self._patches:
+            level, sides = self._level(1, 1), (self._x.step, self._y.step)
+            own = self._tractions[body], self._poisson[body]
+            self._patches[body] = Patches.on_mesh(level.x, level.y, sides, *own)
+        return self._criterion(self._patches[body].stress(points).T)
+
+    def surface(self, sliding: np.ndarray) -> tuple[Layer, list[tuple[float, Point]]]:
+        """Stress at the corners of elements, and the largest of each body at the surface.
 
         Parameters
         ----------
         sliding : ndarray of bool, shape (n_x, n_y)
             Elements of the grid that slip.
+
+        Returns
+        -------
+        (Layer, list of (float, Point))
+            The stress between elements, 0 at the last ones of the rectangle; the largest, also
+            where the mesh cannot follow it (`subsurface.surface`), MPa, and where.
         """
         x, y = self._x, self._y
-        slips = np.zeros(self._tractions.shape[1:], dtype=bool)
+        slips = np.zeros(self._tractions.shape[2:], dtype=bool)
         slips[x.inside, y.inside] = sliding[x.loaded, y.loaded]
         lattice = Lattice(slips.shape, x.step, y.step)
-        value, i, j = largest_at_surface(
-            lattice, self._body, self._tractions, slips, self._criterion
+        stress = corner_stress(lattice, self._bodies, self._tractions)
+        values = np.zeros((len(self._bodies), *slips.shape))
+        values[:, :-1, :-1] = self._equivalent(stress)
+        centres = self._level(1, 1).x, self._level(1, 1).y
+        found = largest_at_surface(
+            lattice, self._poisson, self._tractions, stress, slips, self._criterion
         )
-        at = x.centres(1)[0] + i * x.step, y.centres(1)[0] + j * y.step
-        return value, (float(at[0]), float(at[1]), 0.0)
+        largest = [
+            (value, (float(centres[0][0] + i * x.step), float(centres[1][0] + j * y.step), 0.0))
+            for value, i, j in found
+        ]
+        return Layer(0.0, *centres, values), largest
 
-    def _made(self, bx: int, by: int) -> Level:
-        x, y = self._x.centres(bx), self._y.centres(by)
-        sides = bx * self._x.step, by * self._y.step
-        means = self._tractions.reshape(3, x.size, bx, y.size, by).mean(axis=(2, 4))
-        return Level(x, y, sides, means, self._body.A.poisson, self._criterion)
+    def _equivalent(self, stress: np.ndarray) -> np.ndarray:
+        """Of stresses (bodies, 6, ...), shape (bodies, ...)."""
+        return self._criterion(stress.swapaxes(0, 1))
+
+    def _level(self, bx: int, by: int) -> "_Level":
+        if (bx, by) not in self._levels:
+            x, y = self._x.centres(bx), self._y.centres(by)
+            tractions = self._tractions
+            if bx > 1 or by > 1:
+                tractions = tractions.reshape(-1, 3, x.size, bx, y.size, by).mean(axis=(3, 5))
+            lattice = Lattice((x.size, y.size), bx * self._x.step, by * self._y.step)
+            stress = StressLayers(lattice, tractions, self._poisson)
+            self._levels[bx, by] = _Level(x, y, stress)
+        return self._levels[bx, by]
 
 
 def _power_of_two(most: float) -> int:

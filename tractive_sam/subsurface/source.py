@@ -35,7 +35,7 @@ class StressSource(Protocol):
         """Stresses (bodies, 6, n) at points (n, 3)."""
 
     def levels(self, criterion: StressCriterion) -> Pyramid | StripLevels:
-        """What the largest equivalent stress of the first body is sought in."""
+        """What the largest equivalent stresses are sought in."""
 
 
 @singledispatch
@@ -94,7 +94,7 @@ class PatchStress:
 
     def levels(self, criterion: StressCriterion) -> Pyramid:
         """See `StressSource`."""
-        return Pyramid(self._grid, self._tractions[0], self._bodies[0], criterion)
+        return Pyramid(self._grid, self._tractions, self._bodies, criterion)
 
 
 class StripStress:
@@ -124,7 +124,7 @@ class StripStress:
 
     def levels(self, criterion: StressCriterion) -> StripLevels:
         """See `StressSource`."""
-        return StripLevels(self._grid, self._tractions[0], self._bodies[0], criterion)
+        return StripLevels(self._grid, self._tractions, self._bodies, criterion)
 
 
 @stress_source.register

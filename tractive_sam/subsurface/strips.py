@@ -1,5 +1,6 @@
 """Stress below a line contact, summed over its strips."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,8 +8,9 @@ import numpy as np
 from tractive_sam.kernels import strip_stress
 from tractive_sam.mechanics import StressCriterion, Strips
 from tractive_sam.operators import Lattice
-from tractive_sam.results import Grid
-from tractive_sam.subsurface.surface import largest_at_surface
+from tractive_sam.results import Grid, Point
+from tractive_sam.subsurface.pyramid import Layer
+from tractive_sam.subsurface.surface import corner_stress, largest_at_surface
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,49 +51,56 @@ class StripLoads:
 
 
 class StripLevels:
-    """The loaded strips in place of a `Pyramid`: they are few, and need no coarser levels.
+    """The loaded strips in place of a `Pyramid`: they are few, and need no blocks.
 
     Parameters
     ----------
     grid : Grid
         That of a line contact.
-    tractions : ndarray, shape (3, n_x, 1)
-        (p_x, p_y, p_n) on one half-space, MPa.
-    body : Strips
-        That half-space, as `Strips.alone` gives it.
+    tractions : ndarray, shape (bodies, 3, n_x, 1)
+        (p_x, p_y, p_n) on each half-space, MPa.
+    bodies : sequence of Strips
+        The half-spaces, as `Strips.alone` gives them.
     criterion : StressCriterion
         What makes one number of a stress.
     """
 
-    def __init__(self, grid: Grid, tractions: np.ndarray, body: Strips, criterion: StressCriterion):
-        self.x, self.y, self.side = grid.x, grid.y, grid.dx
+    def __init__(
+        self,
+        grid: Grid,
+        tractions: np.ndarray,
+        bodies: Sequence[Strips],
+        criterion: StressCriterion,
+    ):
+        self._x, self._y, self.side = grid.x, grid.y, grid.dx
         self.blocks = grid.elements
-        self._tractions, self._body, self._criterion = tractions, body, criterion
-        self._strips = StripLoads.on_grid(grid, tractions, body.A.poisson)
+        self._tractions, self._bodies, self._criterion = tractions, bodies, criterion
+        self._poisson = tuple(body.A.poisson for body in bodies)
+        each = zip(tractions, self._poisson, strict=True)
+        self._strips = [StripLoads.on_grid(grid, own, poisson) for own, poisson in each]
 
-    def level(self, longest: float) -> "StripLevels":
-        """The strips, whatever the length."""
-        return self
+    def layer(self, depth: float) -> Layer:
+        """Stress at the centres."""
+        points = np.stack(np.broadcast_arrays(self._x, 0.0, depth), axis=-1)
+        values = [self.at(body, points)[:, None] for body in range(len(self._bodies))]
+        return Layer(depth, self._x, self._y, np.stack(values))
 
-    def layer(self, depth: float) -> np.ndarray:
-        """Equivalent stress at the centres at one depth, shape (n_x, 1), MPa."""
-        points = np.stack(np.broadcast_arrays(self.x, 0.0, depth), axis=-1)
-        return self.at(points)[:, None]
+    def around(self, body: int, points: np.ndarray, around: np.ndarray) -> np.ndarray:
+        """See `Pyramid`; exact."""
+        return self.at(body, points)
 
-    def at(self, points: np.ndarray) -> np.ndarray:
-        """Equivalent stress (n,) at points (n, 3), MPa."""
-        return self._criterion(self._strips.stress(points).T)
+    def at(self, body: int, points: np.ndarray) -> np.ndarray:
+        """See `Pyramid`."""
+        return self._criterion(self._strips[body].stress(points).T)
 
-    def surface(self, sliding: np.ndarray) -> tuple[float, tuple[float, float, float]]:
-        """Largest equivalent stress at the surface, MPa, and where, (x, 0, 0), mm.
-
-        Parameters
-        ----------
-        sliding : ndarray of bool, shape (n_x, 1)
-            Strips of the grid that slip.
-        """
+    def surface(self, sliding: np.ndarray) -> tuple[Layer, list[tuple[float, Point]]]:
+        """See `Pyramid`; at the edges of strips."""
         lattice = Lattice(self.blocks, self.side, 1.0)
-        value, i, _ = largest_at_surface(
-            lattice, self._body, self._tractions, sliding, self._criterion
+        stress = corner_stress(lattice, self._bodies, self._tractions)
+        values = np.zeros((len(self._bodies), *self.blocks))
+        values[:, :-1] = self._criterion(stress.swapaxes(0, 1))
+        found = largest_at_surface(
+            lattice, self._poisson, self._tractions, stress, sliding, self._criterion
         )
-        return value, (float(self.x[0] + i * self.side), 0.0, 0.0)
+        largest = [(value, (float(self._x[0] + i * self.side), 0.0, 0.0)) for value, i, _ in found]
+        return Layer(0.0, self._x, self._y, values), largest

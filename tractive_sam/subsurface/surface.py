@@ -4,6 +4,9 @@ Friction and pressure have roots of the distance on either side of the last two,
 follows; but each stress has its root on one side only, and is smooth on the other.
 """
 
+from collections.abc import Sequence
+from itertools import product
+
 import numpy as np
 
 from tractive_sam.mechanics import HalfSpaces, StressCriterion
@@ -18,18 +21,34 @@ EVEN = 2.0
 WIDEST = 3
 """Most elements from a corner that slips to one that sticks."""
 
+_FARTHEST_SHIFT = WIDEST + 1
+
 _IN_PLANE = [0, 1, 3]
 """Components xx, yy, xy; the others are the tractions."""
 
 
+def corner_stress(
+    lattice: Lattice, bodies: Sequence[HalfSpaces], tractions: np.ndarray
+) -> np.ndarray:
+    """Stress (bodies, 6, ...) between elements under tractions (bodies, 3, n_x, n_y), MPa.
+
+    See `operators.surface_stress`.
+    """
+    if all(body == bodies[0] for body in bodies):
+        return surface_stress(lattice, bodies[0], tractions)
+    each = zip(bodies, tractions, strict=True)
+    return np.stack([surface_stress(lattice, body, own) for body, own in each])
+
+
 def largest_at_surface(
     lattice: Lattice,
-    body: HalfSpaces,
+    poisson: Sequence[float],
     tractions: np.ndarray,
+    stress: np.ndarray,
     sliding: np.ndarray,
     criterion: StressCriterion,
-) -> tuple[float, float, float]:
-    """The largest equivalent stress at a loaded surface, and where.
+) -> list[tuple[float, float, float]]:
+    """The largest equivalent stress at the surface of each body under a contact, and where.
 
     Of the corners at which four loaded elements meet, of the edge of the contact, and of the border
     between stick and slip. Towards the edge the pressure falls with the root of the distance, and
@@ -42,10 +61,12 @@ def largest_at_surface(
     ----------
     lattice : Lattice
         Elements, or strips; lengths in mm.
-    body : HalfSpaces
-        The half-space, as `HalfSpaces.alone` gives it.
-    tractions : ndarray, shape (3, n_x, n_y)
-        (p_x, p_y, p_n) on the half-space, MPa.
+    poisson : sequence of float
+        Poisson's ratios.
+    tractions : ndarray, shape (bodies, 3, n_x, n_y)
+        (p_x, p_y, p_n) on each half-space, MPa; bodies under one contact share p_n.
+    stress : ndarray, shape (bodies, 6, n_x - 1, n_y - 1)
+        That of `corner_stress`, MPa.
     sliding : ndarray of bool, shape (n_x, n_y)
         Loaded elements that slip.
     criterion : StressCriterion
@@ -53,22 +74,24 @@ def largest_at_surface(
 
     Returns
     -------
-    (float, float, float)
+    list of (float, float, float)
         The stress, MPa, and its place from the centre of the first element, in elements.
     """
-    stress = surface_stress(lattice, body, tractions)
-    loaded = _whole(tractions[2] > 0.0)
+    pressure = tractions[0, 2]
+    loaded = _whole(pressure > 0.0)
     if not loaded.any():  # nowhere wider than an element
         loaded[:] = True
     found = (
-        (stress[:, loaded], np.array(np.nonzero(loaded), dtype=float)),
-        _where_it_is_rough(lattice, body, tractions, sliding, stress, loaded),
+        (stress[:, :, loaded], np.array(np.nonzero(loaded), dtype=float)),
+        _where_it_is_rough(lattice, poisson, pressure, sliding, stress, loaded),
     )
-    stress, places = (np.concatenate(parts, axis=1) for parts in zip(*found, strict=True))
-    values = criterion(stress)
-    k = np.argmax(values)
-    i, j = places[:, k] + (0.5, 0.5 if tractions.shape[-1] > 1 else 0.0)
-    return float(values[k]), float(i), float(j)
+    each, places = (np.concatenate(parts, axis=-1) for parts in zip(*found, strict=True))
+    middle = np.array((0.5, 0.5 if pressure.shape[1] > 1 else 0.0))
+    largest = []
+    for values in criterion(each.swapaxes(0, 1)):
+        k = np.argmax(values)
+        largest.append((float(values[k]), *map(float, places[:, k] + middle)))
+    return largest
 
 
 def surface_cycles(
@@ -81,8 +104,14 @@ def surface_cycles(
 
     Parameters
     ----------
-    lattice, body, tractions, sliding
-        As of `largest_at_surface`.
+    lattice : Lattice
+        Elements, or strips; lengths in mm.
+    body : HalfSpaces
+        The half-space, as `HalfSpaces.alone` gives it.
+    tractions : ndarray, shape (3, n_x, n_y)
+        (p_x, p_y, p_n) on the half-space, MPa.
+    sliding : ndarray of bool, shape (n_x, n_y)
+        Loaded elements that slip.
 
     Returns
     -------
@@ -94,7 +123,10 @@ def surface_cycles(
     stress = surface_stress(lattice, body, tractions)
     touching = tractions[2] > 0.0
     loaded, away = _whole(touching), _whole(~touching)
-    rough, places = _where_it_is_rough(lattice, body, tractions, sliding, stress, loaded)
+    poisson = (body.A.poisson,)
+    (rough,), places = _where_it_is_rough(
+        lattice, poisson, tractions[2], sliding, stress[None], loaded
+    )
     in_row = places[1] == np.rint(places[1])
     rough, row = rough[:, in_row], places[1, in_row].astype(int)
     order = np.argsort(row, kind="stable")
@@ -109,106 +141,127 @@ def surface_cycles(
 
 def _where_it_is_rough(
     lattice: Lattice,
-    body: HalfSpaces,
-    tractions: np.ndarray,
+    poisson: Sequence[float],
+    pressure: np.ndarray,
     sliding: np.ndarray,
     stress: np.ndarray,
     loaded: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Stresses (6, n) at the edge of the contact and where stick ends, and where, in corners."""
-    touching = tractions[2] > 0.0
+    """Stresses (bodies, 6, n) at the edge of the contact and where stick ends, and the corners."""
+    touching = pressure > 0.0
     found = (
-        _at_edge(lattice, tractions[2], stress, loaded, body.A.poisson),
+        _at_edge(lattice, pressure, stress, loaded, poisson),
         _at_border(stress, _whole(touching & sliding), _whole(touching & ~sliding)),
     )
-    return tuple(np.concatenate(parts, axis=1) for parts in zip(*found, strict=True))
+    stresses, places = zip(*found, strict=True)
+    return np.concatenate(stresses, axis=-1), np.concatenate(places, axis=1)
 
 
 def _whole(elements: np.ndarray) -> np.ndarray:
     """Corners all of whose elements are among these."""
-    return between(elements.astype(float)) == 1.0
+    along = elements[1:] & elements[:-1]
+    return along[:, 1:] & along[:, :-1] if along.shape[1] > 1 else along
 
 
 def _at_border(
     stress: np.ndarray, slips: np.ndarray, sticks: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Stresses (6, n) where stick ends, and the points (2, n), in corners.
+    """Stresses (bodies, 6, n) where stick ends, and the points (2, n), in corners.
 
     Midway between a corner that slips and the next one that sticks, in x or in y, where there are
     at most `WIDEST` steps between them and another one of the same kind behind each.
     """
-    found, places = [np.zeros((6, 0))], [np.zeros((2, 0))]
-    for axis in (0, 1) if slips.shape[1] > 1 else (0,):
-        for sign in (1, -1):
-            ends = slips & _shifted(slips, -sign, axis)
-            for steps in range(1, WIDEST + 1):
-                there, beyond = (_shifted(sticks, sign * k, axis) for k in (steps, steps + 1))
-                i = np.stack(np.nonzero(ends & there & beyond))
-                ends &= ~_shifted(sticks | slips, sign * steps, axis)
-                on = np.zeros_like(i)
-                on[axis] = sign
-                slip, behind = stress[:, *i], stress[:, *(i - on)]
-                stick, further = (stress[:, *(i + k * on)] for k in (steps, steps + 1))
-                at = slip + 0.5 * steps * (slip - behind)
-                at[_IN_PLANE] = (stick + 0.5 * steps * (stick - further))[_IN_PLANE]
-                found.append(at)
-                places.append(i + 0.5 * steps * on)
-    return np.concatenate(found, axis=1), np.concatenate(places, axis=1)
+    found, places = [stress[:, :, :0, 0]], [np.zeros((2, 0))]
+    # Where one of them is nowhere there is no border.
+    axes = [axis for axis in (0, 1) if slips.shape[axis] > 1 and slips.any() and sticks.any()]
+    slip_at, stick_at, either_at = map(_Shifted, (slips, sticks, sticks | slips))
+    for axis, sign in product(axes, (1, -1)):
+        ends = slips & slip_at(-sign, axis)
+        on = np.zeros((2, 1), dtype=int)
+        on[axis] = sign
+        for steps in range(1, WIDEST + 1):
+            i = np.stack(
+                np.nonzero(ends & stick_at(sign * steps, axis) & stick_at(sign * (steps + 1), axis))
+            )
+            ends = ends & ~either_at(sign * steps, axis)
+            slip, behind = stress[:, :, *i], stress[:, :, *(i - on)]
+            stick, further = (stress[:, :, *(i + k * on)] for k in (steps, steps + 1))
+            at = slip + 0.5 * steps * (slip - behind)
+            at[:, _IN_PLANE] = (stick + 0.5 * steps * (stick - further))[:, _IN_PLANE]
+            found.append(at)
+            places.append(i + 0.5 * steps * on)
+    return np.concatenate(found, axis=-1), np.concatenate(places, axis=1)
 
 
 def _at_edge(
-    lattice: Lattice, pressure: np.ndarray, stress: np.ndarray, loaded: np.ndarray, poisson: float
+    lattice: Lattice,
+    pressure: np.ndarray,
+    stress: np.ndarray,
+    loaded: np.ndarray,
+    poisson: Sequence[float],
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Stresses (6, n) at points of the edge, and the points (2, n), in corners.
+    """Stresses (bodies, 6, n) at points of the edge, and the points (2, n), in corners.
 
     From every loaded corner that has one neighbour, in x or in y, that is not, and another one
     across from it that is. The square of the pressure is a straight line near the edge, which ends
     there.
     """
-    p, square = between(pressure), between(pressure**2)
+    square = between(pressure**2)
     slope = slopes(pressure**2, lattice.dx, lattice.dy)
-    steep = np.hypot(*slope)
-    normal = np.divide(slope, steep, out=np.zeros_like(slope), where=steep > 0.0)
-    # sigma + p (n n + 2 nu t t), in the plane: t t = 1 - n n.
-    k = 1.0 - 2.0 * poisson
-    smooth = stress[_IN_PLANE]
-    smooth += p * np.stack(
-        (
-            k * normal[0] ** 2 + 2.0 * poisson,
-            k * normal[1] ** 2 + 2.0 * poisson,
-            k * normal[0] * normal[1],
-        )
-    )
-    found, places = [np.zeros((3, 0))], [np.zeros((2, 0))]
     per_element = slope * np.array([lattice.dx, lattice.dy])[:, None, None]
-    for axis in (0, 1) if loaded.shape[1] > 1 else (0,):
-        steeper = np.abs(per_element[axis]) >= np.abs(per_element[1 - axis])
-        for sign in (1, -1):
-            within, without = _shifted(loaded, sign, axis), _shifted(loaded, -sign, axis)
-            rising = sign * per_element[axis]
-            ends = loaded & within & ~without & steeper & (rising > 0.0)
-            ends &= square <= FARTHEST * rising
-            i = np.stack(np.nonzero(ends))
-            inner = i.copy()
-            inner[axis] += sign
-            # As steep further inside, or the edge is sharper than the mesh.
-            even = rising[*inner] / rising[*i]
-            i, inner = (k[:, (even > 1.0 / EVEN) & (even < EVEN)] for k in (i, inner))
-            away = square[*i] / rising[*i]
-            here = smooth[:, *i]
-            found.append(here + away * (here - smooth[:, *inner]))
-            place = i.astype(float)
-            place[axis] -= sign * away
-            places.append(place)
-    flat = np.concatenate(found, axis=1)
-    edge = np.zeros((6, flat.shape[1]))
-    edge[_IN_PLANE] = flat
+    steep = np.abs(per_element)
+    loaded_at = _Shifted(loaded)
+    ends, inner, aways, places = [], [], [], []
+    for axis, sign in product((0, 1) if loaded.shape[1] > 1 else (0,), (1, -1)):
+        rising = sign * per_element[axis]
+        here = loaded & loaded_at(sign, axis) & ~loaded_at(-sign, axis)
+        here &= (steep[axis] >= steep[1 - axis]) & (rising > 0.0) & (square <= FARTHEST * rising)
+        i = np.stack(np.nonzero(here))
+        k = i.copy()
+        k[axis] += sign
+        # As steep further inside, or the edge is sharper than the mesh.
+        even = rising[*k] / rising[*i]
+        i, k = (of[:, (even > 1.0 / EVEN) & (even < EVEN)] for of in (i, k))
+        away = square[*i] / rising[*i]
+        place = i.astype(float)
+        place[axis] -= sign * away
+        for of, what in zip((ends, inner, aways, places), (i, k, away, place), strict=True):
+            of.append(what)
+    i, k = np.concatenate(ends, axis=1), np.concatenate(inner, axis=1)
+    away = np.concatenate(aways)
+    here, further = (
+        _smooth(stress[..., *at], between(pressure)[*at], slope[:, *at], poisson) for at in (i, k)
+    )
+    edge = np.zeros((len(stress), 6, away.size))
+    edge[:, _IN_PLANE] = here + away * (here - further)
     return edge, np.concatenate(places, axis=1)
 
 
-def _shifted(corners: np.ndarray, steps: int, axis: int) -> np.ndarray:
-    """What is so many corners further along an axis; nothing beyond the last."""
-    moved = np.roll(corners, -steps, axis)
-    end = np.moveaxis(moved, axis, 0)
-    end[slice(-steps, None) if steps > 0 else slice(None, -steps)] = False
-    return moved
+def _smooth(
+    stress: np.ndarray, pressure: np.ndarray, slope: np.ndarray, poisson: Sequence[float]
+) -> np.ndarray:
+    """Stresses (bodies, 3, n) in the plane, less those that fall with the root of the distance."""
+    steep = np.hypot(*slope)
+    normal = np.divide(slope, steep, out=np.zeros_like(slope), where=steep > 0.0)
+    tensor = np.stack((normal[0] ** 2, normal[1] ** 2, normal[0] * normal[1]))
+    nu = np.array(poisson)[:, None, None]
+    # sigma + p (n n + 2 nu t t), in the plane: t t = 1 - n n.
+    own = (1.0 - 2.0 * nu) * tensor
+    own[:, :2] += 2.0 * nu
+    return stress[:, _IN_PLANE] + pressure * own
+
+
+class _Shifted:
+    """Corners that are so many steps further along an axis; none beyond the last."""
+
+    def __init__(self, corners: np.ndarray) -> None:
+        self._shape = corners.shape
+        self._within = np.zeros(np.add(corners.shape, 2 * _FARTHEST_SHIFT), dtype=bool)
+        self._within[self._view(0, 0)] = corners
+
+    def __call__(self, steps: int, axis: int) -> np.ndarray:
+        return self._within[self._view(*((steps, 0) if axis == 0 else (0, steps)))]
+
+    def _view(self, *steps: int) -> tuple[slice, ...]:
+        first = (_FARTHEST_SHIFT + k for k in steps)
+        return tuple(slice(k, k + n) for k, n in zip(first, self._shape, strict=True))
