@@ -63,10 +63,11 @@ def test_far_patches_taken_together(around, blocks):
     near, exact = both_sums(np.array(around, float), blocks)
     size = np.abs(exact).max()
     # Blocks are a quarter of their distance wide: the first moments are kept, the second ones make
-    # 1/16 of 1/24 of each block's stress. Over a tenth of the depth that changes by a third.
+    # 1/16 of 1/24 of each block's stress, times the 6 of a second derivative of 1/R². Over a tenth
+    # of the depth that changes by a third.
     error = near - exact
-    assert np.abs(error).max() < 3e-3 * size
-    assert np.abs(error - error[0]).max() < 1e-3 * size
+    assert np.abs(error).max() < 1.5e-2 * size
+    assert np.abs(error - error[0]).max() < 5e-3 * size
 
 
 def test_unloaded_patches_cost_and_cause_nothing():
