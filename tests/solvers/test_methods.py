@@ -81,3 +81,32 @@ def test_friction_much_stronger_one_way(angle, weak):
     settings = (f"friction.mu=[0.4, {weak}]", f"friction.angle={angle}", 'solver.method="newton"')
     contact = steady("spheres-orthotropic", *settings, elements=45)
     assert contact.converged, contact.message
+
+
+@pytest.mark.parametrize("angle", [0, 30])
+@pytest.mark.parametrize(
+    ("longitudinal", "lateral", "spin"),
+    [(-5e-4, 3e-4, 1e-3), (-2e-4, 1e-4, 5e-4), (1e-5, 0.0, 1e-3)],
+)
+def test_friction_a_hundred_times_stronger_one_way(angle, longitudinal, lateral, spin):
+    """The steepest ratio allowed, at creepages with which some of the contact sticks.
+
+    With the rows of what slips along its tangent, linear systems took all of their 120 iterations;
+    and elements at their bound were pushed out along the weak axis for ever: 1,167 to 4,354
+    applications, and one contact failed.
+    """
+    settings = {
+        "friction.mu": [0.4, 0.004],
+        "friction.angle": angle,
+        "creepage.longitudinal": longitudinal,
+        "creepage.lateral": lateral,
+        "creepage.spin": spin,
+        "solver.method": "newton",
+    }
+    contact = steady("spheres", *(f"{k}={v!r}" for k, v in settings.items()), elements=31)
+    assert contact.converged, contact.message
+    # 91 to 480 applications now; another order of sums may take another way.
+    assert contact.cost.applications < 800
+    # The way led over tractions beyond the bound; the last ones are within it. Rounding of the
+    # scaled ones counts mu1/mu2 times.
+    assert (contact.utilisation <= contact.pressure + 1e-13 * contact.p_max).all()

@@ -280,6 +280,10 @@ def split(state, direction, kappa, stiffness, own, row, smooth, rough):
     that (`operators.stencil.FrictionSlip`). The circulant inverse takes the share 2 d/(2 d + gamma)
     (``smooth``); of an element that slips, the rest (``rough``, a scalar along t) is left to the
     sweep.
+
+    The row of an element that slips is one number, D one of 2 x 2: as a vector the row goes along
+    D t, what a traction along t makes of slip. Along t itself its part in the weaker direction of
+    slip would be taken for traction there, too large by mu1²/mu2² (`sweep`).
     """
     nx, ny = state.shape
     for i in range(nx):
@@ -291,14 +295,15 @@ def split(state, direction, kappa, stiffness, own, row, smooth, rough):
                 smooth[0, i, j], smooth[1, i, j] = share * row[0, i, j], share * row[1, i, j]
             elif state[i, j] == SLIP:
                 t0, t1, k = -direction[1, i, j], direction[0, i, j], kappa[i, j]
-                d = own[0] * t0 * t0 + 2.0 * own[1] * t0 * t1 + own[2] * t1 * t1
+                d0, d1 = own[0] * t0 + own[1] * t1, own[1] * t0 + own[2] * t1
+                d = t0 * d0 + t1 * d1
                 w = stiffness[i, j]
                 value = (1.0 + w) * (t0 * row[0, i, j] + t1 * row[1, i, j]) / k
                 # Elastic over elastic and local: the circulant cannot know of a local term, and
                 # given all of a row that is nearly local it would make far too much of it.
                 share = 2.0 * d / (2.0 * d + 0.5 * w + (1.0 + w) * (1.0 / k - 1.0))
                 rough[i, j] = (1.0 - share) * value
-                smooth[0, i, j], smooth[1, i, j] = share * value * t0, share * value * t1
+                smooth[0, i, j], smooth[1, i, j] = share * value * d0 / d, share * value * d1 / d
 
 
 @njit(cache=True)
@@ -306,8 +311,9 @@ def sweep(state, direction, kappa, stiffness, own, smooth, rough, out):
     """Integrate from the leading edge of every row, where the traction is zero.
 
     ``smooth`` is what the circulant inverse made of its share: the increment of traction from one
-    element to the next. An element that slips keeps only the part along t, and its local term
-    gamma holds it back: 2 d (tau - tau_ahead) + gamma tau = rough.
+    element to the next. An element that slips keeps only the part along t, whose slip is that of
+    the whole: t.D (t tau) = t.D (ahead + smooth). Its local term gamma holds it back:
+    2 t.D (t tau - ahead - smooth) + gamma tau = rough.
     """
     nx, ny = state.shape
     ahead = np.zeros((2, ny))
@@ -321,11 +327,13 @@ def sweep(state, direction, kappa, stiffness, own, smooth, rough, out):
             b = ahead[1, j] + smooth[1, i, j]
             if state[i, j] == SLIP:
                 t0, t1 = -direction[1, i, j], direction[0, i, j]
-                d = 2.0 * (own[0] * t0 * t0 + 2.0 * own[1] * t0 * t1 + own[2] * t1 * t1)
+                d0 = 2.0 * (own[0] * t0 + own[1] * t1)
+                d1 = 2.0 * (own[1] * t0 + own[2] * t1)
+                d = t0 * d0 + t1 * d1
                 w = stiffness[i, j]
                 # Implicit: where gamma outweighs d, the traction is rough/gamma.
                 gamma = 0.5 * w + (1.0 + w) * (1.0 / kappa[i, j] - 1.0)
-                tau = (d * (a * t0 + b * t1) + rough[i, j]) / (d + gamma)
+                tau = (d0 * a + d1 * b + rough[i, j]) / (d + gamma)
                 a, b = tau * t0, tau * t1
             ahead[0, j], ahead[1, j] = a, b
             out[0, i, j], out[1, i, j] = a, b

@@ -39,7 +39,8 @@ class Newton:
     halvings : int
         Most lengths of a step that are tried.
     patience : int
-        Steps without a smaller residual after which one is taken as far only as it helps.
+        Steps without a smaller residual after which tractions may leave the bound on their way
+        (`Iterate`), and, once they may, after which one is taken as far only as it helps.
     hopeless : int
         Steps without a smaller residual after which no more are taken.
     loosest : float
@@ -86,9 +87,11 @@ class Newton:
         if problem.wear is not None:
             raise ValueError("problem.wear: Newton's method takes wear as part of the gap only")
         at, cost = self._first(problem, start)
-        least, since, before = np.inf, 0, np.inf
+        least, since, before, bounded = np.inf, 0, np.inf, True
         status, taken = Status.OUT_OF_ITERATIONS, 0
         for taken in range(self.steps + 1):
+            if at.residual <= tolerance and not bounded:
+                at, bounded, cost = at.within_bound(problem), True, cost + Cost(1.0)
             if at.residual <= tolerance:
                 status = Status.CONVERGED
                 break
@@ -102,10 +105,15 @@ class Newton:
             if taken - since > self.hopeless or taken == self.steps:
                 break
             stalled = taken - since >= self.patience
+            if stalled and bounded:
+                bounded, stalled = False, False
+                least, since = at.residual, taken
             goal = self.sharp if stalled else self.forcing(at.residual, before, tolerance)
             before = at.residual
-            at, spent = self._advanced(problem, at, goal, stalled)
+            at, spent = self._advanced(problem, at, goal, stalled, bounded)
             cost = cost + spent
+        if not bounded:
+            at, cost = at.within_bound(problem), cost + Cost(1.0)
         return Outcome(
             status,
             float(at.residual),
@@ -136,7 +144,7 @@ class Newton:
         return Iterate(problem, start.pressure, traction, approach, creepage), cost
 
     def _advanced(
-        self, problem: Problem, at: Iterate, goal: float, stalled: bool
+        self, problem: Problem, at: Iterate, goal: float, stalled: bool, bounded: bool
     ) -> tuple[Iterate, Cost]:
         """The iterate after a step whose linear system is solved to a relative residual."""
         system = System(problem, at, self.precision(goal, at.pressure.size))
@@ -159,6 +167,7 @@ class Newton:
                 at.approach + length * closer,
                 at.creepage + length * faster,
                 at.ratio,
+                bounded,
             )
 
         length = problem.forces.trust_fraction(at.creepage, faster, at.elastic_slip)

@@ -18,13 +18,29 @@ class Iterate:
 
     Tractions may be tiny beside the pressure: they and their slip count `ratio` times, the size of
     the pressure over theirs. The merit counts them as many times as asked for.
+
+    Tractions beyond their bound are brought back to it, which is the safer way while stick and slip
+    zones move. But where mu1 and mu2 are far apart, a step can push an element at its bound, and
+    said to stick, outwards along the weak axis; brought back every time, it never gets to slip.
+    If not `bounded` it stays outside, and the next linearisation finds that it slips.
     """
 
-    def __init__(self, problem: Problem, pressure, traction, approach, creepage, ratio=1.0):
+    def __init__(
+        self,
+        problem: Problem,
+        pressure: np.ndarray,
+        traction: np.ndarray,
+        approach: float,
+        creepage: np.ndarray,
+        ratio: float = 1.0,
+        bounded: bool = True,
+    ):
         held, normal, forces = problem.held, problem.normal, problem.forces
         self.pressure = pressure if held else np.maximum(pressure, 0.0)
         self.bound = problem.bound(self.pressure)
-        self.traction = problem.project(traction, self.bound.radius, physical=True)
+        self.traction = traction
+        if bounded:
+            self.traction = problem.project(traction, self.bound.radius, physical=True)
         self.approach, self.creepage = approach, creepage
         response = problem.response(self.fields(held))
         self.slip = problem.rigid + forces.slip(creepage) + response[-2:]
@@ -56,6 +72,10 @@ class Iterate:
             self.residual = max(relative(np.sqrt(self._normal), size), self.residual)
             self.ratio = float(max(size / drag, 1.0)) if drag > 0.0 else 1.0
         self.merit = self.merit_by(ratio)
+
+    def within_bound(self, problem: Problem) -> "Iterate":
+        """The same with its tractions brought back to their bound."""
+        return Iterate(problem, self.pressure, self.traction, self.approach, self.creepage)
 
     def fields(self, held: bool) -> np.ndarray:
         """The unknown fields."""
