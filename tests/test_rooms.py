@@ -35,6 +35,7 @@ def test_what_has_a_room_of_its_own():
         "pyfftw",
         "h5py",
         "matplotlib",
+        "plotly",
         "dask",
         "tomli_w",
     }

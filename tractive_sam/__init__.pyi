@@ -19,6 +19,7 @@ from .mechanics import OrthogonalShear as OrthogonalShear
 from .mechanics import StressCriterion as StressCriterion
 from .mechanics import WearLaw as WearLaw
 from .mechanics import Woehler as Woehler
+from .pages import report as report
 from .results import BodyFatigue as BodyFatigue
 from .results import Contact as Contact
 from .results import History as History

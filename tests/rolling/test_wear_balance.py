@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
-from tractive_sam.cli import tables
 from tractive_sam.contact import Model
 from tractive_sam.mechanics.wear import Archard
+from tractive_sam.results import balances
 
 DISCS = ("grid.half_length=[0.35, 0.7]", "grid.elements=[21, 31]", "wear.revolutions=20")
 STUCK = "creepage.longitudinal=-1e-4"
@@ -21,7 +21,7 @@ def rolled(*settings):
 
 
 def told(history):
-    return tables.balances(history, only_if_open=True)
+    return balances(history, only_if_open=True)
 
 
 @pytest.mark.parametrize(
@@ -80,7 +80,7 @@ def test_wear_within_what_the_work_can_wear_is_not():
 def test_without_wear_there_is_no_balance():
     history = ts.roll(ts.Scene.builtin("spheres").replace(subsurface=None))
     assert np.isnan(history.wear_balance).all()
-    assert "wear" not in tables.balances(history)
+    assert "wear" not in balances(history)
 
 
 @pytest.mark.parametrize("shear", [1.0, 8.0], ids=["equal", "dissimilar"])

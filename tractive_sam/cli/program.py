@@ -14,6 +14,7 @@ from tractive_sam.cli.export import export
 from tractive_sam.cli.keys import keys
 from tractive_sam.cli.output import Status, silence, spell_what_has_no_sign, stop, tell
 from tractive_sam.cli.plot import plot
+from tractive_sam.cli.report import report
 from tractive_sam.cli.reproduce import reproduce
 from tractive_sam.cli.run import run
 from tractive_sam.cli.scenes import scenes
@@ -64,7 +65,19 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (run, show, plot, export, explain, keys, scenes, reproduce, study, study_show):
+for command in (
+    run,
+    show,
+    plot,
+    report,
+    export,
+    explain,
+    keys,
+    scenes,
+    reproduce,
+    study,
+    study_show,
+):
     app.command()(command)
 
 

@@ -50,6 +50,7 @@ def run(
 ) -> None:
     """Compute a scene, all its revolutions, into a results file."""
     from tractive_sam.cli import tables
+    from tractive_sam.results import balances
     from tractive_sam.run import roll
 
     if resume and overwrite:
@@ -75,7 +76,7 @@ def run(
     if len(history):
         console().print(tables.asked(history))
         console().print(tables.last_record(history))
-    for told in tables.balances(history, only_if_open=True).values():
+    for told in balances(history, only_if_open=True).values():
         say(("note: ", "bold yellow"), told)
     say(f"{output}: {history.status}; {history.message}")
     if inaccurate:

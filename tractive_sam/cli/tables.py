@@ -1,14 +1,12 @@
 """Results as tables for people."""
 
 import math
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
-import numpy as np
 from rich import box
 from rich.table import Table
 
-from tractive_sam.results import BODIES
+from tractive_sam.results import balances, numbers, rolled_on_by
 from tractive_sam.scene import told
 
 if TYPE_CHECKING:
@@ -30,9 +28,6 @@ FOUND = (("xi_x", "xi_x", 1, ".3e"), ("xi_y", "xi_y", 1, ".3e"))
 """The same of creepages, where forces are prescribed."""
 
 MOST_ROWS = 20
-
-CLOSED = 5e-3
-"""Error of the energy balance that is not reported."""
 
 
 def about(history: "History") -> Table:
@@ -64,51 +59,6 @@ def asked(history: "History") -> Table:
     return table
 
 
-def rolled_on_by(history: "History") -> str:
-    """Programs of other versions that a history was rolled on by, and from where; mostly none."""
-    found = []
-    for (_, before), (record, now) in pairwise(history.provenance):
-        others = ", ".join(f"{name} {now[name]}" for name in now if now[name] != before.get(name))
-        along = history.coordinate.name
-        found += [f"{others} from {along} {at} on" for at in history[along][record : record + 1]]
-    return "; ".join(found)
-
-
-def balances(history: "History", only_if_open: bool = False) -> dict[str, str]:
-    """How the balances of "energy" and "wear" are met where they are met worst.
-
-    Without those of nothing that is driven, or wears.
-    """
-    told = {}
-    for name, balance, tell in (
-        ("energy", history.energy_balance, _energy),
-        ("wear", history.wear_balance, _wear),
-    ):
-        known = balance[np.isfinite(balance)]
-        if known.size:
-            worst = known[abs(known - 1.0).argmax()]
-            closed = abs(worst - 1.0) <= CLOSED
-            if not (closed and only_if_open):
-                told[name] = tell(history, worst, closed)
-    return told
-
-
-def _energy(history: "History", balance: float, closed: bool) -> str:
-    told = f"friction dissipates {balance:.5f} of the work supplied"
-    if not closed:
-        told += "; wear is as much in error"
-        if history.scene.solver.slip == "upwind":
-            told += ': the upwind slip of the paper does that, solver.slip = "auto" does not'
-    return told
-
-
-def _wear(history: "History", balance: float, closed: bool) -> str:
-    told = f"the worn section is {balance:.5f} of what the frictional work wears"
-    if not closed:
-        told += "; more elements across the contact bring them together"
-    return told
-
-
 def last_record(history: "History") -> Table:
     """The last record, one quantity a row."""
     table = Table(box=box.SIMPLE_HEAD, show_header=False)
@@ -116,28 +66,9 @@ def last_record(history: "History") -> Table:
     table.add_column(justify="right")
     table.add_column()
     table.add_column(style="dim")
-    for name, one in history.of_dims().items():
-        if not name.endswith("_error"):
-            unit = "" if one.unit == "1" else one.unit
-            value, error_bar = history[name][-1], _error_bar(history, name)
-            table.add_row(name, _number(value, error_bar), unit, one.long_name)
-    for name, one in history.of_dims("body").items():
-        for body in one.bodies(history.scene) if not name.endswith("_error") else ():
-            k = BODIES.index(body)
-            value, error_bar = history[name][-1, k], _error_bar(history, name, k)
-            told = _number(value, error_bar) if math.isfinite(value) else "none"
-            table.add_row(f"{name} {body}", told, one.unit, one.long_name)
+    for name, text, one in numbers(history, -1):
+        table.add_row(name, text, "" if one.unit == "1" else one.unit, one.long_name)
     return table
-
-
-def _error_bar(history: "History", name: str, *body: int) -> float:
-    """The last error bar of a quantity, zero where it has none."""
-    try:
-        bars = history[f"{name}_error"]
-    except KeyError:
-        return 0.0
-    last = float(bars[(-1, *body)])
-    return 0.0 if math.isnan(last) else last
 
 
 def records(history: "History") -> Table:
@@ -156,15 +87,3 @@ def records(history: "History") -> Table:
     if len(shown) < count:
         table.caption = f"{len(shown)} of {count} records; show --json tells all"
     return table
-
-
-def _number(value: float, error_bar: float = 0.0) -> str:
-    if math.isinf(error_bar):
-        return f"{value:.4g}, growing with the mesh"
-    if error_bar > 0.0:
-        # As many digits as the error bar has, which is told to two.
-        decimals = max(0, 1 - math.floor(math.log10(error_bar)))
-        if abs(value) >= 1e-3:
-            return f"{value:.{decimals}f} ± {error_bar:.{decimals}f}"
-        return f"{value:.4g} ± {error_bar:.2g}"
-    return f"{value:.0f}" if float(value).is_integer() and abs(value) < 1e9 else f"{value:.4g}"

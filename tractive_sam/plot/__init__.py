@@ -30,6 +30,9 @@ from tractive_sam.plot.sections import traction_sections
 from tractive_sam.plot.stress import von_mises, von_mises_sections
 from tractive_sam.plot.stress_maxima import stress_maxima as stress_maxima
 from tractive_sam.plot.study import Variable, study_curves, study_map, study_samples
+from tractive_sam.plot.zones import continued as continued
+from tractive_sam.plot.zones import edge_level as edge_level
+from tractive_sam.plot.zones import stick_level as stick_level
 
 __all__ = [
     "FORMATS",

@@ -14,7 +14,7 @@ from tractive_sam.plot.drawn import Drawn
 def contact_edge(ax: Axes, state: Drawn, **style) -> Path:
     """Draw the edge of contact; its path encloses the contact."""
     x, y = _one_more(state.x_over_a), _one_more(state.y_over_a)
-    level = _edge_level(np.pad(state.contact.pressure, 1))
+    level = edge_level(np.pad(state.contact.pressure, 1))
     return ax.contour(x, y, level.T, levels=[0.0], **style).get_paths()[0]
 
 
@@ -23,7 +23,7 @@ def stick_edge(ax: Axes, state: Drawn, contact: Path, **style) -> None:
     stick = state.contact.touching & ~state.slip_zone
     if not stick.any() or not state.slip_zone.any():
         return
-    level = continued(_stick_level(state, stick), state.contact.touching)
+    level = continued(stick_level(state, stick), state.contact.touching)
     lines = ax.contour(state.x_over_a, state.y_over_a, level.T, levels=[0.0], **style)
     lines.set_clip_path(contact, ax.transData)
 
@@ -40,7 +40,7 @@ def _one_more(centres: np.ndarray) -> np.ndarray:
     return np.concatenate(([centres[0] - step], centres, [centres[-1] + step]))
 
 
-def _edge_level(pressure: np.ndarray) -> np.ndarray:
+def edge_level(pressure: np.ndarray) -> np.ndarray:
     """Squared pressure, continued linearly to the first elements out of contact.
 
     At a smooth edge the pressure falls like the root of the distance, its square linearly.
@@ -61,7 +61,7 @@ def _edge_level(pressure: np.ndarray) -> np.ndarray:
     return np.where(square > 0.0, square, outside)[2:-2, 2:-2]
 
 
-def _stick_level(state: Drawn, stick: np.ndarray) -> np.ndarray:
+def stick_level(state: Drawn, stick: np.ndarray) -> np.ndarray:
     """Squared distance to the friction bound where it sticks, minus squared slip where it slips.
 
     Both vanish at the boundary, and rise like roots of the distance from it.

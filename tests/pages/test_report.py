@@ -1,0 +1,120 @@
+"""The page of a history: what is on it, that nothing breaks it, and that it needs nothing else."""
+
+import base64
+import json
+import re
+import sys
+
+import numpy as np
+import pytest
+
+import tractive_sam as ts
+from tractive_sam.pages import arrays, charts, data, text
+
+DISCS = ("grid.half_length=[0.35, 0.7]", "grid.elements=[21, 31]", "wear.revolutions=20")
+SMALL = (*DISCS, "wear.save=[0, 5, 20]", "subsurface.elements=12")
+
+
+@pytest.fixture(scope="module")
+def history():
+    own = ts.Quantity("share", "1", "share of the <load>", lambda c: c.Qx / c.P + c.wear.max())
+    return ts.roll(ts.Scene.builtin("twin-discs").with_set(SMALL), columns=[own])
+
+
+def unpacked(packed):
+    return np.frombuffer(base64.b64decode(packed["base64"]), "<f4").reshape(packed["shape"])
+
+
+@pytest.mark.parametrize(
+    ("math", "html"),
+    [
+        ("Q_x/P", "Q<sub>x</sub>/P"),
+        (r"p_\mathrm{max}", "p<sub>max</sub>"),
+        ("p_{95}", "p<sub>95</sub>"),
+        (r"T\gamma/A", "Tγ/A"),
+        (r"\xi_x", "ξ<sub>x</sub>"),
+        (r"\sigma_\mathrm{vM}", "σ<sub>vM</sub>"),
+        (r"\frac{a}{b}", ""),
+        ("a<b", "a&lt;b"),
+    ],
+)
+def test_symbols(math, html):
+    assert text.symbol(math) == html
+
+
+@pytest.mark.parametrize(
+    ("unit", "shown"), [("mm3", "mm³"), ("1", ""), ("1/mm", "1/mm"), ("N mm", "N mm")]
+)
+def test_units(unit, shown):
+    assert text.unit(unit) == shown
+
+
+def test_arrays_come_back():
+    values = np.arange(6.0).reshape(2, 3).T
+    assert (unpacked(arrays.packed(values)) == values).all()
+
+
+def test_every_column_that_changes_is_drawn_once(history):
+    lines = [line for chart in charts.charts(history) for line in chart["lines"]]
+    drawn = [unpacked(line["values"]) for line in lines]
+    for name, values in history.numbers().items():
+        column = history.columns[name.split()[0]]
+        hidden = column.role in charts.HIDDEN or "position" in column.dims
+        known = values[np.isfinite(values)]
+        if hidden or known.size < 2 or np.ptp(known) <= charts.ROUNDING * np.abs(known).max():
+            continue
+        assert any(np.array_equal(values.astype("<f4"), one, equal_nan=True) for one in drawn), name
+    titles = [chart["title"] for chart in charts.charts(history)]
+    assert len(set(titles)) == len(titles)
+    # A column of one's own comes by itself, and is no markup.
+    assert "Share of the &lt;load&gt;" in titles
+
+
+def test_the_fields_are_those_of_the_records(history):
+    surface = data.of_history(history)["surface"]
+    pressure = unpacked(surface["fields"]["pressure"])
+    assert pressure.shape[0] == len(history.saved)
+    for shown, at in zip(pressure, history.saved, strict=True):
+        # All of the load is in the window, in single precision.
+        load = shown.sum(dtype=float) * history.grid.element_area
+        assert load == pytest.approx(history.state(at).P, rel=1e-6)
+
+
+def test_large_results_are_thinned_and_that_is_told(history, monkeypatch):
+    monkeypatch.setattr(data, "MOST_NUMBERS", 400)
+    monkeypatch.setattr(data, "FEWEST", 5)
+    monkeypatch.setattr(data, "MOST_SAVED", 2)
+    found = data.of_history(history)
+    whole = history.field("pressure").size
+    assert unpacked(found["surface"]["fields"]["pressure"])[0].size < whole / 4
+    assert found["places"] == ["0", "20"]
+    assert len(found["leftOut"]) == 2
+
+
+def test_stress_is_that_of_the_planes(history):
+    (one,) = (
+        one
+        for one in data.of_history(history)["stress"]
+        if (one["body"], one["plane"]) == ("B", "x=0")
+    )
+    shown = unpacked(one["components"]["von Mises"])[-1]
+    stress = history.stress("B", "x=0")
+    assert shown.max() == pytest.approx(stress.von_mises.max(), rel=1e-6)  # single precision
+    assert one["axes"] == ["y", "depth"]
+
+
+def test_titles_do_not_break_the_page(tmp_path):
+    bad = "</script><img src=x onerror=alert(1)> $scene <!--"
+    scene = ts.Scene.builtin("spheres").with_set(["grid.elements=[21, 21]"]).replace(title=bad)
+    page = ts.report(ts.roll(scene), tmp_path / "page.html").read_text("utf-8")
+    assert "<img src=x" not in page
+    assert page.count("&lt;img src=x") == 3  # in the title, the heading and the scene
+    data = re.search(r'<script type="application/json" id="data">(.*?)</script>', page, re.DOTALL)
+    assert json.loads(data[1])["places"] == ["0"]
+
+
+def test_without_plotly_the_extra_is_named(history, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "plotly.offline", None)
+    with pytest.raises(ImportError, match="extra report"):
+        ts.report(history, tmp_path / "page.html")
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,98 @@
+"""Which columns of a history are drawn together over its course."""
+
+from collections.abc import Iterator
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from tractive_sam.pages import text
+from tractive_sam.pages.arrays import packed
+from tractive_sam.results import BODIES, COORDINATE, LABELS, History, Quantity
+
+TOGETHER = (
+    ("Forces over the normal load", ("Qx_over_P", "Qy_over_P")),
+    ("Contact pressure", ("p_max", "p_95")),
+    ("Half widths of the contact", ("half_width_x", "half_width_y")),
+    ("Largest wear depth", ("wear_max",)),
+    ("Worn mass", ("worn_mass",)),
+    ("Worn volume", ("worn_volume",)),
+    ("Largest stress", ("stress_interior", "stress_surface")),
+    ("Creepages found", ("creepage_found",)),
+    ("Tangential forces", ("Qx", "Qy")),
+    ("Work per distance rolled", ("work_supplied", "dissipation", "t_gamma")),
+)
+"""Titles, and names or roles of columns in one chart. Every other column has one of its own."""
+
+HIDDEN = {"stress_max", "stress_max_at", "stress_max_error", COORDINATE}
+"""Roles that are drawn otherwise, or not."""
+
+BOOKKEEPING = {"residual", "operator_applications", "jump", "converged", "solves", "seconds"}
+"""Columns of how it was computed: at the end."""
+
+ROUNDING = 1e-9
+"""Change over the largest value below which nothing changes."""
+
+
+def charts(history: History) -> list[dict[str, Any]]:
+    """Charts over the course: titles, units, and lines with their numbers.
+
+    Columns that do not change are left out: the table of numbers has them.
+    """
+    if len(history) < 2:
+        return []
+    free = {
+        name: one
+        for name, one in history.columns.items()
+        if one.role not in HIDDEN and not name.endswith("_error")
+        if not {"y", "position"} & set(one.dims)
+    }
+    groups: list[tuple[str, dict[str, Quantity]]] = []
+    for title, keys in TOGETHER:
+        names = [name for name, one in free.items() if name in keys or one.role in keys]
+        groups.append((title, {name: free.pop(name) for name in names}))
+    groups += [(_title(one), {name: one}) for name, one in free.items()]
+    drawn = [_chart(history, title, list(group.values())) for title, group in groups]
+    return sorted((one for one in drawn if one["lines"]), key=lambda one: one["aside"])
+
+
+def _title(one: Quantity) -> str:
+    return one.long_name[:1].upper() + one.long_name[1:]
+
+
+def _chart(history: History, title: str, group: list[Quantity]) -> dict[str, Any]:
+    """One chart: its title, the label of its axis, its lines, and whether it is set aside."""
+    units = [text.unit(one.unit) for one in group]
+    label = ", ".join(dict.fromkeys(filter(None, units)))
+    if len(group) == 1 and (symbol := text.symbol(group[0].symbol)):
+        label = f"{symbol} ({label})" if label else symbol
+    return {
+        "title": text.told(title),
+        "label": label,
+        "lines": [line for one in group for line in _lines(history, one, len(group))],
+        "aside": {one.name for one in group} <= BOOKKEEPING and bool(group),
+    }
+
+
+def _lines(history: History, one: Quantity, several: int) -> Iterator[dict[str, Any]]:
+    """The numbers of a column that change, a line for each body and axis."""
+    values = history[one.name]
+    for place in product(*(LABELS[dim] for dim in one.dims)):
+        place_of = zip(one.dims, place, strict=True)
+        at: Any = (..., *(LABELS[dim].index(k) for dim, k in place_of))
+        line = values[at].astype(float)
+        known = line[np.isfinite(line)]
+        if known.size < 2 or np.ptp(known) <= ROUNDING * np.abs(known).max():
+            continue
+        name = text.symbol(one.symbol) or text.told(one.name)
+        kind = one.role.removeprefix("stress_") if one.role.startswith("stress_") else ""
+        named = [f"body {k}" if k in BODIES else k for k in place]
+        if kind:
+            named.append(kind)
+        elif several > 1 or not place:
+            named = [name, *named]
+        drawn = {"name": ", ".join(named), "values": packed(line)}
+        bars = history.values.get(f"{one.name}_error")
+        if bars is not None and np.isfinite(bars[at]).any():
+            drawn["bars"] = packed(bars[at])
+        yield drawn
