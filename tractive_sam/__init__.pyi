@@ -11,7 +11,9 @@ from .mechanics import Coulomb as Coulomb
 from .mechanics import Crossland as Crossland
 from .mechanics import CycleCriterion as CycleCriterion
 from .mechanics import DangVan as DangVan
+from .mechanics import EachBody as EachBody
 from .mechanics import Elasticity as Elasticity
+from .mechanics import Energy as Energy
 from .mechanics import FatemiSocie as FatemiSocie
 from .mechanics import Findley as Findley
 from .mechanics import FrictionLaw as FrictionLaw
@@ -45,9 +47,11 @@ from .scene import Mesh as Mesh
 from .scene import Scene as Scene
 from .scene import SceneError as SceneError
 from .scene import SceneWarning as SceneWarning
+from .scene import Sets as Sets
 from .scene import Solver as Solver
 from .scene import Subsurface as Subsurface
 from .scene import Wear as Wear
+from .scene import WearLaws as WearLaws
 from .scene import builtin_names as builtin_names
 from .store import GapError as GapError
 from .store import ResultsError as ResultsError

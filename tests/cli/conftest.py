@@ -71,7 +71,9 @@ def roll(monkeypatch):
         def __init__(self):
             self.calls = []
 
-        def __call__(self, scene, path=None, *, overwrite=False, resume=False, progress=None):
+        def __call__(
+            self, scene, path=None, *, start=None, overwrite=False, resume=False, progress=None
+        ):
             self.calls.append((scene, path, overwrite))
             with HistoryWriter(path, scene, GRID, overwrite) as writer:
                 for number in range(3):

@@ -36,6 +36,14 @@ def run(
             help="Results file. By default, the name of the scene in the working folder.",
         ),
     ] = None,
+    start: Annotated[
+        Path | None,
+        typer.Option(
+            "--start",
+            metavar="FILE.h5",
+            help="Begin with the worn bodies of another results file.",
+        ),
+    ] = None,
     resume: Annotated[
         bool,
         typer.Option(
@@ -52,6 +60,7 @@ def run(
     from tractive_sam.cli import tables
     from tractive_sam.results import balances
     from tractive_sam.run import roll
+    from tractive_sam.store import open_history
 
     if resume and overwrite:
         raise stop(Status.INVALID, "--resume goes on, --overwrite starts anew: give one of them")
@@ -60,10 +69,12 @@ def run(
         output = output or Path(Path(scene).name).with_suffix(".h5")
         if output.exists() and not (resume or overwrite):
             raise stop(Status.INVALID, _kept(output, asked))
-        before = _written(output)
+        before, worn = _written(output), None if start is None else open_history(start)
         try:
             with _progress(asked) as progress, warnings_told():
-                history = roll(asked, output, overwrite=True, resume=resume, progress=progress)
+                history = roll(
+                    asked, output, start=worn, overwrite=True, resume=resume, progress=progress
+                )
         except KeyboardInterrupt:
             held = f"{output} holds what was computed, --resume goes on from there"
             told = f"; {held}" if resume or _written(output) != before else ""

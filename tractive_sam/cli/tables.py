@@ -39,6 +39,8 @@ def about(history: "History") -> Table:
         rows["unworn contact"] = unworn
     rows["records"] = f"{len(history)}, {len(history.saved)} with fields"
     rows |= told.told(history.scene)
+    if history.started:
+        rows["began with"] = history.started
     if others := rolled_on_by(history):
         rows["rolled on by"] = others
     rows |= balances(history)

@@ -1,11 +1,12 @@
 """Sets up and solves steady rolling contact."""
 
-from tractive_sam.contact.equilibrium import equilibrium, fitted
+from tractive_sam.contact.equilibrium import equilibrium, fitted, fitted_blocks
 from tractive_sam.contact.jacobian import check_jacobian, jacobian_of
 from tractive_sam.contact.laws import Laws
 from tractive_sam.contact.measured import across
 from tractive_sam.contact.mesh import choose_grid, grown
 from tractive_sam.contact.model import Gap, Model
+from tractive_sam.contact.worn import Worn
 from tractive_sam.results import NotConverged, State
 
 __all__ = [
@@ -14,11 +15,13 @@ __all__ = [
     "Model",
     "NotConverged",
     "State",
+    "Worn",
     "across",
     "check_jacobian",
     "choose_grid",
     "equilibrium",
     "fitted",
+    "fitted_blocks",
     "grown",
     "jacobian_of",
 ]

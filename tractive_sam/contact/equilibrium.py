@@ -56,23 +56,33 @@ def equilibrium(
     return _contact(model, problem, outcome, depth)
 
 
-def fitted(model: Model) -> tuple[Model, State]:
-    """Solve unworn bodies, enlarging a mesh that the scene left to us until it holds the contact.
+def fitted_blocks(model: Model) -> tuple[Model, tuple[State, ...]]:
+    """Solve the bodies as they are, enlarging a mesh left to us until it holds the contacts.
 
     Returns
     -------
-    Model, State
-        The model on the mesh of the contact.
+    Model, tuple of State
+        The model on the mesh of the contacts, one of each block.
     """
-    contact = equilibrium(model)
+    contacts = _as_they_are(model)
     for _ in range(GROWTHS):
         # Beyond a measured gap from which the mesh was chosen there is nothing to grow into.
         chosen = model.scene.grid is None and model.scene.hertz is not None
-        if contact.status is not Status.OFF_GRID or not chosen:
+        if all(one.status is not Status.OFF_GRID for one in contacts) or not chosen:
             break
         model = model.on(grown(model.grid))
-        contact = equilibrium(model)
+        contacts = _as_they_are(model)
+    return model, contacts
+
+
+def fitted(model: Model) -> tuple[Model, State]:
+    """The same of one contact."""
+    model, (contact,) = fitted_blocks(model)
     return model, contact
+
+
+def _as_they_are(model: Model) -> tuple[State, ...]:
+    return tuple(equilibrium(one, one.worn_before) for one in model.blocks)
 
 
 def start_of(model: Model, contact: State) -> Start:

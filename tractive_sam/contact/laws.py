@@ -6,25 +6,35 @@ from typing import Any
 import numpy as np
 
 from tractive_sam.mechanics import (
+    BRR,
+    JENDEL,
+    USFD,
     VON_MISES,
     Archard,
     ArchardByWork,
+    ByChart,
+    ByTotal,
+    ByWork,
     Coulomb,
     Crossland,
     CycleCriterion,
     DangVan,
+    EachBody,
     Elasticity,
+    Energy,
     FatemiSocie,
     Findley,
     FrictionLaw,
     HalfSpaces,
     OrthogonalShear,
+    Regimes,
     StressCriterion,
     Strips,
     WearLaw,
     Woehler,
 )
 from tractive_sam.scene import Scene
+from tractive_sam.scene.tables import BY_COEFFICIENT, PER_INTENSITY
 
 
 @dataclass(frozen=True)
@@ -104,13 +114,42 @@ def _friction(scene: Scene) -> Coulomb | None:
 
 def _wear(scene: Scene) -> WearLaw | None:
     """That of the paper with its slip."""
-    table, friction = scene.wear, _friction(scene)
+    table = scene.wear
     if table is None:
         return None
+    if table.together:
+        return _by_coefficient(scene, table.law, table.intensities)
+    return EachBody(**{body: _of_body(scene, body) for body in "AB"})
+
+
+def _by_coefficient(scene: Scene, law: str, intensities: tuple[float, float]) -> WearLaw:
+    friction = _friction(scene)
     mu, angle = ((1.0, 1.0), 0.0) if friction is None else (friction.mu, friction.angle)
+    if law == "energy":
+        return Energy(intensities, angle)
     if scene.solver.slip == "upwind":
-        return Archard(table.intensities, angle)
-    return ArchardByWork(table.intensities, mu, angle)
+        return Archard(intensities, angle)
+    return ArchardByWork(intensities, mu, angle)
+
+
+def _of_body(scene: Scene, name: str) -> WearLaw | None:
+    """The law by which a body wears on its own."""
+    table, body = scene.wear, getattr(scene.body, name)
+    law, chosen = table.laws[name], table.sets[name]
+    if law in BY_COEFFICIENT:
+        i = getattr(table.coefficient, name) / PER_INTENSITY
+        return _by_coefficient(scene, law, (i, i))
+    match law:
+        case "usfd" | "table":
+            known = USFD[chosen] if chosen else Regimes.through(table.law.table)
+            return ByWork(known, body.density, table.by == "contact")
+        case "brr":
+            return ByTotal(BRR[chosen])
+        case "jendel":
+            friction, speed = _friction(scene), scene.creepage.speed
+            mu, angle = friction.mu, friction.angle
+            return ByChart(JENDEL[chosen][0], body.hardness, speed, mu, angle)
+    return None
 
 
 def _fatigue(scene: Scene) -> CycleCriterion | None:

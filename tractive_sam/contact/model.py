@@ -8,6 +8,7 @@ import numpy as np
 from tractive_sam.contact.laws import Laws
 from tractive_sam.contact.measured import Gap, resampled, warn_if_standing, warn_if_unseen
 from tractive_sam.contact.mesh import choose_grid
+from tractive_sam.contact.worn import Worn
 from tractive_sam.mechanics import Coulomb, Frame, Friction, FrictionLaw, WearLaw
 from tractive_sam.operators import STAGGERED, UPWIND, Lattice, Operators, Stencil
 from tractive_sam.results import Grid
@@ -57,6 +58,8 @@ class Model:
         Laws to use instead of the scene's.
     solver : Solver, optional
         Method to use instead of the scene's; it is given a `Problem` whose pressure is free.
+    began : Worn, optional
+        Worn bodies with which rolling begins; new ones by default.
     """
 
     def __init__(
@@ -66,8 +69,9 @@ class Model:
         grid: Grid | None = None,
         laws: Laws | None = None,
         solver: Solver | None = None,
+        began: Worn | None = None,
     ):
-        self.scene = scene
+        self.scene, self.began = scene, began
         self.laws = laws or Laws.of(scene)
         self.method = METHODS[scene.solver.method] if solver is None else Method.of(solver)
         self._solver = solver
@@ -77,7 +81,28 @@ class Model:
 
     def on(self, grid: Grid) -> "Model":
         """The same on another mesh."""
-        return Model(self.scene, self.measured, grid, self.laws, self._solver)
+        return Model(self.scene, self.measured, grid, self.laws, self._solver, self.began)
+
+    @property
+    def blocks(self) -> tuple["Model", ...]:
+        """What is rolled in turn: the contact itself."""
+        return (self,)
+
+    @property
+    def weights(self) -> tuple[float, ...]:
+        """Share of each block in a cycle."""
+        return (1.0,)
+
+    def block_at(self, revolution: int) -> int:
+        """Which of the blocks a revolution is of."""
+        return 0
+
+    @property
+    def worn_before(self) -> np.ndarray | None:
+        """Depth of both bodies together with which rolling begins, mm; None of new ones."""
+        if self.began is None:
+            return None
+        return np.tile(self.began.on(self.grid).sum(axis=0), (self.grid.elements[0], 1))
 
     @cached_property
     def undeformed_gap(self) -> np.ndarray:
@@ -105,8 +130,9 @@ class Model:
 
     @property
     def wear_law(self) -> WearLaw | None:
-        """The law of wear, where there is one."""
-        return self.laws.wear
+        """The law of wear on this mesh, where there is one."""
+        law = self.laws.wear
+        return None if law is None else law.on(self.grid.element_area)
 
     @cached_property
     def units(self) -> Units:

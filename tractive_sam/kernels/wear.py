@@ -33,3 +33,69 @@ def sweep(entering, rate, dx):
             total += rate[i, j] * dx
             depth[i, j] = total
     return depth
+
+
+@compiled
+def regimes(work, starts, values, slopes):
+    """Rate of wear by a law that is straight between borders, as those in T-gamma over area are.
+
+    rate = values_k + slopes_k (W - starts_k), k the last regime with starts_k <= W.
+
+    Parameters
+    ----------
+    work : ndarray
+        W >= 0, in the unit of the borders.
+    starts, values, slopes : ndarray, shape (n,)
+        Where each regime begins, ascending from 0; the rate there, and its slope.
+
+    Returns
+    -------
+    (ndarray, ndarray)
+        Rate and slope, of the shape of `work`.
+    """
+    rate, slope = np.empty(work.shape), np.empty(work.shape)
+    given, found, rising = work.ravel(), rate.ravel(), slope.ravel()
+    for n in range(given.size):
+        k = 0
+        while k + 1 < starts.size and starts[k + 1] <= given[n]:
+            k += 1
+        found[n] = values[k] + slopes[k] * (given[n] - starts[k])
+        rising[n] = slopes[k]
+    return rate, slope
+
+
+@compiled
+def chart(speed, pressure, borders, limit, coefficients):
+    """Coefficient of Archard's law by sliding speed and pressure over hardness.
+
+    Jendel (2002), Wear 253, 89-99: one regime below the first speed, one between both, one above;
+    another one at any speed where the pressure is beyond a limit.
+
+    Parameters
+    ----------
+    speed, pressure : ndarray
+        Sliding speed, and pressure over hardness.
+    borders : tuple of float
+        The two speeds.
+    limit : float
+        Pressure over hardness.
+    coefficients : tuple of float
+        Of the four regimes.
+
+    Returns
+    -------
+    ndarray
+        k, dimensionless: worn volume times hardness over load and sliding distance.
+    """
+    found = np.empty(speed.shape)
+    at, over, of = speed.ravel(), pressure.ravel(), found.ravel()
+    for n in range(of.size):
+        if over[n] > limit:
+            of[n] = coefficients[3]
+        elif at[n] < borders[0]:
+            of[n] = coefficients[0]
+        elif at[n] <= borders[1]:
+            of[n] = coefficients[1]
+        else:
+            of[n] = coefficients[2]
+    return found

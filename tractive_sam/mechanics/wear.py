@@ -24,7 +24,7 @@ class WearLaw(ABC):
 
     @abstractmethod
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Depth worn per distance rolled, dimensionless; homogeneous in pressure and traction.
+        """Depth worn per distance rolled off both bodies together, dimensionless.
 
         Parameters
         ----------
@@ -35,6 +35,32 @@ class WearLaw(ABC):
         slip : ndarray, shape (2, n_x, n_y)
             s/V, dimensionless.
         """
+
+    def per_load(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
+        """How `rate` grows with the pressure, 1/MPa, traction in proportion; arguments as there.
+
+        By default that of a law in proportion to them.
+        """
+        touching = pressure > 0.0
+        share = traction / np.where(touching, pressure, 1.0)
+        return self.rate(np.where(touching, 1.0, 0.0), share, slip)
+
+    def shares(
+        self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray
+    ) -> np.ndarray | None:
+        """Shares of A and B in the depth of a pass, shape (2, n_y); arguments as of `rate`.
+
+        By default None: as the scene says, by hardness or coefficients, the same everywhere.
+        """
+        return None
+
+    def on(self, element_area: float) -> "WearLaw":
+        """The law on a mesh of elements of this area, mm²; by default no other one."""
+        return self
+
+    def beyond_tests(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> str:
+        """What of a contact its coefficients were not measured for; empty where nothing is."""
+        return ""
 
     def depth(
         self,
@@ -78,6 +104,59 @@ class Archard(WearLaw):
         return pressure * Frame(self.intensity, self.angle).dual_norm(slip)
 
 
+def work_along(
+    traction: np.ndarray, slip: np.ndarray, angle: float = 0.0
+) -> tuple[np.ndarray, np.ndarray]:
+    """Frictional work per distance rolled and area along either tribological axis, MPa."""
+    axes = Frame(angle=angle).matrix
+    along, across = -np.tensordot(axes, traction, axes=1) * np.tensordot(axes, slip, axes=1)
+    return along, across
+
+
+def work_of(traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
+    """All of it, MPa; zero where it is negative, as it is in a few elements."""
+    along, across = work_along(traction, slip)
+    return np.maximum(along + across, 0.0)
+
+
+@dataclass(frozen=True)
+class Energy(WearLaw):
+    """Depth by the frictional work w_k = -p_k s_k along either tribological axis.
+
+    With k1 = k2 = k it is k times the work. Else the work along each axis counts by its own
+    coefficient, sqrt((w_1 + w_2) (k1^2 w_1 + k2^2 w_2)), as it does in `ArchardByWork`: in full
+    slip it is Archard's law of i = k mu.
+
+    Parameters
+    ----------
+    per_work : tuple of float
+        Depth worn over work per area, (k1, k2) along the tribological axes, 1/MPa: 1e-3 times the
+        coefficients in mm3/J.
+    angle : float
+        Angle beta of the first axis, counter-clockwise from x, radians.
+
+    Examples
+    --------
+    >>> law = ts.Energy((5e-6, 5e-6))
+    >>> worn = ts.roll(discs, laws=ts.Laws.of(discs).replace(wear=law))
+    >>> worn.finished
+    True
+    """
+
+    per_work: tuple[float, float]
+    angle: float = 0.0
+
+    def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
+        """See `WearLaw.rate`; zero where the work is negative, as it is in a few elements."""
+        along, across = work_along(traction, slip, self.angle)
+        work = np.maximum(along + across, 0.0)
+        first, second = self.per_work
+        squared = work * (first**2 * along + second**2 * across)
+        # Work against one axis only must not leave the bounds that work along both has.
+        least, most = sorted((first, second))
+        return np.sqrt(np.clip(squared, (least * work) ** 2, (most * work) ** 2))
+
+
 @dataclass(frozen=True)
 class ArchardByWork(WearLaw):
     """The same law, by the frictional work w_k = -p_k s_k along either tribological axis.
@@ -106,11 +185,5 @@ class ArchardByWork(WearLaw):
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
         """See `WearLaw.rate`; zero where the work is negative, as it is in a few elements."""
-        axes = Frame(angle=self.angle).matrix
-        along, across = -np.tensordot(axes, traction, axes=1) * np.tensordot(axes, slip, axes=1)
-        work = np.maximum(along + across, 0.0)
-        first, second = (i / mu for i, mu in zip(self.intensity, self.mu, strict=True))
-        squared = work * (first**2 * along + second**2 * across)
-        # Work against one axis only must not leave the bounds that work along both has.
-        least, most = sorted((first, second))
-        return np.sqrt(np.clip(squared, (least * work) ** 2, (most * work) ** 2))
+        per_work = tuple(i / mu for i, mu in zip(self.intensity, self.mu, strict=True))
+        return Energy(per_work, self.angle).rate(pressure, traction, slip)

@@ -18,6 +18,7 @@ from .quantities import COORDINATE as COORDINATE
 from .quantities import DIMS as DIMS
 from .quantities import FIELDS as FIELDS
 from .quantities import OUTSIDE as OUTSIDE
+from .quantities import PARTS as PARTS
 from .quantities import REVOLUTION as REVOLUTION
 from .quantities import STRESS as STRESS
 from .quantities import Quantity as Quantity

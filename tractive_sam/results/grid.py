@@ -19,10 +19,13 @@ class Grid:
         Half lengths (L_x, L_y) of the domain, mm (the paper's L_x, L_y).
     elements : tuple of int
         Number of elements (n_x, n_y).
+    shift : float
+        Lateral place, on the same elements, of what `y` is told from, mm.
     """
 
     half_length: tuple[float, float]
     elements: tuple[int, int]
+    shift: float = 0.0
 
     @classmethod
     def of(cls, half_length: tuple[float, ...], elements: tuple[int, ...]) -> "Grid":
@@ -32,7 +35,11 @@ class Grid:
     def lengthened(self, elements: int) -> "Grid":
         """The same elements, and so many more before and behind in the rolling direction."""
         (half_x, half_y), (nx, ny) = self.half_length, self.elements
-        return Grid((half_x + elements * self.dx, half_y), (nx + 2 * elements, ny))
+        return Grid((half_x + elements * self.dx, half_y), (nx + 2 * elements, ny), self.shift)
+
+    def shifted(self, shift: float) -> "Grid":
+        """The same elements, with y told from another lateral place, mm."""
+        return Grid(self.half_length, self.elements, shift)
 
     @property
     def line(self) -> bool:
@@ -62,7 +69,8 @@ class Grid:
     @cached_property
     def y(self) -> np.ndarray:
         """Centres in the lateral direction, ascending, shape (n_y,), mm."""
-        return _centres(self.half_length[1], self.elements[1])
+        y = _centres(self.half_length[1], self.elements[1])
+        return y - self.shift if self.shift else y
 
 
 def _centres(half_length: float, elements: int) -> np.ndarray:

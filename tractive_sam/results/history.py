@@ -86,6 +86,8 @@ class History:
         Programs that computed the records from each of these rows on.
     laws : str
         Laws that were given in place of the scene's; empty where none were.
+    started : str
+        Where the worn bodies are from with which it began; empty of new ones.
 
     Examples
     --------
@@ -108,6 +110,7 @@ class History:
     stresses: Mapping[tuple[str, str], Rows[PlaneStress]]
     provenance: tuple[tuple[int, Mapping[str, str]], ...] = ()
     laws: str = ""
+    started: str = ""
 
     @classmethod
     def of_records(
@@ -119,6 +122,7 @@ class History:
         status: str = DONE,
         message: str = "",
         laws: str = "",
+        started: str = "",
     ) -> Self:
         """Collect records in memory; those of smaller meshes are widened to the last mesh."""
         records = list(records)
@@ -145,6 +149,7 @@ class History:
             np.array([record.at for record in kept], int if coordinate.whole else float),
             _by_plane(kept),
             laws=laws,
+            started=started,
         )
 
     def __len__(self) -> int:
@@ -258,13 +263,16 @@ class History:
         A unit of work wears i1/mu1 along the first tribological axis, and i2/mu2 along the second.
         Where these differ, the section is compared with what is nearest to it between the two:
         unity is within. nan where nothing wears, or no more than the rounding of the wear so far,
-        and with a wear law of one's own.
+        with the laws of measured regimes, and with one of one's own.
         """
         worn, most = self["worn_area"], self["wear_max"] * 2.0 * self.grid.half_length[1]
         wear, friction = self.scene.wear, self.scene.friction
         if wear is None or any(law.startswith("wear=") for law in self.laws.split(", ")):
             return np.full(len(self), np.nan)
-        least, largest = sorted(np.divide(wear.intensities, friction.mu))
+        per_work = wear.per_work(friction.mu)
+        if per_work is None:
+            return np.full(len(self), np.nan)
+        least, largest = sorted(per_work)
         work = self["dissipation"]
         wears = (worn > ROUNDING * most) & (work > 0.0)
         return _ratio(worn, np.clip(worn, least * work, largest * work), wears)
@@ -400,8 +408,14 @@ class History:
             residual=number["residual"],
             cost=Cost(number["operator_applications"]),
             revolution=int(number.get("revolution", 0)),
+            volumes=self._volumes(row),
         )
         return found if "sliding" in fields else found.with_sliding_by_traction()
+
+    def _volumes(self, row: int) -> dict[str, float] | None:
+        """Worn volume of each body in a record, as far as it was recorded."""
+        found = self.values.get("worn_volume")
+        return None if found is None else dict(zip(BODIES, found[row].tolist(), strict=True))
 
     def to_dict(self) -> dict[str, Any]:
         """Columns but for profiles, balances and totals as plain lists; None for no number."""
@@ -494,7 +508,9 @@ def _status(ended: str) -> Status:
 def stacked(quantity: Quantity, values: Sequence[Any], grid: Grid) -> np.ndarray:
     """One row a record of what was recorded, on a mesh that may be wider than its own."""
     along = {"x": grid.elements[0], "y": grid.elements[1]}
-    shape = tuple(along.get(name) or len(LABELS[name]) for name in quantity.dims)
+    if "block" in quantity.dims:
+        along["block"] = np.shape(values[0])[quantity.dims.index("block")] if len(values) else 0
+    shape = tuple(along[k] if k in along else len(LABELS[k]) for k in quantity.dims)
     rows = np.empty((len(values), *shape), int if quantity.whole else float)
     for row, value in zip(rows, values, strict=True) if shape else ():
         if quantity.dims[0] == "body":
@@ -502,7 +518,7 @@ def stacked(quantity: Quantity, values: Sequence[Any], grid: Grid) -> np.ndarray
             for body, of_body in value.items():
                 row[BODIES.index(body)] = of_body
         else:
-            mesh = tuple(along[name] for name in quantity.dims if name in along)
+            mesh = tuple(along[name] for name in quantity.dims if name in ("x", "y"))
             row[:] = widened(np.asarray(value, float), mesh) if mesh else value
     if not shape:
         rows[:] = values

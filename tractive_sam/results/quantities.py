@@ -18,7 +18,7 @@ from tractive_sam.scene import Scene
 BODIES = ("A", "B")
 
 DIMS = ((), ("axis",), ("y",), ("body",), ("body", "position"))
-"""What a column can have beside the record."""
+"""What a column of one's own can have beside the record."""
 
 _PER_LENGTH = {"N": "N/mm", "N mm": "N mm/mm", "mm3": "mm2", "mm2": "mm", "mg": "mg/mm"}
 """Units in a line contact of what is then per length."""
@@ -347,6 +347,14 @@ COLUMNS = (
     ),
 )
 """What is recorded of every revolution. What a former results file lacks is nan in it."""
+
+PARTS = Quantity(
+    "worn_by",
+    "mm",
+    "wear depth with which each body enters, by the block that wore it",
+    dims=("block", "body", "y"),
+)
+"""Recorded where the bodies wear by laws of their own, or in several blocks."""
 
 FIELDS = by_name(
     (

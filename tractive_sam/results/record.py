@@ -70,6 +70,14 @@ class Record:
         return of_role(self.columns.values(), COORDINATE)
 
     @property
+    def blocks(self) -> int:
+        """Blocks of a duty cycle that its columns tell apart; none where they do not."""
+        for name, one in self.columns.items():
+            if "block" in one.dims:
+                return np.shape(self.values[name])[one.dims.index("block")]
+        return 0
+
+    @property
     def at(self) -> float:
         """Its value of the coordinate."""
         return self.values[self.coordinate.name]

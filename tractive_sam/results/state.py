@@ -104,6 +104,8 @@ class State:
         widest relative one of those that the tolerance bounds.
     revolution : int
         Revolutions rolled.
+    volumes : mapping of str to float, optional
+        `worn_volume` as its history tells it; by default it follows from `wear`.
     jacobian : xarray.DataArray or None
         Of ``solve(scene, jacobian=True)``: derivatives of Qx, Qy, Mz and approach (rows, "result")
         by xi_x, xi_y, spin, P, mu1 and mu2 (columns, "parameter"), all else held, the mesh too.
@@ -148,6 +150,7 @@ class State:
     trace: tuple[str, ...] = ()
     error_bars: Mapping[str, Any] = field(default_factory=dict)
     revolution: int = 0
+    volumes: Mapping[str, float] | None = field(default=None, repr=False)
     jacobian: "xarray.DataArray | None" = field(default=None, repr=False)
 
     def __getstate__(self) -> dict[str, Any]:
@@ -335,13 +338,18 @@ class State:
 
         Worn cross section times the circumference 2 pi R_x; of a line contact per length, mm².
         """
-        turns, bodies = self.scene.turns, self.scene.body
-        entering, leaving = self.wear[-1], self.wear[0]
+        if self.volumes is not None:
+            return dict(self.volumes)
+        turns, (entering, leaving) = self.scene.turns, (self.wear[-1], self.wear[0])
+        return self.volumes_of({body: turns.worn(body, entering, leaving) for body in "AB"})
+
+    def volumes_of(self, around: Mapping[str, np.ndarray]) -> dict[str, float]:
+        """Volume of mean depths all around the bodies "A" and "B", shape (n_y,), mm³."""
         volumes = {}
-        for name, radius in (("A", bodies.A.radius_x), ("B", bodies.B.radius_x)):
-            section = turns.worn(name, entering, leaving).sum() * self.grid.dy
-            around = 2.0 * math.pi * abs(radius)
-            volumes[name] = float(around * section) if math.isfinite(around) else math.nan
+        for body, depth in around.items():
+            length = 2.0 * math.pi * abs(getattr(self.scene.body, body).radius_x)
+            section = depth.sum() * self.grid.dy
+            volumes[body] = float(length * section) if math.isfinite(length) else math.nan
         return volumes
 
     @property

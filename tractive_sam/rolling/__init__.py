@@ -1,6 +1,14 @@
 """Counts revolutions: what a pass wears is in the way of the next one."""
 
-from tractive_sam.rolling.passage import Milestone, Passage, first_passage, next_passage, unworn
+from tractive_sam.rolling.passage import (
+    Milestone,
+    Passage,
+    begun,
+    first_passage,
+    next_passage,
+    resumed,
+    unworn,
+)
 from tractive_sam.rolling.revolutions import Judge, passages, recorded
 from tractive_sam.rolling.saves import Saves
 
@@ -9,9 +17,11 @@ __all__ = [
     "Milestone",
     "Passage",
     "Saves",
+    "begun",
     "first_passage",
     "next_passage",
     "passages",
     "recorded",
+    "resumed",
     "unworn",
 ]

@@ -36,8 +36,8 @@ import numpy as np
 
 from tractive_sam.contact import Model
 from tractive_sam.rolling.control import ErrorControl, Stops
-from tractive_sam.rolling.passage import Milestone, Passage, off_grid, passage_at
-from tractive_sam.rolling.response import wear_response
+from tractive_sam.rolling.passage import Milestone, Passage, credited, off_grid, passage_at
+from tractive_sam.rolling.response import cycle_response
 from tractive_sam.rolling.saves import Saves
 
 ALLOWED, POWER = 42.0, 1.3
@@ -84,8 +84,8 @@ def adaptive_passages(model: Model, start: Passage, saves: Saves) -> Iterator[Pa
     """
     control = Stops(ErrorControl(order=3), saves.stops, SETTLING)
     last = start
-    while last.contact.converged and last.revolution < saves.end:
-        last = _next_jump(model, last, control)
+    while last.converged and last.revolution < saves.end:
+        last = credited(last, _next_jump(model, last, control))
         yield last
 
 
@@ -93,7 +93,7 @@ def _next_jump(model: Model, last: Passage, control: Stops) -> Passage:
     """The longest jump towards the next stop that keeps the error within the tolerance."""
     # While the rows in contact wear down, the bodies close in on the rows beside them.
     closing = last.jump * last.gained.sum() / max(np.count_nonzero(last.gained), 1)
-    response = last.gain * wear_response(model, last.contact, closing)
+    response = cycle_response(model, last, closing)
     fastest = np.abs(np.diag(response)).max()
     settled = int(SETTLED / max(fastest, 1e-12))
     step = control.first(last.revolution, last.jump, settled)
@@ -203,8 +203,9 @@ def _one(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple[
     predicted, expected, response = _predicted(last, formula, response)
     profile = here.profile + here.rate if last.revolution else here.profile
     revolution = last.revolution + 1
-    now = passage_at(model, revolution, profile, last.contact, _lag(model), expected / last.gain)
-    if not now.contact.converged:
+    grown = _grown(expected, last)
+    now = passage_at(model, revolution, profile, last.contacts, _lag(model), grown)
+    if not now.converged:
         return now, np.inf
     rate = now.gained + response @ (predicted - profile)
     error = _error(model, formula.correction(response, predicted, rate), profile)
@@ -218,12 +219,12 @@ def _many(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple
     revolution, here = last.revolution + jump, last.course[-1]
     formula, open_ = _Formula.of(last.course, jump), _open(last, response)
     profile, expected, response = _predicted(last, formula, response)
-    lag, gain = _lag(model), last.gain
-    now = passage_at(model, revolution, profile, last.contact, lag, expected / gain)
+    lag = _lag(model)
+    now = passage_at(model, revolution, profile, last.contacts, lag, _grown(expected, last))
     solves, error = 0, np.inf
     for repeats in range(1 + REPEATS):
         solves += now.solves
-        if not now.contact.converged:
+        if not now.converged:
             return replace(now, solves=solves), np.inf
         fitting = formula.with_new_rows(response, open_, profile, now.gained)
         correction = fitting.correction(response, profile, now.gained)
@@ -236,17 +237,24 @@ def _many(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple
         if error > 1.0 or smooth or repeats == REPEATS:
             break
         profile, expected = corrected, np.maximum(now.gained + change, 0.0)
-        now = passage_at(model, revolution, profile, now.contact, lag, expected / gain)
-        response = gain * wear_response(model, now.contact)
+        now = passage_at(model, revolution, profile, now.contacts, lag, _grown(expected, now))
+        response = cycle_response(model, now)
     reached = Milestone(revolution, corrected, now.gained + change)
     return replace(now, solves=solves, course=(here, reached)), error
+
+
+def _grown(expected: np.ndarray, last: Passage) -> np.ndarray:
+    """The rate that is expected over that of a passage, row by row; of others nothing is known."""
+    known = last.gained > 0.0
+    return np.divide(expected, last.gained, out=np.zeros_like(expected), where=known)
 
 
 def _open(last: Passage, response: np.ndarray) -> np.ndarray:
     """Rate of wear of each row that was lost as its gap was open, mm per revolution."""
     stiffness = -np.diag(response)
     near = stiffness > 0.0
-    return np.where(near, stiffness * np.where(near, last.contact.gap.min(axis=0), 0.0), 0.0)
+    gap = np.min([contact.gap.min(axis=0) for contact in last.contacts], axis=0)
+    return np.where(near, stiffness * np.where(near, gap, 0.0), 0.0)
 
 
 def _predicted(

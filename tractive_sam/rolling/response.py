@@ -5,6 +5,27 @@ import numpy as np
 from tractive_sam.contact import Model
 from tractive_sam.operators import row_compliance
 from tractive_sam.results import State
+from tractive_sam.rolling.passage import Passage
+
+
+def cycle_response(model: Model, passage: Passage, closing: float = 0.0) -> np.ndarray:
+    """The same of what of a cycle lasts: the sum over its blocks.
+
+    Parameters
+    ----------
+    model : Model
+        The scene in numbers.
+    passage : Passage
+        The contacts at the profile.
+    closing : float
+        As of `wear_response`.
+    """
+    response = np.zeros((model.grid.elements[1],) * 2)
+    each = zip(model.blocks, passage.weights, passage.turns, passage.contacts, strict=True)
+    for block, weight, turns, contact in each:
+        gain = np.reshape(turns.gain, (-1, 1))
+        response += weight * gain * wear_response(block, contact, closing)
+    return response
 
 
 def wear_response(model: Model, contact: State, closing: float = 0.0) -> np.ndarray:
@@ -49,11 +70,8 @@ def wear_response(model: Model, contact: State, closing: float = 0.0) -> np.ndar
 
 def _wear_per_load(model: Model, contact: State) -> np.ndarray:
     """Depth worn by each row per MPa summed over its elements, mm; beyond the rim as at the rim."""
-    touching = contact.touching
-    count = touching.sum(axis=0)
-    pressure = np.where(touching, contact.pressure, 1.0)
-    share = contact.traction / pressure
-    rate = model.wear_law.rate(np.where(touching, 1.0, 0.0), share, contact.slip)
+    count = contact.touching.sum(axis=0)
+    rate = model.wear_law.per_load(contact.pressure, contact.traction, contact.slip)
     per_pressure = rate.sum(axis=0)
     inside = np.flatnonzero(count)
     values = model.grid.dx * per_pressure[inside] / count[inside]

@@ -6,7 +6,7 @@ from time import perf_counter
 from typing import Any, Protocol
 
 from tractive_sam.contact import Gap, Laws, Model, across, grown
-from tractive_sam.results import BodyFatigue, Maximum, Quantity, Record, stress_columns
+from tractive_sam.results import PARTS, BodyFatigue, Maximum, Quantity, Record, stress_columns
 from tractive_sam.rolling.adaptive import adaptive_passages
 from tractive_sam.rolling.passage import Passage, next_passage, off_grid, unworn
 from tractive_sam.rolling.saves import Saves
@@ -35,7 +35,7 @@ def passages(model: Model, start: Passage | None = None) -> Iterator[Passage]:
         yield last
     wear, saves = model.scene.wear, Saves.of(model.scene)
     growths = 0
-    while wear is not None and last.contact.converged and last.revolution < saves.end:
+    while wear is not None and last.converged and last.revolution < saves.end:
         steps = adaptive_passages if wear.stepping == "adaptive" else every_passage
         for passage in steps(model, last, saves):
             if off_grid(passage) and model.scene.grid is None and growths < GROWTHS:
@@ -51,7 +51,7 @@ def passages(model: Model, start: Passage | None = None) -> Iterator[Passage]:
 def every_passage(model: Model, start: Passage, saves: Saves) -> Iterator[Passage]:
     """Roll one revolution after another to the end, the paper's way."""
     last = start
-    while last.contact.converged and last.revolution < saves.end:
+    while last.converged and last.revolution < saves.end:
         last = next_passage(model, last)
         yield last
 
@@ -95,17 +95,16 @@ def recorded(
         The measured separation of the scene.
     """
     contact = replace(passage.contact, revolution=passage.revolution)
-    turns = contact.scene.turns
     # The adaptive stepping has corrected the profile with which the material enters.
     entering = passage.course[-1].profile
     shift = entering - contact.wear[-1]
-    leaving = contact.wear[0] + shift
     keep = passage.revolution in Saves.of(contact.scene) or not contact.converged
     maxima = stress_maxima(contact, laws)
     stress = stress_on_planes(contact, laws=laws) if keep and maxima else ()
     if judge is not None:
         contact = replace(contact, error_bars=judge(passage, maxima))
-    worn = replace(contact, wear=contact.wear + shift)
+    volumes = contact.volumes_of({body: passage.around(body) for body in "AB"})
+    worn = replace(contact, wear=contact.wear + shift, volumes=volumes)
     given = {
         "revolution": passage.revolution,
         "jump": passage.jump,
@@ -113,15 +112,18 @@ def recorded(
         "wear_max": float(worn.wear.max()),
         "worn_volume": worn.worn_volume,
         "worn_mass": worn.worn_mass,
-        "wear_profile": leaving,
+        "wear_profile": passage.leaving,
         "entering_profile": entering,
         "wear_per_revolution": passage.course[-1].rate,
-        "wear_profile_A": turns.of_body("A", entering, leaving),
-        "wear_profile_B": turns.of_body("B", entering, leaving),
+        "wear_profile_A": passage.behind("A"),
+        "wear_profile_B": passage.behind("B"),
         "seconds": perf_counter() - began,
     }
     if measured is not None:
         given["measured_profile"] = across(measured, contact.grid)
+    if passage.parts is not None:
+        given[PARTS.name] = passage.parts
+        own = (*own, PARTS)
     stresses = stress_columns(laws.criterion)
     for one, found in zip(stresses, ("value", "interior", "surface", "at"), strict=False):
         given[one.name] = {body: getattr(largest, found) for body, largest in maxima.items()}

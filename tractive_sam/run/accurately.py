@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from tractive_sam.contact import Gap, Model
 from tractive_sam.results import History, State, Status
-from tractive_sam.rolling import Passage, first_passage
+from tractive_sam.rolling import Passage, begun, first_passage
 from tractive_sam.run.accuracy.course import Judge, judge_of, judge_on
 from tractive_sam.run.accuracy.judgement import missed_before
 from tractive_sam.run.accuracy.levels import Levels, with_tolerances
@@ -28,7 +28,7 @@ def rolled(run: Recording) -> History:
     scene = with_tolerances(run.scene)
     unworn = refined(scene, run.measured, run.model_of)
     if scene.wear is None or not unworn.contact.converged:
-        return run.begun(unworn.model, Passage(0, unworn.contact, 1), missed=unworn.missed)
+        return run.begun(unworn.model, begun(unworn.model, (unworn.contact,)), missed=unworn.missed)
     return _rolled_from(run, scene, *judge_of(scene, run.measured, unworn.level, run.model_of))
 
 

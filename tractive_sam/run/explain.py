@@ -191,9 +191,8 @@ def _wear(model: Model) -> Section:
     if wear is None:
         return Section("Wear", [("wear", "left out: the scene has no [wear]")])
     upwind = model.scene.solver.slip == "upwind"
-    by = "pressure and slip" if upwind else "the work of friction"
     rows = [
-        ("law", f"Holm-Archard by {by}, {told.wear_told(model.scene)}"),
+        ("law", f"{told.law_told(model.scene)}, {told.wear_told(model.scene)}"),
         ("revolutions", f"{wear.revolutions}, {_stepping(wear)}"),
         ("fields kept at", ", ".join(map(str, wear.save))),
     ]

@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tractive_sam.contact import Gap, Laws, Model
+from tractive_sam.contact import Gap, Laws, Model, Worn
 from tractive_sam.results import (
     BESIDE,
     COLUMNS,
@@ -33,15 +33,17 @@ def check_scene(scene: Scene) -> None:
         raise TypeError(f"scene: a Scene is needed, not {type(scene).__name__}; {cure}")
 
 
-def model_of(laws: Laws | None, solver: Solver | None) -> Callable[..., Model]:
-    """Makes models with laws and a method of one's own, if there are any."""
+def model_of(
+    laws: Laws | None, solver: Solver | None, began: Worn | None = None
+) -> Callable[..., Model]:
+    """Makes models with laws, a method and worn bodies of one's own, if there are any."""
     if not isinstance(laws, Laws | None):
         cure = "Laws.of(scene).replace(friction=...) makes them"
         raise TypeError(f"laws: Laws are needed, not {type(laws).__name__}; {cure}")
     if solver is not None and not callable(getattr(solver, "solve", None)):
         needed = "an object with solve(problem, tolerance, start), such as solvers.Newton()"
         raise TypeError(f"solver: {needed} is needed, not {type(solver).__name__}")
-    return partial(Model, laws=laws, solver=solver)
+    return partial(Model, laws=laws, solver=solver, began=began)
 
 
 def columns_of(columns: Iterable[Quantity], laws: Laws | None = None) -> tuple[Quantity, ...]:

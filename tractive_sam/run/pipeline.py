@@ -12,11 +12,12 @@ from numpy.typing import ArrayLike
 from tractive_sam.contact import Laws, check_jacobian, equilibrium, fitted, jacobian_of
 from tractive_sam.operators import one_blas_thread
 from tractive_sam.results import History, NotConverged, Quantity, Record, State
-from tractive_sam.rolling import first_passage
+from tractive_sam.rolling import first_passage, resumed
 from tractive_sam.run import accurately, given, memory
 from tractive_sam.run.given import measured_gap
 from tractive_sam.run.recording import Recording
 from tractive_sam.run.resume import last_passage
+from tractive_sam.run.start import started_as, told_of, worn_bodies
 from tractive_sam.scene import Scene
 from tractive_sam.solvers import Solver
 from tractive_sam.store import open_history, results_writer
@@ -121,6 +122,7 @@ def roll(
     scene: Scene,
     path: str | PathLike | None = None,
     *,
+    start: History | State | None = None,
     overwrite: bool = False,
     resume: bool = False,
     progress: Callable[[Record], None] | None = None,
@@ -137,6 +139,11 @@ def roll(
     path : path-like, optional
         Results file (HDF5), to which records are streamed as they are computed; without it they are
         kept in memory.
+    start : History or State, optional
+        What was rolled before by the same bodies, under another load, say: they begin as its last
+        record left them, and revolutions count anew. What was worn before is in the wear depths,
+        volumes and masses, and `History.started` says where it is from. A flat body begins unworn.
+        Where the mesh is another one, depths are interpolated.
     overwrite : bool
         Whether a results file of this package may be replaced.
     resume : bool
@@ -159,15 +166,15 @@ def roll(
     Raises
     ------
     TypeError
-        If `scene` is no Scene, `laws` no Laws, `columns` no Quantities, or `solver` has no method
-        `solve`.
+        If `scene` is no Scene, `start` neither History nor State, `laws` no Laws, `columns` no
+        Quantities, or `solver` has no method `solve`.
     ValueError
         If there is no file to resume from, or a column has a name or dimensions that cannot be.
     SceneError
         If no mesh can be chosen that holds the contact, or the memory does not suffice.
     ResultsError
         If the results file cannot be written, is being written by another run, or holds another
-        scene than the one to resume, or other laws.
+        scene than the one to resume, or other laws; or `start` is of other bodies.
     StorageError
         If the disk becomes full meanwhile; the file then holds the records up to some moment.
     GapError
@@ -180,22 +187,30 @@ def roll(
     1
     2
     3
+    >>> heavier = ts.roll(discs.replace(**{"load.normal": 400.0}), start=history)
+    >>> bool(heavier["wear_max"][0] > 0.9 * history["wear_max"][-1])
+    True
     """
     began = perf_counter()
     given.check_scene(scene)
     if resume and path is None:
         raise ValueError("resume: the path of a results file is needed to go on from")
-    model_of, own = given.model_of(laws, solver), given.columns_of(columns, laws)
+    own = given.columns_of(columns, laws)
+    worn, started = (None, "") if start is None else (worn_bodies(start, scene), told_of(start))
     replaced = overwrite or resume
     with nullcontext() if path is None else results_writer(Path(path), replaced):  # at once
         before = open_history(path) if resume and Path(path).exists() else None
+        if before is not None and len(before):
+            worn, started = started_as(before, path, started), before.started
         last = None if before is None else last_passage(before, path, scene, laws, own)
-        run = Recording(scene, measured_gap(scene), model_of, path, replaced, progress, own, began)
+        model_of, gap = given.model_of(laws, solver, worn), measured_gap(scene)
+        run = Recording(scene, gap, model_of, path, replaced, progress, own, began, started)
         model = model_of(scene, run.measured, None if last is None else last.contact.grid)
         memory.check_roll(model, in_memory=path is None)
         if last is None or before is None:
             accurate = scene.accuracy is not None
             return accurately.rolled(run) if accurate else run.begun(*first_passage(model))
+        last = resumed(model, last)
         if scene.accuracy is not None:
             return accurately.resumed(run, last, before)
         return run.resumed(model, last, len(before))

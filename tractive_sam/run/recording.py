@@ -1,5 +1,6 @@
 """Rolls a scene and keeps its records, in a file or in memory."""
 
+import warnings
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from itertools import chain
@@ -14,7 +15,7 @@ from tractive_sam import interrupt
 from tractive_sam.contact import Gap, Model
 from tractive_sam.results import Grid, History, Quantity, Record, Status, fields
 from tractive_sam.rolling import Judge, Passage, passages, recorded
-from tractive_sam.scene import Scene
+from tractive_sam.scene import PlausibilityWarning, Scene
 from tractive_sam.store import HistoryWriter, open_history
 
 
@@ -40,6 +41,8 @@ class Recording:
         Columns beside the package's.
     began : float
         When the first record began, by `time.perf_counter`.
+    started : str
+        As of `History`.
     """
 
     scene: Scene
@@ -50,15 +53,18 @@ class Recording:
     progress: Callable[[Record], None] | None
     columns: tuple[Quantity, ...]
     began: float
+    started: str = ""
 
     def begun(
         self, model: Model, start: Passage, judge: Judge | None = None, missed: str = ""
     ) -> History:
         """Roll from the unworn bodies on; `missed` tells what is wrong with their accuracy."""
         laws = model.laws.beside(model.scene)
-        keeper: HistoryWriter | _InMemory = _InMemory(self.scene, laws)
+        _warn_beyond_tests(model, start)
+        keeper: HistoryWriter | _InMemory = _InMemory(self.scene, laws, self.started)
         if self.path is not None:
-            keeper = HistoryWriter(self.path, self.scene, model.grid, self.overwrite, laws=laws)
+            about = {"laws": laws, "started": self.started}
+            keeper = HistoryWriter(self.path, self.scene, model.grid, self.overwrite, **about)
         return self._kept(keeper, model, start, (start,), judge, missed)
 
     def resumed(
@@ -95,11 +101,21 @@ class Recording:
         return keeper.history if self.path is None else open_history(self.path)
 
 
+def _warn_beyond_tests(model: Model, start: Passage) -> None:
+    """Note what of the first contacts the coefficients of wear were not measured for."""
+    for k, (block, contact) in enumerate(zip(model.blocks, start.contacts, strict=True)):
+        if block.wear_law is not None and contact.converged:
+            fields = contact.pressure, contact.traction, contact.slip
+            if told := block.wear_law.beyond_tests(*fields):
+                key = f"wear.law: duty block {k + 1}" if len(model.blocks) > 1 else "wear.law"
+                warnings.warn(f"{key}: {told}", PlausibilityWarning, stacklevel=2)
+
+
 class _InMemory:
     """Keeps records as a `HistoryWriter` does, without a file."""
 
-    def __init__(self, scene: Scene, laws: str) -> None:
-        self._scene, self._laws = scene, laws
+    def __init__(self, scene: Scene, laws: str, started: str) -> None:
+        self._scene, self._about = scene, {"laws": laws, "started": started}
         self._grid, self._records = Grid.of((1.0,), (1,)), list[Record]()
 
     def __enter__(self) -> Self:
@@ -115,7 +131,7 @@ class _InMemory:
 
     def finish(self, status: str, message: str) -> None:
         """Make the history."""
-        end = {"status": status, "message": message, "laws": self._laws}
+        end = {"status": status, "message": message, **self._about}
         self.history = History.of_records(self._records, self._scene, self._grid, **end)
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from tractive_sam.contact import Laws
-from tractive_sam.results import Cost, Grid, History, Quantity
+from tractive_sam.results import PARTS, Cost, Grid, History, Quantity
 from tractive_sam.rolling import Milestone, Passage
 from tractive_sam.scene import Scene
 from tractive_sam.store import DamagedError, ResultsError, state_of
@@ -89,7 +89,8 @@ def last_passage(
         for k in (row - 1, row)
         if k > 0  # the unworn bodies are not worn yet: the course begins with revolution 1
     )
-    passage = Passage(revolution, contact, 0, int(history["jump"][row]), course)
+    parts = history[PARTS.name][row] if PARTS.name in history.columns else None
+    passage = Passage(revolution, (contact,), 0, int(history["jump"][row]), course, parts=parts)
     return _on_grid_of(scene, passage, path)
 
 

@@ -34,9 +34,11 @@ from .tables import (
     Friction,
     Load,
     Mesh,
+    Sets,
     Solver,
     Subsurface,
     Wear,
+    WearLaws,
 )
 
 __all__ = [
@@ -66,10 +68,12 @@ __all__ = [
     "Scene",
     "SceneError",
     "SceneWarning",
+    "Sets",
     "Solver",
     "Subsurface",
     "Table",
     "Wear",
+    "WearLaws",
     "builtin_names",
     "entry",
     "files_anywhere",

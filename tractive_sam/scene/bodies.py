@@ -41,7 +41,7 @@ class Body(Table):
     radius_y: Radius = entry("radius across it, mm", "a number, or inf (flat)")
     hardness: Positive = positive(
         "hardness, in the unit of the other body's: only their ratio counts, the worn depth is "
-        "shared in inverse proportion; of both bodies or of none",
+        "shared in inverse proportion; of both bodies or of none; MPa for the wear law jendel",
         1.0,
     )
     density: Positive = positive("density, kg/m3, for the worn mass; by default steel's", 7850.0)

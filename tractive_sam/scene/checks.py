@@ -149,6 +149,21 @@ def _one_sharing_of_wear(known: Known) -> Iterator[Fault]:
         yield Fault(", ".join(hard), "together with a wear.coefficient of each body", cure)
 
 
+def _law_has_what_it_needs(known: Known) -> Iterator[Fault]:
+    wear = known["wear"]
+    laws = {} if wear is None else wear.laws
+    if "brr" in laws.values() and is_line(known):
+        cure = "another law: it goes by T-gamma of a whole contact, N, and this one has N/mm"
+        yield Fault("wear.law", "brr in a line contact", cure)
+    for body in (body for body, law in laws.items() if law == "jendel"):
+        if f"body.{body}.hardness" not in known.given:
+            cure = "MPa: the law jendel goes by the pressure over the hardness"
+            yield Fault(f"body.{body}.hardness", "nothing", cure)
+    if "jendel" in laws.values() and known["creepage.speed"] is None:
+        cure = "the rolling speed, mm/s: the law jendel goes by the sliding speed"
+        yield Fault("creepage.speed", "nothing", cure)
+
+
 SCENE_CHECKS: tuple[Check, ...] = (
     not_both("load.force_x", "creepage.longitudinal"),
     not_both("load.force_y", "creepage.lateral"),
@@ -163,6 +178,7 @@ SCENE_CHECKS: tuple[Check, ...] = (
     _a_body_comes_round,
     _pressure_is_of_the_radii,
     _one_sharing_of_wear,
+    _law_has_what_it_needs,
     *LINE_CHECKS,
 )
 """All checks of a valid scene."""

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from .tables import PER_INTENSITY
 
 if TYPE_CHECKING:
@@ -61,7 +63,8 @@ def doubts(scene: Scene) -> Iterator[str]:
         yield f"friction.mu: {max(scene.friction.mu):g} is more than surfaces have; in per cent?"
     if scene.wear is None:
         return
-    i = max(scene.wear.intensities)
+    mu = (1.0, 1.0) if scene.friction is None else scene.friction.mu
+    i = max(np.multiply(scene.wear.per_work(mu) or 0.0, mu))
     if i * scene.material.plane_strain_modulus > MOST_WEAR:
         yield (
             f"wear: i = {i:g} /MPa, k = {PER_INTENSITY * i:g} mm3/(N m), is a thousand times what "

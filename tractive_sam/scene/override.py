@@ -7,6 +7,7 @@ from typing import Any
 
 from .alternatives import RIVALS
 from .faults import Fault, SceneError, shown
+from .tables import BY_COEFFICIENT
 from .toml import parse_value
 
 
@@ -39,8 +40,9 @@ def override(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str,
     changes : mapping
         New values by dotted key. A missing table is made; None removes an entry. Setting one of
         two alternatives (young/shear, normal/approach, creepage/traction, gap file/arrays)
-        removes the other, unless that is set as well. If fewer revolutions are asked for than
-        are to be saved, those beyond are left out of `wear.save` and the last one is added.
+        removes the other, unless that is set as well; a wear law removes the
+        coefficients of another one. If fewer revolutions are asked for than are to be saved, those
+        beyond are left out of `wear.save` and the last one is added.
 
     Raises
     ------
@@ -55,6 +57,10 @@ def override(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str,
         for rival in RIVALS.get(key, ()) if value is not None else ():
             if not any(f"{change}.".startswith(f"{rival}.") for change in changes):
                 _remove(result, rival)
+    if changes.get("wear.law", "archard") not in BY_COEFFICIENT:
+        for key in ("wear.intensity", "wear.coefficient"):
+            if not any(f"{change}.".startswith(f"{key}.") for change in changes):
+                _remove(result, key)
     if "wear.revolutions" in changes and "wear.save" not in changes:
         _shorten_save(result)
     return result

@@ -31,7 +31,7 @@ def starter(name: str) -> str:
         table, entries = (head.rstrip("]"), rest) if head.endswith("]") else ("", [head, *rest])
         lines += _block(left.pop(table, None), table, [line for line in entries if line])
     for table, group in left.items():
-        if group.keys and not table.endswith("coefficient"):
+        if group.keys and not table.startswith("wear."):  # tables in place of one value
             lines += _block(group, f"# {table}", [])
     return "\n".join(lines).rstrip() + "\n"
 

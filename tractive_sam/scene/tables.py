@@ -12,6 +12,8 @@ from typing import Annotated, ClassVar, Literal, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator
 
+from tractive_sam.mechanics.wear_maps import BRR, JENDEL, USFD
+
 from .alternatives import exactly_one
 from .faults import Fault
 from .plane import Plane
@@ -69,12 +71,15 @@ class Creepage(Table):
     Examples
     --------
     >>> ts.Creepage(longitudinal=-0.005, spin=0.01)
-    Creepage(longitudinal=-0.005, lateral=0.0, spin=0.01)
+    Creepage(longitudinal=-0.005, lateral=0.0, spin=0.01, speed=None)
     """
 
     longitudinal: Real = number("longitudinal creepage xi_x", 0.0)
     lateral: Real = number("lateral creepage xi_y", 0.0)
     spin: Real = number("spin creepage phi, 1/mm", 0.0)
+    speed: Positive | None = positive(
+        "rolling speed V, mm/s, for what depends on the sliding speed", None
+    )
 
 
 MOST_ORTHOTROPIC = 100.0
@@ -131,12 +136,144 @@ class Coefficients(Table):
     0.003
     """
 
-    A: NotNegative = entry("specific wear rate k of body A, mm3/(N m)", "a number of at least 0")
-    B: NotNegative = entry("specific wear rate k of body B, mm3/(N m)", "a number of at least 0")
+    A: NotNegative | None = entry(
+        "specific wear rate k of body A, mm3/(N m)", "a number of at least 0", None
+    )
+    B: NotNegative | None = entry(
+        "specific wear rate k of body B, mm3/(N m)", "a number of at least 0", None
+    )
+
+
+LawName = Literal["archard", "energy", "usfd", "brr", "jendel"]
+LawOrTable = Literal[LawName, "table"]
+_LAWS = '"archard", "energy", "usfd", "brr" or "jendel"'
+
+OF_SETS = {"usfd": USFD, "brr": BRR, "jendel": JENDEL}
+"""Published sets of coefficients by the law that they are of; the first one is the default."""
+
+BY_COEFFICIENT = ("archard", "energy")
+"""Laws whose coefficient the scene gives."""
+
+
+def _rising(points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+    works = [work for work, _ in points]
+    if not any(works) or any(late <= early for early, late in pairwise(works)):
+        raise ValueError("pairs [W, rate] with ascending W")
+    if works[0] == 0.0 and points[0][1]:
+        raise ValueError("no rate at W = 0: what does not slip does not wear")
+    return points
+
+
+def _laws_of_what(known: Known) -> Iterator[Fault]:
+    table, bodies = known["table"], (known["A"], known["B"])
+    if table is None and bodies == (None, None):
+        yield Fault("table", "nothing", "a table, or laws A and B of the bodies")
+    if "table" in bodies and table is None:
+        yield Fault("table", "nothing", "points of the law, as a body goes by them")
+    if table is not None and any(bodies) and "table" not in bodies:
+        yield Fault("table", "no body that goes by it", 'A = "table", B = "table", or no table')
+
+
+class WearLaws(Table):
+    """A wear law of one's own as points, or laws of each body on its own.
+
+    Examples
+    --------
+    >>> laws = ts.WearLaws(A="usfd", B="archard")
+    >>> ts.Wear(law=laws, coefficient={"B": 1e-4}, revolutions=100).laws
+    {'A': 'usfd', 'B': 'archard'}
+    """
+
+    table: (
+        Annotated[tuple[tuple[NotNegative, NotNegative], ...], AfterValidator(_rising)] | None
+    ) = entry(
+        "mass worn over frictional work: W = T-gamma/A, N/mm2, and rate, ug/(m mm2) of each body; "
+        "straight from the origin through the points, and on beyond the last",
+        "a list of pairs [W, rate] with ascending W",
+        None,
+        min_length=1,
+    )
+    A: LawOrTable | None = entry(
+        "law of body A; without one it does not wear", f'{_LAWS}, or "table"', None
+    )
+    B: LawOrTable | None = entry(
+        "law of body B; without one it does not wear", f'{_LAWS}, or "table"', None
+    )
+    checks: ClassVar[tuple[Check, ...]] = (_laws_of_what,)
+
+
+class Sets(Table):
+    """Named sets of coefficients of each body on its own.
+
+    Examples
+    --------
+    >>> ts.Sets(A="low", B="high").A
+    'low'
+    """
+
+    A: str | None = entry("set of coefficients of body A", "a name", None)
+    B: str | None = entry("set of coefficients of body B", "a name", None)
+
+
+def _laws(law: str | WearLaws) -> dict[str, str | None]:
+    """Name of the law of each body."""
+    if isinstance(law, str):
+        return {"A": law, "B": law}
+    both = "table" if law.A is None and law.B is None else None
+    return {"A": law.A or both, "B": law.B or both}
+
+
+def _given_what_its_law_takes(known: Known) -> Iterator[Fault]:
+    laws = _laws(known["law"])
+    taking = [body for body, name in laws.items() if name in BY_COEFFICIENT]
+    either = known.given & {"intensity", "coefficient"}
+    together = known["law"] in BY_COEFFICIENT
+    if not taking:
+        for key in sorted(either):
+            yield Fault(
+                key, f"with the law {known['law']!r}", "nothing: its coefficients are known"
+            )
+        return
+    if known["law"] == "archard":
+        yield from exactly_one("intensity", "coefficient")(known)
+    elif "intensity" in either:
+        cure = "coefficient: mm3/J of the energy law, or { A = ..., B = ... } of each body"
+        yield Fault("intensity", "not with this law", cure)
+    elif "coefficient" not in either:
+        yield Fault("coefficient", "nothing", "that of the bodies whose law takes one")
+    if "coefficient" not in either:
+        return
+    k = known["coefficient"]
+    if not isinstance(k, Coefficients):
+        if not together and k is not None:
+            listed = ", ".join(f"{body} = ..." for body in taking)
+            yield Fault("coefficient", str(k), f"that of each body: {{ {listed} }}")
+        return
+    for body, name in laws.items():
+        value = getattr(k, body)
+        if body in taking and value is None:
+            yield Fault(f"coefficient.{body}", "nothing", f"that of its law, {name}")
+        if body not in taking and value is not None:
+            yield Fault(f"coefficient.{body}", str(value), "nothing: its law takes none")
+
+
+def _sets_are_known(known: Known) -> Iterator[Fault]:
+    laws, given = _laws(known["law"]), known["set"]
+    for body in "AB" if given is not None else ():
+        name = given if isinstance(given, str) else getattr(given, body)
+        sets = OF_SETS.get(laws[body] or "", {})
+        if name is not None and name not in sets and not (isinstance(given, str) and not sets):
+            key = "set" if isinstance(given, str) else f"set.{body}"
+            allowed = f"one of {', '.join(sets)}" if sets else "nothing: its law has no sets"
+            yield Fault(key, repr(name), allowed)
+            if isinstance(given, str):
+                return
+    if isinstance(given, str) and not any(laws[body] in OF_SETS for body in "AB"):
+        yield Fault("set", repr(given), f"only with one of {', '.join(OF_SETS)}")
 
 
 class Wear(Table):
-    """Archard wear over many revolutions.
+    """Wear over many revolutions, by Archard's law or by others.
 
     Examples
     --------
@@ -144,16 +281,33 @@ class Wear(Table):
     'adaptive'
     >>> ts.Wear(coefficient=2e-3, revolutions=15000).intensities
     (2e-06, 2e-06)
+    >>> ts.Wear(law="usfd", revolutions=15000).sets
+    {'A': 'r8t-uic60', 'B': 'r8t-uic60'}
     """
 
+    law: LawName | WearLaws = entry(
+        "wear law: by pressure and slip, by frictional work, or by measured regimes",
+        f"{_LAWS}, {{ table = [[W, rate], ...] }}, or {{ A = ..., B = ... }}",
+        "archard",
+    )
+    set: str | Sets | None = entry(
+        "named set of coefficients of a measured law",
+        "a name, or { A = ..., B = ... }",
+        None,
+    )
+    by: Literal["element", "contact"] = entry(
+        "whether a law of T-gamma/A is taken by each element, or by the whole contact",
+        '"element" or "contact"',
+        "element",
+    )
     intensity: OrthotropicNotNegative | None = entry(
         "wear intensities along the axes e1, e2, of both bodies together, 1/MPa",
         "a number of at least 0, or a pair of them",
         None,
     )
     coefficient: OrthotropicNotNegative | Coefficients | None = entry(
-        "specific wear rates k along the axes e1, e2, mm3/(N m), of both bodies together, or of "
-        "each on its own",
+        "specific wear rates k along the axes e1, e2, mm3/(N m), or of the energy law mm3/J, of "
+        "both bodies together, or of each on its own",
         "a number of at least 0, a pair of them, or { A = ..., B = ... }",
         None,
     )
@@ -184,7 +338,30 @@ class Wear(Table):
         gt=0,
         le=0.1,
     )
-    checks: ClassVar[tuple[Check, ...]] = (exactly_one("intensity", "coefficient"), _saved_within)
+    checks: ClassVar[tuple[Check, ...]] = (
+        _given_what_its_law_takes,
+        _sets_are_known,
+        _saved_within,
+    )
+
+    @property
+    def laws(self) -> dict[str, str | None]:
+        """Name of the law of each body; None of one that does not wear."""
+        return _laws(self.law)
+
+    @property
+    def together(self) -> bool:
+        """Whether one law wears both bodies together, each by its share."""
+        return self.law in BY_COEFFICIENT
+
+    @property
+    def sets(self) -> dict[str, str | None]:
+        """Name of the set of coefficients of each body, where its law has sets."""
+        found = {}
+        for body, law in self.laws.items():
+            given = self.set if isinstance(self.set, str | None) else getattr(self.set, body)
+            found[body] = (given or next(iter(OF_SETS[law]))) if law in OF_SETS else None
+        return found
 
     @property
     def intensities(self) -> tuple[float, float]:
@@ -193,14 +370,21 @@ class Wear(Table):
             return self.intensity
         k = self.coefficient
         if isinstance(k, Coefficients):
-            k = (k.A + k.B,) * 2
+            k = ((k.A or 0.0) + (k.B or 0.0),) * 2
         return (k[0] / PER_INTENSITY, k[1] / PER_INTENSITY)
+
+    def per_work(self, mu: tuple[float, float]) -> tuple[float, float] | None:
+        """Depth worn over frictional work per area along the axes, 1/MPa; None of other laws."""
+        if not self.together:
+            return None
+        i = self.intensities
+        return i if self.law == "energy" else (i[0] / mu[0], i[1] / mu[1])
 
     @property
     def share(self) -> dict[str, float] | None:
         """Share of each body in the depth worn; None where only hardness tells it."""
         k = self.coefficient
-        if not isinstance(k, Coefficients):
+        if not (isinstance(k, Coefficients) and self.together):
             return None
         share = k.A / (k.A + k.B) if k.A + k.B else 0.5
         return {"A": share, "B": 1.0 - share}

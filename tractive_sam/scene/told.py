@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .scene import Scene
-from .tables import PER_INTENSITY, Coefficients
+from .tables import BY_COEFFICIENT, OF_SETS, PER_INTENSITY, Coefficients
 
 
 def told(scene: Scene) -> dict[str, str]:
@@ -32,18 +32,53 @@ def load_told(scene: Scene) -> str:
 
 
 def wear_told(scene: Scene) -> str:
-    """The law of wear as an intensity and as a specific wear rate, and whose they are."""
-    i1, i2 = scene.wear.intensities
-    k = scene.wear.coefficient
+    """The law of wear with its coefficients, and whose they are."""
+    wear = scene.wear
+    if not wear.together:
+        return "; ".join(f"{body}: {_of_body(scene, body)}" for body in "AB")
+    i1, i2 = wear.intensities
+    k = wear.coefficient
     rate = _pair(PER_INTENSITY * i1, PER_INTENSITY * i2)
-    both = f"i = {_pair(i1, i2)} /MPa, k = {rate} mm3/(N m)"
+    unit = "mm3/J" if wear.law == "energy" else "mm3/(N m)"
+    both = f"k = {rate} {unit}"
+    if wear.law == "archard":
+        both = f"i = {_pair(i1, i2)} /MPa, {both}"
     if isinstance(k, Coefficients):
-        return f"k = {k.A:g} mm3/(N m) of body A and {k.B:g} of B; of both together {both}"
+        return f"k = {k.A:g} {unit} of body A and {k.B:g} of B; of both together {both}"
     return f"{both}, of both bodies together"
+
+
+def law_told(scene: Scene) -> str:
+    """What the law of wear goes by."""
+    if scene.wear.law == "energy":
+        return "by the work of friction"
+    if scene.wear.law == "archard":
+        upwind = scene.solver.slip == "upwind"
+        return f"Holm-Archard by {'pressure and slip' if upwind else 'the work of friction'}"
+    return "each body by its own"
+
+
+def _of_body(scene: Scene, body: str) -> str:
+    """The law of one body."""
+    wear = scene.wear
+    law, chosen = wear.laws[body], wear.sets[body]
+    if law in BY_COEFFICIENT:
+        k = f"k = {getattr(wear.coefficient, body):g}"
+        return f"Holm-Archard, {k} mm3/(N m)" if law == "archard" else f"by work, {k} mm3/J"
+    if law == "table":
+        return f"T-gamma/A of each {wear.by}, a table of {len(wear.law.table)} points"
+    if law is None:
+        return "does not wear"
+    goes_by = {"usfd": f"T-gamma/A of each {wear.by}", "brr": "T-gamma of each contact"}
+    sets = OF_SETS[law]
+    source = sets[chosen][1] if law == "jendel" else sets[chosen].source
+    return f"{goes_by.get(law, 'sliding speed and p/H')}, {chosen}: {source}"
 
 
 def share_told(scene: Scene) -> str:
     """Which part of the worn depth each body has, and why."""
+    if not scene.wear.together:
+        return "each body by its own law"
     share, hard = scene.wear_share, scene.body
     why = "no hardness is given"
     if scene.wear.share is not None:

@@ -2,11 +2,11 @@
 
     /scene     the TOML text; attributes: status, message, a0, b0, p0, versions (JSON: the programs,
                and from which record on), digest (SHA-256 of the text), laws (those that are not the
-               scene's)
+               scene's), started (where the worn bodies are from with which it began)
     /grid      x, y
-    /history   record, y, axis, body, position; a dataset for each column (record, its dimensions),
-               one of them the coordinate, revolution; attribute: own (JSON: columns that are not
-               the package's)
+    /history   record, y, axis, body, block, position; a dataset for each column (record, its
+               dimensions), one of them the coordinate, revolution; attribute: own (JSON: columns
+               that are not the package's)
     /fields    record, revolution, x, y; fields (record, x, y)
     /stress    of scenes with [subsurface]: a group <body>/<plane> with record, revolution and its
                two axes, such as x and depth; components (record, x, depth)
@@ -155,7 +155,7 @@ def set_versions(file: h5py.File, before: Sequence[tuple[int, Mapping[str, str]]
 
 def add_columns(file: h5py.File, record: Record) -> None:
     """Make room for what the file does not hold yet: columns and planes of a record."""
-    _create_columns(file["history"], record.columns)
+    _create_columns(file["history"], record.columns, record.blocks)
     for one in record.stress:
         bodies = file["stress"].require_group(one.body)
         if str(one.plane) not in bodies:
@@ -163,13 +163,14 @@ def add_columns(file: h5py.File, record: Record) -> None:
             _create_plane(group, file["grid"], one, record.coordinate)
 
 
-def _create_columns(history: h5py.Group, columns: Mapping[str, Quantity]) -> None:
+def _create_columns(history: h5py.Group, columns: Mapping[str, Quantity], blocks: int = 0) -> None:
     """Create those columns that are not there, and say which are not the package's."""
     missing = [one for name, one in columns.items() if name not in history]
     coordinate = of_role(columns.values(), COORDINATE).name
     for one in missing:
         for name in (name for name in one.dims if name not in history):
-            _labels(history, name, LABELS[name], "component" if name != "body" else "body")
+            labels = LABELS.get(name) or [str(k + 1) for k in range(blocks)]
+            _labels(history, name, labels, "component" if name in ("axis", "position") else name)
         scales = [history[name] for name in ("record", *one.dims)]
         _rows(history, one.name, one, scales, coordinate=coordinate)
     own = [one for one in missing if one.name not in known_names()]

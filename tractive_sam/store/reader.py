@@ -109,13 +109,16 @@ def _history(file: Results) -> History:
         _stresses(file, m, coordinate),
         _versions(file),
         file.text("scene", "laws", ""),
+        file.text("scene", "started", ""),
     )
 
 
 def _column(file: Results, one: Quantity, records: int, mesh: tuple[int, int]) -> np.ndarray:
     """A column; nan where the file has none."""
     along = dict(zip("xy", mesh, strict=True))
-    shape = tuple(along.get(name) or len(LABELS[name]) for name in one.dims)
+    if "block" in one.dims:
+        along["block"] = file.length("history/block")
+    shape = tuple(along[k] if k in along else len(LABELS[k]) for k in one.dims)
     name = next((f"history/{k}" for k in former.names(one.name) if f"history/{k}" in file), None)
     if name is None and one.role != COORDINATE:
         return np.full((records, *shape), np.nan)

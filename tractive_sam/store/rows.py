@@ -8,7 +8,7 @@ import numpy as np
 from tractive_sam.mechanics import VON_MISES
 from tractive_sam.results import FIELDS, OUTSIDE, STRESS, Grid, Record, stacked, widened
 
-SCALES = ("y", "axis", "body", "position")
+SCALES = ("y", "axis", "body", "block", "position")
 """What is in /history beside rows of records."""
 
 AXES = ("x", "y", "depth")
@@ -91,7 +91,7 @@ def widen(file: h5py.File, grid: "Grid") -> None:
     for name in (name for name in history if name not in SCALES):
         dims = history[name].dims
         if "y" in dims[len(dims) - 1]:
-            _widen(history[name], ("y",), before, after)
+            _widen(history[name], ("y",), before, after, lead=len(dims) - 2)
     for name in FIELDS:
         _widen(fields[name], ("x", "y"), before, after, OUTSIDE.get(name, 0.0))
     for name in FIELDS:
@@ -114,11 +114,12 @@ def _widen(
     before: Mapping[str, int],
     after: Mapping[str, int],
     outside: float = 0.0,
+    lead: int = 0,
 ) -> None:
-    """Widen every row, one at a time."""
-    kept = dataset.shape[1 + len(axes) :]
-    old = tuple(slice(before[axis]) for axis in axes)
-    shape = (*(after[axis] for axis in axes), *kept)
+    """Widen every row, one at a time; so many axes come before those of the mesh."""
+    first, kept = dataset.shape[1 : 1 + lead], dataset.shape[1 + lead + len(axes) :]
+    old = (*(slice(n) for n in first), *(slice(before[axis]) for axis in axes))
+    shape = (*first, *(after[axis] for axis in axes), *kept)
     dataset.resize((len(dataset), *shape))
     for row in range(len(dataset)):
         dataset[row] = widened(dataset[(row, *old)], shape, outside)

@@ -46,7 +46,7 @@ class HistoryWriter:
         Whether a results file there may be replaced. A file of any other kind never is.
     checkpoints : Checkpoints, optional
         When records are put on disk.
-    laws : str
+    laws, started : str
         As of `History`.
     coordinate : Quantity
         The column along which the history goes; its role is `COORDINATE`.
@@ -66,11 +66,13 @@ class HistoryWriter:
         checkpoints: Checkpoints | None = None,
         laws: str = "",
         coordinate: Quantity = REVOLUTION,
+        started: str = "",
     ) -> None:
         check_results(Path(path), overwrite)
         self._begin(path, (len(grid.x), len(grid.y)), checkpoints)
         with replacement(self.path, empty=True) as file:
             layout.create(file, scene, grid, laws, coordinate)
+            set_text(file["scene"], "started", started)
             set_text(file, RUN, self._run)
 
     @classmethod
