@@ -1,5 +1,6 @@
 """The contracts between the rooms of the package leave no room out."""
 
+import ast
 import tomllib
 from pathlib import Path
 from pkgutil import iter_modules
@@ -14,6 +15,7 @@ CONTRACTS = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_te
 ONLY_IN = {one["name"]: one for one in CONTRACTS if " only in " in one["name"]}
 ROOMS = {f"tractive_sam.{room.name}" for room in iter_modules(tractive_sam.__path__)}
 ROOMS -= {"tractive_sam.__main__"}
+PACKAGE = Path(tractive_sam.__file__).parent
 
 
 def test_every_room_has_its_layer():
@@ -39,3 +41,28 @@ def test_what_has_a_room_of_its_own():
         "dask",
         "tomli_w",
     }
+
+
+def lets_out(room):
+    """The names that a room's door has."""
+    doors = (PACKAGE / room).glob("__init__.py*")
+    found = (one for door in doors for one in ast.walk(ast.parse(door.read_text())))
+    imports = (one.names for one in found if isinstance(one, ast.ImportFrom))
+    return {one.asname or one.name for names in imports for one in names}
+
+
+def test_rooms_are_entered_by_their_doors():
+    """Formulas apart, which are taken by module: `kernels` lets out nothing."""
+    past = []
+    for module in PACKAGE.rglob("*.py"):
+        for one in ast.walk(ast.parse(module.read_text())):
+            if not isinstance(one, ast.ImportFrom) or one.level:
+                continue
+            package, room, *deeper = [*(one.module or "").split("."), ""]
+            own = module.relative_to(PACKAGE).parts[0]
+            if package != PACKAGE.name or room in {"", "kernels", own}:
+                continue
+            kept = {name.name for name in one.names} - lets_out(room)
+            if any(deeper) or any((PACKAGE / room / f"{name}.py").exists() for name in kept):
+                past.append(f"{module.relative_to(PACKAGE)}: {ast.unparse(one)}")
+    assert past == []

@@ -3,7 +3,7 @@
 Tables and keys are those of a scene file; units mm, N, MPa, degrees, revolutions.
 """
 
-from . import told
+from . import told, toml
 from .bodies import Bodies, Body
 from .catalogue import builtin_names
 from .checks import FEWEST_ELEMENTS
@@ -84,4 +84,5 @@ __all__ = [
     "starter",
     "suggestion",
     "told",
+    "toml",
 ]

@@ -84,8 +84,8 @@ def local_cluster(workers: int, encrypted: bool = False) -> Iterator[tuple[str, 
     ResultsError
         If keys are asked for and cannot be made.
     """
-    from distributed import LocalCluster
-    from distributed.security import Security
+    from distributed import LocalCluster  # of an extra
+    from distributed.security import Security  # of an extra
 
     try:
         security = Security.temporary() if encrypted else None
@@ -198,7 +198,7 @@ def _after_deaths(task: Task, records: int, killed: dict[str, int]) -> Outcome |
 def _client(
     address: str, patience: float, say: Callable[[str], None], security: "Security | None"
 ) -> Iterator["Client"]:
-    from distributed import Client
+    from distributed import Client  # of an extra
 
     client, began, told = None, monotonic(), False
     while client is None:
@@ -225,7 +225,7 @@ def _client(
 
 def _handed_out(client: "Client", tasks: list[Task]) -> Iterator[tuple[Task, Outcome | None]]:
     """Hand out every task once; yields each with its outcome, None if its workers died."""
-    from distributed import as_completed
+    from distributed import as_completed  # of an extra
 
     round_of = uuid4().hex  # so that the scheduler takes it for nothing that it was asked before
     futures = {
@@ -258,7 +258,7 @@ def _handed_out(client: "Client", tasks: list[Task]) -> Iterator[tuple[Task, Out
 
 
 def _outcome(future: "Future") -> Outcome | None:
-    from distributed.scheduler import KilledWorker
+    from distributed.scheduler import KilledWorker  # of an extra
 
     if future.status == "finished":
         return future.result()

@@ -203,7 +203,7 @@ class StudyResults:
             Take the record of this revolution, in place of the last one of each case; nan where
             there is none.
         """
-        import xarray
+        import xarray  # of an extra
 
         study = self.study
         dims, shape = [one.name for one in study.dimensions], study.shape
