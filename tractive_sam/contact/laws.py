@@ -33,8 +33,7 @@ from tractive_sam.mechanics import (
     WearLaw,
     Woehler,
 )
-from tractive_sam.scene import Scene
-from tractive_sam.scene.tables import BY_COEFFICIENT, PER_INTENSITY
+from tractive_sam.scene import BY_COEFFICIENT, PER_INTENSITY, Scene
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,9 @@ from .scene import Scene
 from .starter import starter
 from .table import Check, Known, Table
 from .tables import (
+    BY_COEFFICIENT,
     MOST_ELEMENTS,
+    PER_INTENSITY,
     Accuracy,
     Coefficients,
     Creepage,
@@ -42,11 +44,13 @@ from .tables import (
 )
 
 __all__ = [
+    "BY_COEFFICIENT",
     "FEWEST_ELEMENTS",
     "LARGEST",
     "LENGTHS",
     "MOST_ELEMENTS",
     "MOST_TOLD",
+    "PER_INTENSITY",
     "TEXTS",
     "Accuracy",
     "Bodies",

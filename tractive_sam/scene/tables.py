@@ -12,7 +12,7 @@ from typing import Annotated, ClassVar, Literal, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator
 
-from tractive_sam.mechanics.wear_maps import BRR, JENDEL, USFD
+from tractive_sam.mechanics import BRR, JENDEL, USFD
 
 from .alternatives import exactly_one
 from .faults import Fault
