@@ -14,10 +14,14 @@ from .mechanics import DangVan as DangVan
 from .mechanics import EachBody as EachBody
 from .mechanics import Elasticity as Elasticity
 from .mechanics import Energy as Energy
+from .mechanics import FallingCoulomb as FallingCoulomb
 from .mechanics import FatemiSocie as FatemiSocie
 from .mechanics import Findley as Findley
 from .mechanics import FrictionLaw as FrictionLaw
+from .mechanics import Layered as Layered
 from .mechanics import OrthogonalShear as OrthogonalShear
+from .mechanics import SlidingShare as SlidingShare
+from .mechanics import Slope as Slope
 from .mechanics import StressCriterion as StressCriterion
 from .mechanics import WearLaw as WearLaw
 from .mechanics import Woehler as Woehler

@@ -56,6 +56,11 @@ ENTRIES = [
     ("friction.mu", [0.4, 0.4e-4], "at most 100 times the other"),
     ("friction.mu", [0.003, 0.4], "at most 100 times the other"),
     ("friction.angle", 400, "-360 to 360"),
+    ("friction.strength", 0.0, "above 0"),
+    ("friction.layer", -1e-5, "at least 0"),
+    ("friction.law", "falling", '"rational" or "polach"'),
+    ("friction.kinetic", 0.1, "only with a law that falls"),
+    ("creepage.speed", 0.0, "above 0"),
     ("wear.intensity", -1e-6, "at least 0"),
     ("wear.revolutions", 0, "from 1"),
     ("wear.revolutions", 1.5, "whole"),
@@ -154,6 +159,41 @@ def test_traction_and_wear_need_friction(tables):
     faults = faults_of(tables)
     assert {f.key for f in faults} == {"load.force_x", "load.force_y", "wear"}
     assert all("[friction]" in fault.allowed for fault in faults)
+
+
+FALLING = {"law": "rational", "static": 0.4, "kinetic": 0.2, "half_speed": 50.0}
+
+
+@pytest.mark.parametrize(
+    ("changes", "key", "words"),
+    [
+        ({"kinetic": 0.41}, "friction.kinetic", "at most the coefficient at rest, 0.4"),
+        ({"kinetic": -0.1}, "friction.kinetic", "above 0"),
+        ({"kinetic": [0.2, 0.1]}, "friction.kinetic", "in the ratio"),
+        ({"kinetic": None}, "friction.kinetic", "falls to"),
+        ({"half_speed": 0.0}, "friction.half_speed", "above 0"),
+        ({"A": 0.4, "B": 0.6}, "friction.A, B", "kinetic and half_speed"),
+        ({"mu": 0.4}, "friction.mu", "only one of"),
+        ({"law": "polach", "A": 0.5}, "friction.A", "or A and B"),
+        ({"memory": -1.0}, "friction.memory", "at least 0"),
+        ({"start": "top"}, "friction.start", '"rest" or "sliding"'),
+    ],
+)
+def test_laws_that_cannot_be(tables, changes, key, words):
+    tables["creepage"] = {"speed": 100.0}
+    tables["friction"] = FALLING
+    Scene(**tables)
+    tables["friction"] = FALLING | changes
+    (fault,) = faults_of(tables)
+    assert fault.key == key
+    assert words in fault.allowed
+
+
+def test_a_law_of_speed_needs_the_speed(tables):
+    tables["friction"] = FALLING
+    (fault,) = faults_of(tables)
+    assert fault.key == "creepage.speed"
+    assert "friction.law" in fault.allowed
 
 
 LIMIT = 0.5 * math.hypot(0.4, 0.2) / math.sqrt(2)  # P mu_eff of mu = (0.4, 0.2) at 45 degrees

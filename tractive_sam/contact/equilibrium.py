@@ -1,15 +1,17 @@
 """One steady state of a model, solved and put back into mm, N and MPa."""
 
+import warnings
 from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
 from tractive_sam.contact.mesh import grown
-from tractive_sam.contact.message import message
+from tractive_sam.contact.message import message, too_steep
 from tractive_sam.contact.model import Model
 from tractive_sam.results import State, Status
-from tractive_sam.solvers import ALONE, Outcome, Problem, Start
+from tractive_sam.scene import SceneWarning
+from tractive_sam.solvers import ALONE, METHODS, FromRest, Outcome, Problem, Start
 
 GROWTHS = 8
 """Most enlargements of a mesh that the scene left to us."""
@@ -52,6 +54,10 @@ def equilibrium(
         solver, first = ALONE, None  # worn until they do not touch: nothing to solve
     elif not model.transmits:
         solver = ALONE
+    elif model.friction_law.falls:
+        newton = METHODS["newton"] if model.method is METHODS["auto"] else model.method
+        nearby = newton.dissimilar if model.elasticity.coupled else newton.alike
+        solver = FromRest(solver, nearby, model.starts_sliding)
     outcome = solver.solve(problem, model.scene.solver.tolerance, first)
     return _contact(model, problem, outcome, depth)
 
@@ -150,10 +156,12 @@ def _contact(
         depth = depth(pressure, traction, slip)
     elif depth is None:
         depth = np.zeros(model.grid.elements)
-    sliding = touching
+    sliding, steepness = touching, 0.0
     if model.laws.friction is not None:
         fields = outcome.pressure, outcome.gap, outcome.traction, outcome.slip
         sliding = problem.sliding(*fields)
+        if model.friction_law.falls:
+            steepness = problem.steepness(*fields)
     xi_x, xi_y, spin = model.creepages(outcome.creepage)
     contact = State(
         model.scene,
@@ -175,6 +183,8 @@ def _contact(
         outcome.cost,
         tuple(map(str, outcome.trace)),
     )
+    if contact.converged and steepness >= 1.0:
+        warnings.warn(too_steep(steepness), SceneWarning, stacklevel=2)
     if contact.converged and any(contact.at_edge):
         status = Status.OFF_GRID
         contact = replace(contact, status=status, note=message(status, outcome, model))

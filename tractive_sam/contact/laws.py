@@ -22,11 +22,15 @@ from tractive_sam.mechanics import (
     EachBody,
     Elasticity,
     Energy,
+    Exponential,
+    FallingCoulomb,
     FatemiSocie,
     Findley,
     FrictionLaw,
     HalfSpaces,
+    Layered,
     OrthogonalShear,
+    Rational,
     Regimes,
     StressCriterion,
     Strips,
@@ -100,15 +104,28 @@ def _told(law: object) -> str:
     return repr(law)
 
 
-def _elasticity(scene: Scene) -> HalfSpaces:
-    """Of line contact relative to the surface one combined radius away."""
+def _elasticity(scene: Scene) -> Elasticity:
+    """Of line contact relative to the surface one combined radius away; with the layer."""
     A, B = scene.materials["A"], scene.materials["B"]
-    return Strips(A, B, scene.body.radii[0]) if scene.line else HalfSpaces(A, B)
+    bodies = Strips(A, B, scene.body.radii[0]) if scene.line else HalfSpaces(A, B)
+    layer = 0.0 if scene.friction is None else scene.friction.layer
+    return Layered(bodies, layer) if layer else bodies
 
 
 def _friction(scene: Scene) -> Coulomb | None:
     table = scene.friction
-    return None if table is None else Coulomb(table.mu, float(np.deg2rad(table.angle)))
+    if table is None:
+        return None
+    mu, angle, share = table.mu, float(np.deg2rad(table.angle)), table.share
+    falls = share is not None and share[0] < 1.0
+    if not falls and table.strength is None:
+        return Coulomb(mu, angle)
+    sliding, speed, memory = None, 0.0, 0.0
+    if falls:
+        sliding = (Rational if table.law == "rational" else Exponential)(*share)
+        speed, memory = scene.creepage.speed, table.memory
+    strength = np.inf if table.strength is None else table.strength
+    return FallingCoulomb(mu, angle, sliding, speed, memory, strength)
 
 
 def _wear(scene: Scene) -> WearLaw | None:
@@ -128,7 +145,8 @@ def _by_coefficient(scene: Scene, law: str, intensities: tuple[float, float]) ->
         return Energy(intensities, angle)
     if scene.solver.slip == "upwind":
         return Archard(intensities, angle)
-    return ArchardByWork(intensities, mu, angle)
+    falling = friction if isinstance(friction, FallingCoulomb) else None
+    return ArchardByWork(intensities, mu, angle, falling)
 
 
 def _of_body(scene: Scene, name: str) -> WearLaw | None:

@@ -40,12 +40,40 @@ def message(status: Status, outcome: Outcome, model: Model) -> str:
     )
     load = model.scene.load
     forces = [f"load.{key}" for key in ("force_x", "force_y") if getattr(load, key)]
+    if outcome.top is not None:
+        return reached + _beyond_the_top(outcome.top, forces[0], model)
     if forces and outcome.status is Status.DIVERGED:
         return reached + (
             "the prescribed tangential force may be more than friction can carry beside the other "
             f"creepages and the spin: lower {' or '.join(forces)}, or raise friction.mu"
         )
     return reached + model.method.cure
+
+
+def too_steep(steepness: float) -> str:
+    """What a friction law says that falls faster with sliding than the mesh can hold.
+
+    Parameters
+    ----------
+    steepness : float
+        `Problem.steepness`.
+    """
+    return (
+        f"friction.law: friction falls {steepness:.2g} times as fast with sliding as an element "
+        "gives way by itself, so several solutions may hold, and which is found hinges on the "
+        'mesh; friction.start = "sliding" seeks another one. A larger friction.memory or '
+        "friction.half_speed, or with a friction.layer a coarser mesh, makes it one"
+    )
+
+
+def _beyond_the_top(top: tuple[float, float], key: str, model: Model) -> str:
+    force = top[0] * model.units.pressure * model.grid.element_area
+    unit = "N/mm" if model.grid.line else "N"
+    return (
+        f"{key} is beyond the top of the traction curve, {force:.5g} {unit} at a creepage of "
+        f"{top[1] * model.units.slip:.3g}: friction falls with sliding, and no creepage gives "
+        f"more; lower {key}, or give the creepage"
+    )
 
 
 def _half_length(grid: Grid) -> str:

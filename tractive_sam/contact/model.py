@@ -123,6 +123,12 @@ class Model:
         """The law of friction; with unit coefficients where there is none."""
         return self.laws.friction or Coulomb()
 
+    @property
+    def starts_sliding(self) -> bool:
+        """Whether a falling law is followed from great speed, rather than from rest."""
+        friction = self.scene.friction
+        return friction is not None and friction.start == "sliding"
+
     @cached_property
     def frame(self) -> Frame:
         """Scaled tribological frame."""
@@ -233,7 +239,7 @@ class Model:
         """
         normal = NormalProblem(self.operators, gap, self.load, self.given_approach)
         x, y = self.grid.x[:, None], self.grid.y[None, :]
-        friction = Friction(self.friction_law, x, y, self.units.pressure)
+        friction = Friction(self.friction_law, x, y, self.units.pressure, self.units.slip)
         return Problem(normal, self.scaled_rigid_slip, friction, self.forces, wear)
 
     def creepages(self, found: np.ndarray | None) -> tuple[float, float, float]:

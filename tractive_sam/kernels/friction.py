@@ -76,6 +76,45 @@ def _centred(slip, contact, i, j):
 
 
 @njit(cache=True)
+def centre(slip, contact, out):
+    """Slip at the centres of the elements in contact, from that of the leading faces."""
+    nx, ny = contact.shape
+    for i in range(nx):
+        for j in range(ny):
+            out[0, i, j], out[1, i, j] = slip[0, i, j], slip[1, i, j]
+            if contact[i, j] > 0.0:
+                out[0, i, j], out[1, i, j] = _centred(slip, contact, i, j)
+
+
+@njit(cache=True)
+def remember(target, kept, contact, ahead, out):
+    """Shares of a bound that tend to their targets as the material passes, from the leading edge.
+
+    Each element keeps a part of the share of the one ahead, which enters the contact with one.
+    ``ahead`` is set to the share of the element ahead.
+    """
+    nx, ny = contact.shape
+    for i in range(nx - 1, -1, -1):
+        for j in range(ny):
+            ahead[i, j] = 1.0
+            if i + 1 < nx and contact[i + 1, j] > 0.0:
+                ahead[i, j] = out[i + 1, j]
+            out[i, j] = kept[i, j] * ahead[i, j] + (1.0 - kept[i, j]) * target[i, j]
+
+
+@njit(cache=True)
+def carried(by_share, by_slip, kept, slip, out):
+    """Change of a bound by a change of the slip at the centres, from the leading edge."""
+    nx, ny = by_share.shape
+    share = np.zeros(ny)
+    for i in range(nx - 1, -1, -1):
+        for j in range(ny):
+            change = by_slip[0, i, j] * slip[0, i, j] + by_slip[1, i, j] * slip[1, i, j]
+            share[j] = kept[i, j] * share[j] + change
+            out[i, j] = by_share[i, j] * share[j]
+
+
+@njit(cache=True)
 def _share(a0, a1, m0, m1):
     """Share of the centre in the direction opposed, 2 a.m/(a² + m²) and a² + m² (`turn`)."""
     square = a0 * a0 + a1 * a1 + m0 * m0 + m1 * m1

@@ -6,6 +6,10 @@ from .criteria import StressCriterion as StressCriterion
 from .elasticity import Elasticity as Elasticity
 from .elasticity import HalfSpaces as HalfSpaces
 from .elasticity import Strips as Strips
+from .falling import Exponential as Exponential
+from .falling import FallingCoulomb as FallingCoulomb
+from .falling import Rational as Rational
+from .falling import SlidingShare as SlidingShare
 from .fatigue import Crossland as Crossland
 from .fatigue import CycleCriterion as CycleCriterion
 from .fatigue import DangVan as DangVan
@@ -21,11 +25,13 @@ from .friction import Coulomb as Coulomb
 from .friction import Friction as Friction
 from .friction import FrictionLaw as FrictionLaw
 from .friction import Linearisation as Linearisation
+from .friction import Slope as Slope
 from .full_slip import full_slip_force as full_slip_force
 from .full_slip import load_to_carry as load_to_carry
 from .invariants import max_shear as max_shear
 from .invariants import principal_stresses as principal_stresses
 from .invariants import von_mises as von_mises
+from .layer import Layered as Layered
 from .line_contact import HertzLine as HertzLine
 from .line_contact import hertz_line as hertz_line
 from .material import CombinedMaterial as CombinedMaterial

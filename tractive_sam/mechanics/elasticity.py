@@ -42,6 +42,11 @@ class Elasticity(ABC):
         """
         return False
 
+    @property
+    def layer(self) -> float:
+        """Compliance of what the surfaces shear by in every point by itself, mm/MPa; none."""
+        return 0.0
+
     @abstractmethod
     def coefficients(
         self, component: str, offsets: tuple[int, int], dx: float, dy: float

@@ -3,7 +3,7 @@
 In the scaled frame (`mechanics.frame`) the traction lies in a disc and opposes the slip where it
 has reached the rim. What makes one law differ from another is the **bound**, the radius of the
 disc: Coulomb's is the pressure. A law of one's own is a subclass of `FrictionLaw` with another
-`bound`.
+`bound`, and one whose bound answers to the slip one with `bound_sliding` as well.
 """
 
 from abc import ABC, abstractmethod
@@ -22,11 +22,6 @@ Pair = tuple[float, float]
 class Bound:
     """Largest size of the scaled traction, element by element.
 
-    A bound that falls with the slip would come with its derivative by the size of the slip, as
-    another field: the row of an element that slips then has a part along the direction of slip as
-    well, n.dp - by_slip d.ds = n.(disc(p - s) - p) with d = s/|s|, where now the step normal to the
-    disc is known beforehand.
-
     Attributes
     ----------
     radius : ndarray, shape (n_x, n_y)
@@ -34,6 +29,8 @@ class Bound:
         Zero where the pressure is.
     by_pressure : ndarray or float
         Its derivative by the pressure.
+    slope : Slope, optional
+        How it answers to the slip, if it does.
 
     Examples
     --------
@@ -44,6 +41,47 @@ class Bound:
 
     radius: np.ndarray
     by_pressure: np.ndarray | float
+    slope: "Slope | None" = None
+
+
+@dataclass(frozen=True, eq=False)
+class Slope:
+    """How a bound answers to the slip at the centres of the elements.
+
+    The bound is a number, the share, times what it is at rest. The share may have a memory: then
+    each element keeps a part of that of the element ahead, from which the material comes.
+
+    Attributes
+    ----------
+    by_share : ndarray, shape (n_x, n_y)
+        Derivative of the radius by the share.
+    by_slip : ndarray, shape (2, n_x, n_y)
+        That of the share by the slip of the element itself.
+    kept : ndarray, shape (n_x, n_y)
+        That of the share by the share of the element ahead; zero without memory.
+
+    Examples
+    --------
+    >>> none = np.zeros((1, 1))
+    >>> slope = ts.Slope(by_share=none + 300.0, by_slip=np.full((2, 1, 1), -2.0), kept=none)
+    >>> slope.change(np.full((2, 1, 1), 1e-3))  # MPa, where the slip grows by 1e-3 along x and y
+    array([[-1.2]])
+    """
+
+    by_share: np.ndarray
+    by_slip: np.ndarray
+    kept: np.ndarray
+
+    def change(self, slip: np.ndarray) -> np.ndarray:
+        """Change of the radius by a change of the slip at the centres, shape (n_x, n_y)."""
+        out = np.empty_like(self.by_share)
+        friction.carried(self.by_share, self.by_slip, self.kept, slip, out)
+        return out
+
+    @property
+    def steepness(self) -> np.ndarray:
+        """Size of the derivative of the radius by the slip of the element itself."""
+        return self.by_share * np.hypot(*self.by_slip)
 
 
 class FrictionLaw(ABC):
@@ -80,6 +118,31 @@ class FrictionLaw(ABC):
         x, y : ndarray, shapes (n_x, 1) and (1, n_y)
             Centres of the elements, mm.
         """
+
+    @property
+    def falls(self) -> bool:
+        """Whether the bound answers to the slip; then `bound` is the largest, that at rest."""
+        return False
+
+    def bound_sliding(
+        self, pressure: np.ndarray, slip: np.ndarray, x: np.ndarray, y: np.ndarray, second: bool
+    ) -> Bound:
+        """The same as `bound` under a slip, with its `Slope`, of a law that `falls`.
+
+        Parameters
+        ----------
+        pressure, x, y : ndarray
+            As for `bound`.
+        slip : ndarray, shape (2, n_x, n_y)
+            s/V at the centres of the elements.
+        second : bool
+            Whether the slip is taken to second order.
+        """
+        return self.bound(pressure, x, y)
+
+    def eased(self, speed: float) -> "FrictionLaw":
+        """The same at another speed of rolling, over its own: 0 is the law at rest."""
+        return self
 
     def capacity(self, direction: Pair, carried: float) -> float:
         """Largest force in a direction that friction can carry, N, whatever the force across it.
@@ -134,11 +197,20 @@ class FrictionLaw(ABC):
         friction.turn(slip, contact, out)
         return out
 
+    @staticmethod
+    def centred(slip: np.ndarray, contact: np.ndarray, staggered: bool) -> np.ndarray:
+        """The slip at the centres, of which the bound is a function; parameters as `opposed`."""
+        if not staggered:
+            return slip
+        out = np.empty_like(slip)
+        friction.centre(slip, contact, out)
+        return out
+
     def linearise(
         self,
         traction: np.ndarray,
         slip: np.ndarray,
-        radius: np.ndarray,
+        bound: Bound,
         contact: np.ndarray,
         staggered: bool,
         active: np.ndarray | None = None,
@@ -149,15 +221,17 @@ class FrictionLaw(ABC):
         ----------
         traction, slip : ndarray, shape (2, n_x, n_y)
             Scaled tractions, and slip of the leading faces (`operators.stencil`).
-        radius, contact : ndarray, shape (n_x, n_y)
-            Bound, and what is positive in contact.
+        bound : Bound
+            The bound, under that slip.
+        contact : ndarray, shape (n_x, n_y)
+            What is positive in contact.
         staggered : bool
             As for `opposed`.
         active : ndarray of bool, optional
             Elements that remain in contact after the step to come; those that leave it take their
             traction along, whatever their slip.
         """
-        shape = radius.shape
+        radius, shape = bound.radius, bound.radius.shape
         state, kappa = np.empty(shape, np.int8), np.empty(shape)
         direction, across = np.empty((2, *shape)), np.empty((2, 2, *shape))
         defect = np.empty((2, *shape))
@@ -177,7 +251,10 @@ class FrictionLaw(ABC):
         if active is not None:
             state[~active] = friction.OPEN
             direction[:, ~active] = 0.0
-        return Linearisation(state, direction, kappa, across, defect, contact, squares, merit)
+        slope = None if bound.slope is None else Falling(bound.slope, staggered)
+        return Linearisation(
+            state, direction, kappa, across, defect, contact, squares, merit, slope
+        )
 
 
 @dataclass(frozen=True)
@@ -222,18 +299,45 @@ class Friction:
         Centres of the elements, mm.
     unit : float
         Unit of the pressure, MPa.
+    slip : float
+        Unit of the slip s/V.
     """
 
     law: FrictionLaw = field(default_factory=Coulomb)
     x: np.ndarray = field(default_factory=lambda: np.zeros((1, 1)))
     y: np.ndarray = field(default_factory=lambda: np.zeros((1, 1)))
     unit: float = 1.0
+    slip: float = 1.0
 
     def bound(self, pressure: np.ndarray) -> Bound:
         """Radius of the disc and its derivative by the pressure, dimensionless."""
         bound = self.law.bound(self.unit * pressure, self.x, self.y)
         radius = np.broadcast_to(bound.radius, pressure.shape) / self.unit
         return replace(bound, radius=radius)
+
+    def bound_sliding(
+        self, pressure: np.ndarray, slip: np.ndarray, contact: np.ndarray, staggered: bool
+    ) -> Bound:
+        """The same of a law that falls, under the scaled slip of the leading faces."""
+        frame = self.law.frame
+        centred = self.law.centred(slip, contact, staggered)
+        bound = self.law.bound_sliding(
+            self.unit * pressure,
+            self.slip * frame.slip_to_physical(centred),
+            self.x,
+            self.y,
+            staggered,
+        )
+        slope = bound.slope
+        if slope is not None:
+            # ds = F^-1 ds~ of the slip, so that its cofactors are those of tractions.
+            by_slip = self.slip * frame.to_scaled(slope.by_slip)
+            slope = replace(slope, by_share=slope.by_share / self.unit, by_slip=by_slip)
+        return replace(bound, radius=bound.radius / self.unit, slope=slope)
+
+    def eased(self, speed: float) -> "Friction":
+        """The same at another speed of rolling, over its own."""
+        return replace(self, law=self.law.eased(speed))
 
     def on(self, x: np.ndarray, y: np.ndarray) -> "Friction":
         """The same on other elements."""
@@ -267,6 +371,9 @@ class Linearisation:
         Sum of squares of disc(p - s) - p.
     merit : float
         The same with the weights of the frame, which Newton's steps lessen.
+    falling : Falling, optional
+        Of a bound that answers to the slip: then the step along n is an unknown as well, and what
+        its row asks is n.p less the change of the bound.
     """
 
     state: np.ndarray
@@ -277,6 +384,7 @@ class Linearisation:
     contact: np.ndarray
     squares: float
     merit: float
+    falling: "Falling | None" = None
 
     @property
     def known(self) -> np.ndarray:
@@ -286,6 +394,8 @@ class Linearisation:
     @property
     def asked(self) -> np.ndarray:
         """What the rows of the step that is left to find are to be, before `known` has acted."""
+        if self.falling is not None:
+            return np.where(self.state == friction.OPEN, 0.0, self.defect)
         return np.where(self.state == friction.OPEN, 0.0, self.defect - self.known)
 
     def rows(self, step: np.ndarray, slip: np.ndarray, out: np.ndarray) -> None:
@@ -295,11 +405,14 @@ class Linearisation:
         ----------
         step, slip, out : ndarray, shape (2, n_x, n_y)
             The slip is that of the leading faces, as for `FrictionLaw.linearise`. Of elements that
-            are open the rows are zero, of those that slip they have a part along t only.
+            are open the rows are zero, of those that slip they have a part along t only, unless the
+            bound answers to the slip; then the step is one without what follows the pressure.
         """
         friction.tangent_row(
             self.state, self.direction, self.kappa, self.across, self.contact, step, slip, out
         )
+        if self.falling is not None:
+            out += self.falling.rows(self.direction, self.contact, step, slip)
 
     def approximate_inverse(
         self,
@@ -332,4 +445,29 @@ class Linearisation:
         friction.split(*here, rows, smooth, rough)
         out = np.empty_like(rows)
         friction.sweep(*here, inverse(smooth), rough, out)
+        if self.falling is not None:
+            out += (rows * self.direction).sum(axis=0) * self.direction
         return out
+
+
+@dataclass(frozen=True, eq=False)
+class Falling:
+    """What a bound that answers to the slip adds to the rows of a `Linearisation`.
+
+    Attributes
+    ----------
+    slope : Slope
+        How it answers.
+    staggered : bool
+        As of `FrictionLaw.opposed`.
+    """
+
+    slope: Slope
+    staggered: bool
+
+    def rows(
+        self, direction: np.ndarray, contact: np.ndarray, step: np.ndarray, slip: np.ndarray
+    ) -> np.ndarray:
+        """Rows along n, shape (2, n_x, n_y): n.p less the change of the radius."""
+        centred = FrictionLaw.centred(slip, contact, self.staggered)
+        return ((direction * step).sum(axis=0) - self.slope.change(centred)) * direction

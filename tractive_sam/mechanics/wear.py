@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tractive_sam.kernels import wear
+from tractive_sam.mechanics.falling import FallingCoulomb
 from tractive_sam.mechanics.frame import Frame
 
 
@@ -177,13 +178,17 @@ class ArchardByWork(WearLaw):
         tribological axes.
     angle : float
         Angle beta of the first axis, counter-clockwise from x, radians.
+    friction : FallingCoulomb, optional
+        Friction that falls: where less is left of it, the same work takes a longer way.
     """
 
     intensity: tuple[float, float]
     mu: tuple[float, float]
     angle: float
+    friction: FallingCoulomb | None = None
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
         """See `WearLaw.rate`; zero where the work is negative, as it is in a few elements."""
         per_work = tuple(i / mu for i, mu in zip(self.intensity, self.mu, strict=True))
-        return Energy(per_work, self.angle).rate(pressure, traction, slip)
+        rate = Energy(per_work, self.angle).rate(pressure, traction, slip)
+        return rate if self.friction is None else rate / self.friction.left(pressure, slip)

@@ -143,8 +143,9 @@ class Operators:
             normal = np.stack((np.cos(angle), np.sin(angle)))
             return per_gap * F @ self.elasticity.opening(normal, dx, dy) @ F.T
 
-        leading = self.stencil.leading(bound, gap)
-        return FrictionSlip(self.stencil.staggered, bound, gap, leading, dx / dy, opening)
+        leading, layer = self.stencil.leading(bound, gap), self.elasticity.layer
+        sheared = self._per_slip * layer / dx * F @ F.T if layer else None
+        return FrictionSlip(self.stencil.staggered, bound, gap, leading, dx / dy, opening, sheared)
 
     @cached_property
     def tangential(self) -> Convolution:

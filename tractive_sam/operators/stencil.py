@@ -37,6 +37,9 @@ from functools import cached_property
 
 import numpy as np
 
+FARTHEST = 1e3
+"""Largest ratio of `entry_beyond`: an edge so near a centre is as good as on it."""
+
 
 @dataclass(frozen=True)
 class Stencil:
@@ -121,6 +124,24 @@ def edge_turning(
     return (fall * moving - aside * falling) / (fall**2 + aside**2)
 
 
+def entry_beyond(bound: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
+    """Way from the edge to the centre ahead of leading elements (i, j), over that from theirs.
+
+    The edge is where the squared pressure, linear from the element behind on, is zero.
+    """
+    here, behind, _, _ = _around(bound, i, j) ** 2
+    return np.clip(behind / here - 2.0, 0.0, FARTHEST)
+
+
+def entry_change(bound: np.ndarray, change: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
+    """Change of `entry_beyond` by a change of the pressure, shape (m,)."""
+    here, behind, _, _ = _around(bound, i, j)
+    ratio = behind / here
+    changed, followed, _, _ = _around(change, i, j)
+    inside = (ratio**2 > 2.0) & (ratio**2 < 2.0 + FARTHEST)
+    return np.where(inside, 2.0 * ratio * (followed - ratio * changed) / here, 0.0)
+
+
 def _around(field: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
     """Values at elements, behind them, and behind them to either side; zero beyond the mesh."""
     rows, columns = np.stack((i, i - 1, i - 1, i - 1)), np.stack((j, j, j - 1, j + 1))
@@ -145,9 +166,11 @@ class FrictionSlip:
     opening : callable
         What the face ahead slips by a unit of gap there, over the share of the bound, by the angle
         of an edge, shape (m,) to (m, 2, 2).
+    layer : ndarray, shape (2, 2), optional
+        What an interfacial layer slips by over an element, by the traction that it gains there.
     """
 
-    def __init__(self, staggered, bound, gap, leading, aspect, opening):
+    def __init__(self, staggered, bound, gap, leading, aspect, opening, layer=None):
         self.staggered = staggered
         self.bound = bound
         self._here, self._ahead = leading, (leading[0] + 1, leading[1])
@@ -157,7 +180,11 @@ class FrictionSlip:
         # A thousandth of a billionth of the pressure bears no traction that matters.
         self._bound = np.maximum(bound[self._here], 1e-12 * bound.max(initial=0.0))
         self._gap = gap[self._ahead]
-        self._stiffness = np.trace(self._opening, axis1=1, axis2=2) * self._gap / self._bound
+        self._opened = np.trace(self._opening, axis1=1, axis2=2) * self._gap / self._bound
+        self._stiffness, self._layer = self._opened, layer
+        if layer is not None:
+            self._entry = entry_beyond(bound, *leading)
+            self._stiffness = self._opened + self._entry * np.trace(layer)
 
     @cached_property
     def _turned(self) -> np.ndarray:
@@ -180,7 +207,8 @@ class FrictionSlip:
         if not self._gap.size:
             return slip
         slip = slip.copy()
-        slip[:, *self._here] = self._leading(slip, self._gap * self._share(traction))
+        share = self._share(traction)
+        slip[:, *self._here] = self._leading(slip, self._gap * share, self._bound * share)
         return slip
 
     def _share(self, traction: np.ndarray) -> np.ndarray:
@@ -217,7 +245,8 @@ class FrictionSlip:
         share, shifted = self._share(traction), self._share(change[1:])
         pressed, widened = change[0][self._here] / self._bound, gap[self._ahead]
         shifted -= share * pressed
-        changed = self._leading(slip, self._gap * shifted + share * widened)
+        sheared = change[1:][:, *self._here]
+        changed = self._leading(slip, self._gap * shifted + share * widened, sheared)
         # The edge turns with the pressure around it, and with it the opening; and the divisor
         # changes, which matters where a leading element slips.
         i, j = self._here
@@ -226,15 +255,21 @@ class FrictionSlip:
         more = np.einsum("mab,bm->am", turned, self._gap * share)
         stiffer = np.trace(turned, axis1=1, axis2=2) * self._gap
         stiffer += np.trace(self._opening, axis1=1, axis2=2) * widened
-        stiffer = stiffer / self._bound - self._stiffness * pressed
-        more -= stiffer * self._leading(at, self._gap * share)
+        stiffer = stiffer / self._bound - self._opened * pressed
+        if self._layer is not None:
+            nearer = entry_change(self.bound, change[0], i, j)
+            more += nearer * (self._layer @ (self._bound * share))
+            stiffer += nearer * np.trace(self._layer)
+        more -= stiffer * self._leading(at, self._gap * share, self._bound * share)
         slip = slip.copy()
         slip[:, *self._here] = changed + more / (1.0 + self._stiffness)
         return slip
 
-    def _leading(self, slip: np.ndarray, times_gap: np.ndarray) -> np.ndarray:
+    def _leading(self, slip: np.ndarray, times_gap: np.ndarray, traction: np.ndarray) -> np.ndarray:
         """`sticking` of the leading elements, shape (2, m)."""
         opening = np.einsum("mab,bm->am", self._opening, times_gap)
+        if self._layer is not None:
+            opening += self._entry * (self._layer @ traction)
         return (slip[:, *self._here] + opening) / (1.0 + self._stiffness)
 
     @property

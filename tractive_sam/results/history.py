@@ -263,11 +263,15 @@ class History:
         A unit of work wears i1/mu1 along the first tribological axis, and i2/mu2 along the second.
         Where these differ, the section is compared with what is nearest to it between the two:
         unity is within. nan where nothing wears, or no more than the rounding of the wear so far,
-        with the laws of measured regimes, and with one of one's own.
+        with the laws of measured regimes, with one of one's own, and with friction that varies.
         """
         worn, most = self["worn_area"], self["wear_max"] * 2.0 * self.grid.half_length[1]
         wear, friction = self.scene.wear, self.scene.friction
-        if wear is None or any(law.startswith("wear=") for law in self.laws.split(", ")):
+        if (
+            wear is None
+            or friction.varies
+            or any(law.startswith("wear=") for law in self.laws.split(", "))
+        ):
             return np.full(len(self), np.nan)
         per_work = wear.per_work(friction.mu)
         if per_work is None:

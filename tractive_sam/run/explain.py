@@ -155,11 +155,7 @@ def _contact(model: Model) -> Section:
         tangential = "stick and slip under " + _drive(model)
     rows = [("coupling", coupling), ("tangential problem", tangential)]
     if scene.friction is not None:
-        mu1, mu2 = scene.friction.mu
-        law = f"isotropic, mu = {mu1:g}"
-        if mu1 != mu2:
-            law = f"orthotropic, mu = ({mu1:g}, {mu2:g}) at {scene.friction.angle:g} degrees"
-        rows.append(("friction", law))
+        rows.append(("friction", told.friction_told(scene)))
     rows.append(("method", f"{model.method.told}, to a residual of {scene.solver.tolerance:g}"))
     if model.transmits:
         staggered = model.stencil.staggered

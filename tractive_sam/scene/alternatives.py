@@ -14,6 +14,8 @@ _ALTERNATIVES: tuple[tuple[tuple[str, ...], ...], ...] = (
     (("load.normal",), ("load.approach",), ("load.pressure",)),
     (("load.force_x",), ("creepage.longitudinal",)),
     (("load.force_y",), ("creepage.lateral",)),
+    (("friction.mu",), ("friction.static",)),
+    (("friction.kinetic", "friction.half_speed"), ("friction.A", "friction.B")),
     (("gap.file",), _GAP_ARRAYS),
     (("fatigue.shear_yield",), ("fatigue.yield_strength",)),
     (("wear.intensity",), ("wear.coefficient", "wear.coefficient.A", "wear.coefficient.B")),

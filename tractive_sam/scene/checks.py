@@ -39,6 +39,14 @@ def _traction_needs_friction(known: Known) -> Iterator[Fault]:
             yield Fault(key, "without friction", "only with a [friction] table to transmit it")
 
 
+def _falling_needs_speed(known: Known) -> Iterator[Fault]:
+    friction = known["friction"]
+    if friction is None or friction.share is None or known["creepage.speed"] is not None:
+        return
+    cure = f'the rolling speed V, mm/s: friction.law = "{friction.law}" depends on that of sliding'
+    yield Fault("creepage.speed", "nothing", cure)
+
+
 def _friction_carries_the_traction(known: Known) -> Iterator[Fault]:
     load, mu = known["load.normal"], known["friction.mu"]
     unit = "N/mm" if is_line(known) else "N"
@@ -170,6 +178,7 @@ SCENE_CHECKS: tuple[Check, ...] = (
     not_both("grid", "accuracy"),
     _wear_needs_friction,
     _traction_needs_friction,
+    _falling_needs_speed,
     _friction_carries_the_traction,
     _forces_are_for_newton,
     _bodies_can_touch,

@@ -31,6 +31,29 @@ def load_told(scene: Scene) -> str:
     return f"P = {load:g} {unit}: p0 = {hertz.p0:.6g} MPa by Hertz, unworn"
 
 
+def friction_told(scene: Scene) -> str:
+    """The law of friction, and all that it depends on."""
+    friction = scene.friction
+    mu1, mu2 = friction.mu
+    words = f"isotropic, mu = {mu1:g}"
+    if mu1 != mu2:
+        words = f"orthotropic, mu = ({mu1:g}, {mu2:g}) at {friction.angle:g} degrees"
+    if friction.share is not None:
+        least, half = friction.share
+        words += (
+            f" at rest, falls to {_pair(least * mu1, least * mu2)}, {friction.law}, half of the "
+            f"way at {half:g} mm/s of sliding"
+        )
+        if friction.memory:
+            words += f", after {friction.memory:g} mm slid"
+        words += f"; followed from {'great speed' if friction.start == 'sliding' else 'rest'}"
+    if friction.strength is not None:
+        words += f"; no more than {friction.strength:g} MPa"
+    if friction.layer:
+        words += f"; through a layer of h/G3 = {friction.layer:.4g} mm/MPa"
+    return words
+
+
 def wear_told(scene: Scene) -> str:
     """The law of wear with its coefficients, and whose they are."""
     wear = scene.wear

@@ -16,6 +16,7 @@ from tractive_sam.solvers.anderson import Anderson
 from tractive_sam.solvers.bracketing import Bracketing
 from tractive_sam.solvers.conjugate_gradients import ConjugateGradients
 from tractive_sam.solvers.continuation import Continuation
+from tractive_sam.solvers.from_rest import FromRest
 from tractive_sam.solvers.gmres import gmres as gmres
 from tractive_sam.solvers.in_sequence import InSequence, OneAfterTheOther
 from tractive_sam.solvers.ladder import ALONE as ALONE
@@ -37,6 +38,7 @@ __all__ = [
     "ConjugateGradients",
     "Continuation",
     "Cost",
+    "FromRest",
     "Held",
     "InSequence",
     "Ladder",

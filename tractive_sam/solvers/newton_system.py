@@ -46,11 +46,15 @@ class Iterate:
         self.slip = problem.rigid + forces.slip(creepage) + response[-2:]
         self.gap = normal.gap if held else normal.gap + response[0] - approach
         self.seen = problem.friction_slip(self.pressure, self.gap)
+        # The tractions lie within the bound at rest, the law asks for that under the slip.
+        self.bound = problem.bound_sliding(
+            self.bound, self.pressure, self.traction, self.slip, self.seen
+        )
         self.active = self.pressure > (0.0 if held else self.gap)
         # An element about to leave takes its traction along.
         self.leaving = ~self.active & (self.pressure > 0.0)
         self.law = problem.linearise(
-            self.traction, self.slip, self.bound.radius, self.seen, None if held else self.active
+            self.traction, self.slip, self.bound, self.seen, None if held else self.active
         )
         self.elastic_slip = forces.elastic_slip(self.slip, creepage)
 
@@ -135,7 +139,10 @@ class System:
             slip = at.seen.sticking_change(response[1:], at.traction, step, response[0], at.slip)
         else:
             slip = at.seen.sticking(response, step)
-        at.law.rows(step[-2:], slip, rows[-2:])
+        own = step[-2:]
+        if self.free and at.law.falling is not None:
+            own = own - self._following * step[0]
+        at.law.rows(own, slip, rows[-2:])
         if at.ratio != 1.0:
             rows[-2:] *= at.ratio
         return rows

@@ -74,6 +74,9 @@ class Outcome:
         The creepages found where forces were given.
     trace : tuple of Note
         What was done, step by step: methods tried, and fallbacks.
+    top : (float, float), optional
+        Where no creepage has the first of the given forces because friction falls with sliding:
+        the largest force, and its creepage.
     """
 
     status: Status
@@ -87,6 +90,7 @@ class Outcome:
     approach: float | None = None
     creepage: np.ndarray | None = None
     trace: tuple[Note, ...] = ()
+    top: tuple[float, float] | None = None
 
     @property
     def converged(self) -> bool:

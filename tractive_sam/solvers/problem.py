@@ -252,6 +252,20 @@ class Problem:
         """Bound of the friction law under a pressure."""
         return self._bound_held if self.held else self.friction.bound(pressure)
 
+    def bound_sliding(
+        self,
+        bound: Bound,
+        pressure: np.ndarray,
+        traction: np.ndarray,
+        slip: np.ndarray,
+        seen: FrictionSlip,
+    ) -> Bound:
+        """Bound under the slip of the leading faces: that of `bound`, unless the law falls."""
+        if not self.friction.law.falls:
+            return bound
+        sticking = seen.sticking(slip, traction)
+        return self.friction.bound_sliding(pressure, sticking, seen.bound, seen.staggered)
+
     def friction_slip(self, pressure: np.ndarray, gap: np.ndarray) -> FrictionSlip:
         """The slip that the friction law sees under a pressure and a gap."""
         return self._slip_held if self.held else self.operators.friction_slip(pressure, gap)
@@ -277,19 +291,40 @@ class Problem:
         self,
         traction: np.ndarray,
         slip: np.ndarray,
-        radius: np.ndarray,
+        bound: Bound,
         seen: FrictionSlip,
         active: np.ndarray | None,
     ) -> Linearisation:
         """The friction law linearised at tractions and the slip of the leading faces."""
         sticking = seen.sticking(slip, traction)
         return self.friction.law.linearise(
-            traction, sticking, radius, seen.bound, seen.staggered, active
+            traction, sticking, bound, seen.bound, seen.staggered, active
         )
 
     def sliding(
         self, pressure: np.ndarray, gap: np.ndarray, traction: np.ndarray, slip: np.ndarray
     ) -> np.ndarray:
         """Elements in contact whose traction is at its bound and opposes the slip, bool."""
-        opposed = self.opposed(traction, slip, self.friction_slip(pressure, gap))
-        return (pressure > 0.0) & (np.hypot(*(traction - opposed)) > self.bound(pressure).radius)
+        seen = self.friction_slip(pressure, gap)
+        opposed = self.opposed(traction, slip, seen)
+        bound = self.bound_sliding(self.bound(pressure), pressure, traction, slip, seen)
+        return (pressure > 0.0) & (np.hypot(*(traction - opposed)) > bound.radius)
+
+    def steepness(
+        self, pressure: np.ndarray, gap: np.ndarray, traction: np.ndarray, slip: np.ndarray
+    ) -> float:
+        """Change of a falling bound by the slip that it makes itself, the largest of what slides.
+
+        From one on an element has more than one traction for the same tractions of the others.
+        """
+        seen = self.friction_slip(pressure, gap)
+        bound = self.bound_sliding(self.bound(pressure), pressure, traction, slip, seen)
+        sliding = self.sliding(pressure, gap, traction, slip)
+        if bound.slope is None or not sliding.any():
+            return 0.0
+        own = (0.75 if seen.staggered else 1.0) * max(self.operators.self_influence[::2])
+        return float(own * bound.slope.steepness[sliding].max())
+
+    def eased(self, speed: float) -> "Problem":
+        """The same at another speed of rolling, over its own: 0 with the friction of rest."""
+        return replace(self, friction=self.friction.eased(speed))

@@ -109,7 +109,8 @@ class ProjectedMap:
         opposed = problem.opposed(state[-2:], slip, seen)
         target = np.empty_like(state)
         target[:-2] = np.maximum(state[:-2] - gap, 0.0)
-        radius = problem.bound(pressure).radius
+        bound = problem.bound(pressure)
+        radius = problem.bound_sliding(bound, pressure, state[-2:], slip, seen).radius
         target[-2:] = problem.project(state[-2:] - opposed, radius, physical=False)
         missed = target - state
         # A pressure that is held misses nothing.

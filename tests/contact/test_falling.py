@@ -1,0 +1,182 @@
+"""Contacts whose friction falls with sliding, is capped, or acts through a layer.
+
+Numbers printed by the independent program CONTACT 25.1 (examples and test bank) are compared on its
+meshes with the paper's slip, which is its discretisation; they have four digits.
+"""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+import tractive_sam as ts
+from tractive_sam.mechanics import HalfSpaces
+
+STEEL = {"shear": 82000.0, "poisson": 0.28}
+FLAT = STEEL | {"radius_x": math.inf, "radius_y": math.inf}
+PRINTED = 1e-4
+
+
+def scene_of(body, normal, creepage, speed, friction, grid, **more):
+    return ts.Scene(
+        body={"A": STEEL | body, "B": FLAT},
+        load={"normal": normal},
+        creepage={"longitudinal": creepage, "speed": speed},
+        friction=friction,
+        grid=grid,
+        solver={"slip": "upwind"},
+    ).replace(**more)
+
+
+def sphere(friction, **more):
+    body = {"radius_x": 460.0, "radius_y": 460.0}
+    grid = {"half_length": (6.95, 6.95), "elements": (91, 91)}
+    return scene_of(body, 70e3, -0.002, 20e3, friction, grid, **more)
+
+
+FALLING = {"law": "exponential", "static": 0.3, "kinetic": 0.18, "half_speed": 100.0}
+
+
+@pytest.mark.parametrize(
+    ("friction", "printed"),
+    [({"mu": 0.3}, 0.79888), ({"mu": 0.3, "layer": 0.02 / 2000.0}, 0.70528), (FALLING, 0.74737)],
+)
+def test_sphere_as_printed(friction, printed):
+    contact = ts.solve(sphere(friction))
+    assert contact.Qx / (0.3 * contact.P) == pytest.approx(printed, abs=1e-5)  # five digits
+
+
+def locomotive(creepage=None, **more):
+    """Polach's locomotive: exponential law with memory, and an interfacial layer."""
+    scene = ts.Scene.builtin("locomotive")
+    a, b = scene.hertz.a, scene.hertz.b
+    grid = {"half_length": (1.1 * a, 1.1 * b), "elements": (48, 44)}
+    mesh = {"grid": grid, "solver.slip": "upwind"}
+    if creepage is not None:
+        mesh["creepage.longitudinal"] = -creepage
+    return scene.replace(**mesh, **more)
+
+
+@pytest.mark.parametrize(
+    ("creepage", "printed"), [(0.001, 6425), (0.005, 24750), (0.016, 33260), (0.25, 20020)]
+)
+def test_traction_curve_as_printed(creepage, printed):
+    assert ts.solve(locomotive(creepage)).Qx == pytest.approx(printed, rel=1.5 * PRINTED)
+
+
+def test_forces_beyond_the_top_of_the_traction_curve_are_told_it():
+    below = ts.solve(locomotive(**{"load.force_x": 33.2e3}))
+    assert below.Qx == pytest.approx(33.2e3, rel=1e-6)  # its tolerance
+    assert -0.016 < below.xi_x < -0.013  # on the rising branch
+    with pytest.raises(
+        ts.NotConverged, match=r"load\.force_x.* 332[56]\d N .*creepage of -0\.01[56]"
+    ):
+        ts.solve(locomotive(**{"load.force_x": 33.5e3}))
+
+
+@pytest.mark.parametrize(
+    ("elements", "half_length", "printed"),
+    [(30, 1.2, 0.5959), (55, 1.1, 0.5896), (105, 1.05, 0.5864)],
+)
+def test_strength_caps_the_traction_as_printed(elements, half_length, printed):
+    friction, grid = (
+        {"mu": 0.5, "strength": 35.0},
+        {"half_length": half_length, "elements": elements},
+    )
+    body = {"radius_x": 500.0, "radius_y": math.inf}
+    contact = ts.solve(scene_of(body, 178.9, -4e-4, 3e4, friction, grid))
+    assert contact.Qx / (0.5 * contact.P) == pytest.approx(printed, rel=PRINTED)
+    assert np.hypot(*contact.traction).max() <= 35.0 * (1.0 + 1e-12)  # rounding
+
+
+@dataclasses.dataclass(frozen=True)
+class Row(HalfSpaces):
+    """One row of elements of 200 mm: the strip that the other program takes for a cylinder."""
+
+    def coefficients(self, component, offsets, dx, dy):
+        table = np.zeros(offsets)
+        table[:, 0] = super().coefficients(component, (offsets[0], 1), dx, 200.0)[:, 0]
+        return table
+
+
+def cylinder(**more):
+    grid = {"half_length": 4.65, "elements": 93}
+    body = {"radius_x": 460.0, "radius_y": math.inf}
+    return scene_of(body, 3111.08, -0.9999e-3, 45e3, FALLING, grid, **more)
+
+
+def test_cylinder_as_printed():
+    scene = cylinder()
+    row = ts.Laws.of(scene).replace(elasticity=Row(*scene.materials.values()))
+    contact = ts.solve(scene, laws=row)
+    assert contact.Qx / (0.3 * contact.P) == pytest.approx(0.5941, rel=PRINTED)
+    assert contact.sliding.sum() == 36  # as printed
+    assert contact.touching.sum() == 81
+
+
+def test_gentle_slope_has_one_solution_and_a_steep_one_several():
+    for half_speed, several in ((100.0, False), (10.0, True)):
+        steep = cylinder(**{"friction.half_speed": half_speed})
+        rest = ts.solve(steep)
+        if several:
+            with pytest.warns(ts.SceneWarning, match=r"friction\.start"):
+                sliding = ts.solve(steep.replace(**{"friction.start": "sliding"}))
+        else:
+            sliding = ts.solve(steep.replace(**{"friction.start": "sliding"}))
+        apart = abs(sliding.Qx / rest.Qx - 1.0)
+        assert apart > 1e-4 if several else apart < 1e-7  # ten times the tolerance
+
+
+def test_layer_keeps_the_second_order():
+    """Half as many elements as 1 % upwind gives, four times fewer: within 0.1 % of the finest."""
+    friction = {"mu": 0.3, "layer": 1e-5}
+    fine, coarse, upwind = (
+        ts.solve(sphere(friction, **{"grid.elements": (n, n), "solver.slip": slip})).Qx
+        for n, slip in ((95, "auto"), (24, "auto"), (95, "upwind"))
+    )
+    assert abs(coarse / fine - 1.0) < 2e-3  # 1.0e-3 measured
+    assert upwind / fine - 1.0 > 5e-3  # of first order: 1.1e-2
+
+
+def test_layer_works_for_nothing():
+    contact = ts.solve(
+        sphere(FALLING | {"layer": 2e-5}, **{"grid.elements": (31, 31), "solver.slip": "auto"})
+    )
+    assert contact.dissipation == pytest.approx(contact.work_supplied, rel=1e-7)  # ten tolerances
+
+
+RICH = {
+    "law": "rational", "static": (0.3, 0.2), "kinetic": (0.15, 0.1), "half_speed": 100.0,
+    "memory": 2e-3, "angle": 20.0, "layer": 1e-5, "strength": 150.0,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("slip", ["upwind", "auto"])
+@pytest.mark.parametrize("shear", [82000.0, 50000.0])
+def test_jacobian_has_the_slope_of_the_law(slip, shear):
+    more = {"solver.slip": slip, "grid.elements": (25, 25), "solver.tolerance": 1e-12}
+    more |= {"creepage.spin": 1e-4, "creepage.lateral": 5e-4, "body.B.shear": shear}
+    scene = sphere(RICH, **more, **{"load.normal": 40e3})
+    contact = ts.solve(scene, jacobian=True)
+    jacobian = contact.jacobian
+    assert "mu1" not in jacobian.parameter  # it is not one coefficient any more
+    for key, name, value in (("creepage.longitudinal", "xi_x", -0.002), ("load.normal", "P", 40e3)):
+        h = 1e-6 * abs(value)
+        ahead, behind = (
+            ts.solve(scene.replace(**{key: value + step}), start=contact) for step in (h, -h)
+        )
+        for result in ("Qx", "Qy"):
+            slope = (getattr(ahead, result) - getattr(behind, result)) / (2.0 * h)
+            assert jacobian.loc[result, name].item() == pytest.approx(slope, rel=2e-5)  # 2e-6
+
+
+def test_wears_by_the_way_slid_however_little_friction_is_left():
+    """Archard's depth is p_n |s|, whatever the friction: in full slip as of the constant law."""
+    wear = {"intensity": 1e-7, "revolutions": 1, "turns": "each"}
+    full = {"creepage.longitudinal": -0.05, "grid.elements": (25, 25), "wear": wear}
+    full |= {"solver.slip": "auto"}
+    constant = ts.roll(sphere({"mu": 0.18}, **full))
+    falling = ts.roll(sphere(FALLING, **full))
+    assert falling["worn_area"][0] == pytest.approx(constant["worn_area"][0], rel=1e-3)
+    # (the slip differs by the elastic one, 1e-3 of it)

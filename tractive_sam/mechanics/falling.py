@@ -1,0 +1,209 @@
+"""Friction that answers to sliding speed, temperature and strength.
+
+The coefficients are those at rest times a share, the same along both tribological axes, and the
+traction is never above a strength:
+
+    ||p_t||_mu <= min(share(V |s|) factor(T) p_n, strength / max(mu1, mu2)).
+
+The speed of sliding is taken where the traction is, at the centre of an element. The share may have
+a memory: as a particle slides, it tends to that of the speed over a distance slid (Vollebregt &
+Schuttelaars 2012, J. Sound Vib. 331, 2141-2155),
+
+    d(share)/dt = -(max(V |s|, s0) / d_c) (share - share(V |s|)),
+
+which along the way through the contact is a sweep from the leading edge, where it is one.
+"""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tractive_sam.kernels import friction
+from tractive_sam.mechanics.friction import Bound, Coulomb, Slope
+
+BACKGROUND = 1.0
+"""s0, mm/s: speed at which a memory fades where nothing slides."""
+
+
+class SlidingShare(ABC):
+    """How friction falls with the speed of sliding: its share of that at rest, one at zero speed.
+
+    Examples
+    --------
+    >>> class Lost(ts.SlidingShare):
+    ...     def at(self, speed):
+    ...         return 1.0 / (1.0 + speed / 500.0) ** 2, -2.0 / 500.0 / (1.0 + speed / 500.0) ** 3
+    ...
+    ...     @property
+    ...     def least(self):
+    ...         return 0.0
+    >>> fast = scene.replace(**{"creepage.speed": 2000.0})
+    >>> law = ts.FallingCoulomb(mu=(0.4, 0.4), sliding=Lost(), speed=2000.0)
+    >>> ts.solve(fast, laws=ts.Laws.of(fast).replace(friction=law)).Qx < contact.Qx
+    True
+    """
+
+    @abstractmethod
+    def at(self, speed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Share and its derivative, s/mm.
+
+        Parameters
+        ----------
+        speed : ndarray
+            Of sliding, mm/s, not negative.
+        """
+
+    @property
+    @abstractmethod
+    def least(self) -> float:
+        """Its limit at great speed."""
+
+
+@dataclass(frozen=True)
+class Exponential(SlidingShare):
+    """kinetic + (1 - kinetic) exp(-ln 2 speed / half_speed).
+
+    With kinetic = A and half_speed = ln 2 / B it is Polach's law, mu_0 ((1 - A) exp(-B w) + A)
+    (2005, Wear 258, 992-1000), here of the local speed.
+
+    Parameters
+    ----------
+    kinetic : float
+        Share that is left at great speed.
+    half_speed : float
+        Speed at which half of the way is gone, mm/s.
+    """
+
+    kinetic: float
+    half_speed: float
+
+    def at(self, speed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """See `SlidingShare.at`."""
+        rate = np.log(2.0) / self.half_speed
+        fall = (1.0 - self.kinetic) * np.exp(-rate * speed)
+        return self.kinetic + fall, -rate * fall
+
+    @property
+    def least(self) -> float:
+        """See `SlidingShare.least`."""
+        return self.kinetic
+
+
+@dataclass(frozen=True)
+class Rational(SlidingShare):
+    """kinetic + (1 - kinetic) / (1 + speed / half_speed); parameters as of `Exponential`."""
+
+    kinetic: float
+    half_speed: float
+
+    def at(self, speed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """See `SlidingShare.at`."""
+        whole = 1.0 + speed / self.half_speed
+        fall = (1.0 - self.kinetic) / whole
+        return self.kinetic + fall, -fall / (whole * self.half_speed)
+
+    @property
+    def least(self) -> float:
+        """See `SlidingShare.least`."""
+        return self.kinetic
+
+
+@dataclass(frozen=True)
+class FallingCoulomb(Coulomb):
+    """Coulomb friction with coefficients that fall with sliding speed, and a strength.
+
+    Parameters
+    ----------
+    mu, angle
+        As of `Coulomb`, at rest.
+    sliding : SlidingShare, optional
+        How it falls with the speed of sliding.
+    speed : float
+        Of rolling, V, mm/s.
+    memory : float
+        Distance d_c slid over which the coefficients follow the speed, mm.
+    strength : float
+        Largest traction, MPa.
+
+    Examples
+    --------
+    >>> law = ts.FallingCoulomb(mu=(0.5, 0.5), strength=100.0)
+    >>> law.bound(np.array([[100.0, 300.0]]), 0.0, 0.0).radius
+    array([[100., 200.]])
+    """
+
+    sliding: SlidingShare | None = None
+    speed: float = 0.0
+    memory: float = 0.0
+    strength: float = np.inf
+
+    @property
+    def falls(self) -> bool:
+        """See `FrictionLaw.falls`."""
+        return self.sliding is not None and 0.0 < self.speed < np.inf
+
+    def eased(self, speed: float) -> "FallingCoulomb":
+        """See `FrictionLaw.eased`; of infinite speed it is constant, what is left there."""
+        return replace(self, speed=speed * self.speed)
+
+    def bound(self, pressure: np.ndarray, x: np.ndarray, y: np.ndarray) -> Bound:
+        """See `FrictionLaw.bound`."""
+        lost = self.sliding is not None and np.isinf(self.speed)
+        share = self.sliding.least if lost else 1.0
+        return self._capped(pressure, np.full_like(pressure, share))[0]
+
+    def bound_sliding(
+        self, pressure: np.ndarray, slip: np.ndarray, x: np.ndarray, y: np.ndarray, second: bool
+    ) -> Bound:
+        """See `FrictionLaw.bound_sliding`."""
+        size = np.hypot(*slip)
+        share, by_speed = self.sliding.at(self.speed * size)
+        kept = np.zeros_like(share)
+        if self.memory > 0.0:
+            share, by_speed, kept = self._remembered(pressure, size, share, by_speed, x, second)
+        bound, by_share = self._capped(pressure, share)
+        along = slip / np.where(size > 0.0, size, 1.0)
+        return replace(bound, slope=Slope(by_share, self.speed * by_speed * along, kept))
+
+    def left(self, pressure: np.ndarray, slip: np.ndarray) -> np.ndarray:
+        """What is left of the coefficients under a slip, without memory, shape (n_x, n_y).
+
+        Parameters
+        ----------
+        pressure, slip : ndarray
+            As for `bound_sliding`.
+        """
+        share = np.ones_like(pressure)
+        if self.sliding is not None:
+            share = self.sliding.at(self.speed * np.hypot(*slip))[0]
+        radius = self._capped(pressure, share)[0].radius
+        return np.divide(radius, pressure, out=share, where=pressure > 0.0)
+
+    def _remembered(self, pressure, size, target, by_speed, x, second):
+        """Share with memory, its derivative by the speed, and what is kept of that ahead.
+
+        To second order the share kept while an element is crossed is that of a constant speed,
+        exp(-slid/d_c); to first order, that of an implicit step.
+        """
+        time = float(x[1, 0] - x[0, 0]) / self.speed if len(x) > 1 else 0.0
+        slides = self.speed * size > BACKGROUND
+        slid = time * np.maximum(self.speed * size, BACKGROUND) / self.memory
+        kept = np.exp(-slid) if second else 1.0 / (1.0 + slid)
+        by_slid = -kept if second else -(kept**2)
+        share, ahead = np.empty_like(target), np.empty_like(target)
+        friction.remember(target, kept, pressure, ahead, share)
+        by_kept = np.where(slides, by_slid * time / self.memory, 0.0)
+        by_speed = (1.0 - kept) * by_speed + (ahead - target) * by_kept
+        # What enters the contact has the share of rest, whatever happens.
+        enters = np.ones(pressure.shape, bool)
+        enters[:-1] = pressure[1:] <= 0.0
+        return share, by_speed, np.where(enters, 0.0, kept)
+
+    def _capped(self, pressure: np.ndarray, share: np.ndarray) -> tuple[Bound, np.ndarray]:
+        """The bound of a share, and its derivative by that."""
+        most = self.strength / max(self.mu)
+        radius = share * pressure
+        weak = radius < most
+        bound = Bound(np.minimum(radius, most), np.where(weak, share, 0.0))
+        return bound, np.where(weak, pressure, 0.0)

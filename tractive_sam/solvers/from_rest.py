@@ -1,0 +1,148 @@
+"""Friction that falls with sliding: its solution reached from that of friction at rest.
+
+A falling law may have several solutions. The way begins with friction at rest (or at great speed),
+which has one, and Newton's method leads from there; where it does not, by way of slower (or faster)
+rolling, each problem started from the one before. Of prescribed forces that are not found the
+traction curve is climbed to its top.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from tractive_sam.solvers.outcome import Note, Outcome, Solver, Start
+from tractive_sam.solvers.problem import PrescribedForces, Problem
+
+
+@dataclass(frozen=True)
+class FromRest:
+    """Solves a problem whose friction falls with sliding; others it hands on.
+
+    Attributes
+    ----------
+    solver : Solver
+        Solves that of the beginning, and the last one where nothing else does.
+    nearby : Solver
+        Solves each other one from a start nearby.
+    sliding : bool
+        Whether the way begins at great speed.
+    rough : float
+        Residual asked for on the way.
+    first, shortest : float
+        Stretches of the way from 0 to 1: the first one, and the shortest before giving up.
+    growth : float
+        How much larger each next creepage is on the way to the top of the traction curve.
+    """
+
+    solver: Solver
+    nearby: Solver
+    sliding: bool = False
+    rough: float = 1e-3
+    first: float = 0.25
+    shortest: float = 1.0 / 64.0
+    growth: float = 2.0
+
+    def solve(
+        self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
+    ) -> Outcome:
+        """Solve a problem; see `Solver`. The outcome has the cost of the whole way.
+
+        From a start nearby at once.
+        """
+        if not problem.friction.law.falls:
+            return self.solver.solve(problem, tolerance, start)
+        spent = []
+        if start is not None:
+            outcome = self.nearby.solve(problem, tolerance, start)
+            if outcome.converged:
+                return outcome
+            spent.append(outcome)
+        begin = np.inf if self.sliding else 0.0
+        now = self.solver.solve(problem.eased(begin), max(tolerance, self.rough))
+        outcome = _costing(self.nearby.solve(problem, tolerance, now), now, *spent)
+        if not outcome.converged and now.converged:
+            outcome = _costing(self._continued(problem, tolerance, now), outcome)
+            if not outcome.converged and len(problem.forces):
+                outcome = self._with_top(problem, outcome, now)
+        if not outcome.converged and outcome.top is None:
+            outcome = self.solver.solve(problem, tolerance, now).after(outcome)
+        return outcome
+
+    def _continued(self, problem: Problem, tolerance: float, now: Outcome) -> Outcome:
+        """By way of slower rolling, or faster."""
+        done, stretch, taken, tried = 0.0, self.first, 0, now
+        # Forces that one creepage has no more are beyond the top: no need to come quite near it.
+        shortest = 0.5 * self.first if len(problem.forces) else self.shortest
+        while done < 1.0 and stretch >= shortest:
+            ahead = min(1.0, done + stretch)
+            speed = 1.0 / ahead if self.sliding else ahead
+            last = tolerance if ahead == 1.0 else max(tolerance, self.rough)
+            tried = self.nearby.solve(problem.eased(speed), last, now)
+            taken += 1
+            if tried.converged:
+                now, done, stretch = tried.costing(now), ahead, 2.0 * stretch
+            else:
+                now = now.costing(tried)
+                stretch *= 0.5
+        if done < 1.0:
+            now = replace(now, status=tried.status, residual=tried.residual)
+        more = f" after {taken} problems" + (f", {done:.0%} of the way" if done < 1.0 else "")
+        return replace(now, trace=(Note("newton continued in speed", now.status, more),))
+
+    def _with_top(self, problem: Problem, outcome: Outcome, now: Outcome) -> Outcome:
+        """The outcome with the top of the curve of the first force over its creepage."""
+        forces = problem.forces
+        vector, target = forces.vectors[0], forces.target[0]
+        others = PrescribedForces(forces.vectors[1:], forces.target[1:])
+        force = _Curve(self.nearby, problem, others, vector, now, self.rough)
+        step, least = force.unit, force(0.0)
+        sign = np.sign(target - least) or 1.0
+        before, here = 0.0, -sign * step
+        value, last = sign * force(here), sign * least
+        while value > last and abs(here) < 1e6 * step:
+            before, last, here = here / self.growth, value, here * self.growth
+            value = sign * force(here)
+        if not np.isfinite(value):
+            return outcome.costing(force.spent)
+        found = minimize_scalar(
+            lambda creepage: -sign * force(creepage),
+            bounds=sorted((before, here)),
+            method="bounded",
+            options={"xatol": 1e-3 * abs(here)},
+        )
+        top = None
+        if -found.fun < sign * target:
+            top = (float(-sign * found.fun), float(found.x))
+        return replace(outcome.costing(force.spent), top=top)
+
+
+class _Curve:
+    """A force over its creepage, each problem started from the one before."""
+
+    def __init__(self, solver, problem, others, vector, now, tolerance):
+        self._solver, self._problem, self._others = solver, problem, others
+        self._vector, self._tolerance = vector, tolerance
+        self.spent = replace(now, cost=now.cost.scaled(0.0))
+        self._now = now
+        self.unit = 0.1 * (1.0 + np.abs(now.creepage[:1]).sum())
+
+    def __call__(self, creepage: float) -> float:
+        problem = replace(
+            self._problem,
+            rigid=self._problem.rigid + creepage * self._vector[:, None, None],
+            forces=self._others,
+        )
+        start = replace(self._now, creepage=self._now.creepage[1:])
+        found = self._solver.solve(problem, self._tolerance, start)
+        self.spent = self.spent.costing(found)
+        if not found.converged:
+            return -np.inf
+        self._now = replace(found, creepage=np.append(creepage, found.creepage))
+        return float(self._vector @ found.traction.sum(axis=(1, 2)))
+
+
+def _costing(outcome: Outcome, *earlier: Outcome) -> Outcome:
+    for one in earlier:
+        outcome = outcome.costing(one)
+    return outcome
