@@ -36,35 +36,6 @@ def sweep(entering, rate, dx):
 
 
 @compiled
-def regimes(work, starts, values, slopes):
-    """Rate of wear by a law that is straight between borders, as those in T-gamma over area are.
-
-    rate = values_k + slopes_k (W - starts_k), k the last regime with starts_k <= W.
-
-    Parameters
-    ----------
-    work : ndarray
-        W >= 0, in the unit of the borders.
-    starts, values, slopes : ndarray, shape (n,)
-        Where each regime begins, ascending from 0; the rate there, and its slope.
-
-    Returns
-    -------
-    (ndarray, ndarray)
-        Rate and slope, of the shape of `work`.
-    """
-    rate, slope = np.empty(work.shape), np.empty(work.shape)
-    given, found, rising = work.ravel(), rate.ravel(), slope.ravel()
-    for n in range(given.size):
-        k = 0
-        while k + 1 < starts.size and starts[k + 1] <= given[n]:
-            k += 1
-        found[n] = values[k] + slopes[k] * (given[n] - starts[k])
-        rising[n] = slopes[k]
-    return rate, slope
-
-
-@compiled
 def chart(speed, pressure, borders, limit, coefficients):
     """Coefficient of Archard's law by sliding speed and pressure over hardness.
 

@@ -45,11 +45,11 @@ from .wear import Archard as Archard
 from .wear import ArchardByWork as ArchardByWork
 from .wear import Energy as Energy
 from .wear import WearLaw as WearLaw
-from .wear_maps import BRR as BRR
-from .wear_maps import JENDEL as JENDEL
-from .wear_maps import USFD as USFD
 from .wear_maps import ByChart as ByChart
 from .wear_maps import ByTotal as ByTotal
 from .wear_maps import ByWork as ByWork
 from .wear_maps import EachBody as EachBody
-from .wear_maps import Regimes as Regimes
+from .wear_sets import BRR as BRR
+from .wear_sets import JENDEL as JENDEL
+from .wear_sets import USFD as USFD
+from .wear_sets import Regimes as Regimes
