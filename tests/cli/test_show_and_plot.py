@@ -74,7 +74,7 @@ def test_plot(call, stored, folder):
 
 def test_plot_elsewhere_in_another_format(call, stored, monkeypatch):
     asked = []
-    monkeypatch.setattr(plot, "save_all", lambda *given: asked.append(given[1:]) or ["a.svg"])
+    monkeypatch.setattr(plot, "save_all", lambda *to, **look: asked.append(to[1:]) or ["a.svg"])
     assert call("plot", stored, "-o", "here", "--format", "svg").stdout == "a.svg\n"
     assert asked == [(Path("here"), "svg")]
 

@@ -33,6 +33,10 @@ def scene(title="Strips", mu=(0.3, 0.3), angle=0.0, hertz=HERTZ):
         accuracy=None,
         load=SimpleNamespace(force_x=None, force_y=None),
         wear=None,
+        fatigue=None,
+        duty=None,
+        heat=None,
+        transient=None,
         gap=None,
     )
 

@@ -47,9 +47,9 @@ def labels(figure):
 def test_figures_of_a_state(draw):
     of_contact = drawn(draw(strips.contact()))
     of_history = drawn(draw(strips.history(), 10))
-    assert labels(of_contact) == labels(of_history) >= {"$x/a_0$"}
-    assert of_contact.get_suptitle() == "Strips"
-    assert of_history.get_suptitle().replace("\n", " ") == "Strips, N\u00a0=\u00a010"
+    assert labels(of_contact) == labels(of_history) >= {"$x/a_0$, leading edge right"}
+    assert of_contact.get_suptitle().startswith("Strips\n")
+    assert "; N\u00a0=\u00a010; " in of_history.get_suptitle()
 
 
 @pytest.mark.parametrize("draw", OF_A_HISTORY)
@@ -73,7 +73,7 @@ def test_maps_side_by_side_share_their_colours():
     assert len(meshes) == 3
     for mesh in meshes:
         assert mesh.get_clim() == pytest.approx((0.0, 1.0))
-    assert bar.get_ylabel() == "$p_n/p_0$"
+    assert bar.get_ylabel() == "contact pressure $p_n/p_0$"
 
 
 def test_worn_bodies_part_by_what_was_worn_off_them():
@@ -197,3 +197,22 @@ def test_figures_of_the_other_kind_of_contact_are_refused():
     for draw in (plot.line_pressure, plot.line_traction, plot.line_slip):
         with pytest.raises(ValueError, match="no line contact"):
             draw(wide)
+
+
+def test_units_are_millimetres_and_megapascals():
+    state = plot.Drawn.of(strips.history(), 10)
+    with plot.units("si-mm"):
+        figure = drawn(plot.pressure(strips.history(), 10))
+    axes, bar = figure.axes
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("$x$ (mm), leading edge right", "$y$ (mm)")
+    assert bar.get_ylabel() == "contact pressure $p_n$ (MPa)"
+    (mesh,) = (mesh for mesh in axes.collections if isinstance(mesh, QuadMesh))
+    assert np.max(mesh.get_array()) == pytest.approx(state.contact.pressure.max())
+    with pytest.raises(ValueError, match="hertz, si-mm"), plot.units("inch"):
+        pass
+
+
+def test_titles_tell_what_where_and_over_which_scale():
+    title = plot.pressure(strips.history(), 10).get_suptitle().replace("\u00a0", " ")
+    for told in ("Strips", "contact pressure", "N = 10", "µ = 0.3", "p₀ = 900 MPa"):
+        assert told in title

@@ -27,7 +27,7 @@ def history():
 @pytest.mark.parametrize("draw", OF_A_STATE)
 def test_figures_of_a_state(draw, history):
     figure = drawn(draw(history, 10))
-    assert "$x/a_0$" in labels(figure)
+    assert "$x/a_0$, leading edge right" in labels(figure)
     assert history.title in figure.get_suptitle()
 
 

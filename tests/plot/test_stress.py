@@ -189,7 +189,7 @@ def history(contact):
 def test_stored_stress_is_drawn_as_that_of_the_contact(contact, history):
     stored = plot.von_mises_sections(history, "y=0", revolution=10)
     assert told(stored) == told(plot.von_mises_sections(contact, "y=0"))
-    assert stored.get_suptitle().endswith("N\u00a0=\u00a010")
+    assert "N\u00a0=\u00a010" in stored.get_suptitle()
     assert told(plot.von_mises(history, "A", "z=0.5a"))
 
 

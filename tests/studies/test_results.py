@@ -153,7 +153,7 @@ def test_figures_by_default_are_of_what_varies(done, tmp_path):
 def test_figures_over_one_axis(done, tmp_path):
     held = {"friction.mu": 0.2}
     paths = save_figures(done, tmp_path, quantities=("Qx",), at=held, format="pdf")
-    assert names(paths) == ["Qx-curve.pdf"]
+    assert names(paths) == ["Qx-curve-mu0.2.pdf"]
 
 
 def test_figures_of_samples(tmp_path):
@@ -185,7 +185,7 @@ def test_figures_have_the_units_of_the_contact(scene, mesh, force, tmp_path, mon
 
     def keep(x, y, **_):
         drawn.extend((x, y))
-        return SimpleNamespace(savefig=lambda path: None)
+        return SimpleNamespace(savefig=lambda path, **look: None)
 
     monkeypatch.setattr(figures, "study_curves", keep)
     loads = {"key": "load.normal", "values": [0.3, 0.4]}

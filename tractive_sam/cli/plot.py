@@ -18,6 +18,13 @@ class Format(StrEnum):
     SVG = "svg"
 
 
+class Units(StrEnum):
+    """Units of figures, as `tractive_sam.plot.UNITS`."""
+
+    HERTZ = "hertz"
+    SI_MM = "si-mm"
+
+
 def plot(
     file: Results,
     output: Annotated[
@@ -30,6 +37,11 @@ def plot(
         ),
     ] = None,
     format: Annotated[Format, typer.Option(help="Format of the figures.")] = Format.PNG,
+    units: Annotated[
+        Units,
+        typer.Option(help="Over the half widths and pressure of Hertz, or in mm and MPa."),
+    ] = Units.HERTZ,
+    dpi: Annotated[int, typer.Option(min=20, max=1200, help="Dots per inch of PNG figures.")] = 200,
     animated: Annotated[
         bool,
         typer.Option("--animate", help="Write evolution.gif as well, over the stored revolutions."),
@@ -43,7 +55,7 @@ def plot(
         history = open_history(file)
         try:
             folder = output or Path(f"{file.stem}-figures")
-            paths = save_all(history, folder, format)
+            paths = save_all(history, folder, format, units=units, dpi=dpi)
             if animated:
                 paths.append(animate(history, folder / "evolution.gif"))
         except ValueError as error:

@@ -22,10 +22,10 @@ from tractive_sam.plot.evolution import (
     wear_over_revolutions,
 )
 from tractive_sam.plot.fields import pressure, stick_slip_map, traction, wear_map
-from tractive_sam.plot.gallery import FORMATS, save_all
+from tractive_sam.plot.gallery import DPI, FORMATS, save_all
 from tractive_sam.plot.line import line_pressure, line_pressures, line_slip, line_traction
 from tractive_sam.plot.profiles import pressure_profiles, wear_profiles, worn_profiles
-from tractive_sam.plot.scale import Scale
+from tractive_sam.plot.scale import UNITS, Scale, units
 from tractive_sam.plot.sections import traction_sections
 from tractive_sam.plot.stress import von_mises, von_mises_sections
 from tractive_sam.plot.stress_maxima import stress_maxima as stress_maxima
@@ -35,7 +35,9 @@ from tractive_sam.plot.zones import edge_level as edge_level
 from tractive_sam.plot.zones import stick_level as stick_level
 
 __all__ = [
+    "DPI",
     "FORMATS",
+    "UNITS",
     "Drawn",
     "Scale",
     "Variable",
@@ -60,6 +62,7 @@ __all__ = [
     "study_samples",
     "traction",
     "traction_sections",
+    "units",
     "von_mises",
     "von_mises_sections",
     "wear_depth",

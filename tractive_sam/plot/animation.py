@@ -103,10 +103,10 @@ def _picture(figure: Figure, frame: Frame, state: Drawn, envelope: Drawn) -> Non
         axes.remove()
     chart = Map(figure, LEFT, state, frame)
     chart.axes.set_title(state.place, loc="center")
-    p, p_symbol = state.scale.p, state.scale.p_symbol
+    p = state.scale.pressure
     highest = envelope.contact.pressure.max() / p
     mesh = chart.fill(state.contact.pressure / p, cmap=PRESSURE, vmin=0.0, vmax=highest)
-    chart.colour_bar(mesh, f"$p_n/{p_symbol}$")
+    chart.colour_bar(mesh, f"contact pressure {state.scale.of_pressure('p_n')}")
     track = placed(figure, LEFT + frame.width + RIGHT, BOTTOM, TRACK, frame.height)
     track.plot(MICRON * state.contact.wear[0], state.y_over_a, color=BLUE)
     track.set(

@@ -1,13 +1,17 @@
 """Numbers over the course: forces, the size and pressure of the contact, wear, stress."""
 
+from dataclasses import replace
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.stress import NOTE
-from tractive_sam.plot.style import BLUE, VERMILLION, WIDTH, along, set_title, styled
+from tractive_sam.plot.style import BLUE, VERMILLION, WIDTH, along, set_title, styled, told_of
 from tractive_sam.results import BODIES, History
+
+NO_MAXIMUM = "Where a line is interrupted, stress has no maximum inside."
 
 COLOURS = {"A": BLUE, "B": VERMILLION}
 """Of the bodies."""
@@ -22,7 +26,7 @@ def forces(history: History) -> Figure:
     >>> plot.forces(history)
     <Figure size ...>
     """
-    figure, axes = _over_course(history)
+    figure, axes = _over_course(history, "forces on A")
     for name, label in (("Qx_over_P", "$Q_x/P$"), ("Qy_over_P", "$Q_y/P$")):
         _course(axes, history, history[name], label)
     axes.set_ylabel("force / normal load")
@@ -42,8 +46,9 @@ def widths(history: History) -> Figure:
     >>> plot.widths(history)
     <Figure size ...>
     """
-    figure, axes = _over_course(history)
     scale = Scale.of_history(history)
+    told = f"size and pressure of the contact; {replace(scale, drawn_in='hertz').told}"
+    figure, axes = _over_course(history, told)
     a, b, p = scale.a_symbol, scale.b_symbol, scale.p_symbol
     _course(axes, history, history["half_width_x"] / scale.a, f"half width in $x$ / ${a}$")
     if not history.line:
@@ -67,7 +72,7 @@ def wear_depth(history: History) -> Figure:
     >>> plot.wear_depth(history)
     <Figure size ...>
     """
-    figure, axes = _over_course(history)
+    figure, axes = _over_course(history, "wear of both bodies together")
     _course(axes, history, 1e3 * history["wear_max"], "")
     axes.set_ylim(bottom=0.0)
     axes.set_ylabel(r"largest wear depth ($\mathrm{\mu m}$)")
@@ -102,7 +107,7 @@ def worn_mass(history: History) -> Figure:
         axes.set_ylabel(f"{name.replace('_', ' ')} ({unit})")
     panels[0].legend(loc="best")
     along(panels[1], history)
-    set_title(figure, history.title)
+    set_title(figure, told_of(history, "wear of each body"))
     return figure
 
 
@@ -122,7 +127,7 @@ def creepages(history: History) -> Figure:
     """
     if "creepage_found" not in history.columns:
         raise ValueError("no creepage is found: prescribe load.force_x or load.force_y")
-    figure, axes = _over_course(history)
+    figure, axes = _over_course(history, "creepage that the forces take")
     for label, values in zip((r"$\xi_x$", r"$\xi_y$"), history["creepage_found"].T, strict=True):
         if np.isfinite(values).any():
             _course(axes, history, values, label)
@@ -150,26 +155,27 @@ def stress_course(history: History) -> Figure:
     """
     if not history.bodies:
         raise ValueError("no stress was computed: add [subsurface] to the scene")
-    figure, axes = _over_course(history)
     scale = Scale.of_history(history)
+    figure, axes = _over_course(history, "largest stress in each body", scale.told)
     for kind, style in (("interior", "-"), ("surface", "--")):
         column = history.of_role(f"stress_{kind}")
         for body in history.bodies:
             values = history[column.name][:, BODIES.index(body)]
             look = {"color": COLOURS[body], "linestyle": style}
-            _course(axes, history, values / scale.p, f"{body}, {kind}", **look)
+            _course(axes, history, values / scale.pressure, f"{body}, {kind}", **look)
     axes.set_ylim(bottom=0.0)
-    axes.set_ylabel(rf"${column.symbol}/{scale.p_symbol}$")
+    axes.set_ylabel(scale.of_pressure(column.symbol))
     axes.legend(loc="lower right", ncols=2)
-    figure.supxlabel(NOTE, fontsize=9)
+    ends = np.isnan(history[history.of_role("stress_interior").name]).any()
+    figure.supxlabel(f"{NOTE} {NO_MAXIMUM}" if ends else NOTE, fontsize=9, wrap=True)
     return figure
 
 
-def _over_course(history: History) -> tuple[Figure, Axes]:
+def _over_course(history: History, told: str, scale: str = "") -> tuple[Figure, Axes]:
     figure = Figure(figsize=(WIDTH, 0.66 * WIDTH))
     axes = figure.add_subplot()
     along(axes, history)
-    set_title(figure, history.title)
+    set_title(figure, told_of(history, told, scale))
     return figure, axes
 
 

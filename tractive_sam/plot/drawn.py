@@ -8,6 +8,7 @@ import numpy as np
 from scipy.ndimage import binary_opening
 
 from tractive_sam.plot.scale import Scale
+from tractive_sam.plot.style import friction_told, told
 from tractive_sam.results import REVOLUTION, History, Quantity, State
 
 
@@ -77,6 +78,16 @@ class Drawn:
         rolled = self.place.replace("$", "").replace(" ", "\u00a0") if self.at else ""
         return ", ".join(filter(None, (self.title, rolled)))
 
+    def told(self, quantity: str, scaled: bool = True) -> str:
+        """Title of a figure: of the scene, and what is drawn, where, and over which scale."""
+        return told(
+            self.title,
+            quantity,
+            self.place if self.contact.scene.wear is not None or self.at else "",
+            friction_told(self.contact.scene),
+            self.scale.told if scaled else "",
+        )
+
     @property
     def place(self) -> str:
         """Where it is in its history, as math text."""
@@ -96,13 +107,13 @@ class Drawn:
 
     @property
     def x_over_a(self) -> np.ndarray:
-        """Centres in the rolling direction in half widths a, shape (n_x,)."""
-        return self.x / self.scale.a
+        """Centres in the rolling direction in half widths a, or mm, shape (n_x,)."""
+        return self.x / self.scale.length
 
     @property
     def y_over_a(self) -> np.ndarray:
-        """Centres in the lateral direction in half widths a, shape (n_y,)."""
-        return self.y / self.scale.a
+        """Centres in the lateral direction in half widths a, or mm, shape (n_y,)."""
+        return self.y / self.scale.length
 
     @cached_property
     def slip_zone(self) -> np.ndarray:

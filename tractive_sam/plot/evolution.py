@@ -24,7 +24,7 @@ def pressure_over_revolutions(history: History) -> Figure:
     >>> plot.pressure_over_revolutions(history)
     <Figure size ...>
     """
-    return _maps(history, _pressure, "$p_n/{p}$", PRESSURE, Map.fill)
+    return _maps(history, _pressure, "contact pressure", "p_n", PRESSURE, Map.fill)
 
 
 @styled
@@ -36,7 +36,7 @@ def slip_over_revolutions(history: History) -> Figure:
     >>> plot.slip_over_revolutions(history)
     <Figure size ...>
     """
-    return _maps(history, _slip, "$|s|/V$", SLIP, Map.fill_up_to_edge, stick=True)
+    return _maps(history, _slip, "slip over speed", "$|s|/V$", SLIP, Map.fill_up_to_edge, True)
 
 
 @styled
@@ -48,30 +48,32 @@ def wear_over_revolutions(history: History) -> Figure:
     >>> plot.wear_over_revolutions(history)
     <Figure size ...>
     """
-    return _maps(history, _wear, r"$w$ ($\mathrm{{\mu m}}$)", WEAR, Map.fill_up_to_edge)
+    return _maps(history, _wear, "wear depth", r"$w$ ($\mathrm{\mu m}$)", WEAR, Map.fill_up_to_edge)
 
 
 def _maps(
     history: History,
     values: Callable[[Drawn], np.ndarray],
-    label: str,
+    told: str,
+    symbol: str,
     colours: str,
     fill: Callable,
     stick: bool = False,
 ) -> Figure:
     states = [Drawn.of(history, at) for at in chosen(history.saved, MOST)]
-    figure, charts = Map.row(states)
+    figure, charts = Map.row(states, told)
     highest = max(values(state)[state.contact.touching].max() for state in states)
     for chart in charts:
         mesh = fill(chart, values(chart.state), cmap=colours, vmin=0.0, vmax=highest)
         if stick:
             chart.stick_edge(colors="white", linewidths=1.2, linestyles="--")
-    charts[-1].colour_bar(mesh, label.format(p=states[0].scale.p_symbol))
+    label = symbol if "$" in symbol else states[0].scale.of_pressure(symbol)
+    charts[-1].colour_bar(mesh, f"{told} {label}")
     return figure
 
 
 def _pressure(state: Drawn) -> np.ndarray:
-    return state.contact.pressure / state.scale.p
+    return state.contact.pressure / state.scale.pressure
 
 
 def _slip(state: Drawn) -> np.ndarray:

@@ -5,7 +5,6 @@ name of its coordinate, ``revolution=2`` (the last by default).
 """
 
 import numpy as np
-from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
@@ -16,7 +15,7 @@ from tractive_sam.plot.style import MICRON, ORANGE, PRESSURE, SKY, TRACTION, WEA
 
 @styled
 def pressure(source: Source, at: float | None = None, **named: float) -> Figure:
-    """Map of the pressure p_n/p_0.
+    """Map of the pressure.
 
     Examples
     --------
@@ -24,17 +23,17 @@ def pressure(source: Source, at: float | None = None, **named: float) -> Figure:
     <Figure size ...>
     """
     state = Drawn.of(source, at, **named)
-    figure, chart = Map.single(state)
-    mesh = chart.fill(state.contact.pressure / state.scale.p, cmap=PRESSURE, vmin=0.0)
-    chart.colour_bar(mesh, f"$p_n/{state.scale.p_symbol}$")
+    figure, chart = Map.single(state, "contact pressure")
+    mesh = chart.fill(state.contact.pressure / state.scale.pressure, cmap=PRESSURE, vmin=0.0)
+    chart.colour_bar(mesh, f"contact pressure {state.scale.of_pressure('p_n')}")
     return figure
 
 
 @styled
 def traction(source: Source, at: float | None = None, **named: float) -> Figure:
-    """Map of the traction ||p_t||_mu/p_0 on body A, its directions, and the edge of stick.
+    """Map of the traction ||p_t||_mu on body A, its directions, and the edge of stick.
 
-    Where friction is isotropic that is |p_t|/(mu p_0).
+    Where friction is isotropic that is |p_t|/mu.
 
     Examples
     --------
@@ -42,13 +41,12 @@ def traction(source: Source, at: float | None = None, **named: float) -> Figure:
     <Figure size ...>
     """
     state = Drawn.of(source, at, **named)
-    figure, chart = Map.single(state)
-    mesh = chart.fill(state.contact.utilisation / state.scale.p, cmap=TRACTION, vmin=0.0)
+    figure, chart = Map.single(state, "traction on A, dashed: end of stick")
+    mesh = chart.fill(state.contact.utilisation / state.scale.pressure, cmap=TRACTION, vmin=0.0)
     chart.stick_edge(colors="white", linewidths=1.2, linestyles="--")
     chart.arrows(state.contact.traction, state.contact.touching, color="white")
-    p = state.scale.p_symbol
-    label = rf"$|p_t|/(\mu\,{p})$" if state.isotropic else rf"$\|p_t\|_\mu/{p}$"
-    chart.colour_bar(mesh, label)
+    symbol = r"|p_t|/\mu" if state.isotropic else r"\|p_t\|_\mu"
+    chart.colour_bar(mesh, f"traction over friction {state.scale.of_pressure(symbol)}")
     return figure
 
 
@@ -65,8 +63,8 @@ def stick_slip_map(source: Source, at: float | None = None, **named: float) -> F
     <Figure size ...>
     """
     state = Drawn.of(source, at, **named)
-    figure, chart = Map.single(state)
-    chart.fill_elements(state.slip_zone, cmap=ListedColormap([SKY, ORANGE]), vmin=0, vmax=1)
+    figure, chart = Map.single(state, "stick, and slip of A over B")
+    chart.fill_zones(SKY, ORANGE)
     chart.arrows(state.contact.slip, state.slip_zone, color="black")
     sliding = np.count_nonzero(state.contact.sliding) / np.count_nonzero(state.contact.touching)
     chart.axes.legend(
@@ -91,7 +89,7 @@ def wear_map(source: Source, at: float | None = None, **named: float) -> Figure:
     <Figure size ...>
     """
     state = Drawn.of(source, at, **named)
-    figure, chart = Map.single(state)
+    figure, chart = Map.single(state, "wear of both bodies together")
     mesh = chart.fill_up_to_edge(MICRON * state.contact.wear, cmap=WEAR)
-    chart.colour_bar(mesh, r"$w$ ($\mathrm{\mu m}$)")
+    chart.colour_bar(mesh, r"wear depth $w$ ($\mathrm{\mu m}$)")
     return figure

@@ -15,7 +15,7 @@ MARGIN = 0.15
 LONGEST = 5.5
 """Most that a map measures from bottom to top, inches."""
 
-STEPS = (0.2, 0.5, 1, 2, 5, 10, 20, 50, 100)
+STEPS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100)
 """Distances of ticks."""
 
 TICK_ROOM = 0.3
@@ -24,7 +24,7 @@ TICK_ROOM = 0.3
 
 @dataclass(frozen=True)
 class Frame:
-    """A rectangle in half widths a, true to scale on paper.
+    """A rectangle in half widths a, or mm, true to scale on paper.
 
     Attributes
     ----------

@@ -24,14 +24,25 @@ from tractive_sam.plot.evolution import (
 from tractive_sam.plot.fields import pressure, stick_slip_map, traction, wear_map
 from tractive_sam.plot.line import line_pressure, line_pressures, line_slip, line_traction
 from tractive_sam.plot.profiles import pressure_profiles, wear_profiles, worn_profiles
+from tractive_sam.plot.scale import units as drawn_in
 from tractive_sam.plot.sections import traction_sections
 from tractive_sam.plot.stress import von_mises_sections
 from tractive_sam.results import History
 
 FORMATS = ("png", "pdf", "svg")
 
+DPI = 200
+"""Dots per inch of figures that are written."""
 
-def save_all(history: History, directory: str | Path, format: str = "png") -> list[Path]:
+
+def save_all(
+    history: History,
+    directory: str | Path,
+    format: str = "png",
+    *,
+    units: str = "hertz",
+    dpi: float | None = None,
+) -> list[Path]:
     """Draw every figure that a history has something to show in.
 
     Figures of one state are drawn for the first and the last stored revolution, which their names
@@ -45,6 +56,10 @@ def save_all(history: History, directory: str | Path, format: str = "png") -> li
         Where to; made if it does not exist.
     format : str
         One of `FORMATS`.
+    units : str
+        "hertz", over the half widths and the pressure of Hertz; or "si-mm", in mm and MPa.
+    dpi : float, optional
+        Dots per inch of PNG; by default 200.
 
     Returns
     -------
@@ -60,10 +75,11 @@ def save_all(history: History, directory: str | Path, format: str = "png") -> li
     directory = Path(directory)
     directory.mkdir(parents=True, exist_ok=True)
     paths = []
-    for name, figure in _figures(history):
-        interrupt.heed()
-        paths.append(directory / f"{name}.{format}")
-        figure.savefig(paths[-1])
+    with drawn_in(units):
+        for name, figure in _figures(history):
+            interrupt.heed()
+            paths.append(directory / f"{name}.{format}")
+            figure.savefig(paths[-1], dpi=dpi or DPI)
     return paths
 
 

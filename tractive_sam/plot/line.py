@@ -9,7 +9,16 @@ from tractive_sam.plot.drawn import Drawn, Source
 from tractive_sam.plot.profiles import chosen
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.sections import MARGIN, section
-from tractive_sam.plot.style import BLUE, GREY, VERMILLION, WIDTH, set_title, styled, symbol_of
+from tractive_sam.plot.style import (
+    BLUE,
+    GREY,
+    VERMILLION,
+    WIDTH,
+    set_title,
+    styled,
+    symbol_of,
+    told_of,
+)
 from tractive_sam.results import History
 
 
@@ -24,14 +33,15 @@ def line_pressure(source: Source, at: float | None = None, **named: float) -> Fi
     <Figure size ...>
     """
     state = Drawn.of(source, at, **named)
-    figure, axes = _over_x(state)
+    figure, axes = _over_x("contact pressure", state)
     x, scale = state.x_over_a, state.scale
     if scale.hertz:
-        hertz = np.sqrt(np.maximum(1.0 - x**2, 0.0))
+        depth = 1.0 - (state.x / scale.a) ** 2
+        hertz = np.sqrt(np.maximum(depth, 0.0)) * scale.p / scale.pressure
         axes.plot(x, hertz, color=GREY, linewidth=0.9, linestyle="--", label="Hertz, unworn")
-    axes.plot(x, state.contact.pressure[:, 0] / scale.p, color=BLUE, label="$p_n$")
+    axes.plot(x, state.contact.pressure[:, 0] / scale.pressure, color=BLUE, label="$p_n$")
     axes.set_ylim(bottom=0.0)
-    axes.set_ylabel(f"$p_n/{scale.p_symbol}$")
+    axes.set_ylabel(scale.of_pressure("p_n"))
     figure.legend(loc="outside right center")
     return figure
 
@@ -46,9 +56,9 @@ def line_traction(source: Source, at: float | None = None, **named: float) -> Fi
     <Figure size ...>
     """
     state = Drawn.of(source, at, **named)
-    figure, axes = _over_x(state)
+    figure, axes = _over_x("tractions on A", state)
     section(axes, state, 0.0)
-    axes.set_ylabel(f"$p/{state.scale.p_symbol}$")
+    axes.set_ylabel(state.scale.of_pressure("p"))
     figure.legend(loc="outside right center")
     return figure
 
@@ -63,7 +73,7 @@ def line_slip(source: Source, at: float | None = None, **named: float) -> Figure
     <Figure size ...>
     """
     state = Drawn.of(source, at, **named)
-    figure, axes = _over_x(state)
+    figure, axes = _over_x("slip of A over B", state)
     axes.axhline(0.0, color=GREY, linewidth=0.6)
     inside = state.contact.touching[:, 0]
     for name, slip, color in zip("xy", state.contact.slip[..., 0], (BLUE, VERMILLION), strict=True):
@@ -84,21 +94,21 @@ def line_pressures(history: History) -> Figure:
     <Figure size ...>
     """
     scale = Scale.of_history(history)
-    figure, axes = _over_x(*(Drawn.of(history, at) for at in history.saved))
+    figure, axes = _over_x("", *(Drawn.of(history, at) for at in history.saved))
     places = chosen(history.saved)
     shades = colormaps["viridis_r"](np.linspace(0.08, 1.0, len(places)))
     for at, shade in zip(places, shades, strict=True):
         pressure = history.field("pressure", at)[:, 0]
         label = format(at, history.coordinate.format)
-        axes.plot(history.x / scale.a, pressure / scale.p, color=shade, label=label)
+        axes.plot(history.x / scale.length, pressure / scale.pressure, color=shade, label=label)
     axes.set_ylim(bottom=0.0)
-    axes.set_ylabel(f"$p_n/{scale.p_symbol}$")
-    set_title(figure, history.title)
+    axes.set_ylabel(scale.of_pressure("p_n"))
+    set_title(figure, told_of(history, "contact pressure", scale.told))
     figure.legend(title=symbol_of(history.coordinate), loc="outside right center")
     return figure
 
 
-def _over_x(*states: Drawn) -> tuple[Figure, Axes]:
+def _over_x(told: str, *states: Drawn) -> tuple[Figure, Axes]:
     """Axes over the contacts of all states."""
     if not all(state.line for state in states):
         maps = "pressure, traction, stick_slip_map and their likes draw it"
@@ -109,6 +119,6 @@ def _over_x(*states: Drawn) -> tuple[Figure, Axes]:
     figure = Figure(figsize=(1.25 * WIDTH, 0.7 * WIDTH))
     axes = figure.add_subplot()
     axes.set_xlim(inside.min() - MARGIN, inside.max() + MARGIN)
-    axes.set_xlabel(f"$x/{states[0].scale.a_symbol}$")
-    set_title(figure, states[0].caption)
+    axes.set_xlabel(f"{states[0].scale.of_length('x')}, leading edge right")
+    set_title(figure, states[0].told(told))
     return figure, axes

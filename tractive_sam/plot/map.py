@@ -10,8 +10,9 @@ from matplotlib.figure import Figure
 
 from tractive_sam.plot.drawn import Drawn
 from tractive_sam.plot.frame import Frame
-from tractive_sam.plot.style import WIDTH, set_title, wrapped
-from tractive_sam.plot.zones import contact_edge, continued, stick_edge
+from tractive_sam.plot.style import WIDTH, friction_told, set_title, wrapped
+from tractive_sam.plot.style import told as titled
+from tractive_sam.plot.zones import contact_edge, continued, fill_zones, stick_edge
 
 ARROWS = 14
 """Across a contact that is as wide as long."""
@@ -21,6 +22,9 @@ FINEST = 600
 
 LEFT, RIGHT, BOTTOM, TOP = 0.65, 1.15, 0.55, 0.35
 """Around maps, for their labels, colour bar and title, inches."""
+
+ROOM_TO_TELL = 1.6
+"""Width of a map below which there is room for the name of its axis only, inches."""
 
 LINE, APART = 0.22, 0.12
 """Height of a line of the title, and distance of maps side by side, inches."""
@@ -49,28 +53,33 @@ class Map:
     def __init__(self, figure: Figure, left: float, state: Drawn, frame: Frame) -> None:
         self.figure, self.left, self.state, self.frame = figure, left, state, frame
         self.axes = self._axes(left, frame.width)
-        symbol = state.scale.a_symbol
-        frame.apply(self.axes, f"$x/{symbol}$", f"$y/{symbol}$")
+        across = state.scale.of_length("x")
+        if frame.width > ROOM_TO_TELL:
+            across += ", leading edge right"
+        frame.apply(self.axes, across, state.scale.of_length("y"))
         self.contact = contact_edge(self.axes, state, colors="black", linewidths=0.9)
 
     @classmethod
-    def single(cls, state: Drawn) -> tuple[Figure, Self]:
-        """Make a figure with one map under the title of the scene."""
+    def single(cls, state: Drawn, told: str, scaled: bool = True) -> tuple[Figure, Self]:
+        """Make a figure with one map, under the title of the scene and what it shows."""
         _check_wide(state)
         frame = Frame.around(state, width=0.72 * WIDTH)
         width = max(LEFT + frame.width + RIGHT, 0.72 * WIDTH)
-        figure = paper(width, frame, state.caption)
+        figure = paper(width, frame, state.told(told, scaled))
         middle = (LEFT + width - RIGHT - frame.width) / 2
         return figure, cls(figure, middle, state, frame)
 
     @classmethod
-    def row(cls, states: Sequence[Drawn]) -> tuple[Figure, list[Self]]:
+    def row(cls, states: Sequence[Drawn], told: str) -> tuple[Figure, list[Self]]:
         """Make a figure with maps side by side, each under its place in the course."""
         _check_wide(*states)
         frame = Frame.around(*states, width=1.7 * WIDTH / len(states))
         step = frame.width + APART
         width = LEFT + len(states) * step - APART + RIGHT
-        figure = paper(width, frame, f"{states[0].title}\n")
+        scene, scale = states[0].contact.scene, states[0].scale
+        told = f"{told}, leading edge right"
+        title = titled(states[0].title, told, friction_told(scene), scale.told)
+        figure = paper(width, frame, f"{title}\n")
         charts = [cls(figure, LEFT + k * step, state, frame) for k, state in enumerate(states)]
         for chart in charts:
             chart.axes.set_title(chart.state.place, loc="center")
@@ -96,11 +105,9 @@ class Map:
         """Colour the contact by values that do not vanish at its edge."""
         return self.fill(continued(values, self.state.contact.touching), **style)
 
-    def fill_elements(self, values: np.ndarray, **style) -> QuadMesh:
-        """Colour every element in contact by its value."""
-        inside = np.ma.masked_where(~self.state.contact.touching, values)
-        centres = self.state.x_over_a, self.state.y_over_a
-        return self.axes.pcolormesh(*centres, inside.T, rasterized=True, zorder=0.5, **style)
+    def fill_zones(self, stick: str, slip: str) -> None:
+        """Colour the zones of stick and of slip, up to the boundary between them."""
+        fill_zones(self.axes, self.state, self.contact, (slip, stick))
 
     def stick_edge(self, **style) -> None:
         """Draw the boundary between stick and slip."""

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from tractive_sam.plot.scale import Scale
-from tractive_sam.plot.style import GREY, MICRON, WIDTH, set_title, styled, symbol_of
+from tractive_sam.plot.style import GREY, MICRON, WIDTH, set_title, styled, symbol_of, told_of
 from tractive_sam.results import History
 
 MOST = 8
@@ -34,7 +34,7 @@ def wear_profiles(history: History) -> Figure:
     >>> plot.wear_profiles(history)
     <Figure size ...>
     """
-    figure, axes = _across(history)
+    figure, axes = _across(history, "wear of both bodies together")
     depth = _stored(history, "wear_profile")
     _lines(axes, history, lambda N: MICRON * depth[N])
     axes.invert_yaxis()
@@ -62,8 +62,8 @@ def worn_profiles(history: History) -> Figure:
     worn = history.y[(history["wear_profile"] > 0.0).any(axis=0)]
     if not worn.size:
         raise ValueError("nothing to draw: the bodies are not worn")
-    figure, axes = _across(history)
-    y = history.y / Scale.of_history(history).b
+    figure, axes = _across(history, "sections of the bodies")
+    y = history.y / Scale.of_history(history).across
     shown = np.abs(history.y) <= (1.0 + BESIDE) * np.abs(worn).max()
     surfaces = {body: _surfaces(history, body) for body in "AB"}
     _lines(axes, history, *(lambda N, one=one: one[N] for one in surfaces.values()))
@@ -108,19 +108,20 @@ def pressure_profiles(history: History) -> Figure:
     >>> plot.pressure_profiles(history)
     <Figure size ...>
     """
-    figure, axes = _across(history)
+    figure, axes = _across(history, "largest pressure in each row")
     scale = Scale.of_history(history)
-    _lines(axes, history, lambda N: history.field("pressure", N).max(axis=0) / scale.p)
+    _lines(axes, history, lambda N: history.field("pressure", N).max(axis=0) / scale.pressure)
     axes.set_ylim(bottom=0.0)
-    axes.set_ylabel(rf"$\max_x\, p_n/{scale.p_symbol}$")
+    axes.set_ylabel(scale.of_pressure(r"\max_x\, p_n"))
     return figure
 
 
-def _across(history: History) -> tuple[Figure, Axes]:
+def _across(history: History, told: str) -> tuple[Figure, Axes]:
     figure = Figure(figsize=(1.25 * WIDTH, 0.7 * WIDTH))
     axes = figure.add_subplot()
-    axes.set_xlabel(f"$y/{Scale.of_history(history).b_symbol}$")
-    set_title(figure, history.title)
+    scale = Scale.of_history(history)
+    axes.set_xlabel(scale.of_length("y", across=True))
+    set_title(figure, told_of(history, told, scale.told))
     return figure, axes
 
 
@@ -131,7 +132,7 @@ def _stored(history: History, name: str) -> dict[float, np.ndarray]:
 
 def _lines(axes: Axes, history: History, *values: Callable[[float], np.ndarray]) -> None:
     """Draw values(coordinate), from light to dark in its order."""
-    y = history.y / Scale.of_history(history).b
+    y = history.y / Scale.of_history(history).across
     places = chosen(history.saved).tolist()
     shades = colormaps["viridis_r"](np.linspace(0.08, 1.0, len(places)))
     for at, shade in zip(places, shades, strict=True):

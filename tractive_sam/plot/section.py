@@ -115,6 +115,12 @@ class Section:
         return rf"${symbol}/{self.scale.p_symbol}$" if self.scale else f"${symbol}$ ({unit})"
 
     @property
+    def told(self) -> str:
+        """What is drawn, for captions."""
+        criterion = self.criterion
+        return f"stress component {self.quantity}" if criterion is None else criterion.long_name
+
+    @property
     def place(self) -> str:
         """Where the plane is, for math text."""
         plane = self.stress.plane

@@ -38,10 +38,10 @@ def traction_sections(source: Source, at: float | None = None, **named: float) -
     for ax, (name, y) in zip(axes, lines.items(), strict=True):
         section(ax, state, y)
         ax.set_title(name, loc="center")
-        ax.set_xlabel(f"$x/{scale.a_symbol}$")
-    axes[0].set_ylabel(f"$p/{scale.p_symbol}$")
+        ax.set_xlabel(f"{scale.of_length('x')}, leading edge right")
+    axes[0].set_ylabel(scale.of_pressure("p"))
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside right center")
-    set_title(figure, state.caption)
+    set_title(figure, state.told("tractions on A"))
     return figure
 
 
@@ -82,4 +82,4 @@ def _bounds(ax: Axes, x: np.ndarray, bound: np.ndarray, color: str, label: str) 
 def _along(state: Drawn, values: np.ndarray, y: float) -> np.ndarray:
     """Values along a line of constant y, over the scale's pressure, shape (n_x,)."""
     rows = [np.interp(y, state.y, row) for row in values]
-    return np.array(rows) / state.scale.p
+    return np.array(rows) / state.scale.pressure

@@ -153,7 +153,7 @@ def _drawn(
         given = ", ".join(f"{stress.plane} of {stress.body}" for stress in stresses) or "nothing"
         raise ValueError(f"one plane is drawn, of each body once; not {given}")
     if state is not None and scale is None:
-        scale = state.scale
+        scale = state.scale if state.scale.relative else None
     elif state is not None:
         state = replace(state, scale=scale)
     sections = [Section(stress, quantity, scale) for stress in stresses]
@@ -218,7 +218,8 @@ def _shown(section: Section, state: Drawn | None, axis: int) -> tuple[float, flo
         contact = state.x_over_a[state.contact.touching.any(axis=1)]
     else:
         contact = state.y_over_a[state.contact.touching.any(axis=0)]
-    return max(first, float(contact[0]) - AROUND), min(last, float(contact[-1]) + AROUND)
+    around = AROUND * state.scale.a / state.scale.length
+    return max(first, float(contact[0]) - around), min(last, float(contact[-1]) + around)
 
 
 def _panels(
@@ -234,7 +235,7 @@ def _panels(
         handles.append(Line2D([], [], linestyle="none", label=NOTE))
     below, step = LINE * len(handles), frame.width + APART
     width = max(LEFT + count * step - APART + RIGHT, NARROWEST)
-    figure = paper(width, frame, state.caption if state else "", below + PLACE)
+    figure = paper(width, frame, state.told(sections[0].told) if state else "", below + PLACE)
     style = {"loc": "lower left", "borderaxespad": 0.2, "fontsize": 9, "handlelength": 1.0}
     figure.legend(handles=handles, bbox_to_anchor=((LEFT - 0.2) / width, 0.0), **style)
     bottom = BOTTOM + below

@@ -1,13 +1,14 @@
 """A quantity over what varies in a study: curves, maps and scattered samples."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from textwrap import fill
 
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from tractive_sam.plot.style import GREY, PRESSURE, SIGNED, WIDTH, set_title, styled
 
@@ -16,6 +17,13 @@ MOST_CURVES = 10
 
 ONE_SIGN = 0.02
 """Share of the largest value up to which those of the other sign do not count."""
+
+FEW = 6
+"""Values of an axis up to which a map has a row for each, as high as the next: between them nothing
+is known."""
+
+TICKS = 5
+"""Numbers along an axis, for which there is room."""
 
 LETTERS = 40
 """Of a label before it goes on in the next line."""
@@ -140,6 +148,8 @@ def study_curves(
 def study_map(x: Variable, y: Variable, quantity: Variable, *, title: str = "") -> Figure:
     """A quantity over two entries of a scene; cases where it is not known are left grey.
 
+    An entry of at most six values has equal fields, each under its value.
+
     Parameters
     ----------
     x, y : Variable
@@ -161,9 +171,10 @@ def study_map(x: Variable, y: Variable, quantity: Variable, *, title: str = "") 
     axes = figure.add_subplot(facecolor="#DDDDDD")
     across, along = np.argsort(x.places), np.argsort(y.places)
     values = np.ma.masked_invalid(quantity.values[np.ix_(across, along)].T)
-    mesh = axes.pcolormesh(
-        x.places[across], y.places[along], values, shading="nearest", **_colours(values)
-    )
+    x, y = _in_fields(x), _in_fields(y)
+    across = x.places[across] if x.numeric else np.arange(across.size)
+    along = y.places[along] if y.numeric else np.arange(along.size)
+    mesh = axes.pcolormesh(across, along, values, shading="nearest", **_colours(values))
     figure.colorbar(mesh, label=quantity.label)
     _label(axes, x, y)
     set_title(figure, title)
@@ -203,10 +214,19 @@ def _colours(values: np.ma.MaskedArray) -> dict:
     return {"cmap": PRESSURE}
 
 
+def _in_fields(variable: Variable) -> Variable:
+    """The variable in ascending order, as texts where it has few values."""
+    if not variable.numeric or variable.values.size > FEW:
+        return variable
+    return replace(variable, values=np.array([_told(one) for one in np.sort(variable.values)]))
+
+
 def _label(axes: Axes, x: Variable, y: Variable) -> None:
     axes.set(xlabel=x.label, ylabel=y.label)
     if x.logarithmic:
         axes.set_xscale("log")
+    elif x.numeric:
+        axes.xaxis.set_major_locator(MaxNLocator(TICKS))
     if not y.numeric:
         axes.set_yticks(y.places, y.values)
     if not x.numeric:

@@ -12,6 +12,7 @@ from matplotlib.ticker import MaxNLocator
 
 from tractive_sam.plain import plain
 from tractive_sam.results import History, Quantity
+from tractive_sam.scene import Scene
 
 P = ParamSpec("P")
 Drawn = TypeVar("Drawn")
@@ -48,6 +49,7 @@ _RC = {
     "font.size": 11,
     "axes.titlesize": 11,
     "axes.titlelocation": "left",
+    "figure.titlesize": 11.5,
     "axes.labelsize": 12,
     "axes.linewidth": 0.7,
     "axes.edgecolor": "#333333",
@@ -69,10 +71,31 @@ _RC = {
 }
 
 
+def told(title: str, *more: str) -> str:
+    """A title, and below it what else there is to say of a figure."""
+    below = "; ".join(filter(None, more)).replace("$", "")
+    for apart in (" = ", " mm", " MPa"):  # stays in one line
+        below = below.replace(apart, apart.replace(" ", "\u00a0"))
+    return "\n".join(filter(None, (title, below)))
+
+
+def told_of(history: History, quantity: str, scale: str = "") -> str:
+    """Title of a figure over the course of a history."""
+    return told(history.title, quantity, friction_told(history.scene), scale)
+
+
+def friction_told(scene: Scene) -> str:
+    """The coefficients of friction, and the angle where they differ."""
+    if scene.friction is None:
+        return ""
+    (first, second), angle = scene.friction.mu, scene.friction.angle
+    return f"µ = {first:g}" if first == second else f"µ = {first:g}/{second:g}, β = {angle:g}°"
+
+
 def wrapped(text: str, width: float) -> list[str]:
     """Lines of a title that is to be no wider, inches."""
     text = plain(text, LONGEST_TITLE)
-    return [part for line in text.split("\n") for part in wrap(line, int(11 * width)) or [""]]
+    return [part for line in text.split("\n") for part in wrap(line, int(13 * width)) or [""]]
 
 
 def symbol_of(one: Quantity) -> str:

@@ -28,6 +28,18 @@ def stick_edge(ax: Axes, state: Drawn, contact: Path, **style) -> None:
     lines.set_clip_path(contact, ax.transData)
 
 
+def fill_zones(ax: Axes, state: Drawn, contact: Path, colours: tuple[str, str]) -> None:
+    """Colour the zones of slip and stick, in this order, within the contact."""
+    stick = state.contact.touching & ~state.slip_zone
+    level = np.where(stick, 1.0, -1.0)
+    if stick.any() and state.slip_zone.any():
+        level = continued(stick_level(state, stick), state.contact.touching)
+    x, y = _one_more(state.x_over_a), _one_more(state.y_over_a)
+    style = {"colors": colours, "zorder": 0.5}
+    filled = ax.contourf(x, y, np.pad(level, 1, "edge").T, [-2.0, 0.0, 2.0], **style)
+    filled.set_clip_path(contact, ax.transData)
+
+
 def continued(values: np.ndarray, where: np.ndarray) -> np.ndarray:
     """Values, elsewhere the one at the nearest element; shapes (n_x, n_y)."""
     nearest = distance_transform_edt(~where, return_distances=False, return_indices=True)

@@ -9,7 +9,7 @@ import numpy as np
 from tractive_sam import scene
 from tractive_sam.scene import LENGTHS, TEXTS
 from tractive_sam.store.errors import GapError
-from tractive_sam.store.gap_text import read_text
+from tractive_sam.store.gap_text import is_number, read_text
 
 NAMES = ("x", "y", "separation")
 VALUES = ("separation", "height", "z")
@@ -47,11 +47,11 @@ def read_gap(gap: scene.Gap | str | Path) -> Gap:
                      track; with gap.step a matrix, a row for each x
     .npz             arrays of these names; or a single array, as .npy
     .csv .txt .dat   columns x, y, separation; or two columns y, height; or a
-    .tsv .xyz .asc   matrix whose first row holds y and whose first column holds x,
-                     without both with gap.step. Between numbers a comma, a
-                     semicolon, tabs or spaces; decimal points or commas. A header
-                     may tell names and units: ``y [mm]; z [um]``. Lines that begin
-                     with # or % are left out
+    .tsv .xyz .asc   matrix whose first row holds y and whose first column holds x
+                     (of two y with a word in the corner), without both with gap.step.
+                     Between numbers a comma, a semicolon, tabs or spaces; decimal
+                     points or commas. A header may tell names and units: ``y [mm]; z [um]``.
+                     Lines that begin with # or % are left out
     ===============  ==============================================================
 
     Parameters
@@ -152,8 +152,8 @@ def _read_text(path: Path, told: scene.Gap) -> _Found:
     if len(lateral) > 1:
         raise GapError(path, f"x and y in {', '.join(sorted(lateral))}", "the same unit of both")
     units = (*(lateral or {"mm"}), table.units[-1] or "mm") if table.units else ("mm", "mm")
-    columns = table.names or len(table.cells[0]) <= len(NAMES) or told.step is not None
-    if columns:
+    few = len(table.cells[0]) <= len(NAMES) and is_number(table.cells[0][0])
+    if table.names or few or told.step is not None:
         return replace(_of_numbers(path, told, table.numbers, table.names), units=units)
     y = np.array(table.cells[0][1:], float)  # the corner may hold anything
     rows = np.array(table.cells[1:], float).reshape(-1, 1 + len(y))

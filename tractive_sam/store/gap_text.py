@@ -73,6 +73,15 @@ def read_text(path: Path) -> TextTable:
     return TextTable(cells, names, units)
 
 
+def is_number(cell: str) -> bool:
+    """Whether a cell holds a number."""
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
+
+
 def _splitter(line: str) -> Callable[[str], list[str]]:
     """Splits lines like this one, a row of numbers, into cells with decimal points."""
     for separator in (";", "\t"):

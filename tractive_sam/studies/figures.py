@@ -1,5 +1,6 @@
 """Figures of a study: each quantity over one or two of its axes."""
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from os import PathLike
@@ -9,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from tractive_sam import interrupt
-from tractive_sam.plot import Variable, study_curves, study_map, study_samples
+from tractive_sam.plot import DPI, Variable, study_curves, study_map, study_samples
 from tractive_sam.results import COLUMNS, by_name
 from tractive_sam.studies.axis import SAMPLE
 from tractive_sam.studies.results import StudyResults, title_of
@@ -44,7 +45,8 @@ def save_figures(
         Names of `StudyResults.quantities`; by default those of `DRAWN` that are not the same
         everywhere.
     at : mapping of str to object, optional
-        Values at which other axes are held, by key; they are needed where more than two vary.
+        Values at which other axes are held, by key; they are needed where more than two vary. The
+        titles and the names of the files tell them.
     format : str
         One of `plot.FORMATS`.
 
@@ -76,12 +78,16 @@ def save_figures(
     left = _held(results, at or {})
     names = quantities or [name for name in DRAWN if _varies(results, name)]
     directory.mkdir(parents=True, exist_ok=True)
+    held = {key.rpartition(".")[2]: value for key, value in (at or {}).items()}
+    named = ", ".join(f"{key} = {value}" for key, value in held.items())
+    title = "\n".join(filter(None, (results.study.title or results.study.scene.title, named)))
     paths = []
     for name in names:
-        for kind, figure in _figures(results, name, left):
+        for kind, figure in _figures(results, name, left, title):
             interrupt.heed()
-            paths.append(directory / f"{name.replace(' ', '-')}-{kind}.{format}")
-            figure.savefig(paths[-1])
+            stem = "-".join((name.replace(" ", "-"), kind, *_parts(held)))
+            paths.append(directory / f"{stem}.{format}")
+            figure.savefig(paths[-1], dpi=DPI)
     return paths
 
 
@@ -127,7 +133,15 @@ def _size(results: StudyResults, name: str) -> float:
     return float(np.nanmax(np.abs(results.column(name))))
 
 
-def _figures(results: StudyResults, name: str, index: tuple) -> Iterator[tuple[str, Any]]:
+def _parts(held: Mapping[str, Any]) -> Iterator[str]:
+    """Values that are held, for the name of a file."""
+    for key, value in held.items():
+        yield re.sub(r"[^\w.+-]", "_", f"{key}{value}")
+
+
+def _figures(
+    results: StudyResults, name: str, index: tuple, title: str
+) -> Iterator[tuple[str, Any]]:
     """Kinds of figures, and the figures."""
     free = [
         one for one, k in zip(results.study.dimensions, index, strict=True) if isinstance(k, slice)
@@ -136,7 +150,6 @@ def _figures(results: StudyResults, name: str, index: tuple) -> Iterator[tuple[s
     values = results.column(name).reshape(results.study.shape)[index]
     quantity = Variable(name, values, about.long_name, about.unit)
     line = results.rows[0].case.scene.line
-    title = results.study.title or results.study.scene.title
     if free[0].name == SAMPLE:
         variables = {key: _variable(free[0].columns, line, key) for key in free[0].columns}
         yield "samples", study_samples(variables, quantity, title=title)
