@@ -56,3 +56,19 @@ def test_names_are_listed():
     assert set(dir(ts)) >= {*ts.__all__, "Scene", "plot"}
     with pytest.raises(AttributeError, match="no_such_name"):
         ts.no_such_name  # noqa: B018
+
+
+INTERFACES = """
+import tractive_sam.operators
+import pyfftw
+before = "pyfftw.interfaces.numpy_fft" in __import__("sys").modules
+pyfftw.interfaces.numpy_fft.fft
+from pyfftw.interfaces import cache
+import pyfftw.interfaces.scipy_fft
+assert not before and pyfftw.interfaces.cache is cache
+"""
+
+
+def test_what_pyfftw_loads_for_others_is_there_when_used():
+    assert not loaded_by("import tractive_sam.operators") & {"dask", "pandas", "xarray"}
+    assert "pyfftw.interfaces.scipy_fft" in loaded_by(INTERFACES)

@@ -3,7 +3,7 @@
 import warnings
 
 import numpy as np
-from scipy.interpolate import Akima1DInterpolator
+import scipy  # its parts are loaded when first used
 
 from tractive_sam.results import Grid
 from tractive_sam.scene import SceneWarning
@@ -122,4 +122,4 @@ def _interpolated(known: np.ndarray, values: np.ndarray, asked: np.ndarray) -> n
     if known.size == 2:  # a straight line; Akima's slopes need a third point
         share = ((asked - known[0]) / (known[1] - known[0]))[:, None]
         return (1.0 - share) * values[0] + share * values[1]
-    return Akima1DInterpolator(known, values, extrapolate=True)(asked)
+    return scipy.interpolate.Akima1DInterpolator(known, values, extrapolate=True)(asked)

@@ -8,10 +8,10 @@ from threading import Lock, get_ident
 from typing import TypeVar
 
 import numpy as np
-import pyfftw
 
 from tractive_sam import interrupt
 from tractive_sam.operators import wisdom
+from tractive_sam.operators.fftw import pyfftw
 from tractive_sam.operators.threads import of_transform
 
 Plan = TypeVar("Plan")

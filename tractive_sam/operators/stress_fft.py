@@ -4,9 +4,9 @@ Their arrays belong to the plan and are overwritten by its next use.
 """
 
 import numpy as np
-import pyfftw
 
 from tractive_sam.operators.fft import plan, planned
+from tractive_sam.operators.fftw import pyfftw
 
 
 class LayerTransform:

@@ -5,7 +5,8 @@ from contextlib import suppress
 from pathlib import Path
 
 import platformdirs
-import pyfftw
+
+from tractive_sam.operators.fftw import pyfftw
 
 PRECISIONS = ("double", "single")
 """Those in use, in FFTW's order."""

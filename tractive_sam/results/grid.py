@@ -96,10 +96,10 @@ def widened(values: np.ndarray, shape: tuple[int, ...], outside: float = 0.0) ->
         If the wider mesh does not add the same number of elements on either side.
     """
     before = values.shape[values.ndim - len(shape) :]
+    if before == tuple(shape):
+        return values
     extra = np.subtract(shape, before)
     if (extra < 0).any() or (extra % 2).any():
         raise ValueError(f"a mesh of {before} elements is not the middle of one of {shape}")
-    if not extra.any():
-        return values
     sides = [(0, 0)] * (values.ndim - len(shape)) + [(n // 2, n // 2) for n in extra]
     return np.pad(values, sides, constant_values=outside)

@@ -10,7 +10,7 @@ same.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy  # its parts are loaded when first used
 
 from tractive_sam.results import Status
 from tractive_sam.solvers.continuation import Continuation
@@ -97,7 +97,7 @@ class Bracketing:
                 before, here = here, here + step
                 missed, step = beyond(here), self.growth * step
             if missed:
-                brentq(beyond, before, here, disp=False)
+                scipy.optimize.brentq(beyond, before, here, disp=False)
             last = self.solver.solve(problem, tolerance, now)
             taken += 1
             now = last.costing(now)

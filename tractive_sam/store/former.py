@@ -88,7 +88,7 @@ def rewrite(
     layout.create(file, scene, history.grid)
     records = [_record(history, row) for row in range(count)]
     for record in records:
-        layout.add_columns(file, record)
+        layout.add_columns(file, [record])
     if records:
         rows.append(file, records)
         rows.put_state(file, count - 1, state)

@@ -21,7 +21,7 @@ linked into the groups that need them. The record of a row of /fields and /stres
 import hashlib
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import h5py
 import numpy as np
@@ -153,14 +153,18 @@ def set_versions(file: h5py.File, before: Sequence[tuple[int, Mapping[str, str]]
     set_text(file["scene"], "versions", json.dumps(before))
 
 
-def add_columns(file: h5py.File, record: Record) -> None:
-    """Make room for what the file does not hold yet: columns and planes of a record."""
-    _create_columns(file["history"], record.columns, record.blocks)
-    for one in record.stress:
-        bodies = file["stress"].require_group(one.body)
-        if str(one.plane) not in bodies:
-            group = bodies.create_group(str(one.plane))
-            _create_plane(group, file["grid"], one, record.coordinate)
+def add_columns(file: h5py.File, records: Iterable[Record]) -> None:
+    """Make room for what the file does not hold yet: columns and planes of records."""
+    known: set[str] = set()
+    for record in records:
+        if not record.columns.keys() <= known:
+            _create_columns(file["history"], record.columns, record.blocks)
+            known |= record.columns.keys()
+        for one in record.stress:
+            bodies = file["stress"].require_group(one.body)
+            if str(one.plane) not in bodies:
+                group = bodies.create_group(str(one.plane))
+                _create_plane(group, file["grid"], one, record.coordinate)
 
 
 def _create_columns(history: h5py.Group, columns: Mapping[str, Quantity], blocks: int = 0) -> None:

@@ -20,11 +20,17 @@ def append(file: h5py.File, records: Sequence[Record]) -> None:
     history, grid = file["history"], grid_of(file)
     before = len(history["record"])
     count = before + len(records)
-    for name in (name for name in history if name not in SCALES):
-        history[name].resize(count, axis=0)
-    history["record"][before:] = np.arange(before, count)
-    for name, one in records[0].columns.items():
-        history[name][before:] = stacked(one, [record.values[name] for record in records], grid)
+    columns = records[0].columns
+    for name, dataset in history.items():
+        if name in SCALES:
+            continue
+        dataset.resize(count, axis=0)
+        if name == "record":
+            dataset[before:] = np.arange(before, count)
+        elif name in columns:
+            dataset[before:] = stacked(
+                columns[name], [record.values[name] for record in records], grid
+            )
     for row, record in enumerate(records, start=before):
         if record.fields:
             _append_fields(file, row, record)
@@ -55,8 +61,9 @@ def _append(
     about = {"record": row, record.coordinate.name: record.at}
     for name, value in (about | dict(values)).items():
         dataset = group[name]
-        dataset.resize(len(dataset) + 1, axis=0)
-        dataset[-1] = widened(np.asarray(value), dataset.shape[1:], outside.get(name, 0.0))
+        rows, *shape = dataset.shape
+        dataset.resize(rows + 1, axis=0)
+        dataset[rows] = widened(np.asarray(value), tuple(shape), outside.get(name, 0.0))
 
 
 def put_state(file: h5py.File, row: int, state: Mapping[str, np.ndarray]) -> None:

@@ -219,8 +219,7 @@ class HistoryWriter:
             kept, pending = self._pending
             # Some are there already if an interrupt came just after the last copy was put in place.
             pending = pending[len(file["history/record"]) - kept :]
-            for record in pending:
-                layout.add_columns(file, record)
+            layout.add_columns(file, pending)
             if pending:
                 rows.append(file, pending)
             if self._state is not None:

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
+import scipy  # its parts are loaded when first used
 
 from tractive_sam.contact import Gap, Model
 from tractive_sam.results import Maximum
@@ -22,7 +22,7 @@ class Course:
     def __init__(self) -> None:
         self._revolutions: list[int] = []
         self._samples: list[Sample] = []
-        self._interpolator: PchipInterpolator | None = None
+        self._interpolator: scipy.interpolate.PchipInterpolator | None = None
 
     def add(self, revolution: int, sample: Sample) -> None:
         """Take up the next sample."""
@@ -49,7 +49,9 @@ class Course:
         """Values, scales and residual, interpolated; fitted anew once samples were added."""
         if self._interpolator is None:
             rows = [[*s.values.values(), *s.scales.values(), s.residual] for s in self._samples]
-            self._interpolator = PchipInterpolator(np.log1p(self._revolutions), rows)
+            self._interpolator = scipy.interpolate.PchipInterpolator(
+                np.log1p(self._revolutions), rows
+            )
         return self._interpolator(at)
 
 
