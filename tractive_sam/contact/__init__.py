@@ -6,15 +6,19 @@ from tractive_sam.contact.laws import Laws
 from tractive_sam.contact.measured import across
 from tractive_sam.contact.mesh import choose_grid, grown
 from tractive_sam.contact.model import Gap, Model
+from tractive_sam.contact.step import Asked, Stepped, Stepper, travelled
 from tractive_sam.contact.worn import Worn
 from tractive_sam.results import NotConverged, State
 
 __all__ = [
+    "Asked",
     "Gap",
     "Laws",
     "Model",
     "NotConverged",
     "State",
+    "Stepped",
+    "Stepper",
     "Worn",
     "across",
     "check_jacobian",
@@ -24,4 +28,5 @@ __all__ = [
     "fitted_blocks",
     "grown",
     "jacobian_of",
+    "travelled",
 ]

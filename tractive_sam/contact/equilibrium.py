@@ -148,34 +148,68 @@ def _contact(
     model: Model, problem: Problem, outcome: Outcome, depth: np.ndarray | DepthInPass | None
 ) -> State:
     units = model.units
+    pressure = units.pressure * outcome.pressure
+    traction, gap = _traction(model, outcome.traction), units.gap * outcome.gap
+    slip = _slip(model, outcome.slip)
+    if callable(depth):
+        depth = depth(pressure, traction, np.where(pressure > 0.0, slip, 0.0))
+    elif depth is None:
+        depth = np.zeros(model.grid.elements)
+    creepages = model.creepages(outcome.creepage)
+    resistance = _rolling_resistance(model, pressure, gap, depth)
+    return finished(model, problem, outcome, slip, creepages, depth, resistance)
+
+
+def finished(
+    model: Model,
+    problem: Problem,
+    outcome: Outcome,
+    slip: np.ndarray,
+    creepages: tuple[float, float, float],
+    depth: np.ndarray | None = None,
+    resistance: float = 0.0,
+) -> State:
+    """An outcome in mm, N and MPa.
+
+    Parameters
+    ----------
+    model : Model
+        What was solved, and on which mesh.
+    problem : Problem
+        What the outcome solves.
+    outcome : Outcome
+        Solved or not.
+    slip : ndarray, shape (2, n_x, n_y)
+        Slip to report, s/V.
+    creepages : tuple of float
+        Longitudinal and lateral creepage and spin.
+    depth : ndarray, shape (n_x, n_y), optional
+        Depth worn off both bodies, mm.
+    resistance : float
+        Rolling resistance, N.
+    """
+    units = model.units
     touching = outcome.pressure > 0.0
     pressure = units.pressure * outcome.pressure
     traction, gap = _traction(model, outcome.traction), units.gap * outcome.gap
-    slip = np.where(touching, _slip(model, outcome.slip), 0.0)
-    if callable(depth):
-        depth = depth(pressure, traction, slip)
-    elif depth is None:
-        depth = np.zeros(model.grid.elements)
+    depth = np.zeros(model.grid.elements) if depth is None else depth
     sliding, steepness = touching, 0.0
     if model.laws.friction is not None:
         fields = outcome.pressure, outcome.gap, outcome.traction, outcome.slip
         sliding = problem.sliding(*fields)
         if model.friction_law.falls:
             steepness = problem.steepness(*fields)
-    xi_x, xi_y, spin = model.creepages(outcome.creepage)
     contact = State(
         model.scene,
         model.grid,
         pressure,
         traction,
-        slip,
+        np.where(touching, slip, 0.0),
         gap,
         depth,
         units.gap * outcome.approach,
-        xi_x,
-        xi_y,
-        spin,
-        _rolling_resistance(model, pressure, gap, depth),
+        *creepages,
+        resistance,
         sliding,
         outcome.status,
         message(outcome.status, outcome, model),

@@ -39,13 +39,13 @@ def resampled(measured: Gap, grid: Grid) -> np.ndarray:
         )
         warnings.warn(text, SceneWarning, stacklevel=2)
     at_x, at_y = np.clip(grid.x, x[0], x[-1]), np.clip(grid.y, y[0], y[-1])
-    return _on(measured, at_x, at_y)
+    return sampled(measured, at_x, at_y)
 
 
 def across(measured: Gap, grid: Grid) -> np.ndarray:
     """The measured separation across the track, at x = 0 and the rows of a mesh, mm."""
     x, y, _ = measured
-    return _on(measured, np.clip([0.0], x[0], x[-1]), np.clip(grid.y, y[0], y[-1]))[0]
+    return sampled(measured, np.clip([0.0], x[0], x[-1]), np.clip(grid.y, y[0], y[-1]))[0]
 
 
 def warn_if_unseen(measured: Gap, grid: Grid, taken: np.ndarray, scale: float) -> None:
@@ -66,7 +66,7 @@ def warn_if_unseen(measured: Gap, grid: Grid, taken: np.ndarray, scale: float) -
     each = (grid.dx * _per_length(x), grid.dy * _per_length(y))
     if max(each) <= 1.0 or y.size < 2:
         return
-    seen = _on((grid.x, grid.y, taken), x, y)
+    seen = sampled((grid.x, grid.y, taken), x, y)
     missed = float(np.sqrt(np.mean((separation - seen) ** 2)))
     if missed > UNSEEN * scale:
         finer = (int(np.ceil(n * max(1.0, s))) for n, s in zip(grid.elements, each, strict=True))
@@ -103,7 +103,7 @@ def _within(measured: Gap, grid: Grid) -> Gap:
         np.abs(known) <= length for known, length in zip((x, y), grid.half_length, strict=True)
     )
     if not in_x.any():  # a profile across the track, told far before and behind
-        return np.zeros(1), y[in_y], _on(measured, np.zeros(1), y[in_y])
+        return np.zeros(1), y[in_y], sampled(measured, np.zeros(1), y[in_y])
     return x[in_x], y[in_y], separation[np.ix_(in_x, in_y)]
 
 
@@ -112,7 +112,8 @@ def _per_length(known: np.ndarray) -> float:
     return 1.0 / float(np.median(np.diff(known))) if known.size > 1 else 0.0
 
 
-def _on(known: Gap, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+def sampled(known: Gap, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """A gap at any places, shape (len(x), len(y))."""
     rows = _interpolated(known[0], known[2], x)
     return _interpolated(known[1], rows.T, y).T
 

@@ -53,6 +53,7 @@ def choose_grid(scene: Scene, measured=None, finer: float = 1.0) -> Grid:
     SceneError
         If a measured gap is so much longer than wide that they would be too many.
     """
+    scene = scene.heaviest
     if scene.grid is not None:
         return Grid.of(scene.grid.half_length, scene.grid.elements)
     if scene.hertz is not None and math.isinf(scene.hertz.b):

@@ -60,6 +60,8 @@ class Model:
         Method to use instead of the scene's; it is given a `Problem` whose pressure is free.
     began : Worn, optional
         Worn bodies with which rolling begins; new ones by default.
+    profiles : tuple of Gap
+        Those that a [transient] has fixed to the bodies.
     """
 
     def __init__(
@@ -70,18 +72,27 @@ class Model:
         laws: Laws | None = None,
         solver: Solver | None = None,
         began: Worn | None = None,
+        profiles: tuple[Gap, ...] = (),
     ):
         self.scene, self.began = scene, began
         self.laws = laws or Laws.of(scene)
         self.method = METHODS[scene.solver.method] if solver is None else Method.of(solver)
         self._solver = solver
-        self.measured = measured
+        self.measured, self.profiles = measured, profiles
         self.grid = grid or choose_grid(scene, measured)
         self.elasticity = self.laws.elasticity.spanning(2.0 * self.grid.half_length[0])
 
     def on(self, grid: Grid) -> "Model":
         """The same on another mesh."""
-        return Model(self.scene, self.measured, grid, self.laws, self._solver, self.began)
+        return Model(
+            self.scene,
+            self.measured,
+            grid,
+            self.laws,
+            self._solver,
+            self.began,
+            self.profiles,
+        )
 
     @property
     def blocks(self) -> tuple["Model", ...]:
@@ -177,6 +188,8 @@ class Model:
     @cached_property
     def transmits(self) -> bool:
         """Whether there is any cause for tangential traction."""
+        if self.scene.transient is not None:
+            return self.laws.friction is not None
         creepage = self.scene.creepage
         coupled = self.elasticity.coupled
         moving = creepage.longitudinal or creepage.lateral or creepage.spin

@@ -58,20 +58,23 @@ def project(traction, bound, out, w0=1.0, w1=1.0):
 
 
 @njit(cache=True)
-def _centred(slip, contact, i, j):
-    """Slip at the centre of an element, from that of the leading faces.
+def _centred(slip, contact, i, j, ahead):
+    """Slip at the centre of an element, from that of the leading faces, `ahead` / 2 before it.
 
-    By a parabola through the faces ahead, its own and behind; its weights -1/8, 3/4, 3/8 damp
-    odd-even waves as the own face does. By the mean of two where the face ahead is that of a
-    leading element, at the edge of contact.
+    By a parabola through the faces ahead, its own and behind; of faces half an element before the
+    centres its weights are -1/8, 3/4 and 3/8, which damp odd-even waves as the own face does. By a
+    straight line where the face ahead is that of a leading element, at the edge of contact.
     """
     a0, a1 = slip[0, i, j], slip[1, i, j]
     if i == 0:
         return a0, a1
-    m0, m1 = 0.5 * (a0 + slip[0, i - 1, j]), 0.5 * (a1 + slip[1, i - 1, j])
+    behind, here, before = 0.5 * ahead, 1.0 - 0.5 * ahead, 0.0
     if i + 2 < contact.shape[0] and contact[i + 1, j] > 0.0 and contact[i + 2, j] > 0.0:
-        m0 = 0.75 * m0 + 0.375 * a0 - 0.125 * slip[0, i + 1, j]
-        m1 = 0.75 * m1 + 0.375 * a1 - 0.125 * slip[1, i + 1, j]
+        before = -0.5 * behind * here
+        behind, here = 0.5 * behind * (1.0 + behind), 1.0 - behind * behind
+    m0, m1 = here * a0 + behind * slip[0, i - 1, j], here * a1 + behind * slip[1, i - 1, j]
+    if before != 0.0:
+        m0, m1 = m0 + before * slip[0, i + 1, j], m1 + before * slip[1, i + 1, j]
     return m0, m1
 
 
@@ -83,7 +86,7 @@ def centre(slip, contact, out):
         for j in range(ny):
             out[0, i, j], out[1, i, j] = slip[0, i, j], slip[1, i, j]
             if contact[i, j] > 0.0:
-                out[0, i, j], out[1, i, j] = _centred(slip, contact, i, j)
+                out[0, i, j], out[1, i, j] = _centred(slip, contact, i, j, 1.0)
 
 
 @njit(cache=True)
@@ -139,7 +142,7 @@ def _turned(a0, a1, m0, m1):
 
 
 @njit(cache=True)
-def turn(slip, contact, out):
+def turn(slip, contact, out, ahead=1.0):
     """Slip that the tractions oppose, from that of the leading faces.
 
     Its size is that of the slip a of the leading face, which decides between stick and slip, its
@@ -147,13 +150,15 @@ def turn(slip, contact, out):
     direction passes over into that of a, by the share 4 a.m/(a² + m²) - 1/2 within 0 and 1 (well
     within a slip zone it is one): so the law is continuous, and an element sticks rather than slip
     the wrong way at its leading face.
+
+    The faces lie `ahead` / 2 elements before the centres.
     """
     nx, ny = contact.shape
     for i in range(nx):
         for j in range(ny):
             a0, a1 = slip[0, i, j], slip[1, i, j]
             if contact[i, j] > 0.0:
-                m0, m1 = _centred(slip, contact, i, j)
+                m0, m1 = _centred(slip, contact, i, j, ahead)
                 a0, a1, _ = _turned(a0, a1, m0, m1)
             out[0, i, j], out[1, i, j] = a0, a1
 
@@ -200,8 +205,8 @@ def linearise(
         Current iterate and the slip of its leading faces.
     bound, contact : ndarray, shape (nx, ny)
         Radius of the disc, and what is positive in contact.
-    staggered : bool
-        Whether the slip opposed is turned to that at the centre (`turn`).
+    staggered : float
+        How far the slip opposed is turned back, to that at the centre (`turn`); 0: not at all.
     w0, w1 : float
         Weights of the slip along the axes; the projection is the nearest point in the norm that
         belongs to them (`_nearest`), and the solution the same for any.
@@ -236,7 +241,7 @@ def linearise(
             s0, s1, ratio = slip[0, i, j], slip[1, i, j], 1.0
             m0, m1 = s0, s1
             if staggered and g > 0.0:
-                m0, m1 = _centred(slip, contact, i, j)
+                m0, m1 = _centred(slip, contact, i, j, 1.0 * staggered)
                 s0, s1, ratio = _turned(s0, s1, m0, m1)
             direction[0, i, j] = direction[1, i, j] = 0.0
             kappa[i, j] = 1.0
@@ -285,12 +290,12 @@ def linearise(
 
 
 @njit(cache=True)
-def tangent_row(state, direction, kappa, across, contact, step, slip, out):
+def tangent_row(state, direction, kappa, across, contact, step, slip, out, ahead=1.0):
     """Rows of the linearised friction law: s where it sticks, kappa t.s + (1 - kappa) t.p along t.
 
     ``step`` and ``slip`` are a change of traction and the change of slip of the leading faces it
     causes; ``t`` is perpendicular to the direction of slip, and ``across`` says what t.s is there
-    (`linearise`). Components that are no unknowns are set to zero.
+    (`linearise`, `turn`). Components that are no unknowns are set to zero.
     """
     nx, ny = state.shape
     for i in range(nx):
@@ -301,7 +306,7 @@ def tangent_row(state, direction, kappa, across, contact, step, slip, out):
                 t0, t1, k = -direction[1, i, j], direction[0, i, j], kappa[i, j]
                 along = across[0, 0, i, j] * slip[0, i, j] + across[0, 1, i, j] * slip[1, i, j]
                 if across[1, 0, i, j] != 0.0 or across[1, 1, i, j] != 0.0:
-                    m0, m1 = _centred(slip, contact, i, j)
+                    m0, m1 = _centred(slip, contact, i, j, ahead)
                     along += across[1, 0, i, j] * m0 + across[1, 1, i, j] * m1
                 value = k * along + (1.0 - k) * (t0 * step[0, i, j] + t1 * step[1, i, j])
                 out[0, i, j], out[1, i, j] = value * t0, value * t1
@@ -375,4 +380,46 @@ def sweep(state, direction, kappa, stiffness, own, smooth, rough, out):
                 tau = (d0 * a + d1 * b + rough[i, j]) / (d + gamma)
                 a, b = tau * t0, tau * t1
             ahead[0, j], ahead[1, j] = a, b
+            out[0, i, j], out[1, i, j] = a, b
+
+
+@njit(cache=True)
+def share_out(state, direction, kappa, stiffness, own, row, smooth, rough):
+    """Divide a residual of a step between the circulant inverse and the local terms.
+
+    As `split`, of rows in the displacement itself: the local term gamma competes with d, the
+    displacement of the element by itself (`gather`).
+    """
+    nx, ny = state.shape
+    for i in range(nx):
+        for j in range(ny):
+            smooth[0, i, j] = smooth[1, i, j] = rough[i, j] = 0.0
+            w = stiffness[i, j]
+            if state[i, j] == STICK:
+                d = 0.5 * (own[0] + own[2])
+                share = d / (d + w) * (1.0 + w)
+                smooth[0, i, j], smooth[1, i, j] = share * row[0, i, j], share * row[1, i, j]
+            elif state[i, j] == SLIP:
+                t0, t1, k = -direction[1, i, j], direction[0, i, j], kappa[i, j]
+                d = own[0] * t0 * t0 + 2.0 * own[1] * t0 * t1 + own[2] * t1 * t1
+                gamma = w + (1.0 + w) * (1.0 / k - 1.0)
+                value = (1.0 + w) * (t0 * row[0, i, j] + t1 * row[1, i, j]) / k
+                share = d / (d + gamma)
+                rough[i, j] = (1.0 - share) * value / (d + gamma)
+                smooth[0, i, j], smooth[1, i, j] = share * value * t0, share * value * t1
+
+
+@njit(cache=True)
+def gather(state, direction, smooth, rough, out):
+    """Put both shares together: of an element that slips, what is along t (`share_out`)."""
+    nx, ny = state.shape
+    for i in range(nx):
+        for j in range(ny):
+            a, b = smooth[0, i, j], smooth[1, i, j]
+            if state[i, j] == OPEN:
+                a = b = 0.0
+            elif state[i, j] == SLIP:
+                t0, t1 = -direction[1, i, j], direction[0, i, j]
+                tau = a * t0 + b * t1 + rough[i, j]
+                a, b = tau * t0, tau * t1
             out[0, i, j], out[1, i, j] = a, b

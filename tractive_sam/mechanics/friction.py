@@ -179,7 +179,7 @@ class FrictionLaw(ABC):
         return out
 
     @staticmethod
-    def opposed(slip: np.ndarray, contact: np.ndarray, staggered: bool) -> np.ndarray:
+    def opposed(slip: np.ndarray, contact: np.ndarray, staggered: float) -> np.ndarray:
         """The slip that the tractions oppose, from that of the leading faces.
 
         Parameters
@@ -188,13 +188,14 @@ class FrictionLaw(ABC):
             Slip of the leading faces.
         contact : ndarray, shape (n_x, n_y)
             Positive in contact.
-        staggered : bool
-            Whether it points where the slip at the centre does (`kernels.friction.turn`).
+        staggered : float
+            How far it is turned back, to where the slip at the centre points; 0: not at all
+            (`kernels.friction.turn`).
         """
         if not staggered:
             return slip
         out = np.empty_like(slip)
-        friction.turn(slip, contact, out)
+        friction.turn(slip, contact, out, float(staggered))
         return out
 
     @staticmethod
@@ -212,7 +213,7 @@ class FrictionLaw(ABC):
         slip: np.ndarray,
         bound: Bound,
         contact: np.ndarray,
-        staggered: bool,
+        staggered: float,
         active: np.ndarray | None = None,
     ) -> "Linearisation":
         """What the law says of a state, and its derivative there.
@@ -225,7 +226,7 @@ class FrictionLaw(ABC):
             The bound, under that slip.
         contact : ndarray, shape (n_x, n_y)
             What is positive in contact.
-        staggered : bool
+        staggered : float
             As for `opposed`.
         active : ndarray of bool, optional
             Elements that remain in contact after the step to come; those that leave it take their
@@ -240,7 +241,7 @@ class FrictionLaw(ABC):
             slip,
             radius,
             contact,
-            staggered,
+            float(staggered),
             *self.frame.weights,
             state,
             direction,
@@ -251,9 +252,18 @@ class FrictionLaw(ABC):
         if active is not None:
             state[~active] = friction.OPEN
             direction[:, ~active] = 0.0
-        slope = None if bound.slope is None else Falling(bound.slope, staggered)
+        slope = None if bound.slope is None else Falling(bound.slope, bool(staggered))
         return Linearisation(
-            state, direction, kappa, across, defect, contact, squares, merit, slope
+            state,
+            direction,
+            kappa,
+            across,
+            defect,
+            contact,
+            squares,
+            merit,
+            slope,
+            float(staggered),
         )
 
 
@@ -374,6 +384,8 @@ class Linearisation:
     falling : Falling, optional
         Of a bound that answers to the slip: then the step along n is an unknown as well, and what
         its row asks is n.p less the change of the bound.
+    staggered : float
+        As for `FrictionLaw.opposed`.
     """
 
     state: np.ndarray
@@ -385,6 +397,7 @@ class Linearisation:
     squares: float
     merit: float
     falling: "Falling | None" = None
+    staggered: float = 1.0
 
     @property
     def known(self) -> np.ndarray:
@@ -409,7 +422,15 @@ class Linearisation:
             bound answers to the slip; then the step is one without what follows the pressure.
         """
         friction.tangent_row(
-            self.state, self.direction, self.kappa, self.across, self.contact, step, slip, out
+            self.state,
+            self.direction,
+            self.kappa,
+            self.across,
+            self.contact,
+            step,
+            slip,
+            out,
+            self.staggered,
         )
         if self.falling is not None:
             out += self.falling.rows(self.direction, self.contact, step, slip)
@@ -447,6 +468,25 @@ class Linearisation:
         friction.sweep(*here, inverse(smooth), rough, out)
         if self.falling is not None:
             out += (rows * self.direction).sum(axis=0) * self.direction
+        return out
+
+    def approximate_inverse_of_step(
+        self,
+        rows: np.ndarray,
+        inverse: Callable[[np.ndarray], np.ndarray],
+        own: tuple[float, float, float],
+        stiffness: np.ndarray,
+    ) -> np.ndarray:
+        """The same where the rows are in the displacement A itself, not in its difference.
+
+        Parameters as of `approximate_inverse`; `own` is the displacement of an element by its own
+        traction.
+        """
+        here = self.state, self.direction
+        smooth, rough = np.empty_like(rows), np.empty(self.kappa.shape)
+        friction.share_out(*here, self.kappa, stiffness, own, rows, smooth, rough)
+        out = np.empty_like(rows)
+        friction.gather(*here, inverse(smooth), rough, out)
         return out
 
 

@@ -8,6 +8,7 @@ from tractive_sam.operators.influence import Lattice
 from tractive_sam.operators.memory import available
 from tractive_sam.operators.rows import row_compliance
 from tractive_sam.operators.stencil import STAGGERED, UPWIND, FrictionSlip, Stencil
+from tractive_sam.operators.step import StepOperators, Way
 from tractive_sam.operators.stress_layers import StressLayers
 from tractive_sam.operators.stress_plane import StressPlane
 from tractive_sam.operators.surface import between, slopes, surface_stress
@@ -24,8 +25,10 @@ __all__ = [
     "Lattice",
     "Operators",
     "Stencil",
+    "StepOperators",
     "StressLayers",
     "StressPlane",
+    "Way",
     "available",
     "between",
     "cores",

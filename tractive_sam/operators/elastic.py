@@ -18,7 +18,7 @@ from functools import cached_property, lru_cache, partial
 import numpy as np
 
 from tractive_sam.kernels import spectral
-from tractive_sam.mechanics import Elasticity, Frame
+from tractive_sam.mechanics import Elasticity, Frame, Linearisation
 from tractive_sam.operators import influence
 from tractive_sam.operators.convolution import Convolution
 from tractive_sam.operators.fft import spectrum
@@ -61,7 +61,7 @@ class Operators:
 
     def on(self, lattice: Lattice) -> "Operators":
         """The same bodies and units on another mesh."""
-        return Operators(lattice, self.elasticity, *self._units, self.frame, self.stencil)
+        return type(self)(lattice, self.elasticity, *self._units, self.frame, self.stencil)
 
     @cached_property
     def coarsened(self) -> "Operators":
@@ -72,7 +72,7 @@ class Operators:
     def part(self) -> Callable[[tuple[int, int]], "Operators"]:
         """Operators on fewer elements of the mesh, by their numbers; the last eight are kept."""
         whole = (self.lattice, self.elasticity, *self._units, self.frame, self.stencil)
-        return lru_cache(8)(partial(_on_part, *whole))
+        return lru_cache(8)(partial(_on_part, type(self), *whole))
 
     def _displacement(self, component: str, period: tuple[int, int] | None = None) -> np.ndarray:
         return spectrum(influence.displacement(self.lattice, self.elasticity, component, period))
@@ -136,16 +136,29 @@ class Operators:
 
         What the tractions displace ahead of an edge is told by `Elasticity.opening`.
         """
-        per_gap, F = self._per_slip / (self._per_gap * self.lattice.dx), self.frame.matrix
-        dx, dy = self.lattice.dx, self.lattice.dy
-
-        def opening(angle: np.ndarray) -> np.ndarray:
-            normal = np.stack((np.cos(angle), np.sin(angle)))
-            return per_gap * F @ self.elasticity.opening(normal, dx, dy) @ F.T
-
-        leading, layer = self.stencil.leading(bound, gap), self.elasticity.layer
+        leading, layer, F = (
+            self.stencil.leading(bound, gap),
+            self.elasticity.layer,
+            self.frame.matrix,
+        )
+        ahead, dx = (leading[0] + 1, leading[1]), self.lattice.dx
         sheared = self._per_slip * layer / dx * F @ F.T if layer else None
-        return FrictionSlip(self.stencil.staggered, bound, gap, leading, dx / dy, opening, sheared)
+        seen = self.stencil.staggered, bound, gap, leading, ahead, dx / self.lattice.dy
+        return FrictionSlip(*seen, self._opening, sheared)
+
+    def _opening(self, angle: np.ndarray) -> np.ndarray:
+        """What the surfaces slip by a unit of gap that closes, by angles of the edge, (m, 2, 2)."""
+        per_gap, F = self._per_slip / (self._per_gap * self.lattice.dx), self.frame.matrix
+        normal = np.stack((np.cos(angle), np.sin(angle)))
+        return per_gap * F @ self.elasticity.opening(normal, self.lattice.dx, self.lattice.dy) @ F.T
+
+    def approximate_inverse(
+        self, law: Linearisation, rows: np.ndarray, stiffness: np.ndarray
+    ) -> np.ndarray:
+        """Tractions whose rows of a friction law are nearly those given: the upwind sweep."""
+        return law.approximate_inverse(
+            rows, self.tangential_inverse, self.self_influence, stiffness
+        )
 
     @cached_property
     def tangential(self) -> Convolution:
@@ -195,5 +208,5 @@ class Operators:
         return self.coupled(np.concatenate((pressure[None], none)))[1:]
 
 
-def _on_part(lattice, elasticity, gap, slip, frame, stencil, shape) -> Operators:
-    return Operators(lattice.of(shape), elasticity, gap, slip, frame, stencil)
+def _on_part(kind, lattice, elasticity, gap, slip, frame, stencil, shape) -> Operators:
+    return kind(lattice.of(shape), elasticity, gap, slip, frame, stencil)

@@ -155,12 +155,14 @@ class FrictionSlip:
 
     Parameters
     ----------
-    staggered : bool
-        As of `Stencil`; if not, the slip of the leading faces is returned as it is.
+    staggered : float
+        How many half elements the faces are ahead of the centres to which the slip is turned back;
+        0, of `UPWIND`: not at all.
     bound, gap : ndarray, shape (n_x, n_y)
         Pressure and gap.
-    leading : tuple of ndarray of int, shape (m,)
-        Indices (i, j) of the leading elements.
+    leading, parted : tuple of ndarray of int, shape (m,)
+        Indices (i, j) of the leading elements, and of those at which `gap` tells how far the
+        surfaces part ahead of them.
     aspect : float
         dx/dy.
     opening : callable
@@ -170,10 +172,10 @@ class FrictionSlip:
         What an interfacial layer slips by over an element, by the traction that it gains there.
     """
 
-    def __init__(self, staggered, bound, gap, leading, aspect, opening, layer=None):
+    def __init__(self, staggered, bound, gap, leading, parted, aspect, opening, layer=None):
         self.staggered = staggered
         self.bound = bound
-        self._here, self._ahead = leading, (leading[0] + 1, leading[1])
+        self._here, self._ahead = leading, parted
         self._aspect, self._opening_at = aspect, opening
         self._angle = edge_angles(bound, leading[0], leading[1], aspect)
         self._opening = opening(self._angle)

@@ -12,6 +12,7 @@ from .maximum import Maximum as Maximum
 from .maximum import Point as Point
 from .plane_stress import COMPONENTS as COMPONENTS
 from .plane_stress import PlaneStress as PlaneStress
+from .quantities import BEFORE as BEFORE
 from .quantities import BODIES as BODIES
 from .quantities import COLUMNS as COLUMNS
 from .quantities import COORDINATE as COORDINATE

@@ -41,7 +41,15 @@ def _measured(scene: Scene) -> bool:
 
 
 def _forced(scene: Scene) -> bool:
-    return scene.load.force_x is not None or scene.load.force_y is not None
+    return any(scene.forced)
+
+
+def _transient(scene: Scene) -> bool:
+    return scene.transient is not None
+
+
+def _revolving(scene: Scene) -> bool:
+    return scene.transient is None
 
 
 def _stressed(scene: Scene) -> tuple[str, ...]:
@@ -163,6 +171,17 @@ REVOLUTION = Quantity(
     label="revolutions",
     format="d",
     whole=True,
+    when=_revolving,
+    role=COORDINATE,
+)
+
+DISTANCE = Quantity(
+    "distance",
+    "mm",
+    "distance rolled; of shifts the parameter of their courses",
+    symbol="s",
+    label="distance",
+    when=_transient,
     role=COORDINATE,
 )
 
@@ -170,6 +189,7 @@ REVOLUTION = Quantity(
 # fmt: off
 _SCALARS = (
     REVOLUTION,
+    DISTANCE,
     Quantity("P", "N", "normal load", lambda c: c.P, symbol="P", per_length=True),
     Quantity("Qx", "N", "longitudinal force on body A", lambda c: c.Qx,
              symbol="Q_x", per_length=True),
@@ -217,6 +237,19 @@ _SCALARS = (
              lambda c: float(c.converged), format="d"),
     Quantity("solves", "1", "contacts solved for this record", format="d"),
     Quantity("seconds", "s", "time spent on this record"),
+    Quantity("shift_x", "mm", "shift of A over B in x since the start, by creepage too",
+             symbol=r"\delta_x", when=_transient),
+    Quantity("shift_y", "mm", "shift of A over B in y since the start, by creepage too",
+             symbol=r"\delta_y", when=_transient),
+    Quantity("turn", "rad", "turn of A over B since the start, by spin too", when=_transient),
+    Quantity("step_work", "N mm", "work supplied in the step to this record, by tangential forces "
+             "and, of dissimilar bodies, by the load", per_length=True, when=_transient),
+    Quantity("step_friction", "N mm", "work of friction in the step to this record",
+             per_length=True, when=_transient),
+    Quantity("elastic_energy", "N mm", "elastic energy of the tractions, of dissimilar bodies with "
+             "the pressure", symbol="W", per_length=True, when=_transient),
+    Quantity("next_step", "mm", "how far the next step is to go", when=_transient),
+    Quantity("stretch", "1", "stretch between two knots, from 0 on", format="g", when=_transient),
 )
 
 _OTHERS = (
@@ -381,6 +414,14 @@ FIELDS = by_name(
     )
 )
 """A function of x and y, kept at chosen revolutions; all that rolling goes on from."""
+
+BEFORE = by_name(
+    (
+        Quantity("before_x", "MPa", "longitudinal traction on body A a step before"),
+        Quantity("before_y", "MPa", "lateral traction on body A a step before"),
+    )
+)
+"""What a transient goes on from beside `FIELDS`: kept of the last contact only."""
 
 OUTSIDE = {"gap": math.inf}
 """What a field is beside the mesh, where that is not zero: nothing touches there, and how wide the

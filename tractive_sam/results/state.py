@@ -326,11 +326,8 @@ class State:
     @property
     def creepage_found(self) -> tuple[float, float]:
         """Longitudinal and lateral creepage where a force is prescribed; nan where it is given."""
-        load = self.scene.load
-        return (
-            math.nan if load.force_x is None else self.xi_x,
-            math.nan if load.force_y is None else self.xi_y,
-        )
+        forced_x, forced_y = self.scene.forced
+        return self.xi_x if forced_x else math.nan, self.xi_y if forced_y else math.nan
 
     @cached_property
     def worn_volume(self) -> dict[str, float]:

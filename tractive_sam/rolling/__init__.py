@@ -11,12 +11,15 @@ from tractive_sam.rolling.passage import (
 )
 from tractive_sam.rolling.revolutions import Judge, passages, recorded
 from tractive_sam.rolling.saves import Saves
+from tractive_sam.rolling.transient import Moment, Transient
 
 __all__ = [
     "Judge",
     "Milestone",
+    "Moment",
     "Passage",
     "Saves",
+    "Transient",
     "begun",
     "first_passage",
     "next_passage",

@@ -5,14 +5,16 @@ made of one pass for each block; of the worn bodies a pass knows the profile wit
 enters.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from tractive_sam.contact import Model, Worn, equilibrium, fitted_blocks
 from tractive_sam.mechanics import Turns
-from tractive_sam.results import Cost, Grid, State, Status
+from tractive_sam.results import PARTS, Cost, Grid, State, Status
+from tractive_sam.rolling.transient import Moment, Transient
 
 CORRECTIONS = 20
 
@@ -109,6 +111,41 @@ class Passage:
     def converged(self) -> bool:
         """Whether all contacts were solved."""
         return all(contact.converged for contact in self.contacts)
+
+    @property
+    def place(self) -> int:
+        """Value of the coordinate of its record."""
+        return self.revolution
+
+    @property
+    def beside(self) -> Mapping[str, np.ndarray]:
+        """Fields that rolling goes on from beside those of the contact: none."""
+        return {}
+
+    def told(self) -> tuple[State, Mapping[str, Any], bool]:
+        """The contact to record, the columns that only stepping knows, and whether it is kept."""
+        contact = replace(self.contact, revolution=self.revolution)
+        # The adaptive stepping has corrected the profile with which the material enters.
+        entering = self.course[-1].profile
+        shift = entering - contact.wear[-1]
+        volumes = contact.volumes_of({body: self.around(body) for body in "AB"})
+        worn = replace(contact, wear=contact.wear + shift, volumes=volumes)
+        given = {
+            "revolution": self.revolution,
+            "jump": self.jump,
+            "solves": self.solves,
+            "wear_max": float(worn.wear.max()),
+            "worn_volume": worn.worn_volume,
+            "worn_mass": worn.worn_mass,
+            "wear_profile": self.leaving,
+            "entering_profile": entering,
+            "wear_per_revolution": self.course[-1].rate,
+            "wear_profile_A": self.behind("A"),
+            "wear_profile_B": self.behind("B"),
+        }
+        if self.parts is not None:
+            given[PARTS.name] = self.parts
+        return contact, given, True
 
     def on(self, grid: Grid) -> "Passage":
         """The same on a wider mesh of the same elements."""
@@ -231,8 +268,13 @@ def unworn(model: Model) -> Passage:
     return begun(model, tuple(equilibrium(one, one.worn_before) for one in model.blocks))
 
 
-def first_passage(model: Model) -> tuple[Model, Passage]:
-    """Revolution zero on a mesh that holds the contacts, and the model on that mesh."""
+def first_passage(model: Model) -> tuple[Model, Passage | Moment]:
+    """Revolution zero on a mesh that holds the contacts, and the model on that mesh.
+
+    Of a [transient] it is the first knot.
+    """
+    if model.scene.transient is not None:
+        return model, Transient(model).start()
     model, contacts = fitted_blocks(model)
     return model, begun(model, contacts)
 
@@ -242,8 +284,10 @@ def begun(model: Model, contacts: tuple[State, ...]) -> Passage:
     return Passage(0, contacts, len(contacts), **_of_model(model, contacts))
 
 
-def resumed(model: Model, last: Passage) -> Passage:
+def resumed(model: Model, last: Passage | Moment) -> Passage | Moment:
     """A passage that was stored, with what its model tells of it."""
+    if isinstance(last, Moment):
+        return last
     known = _of_model(model, last.contacts, last.rolled)
     return replace(last, **known | {"parts": last.parts if "parts" in known else None})
 

@@ -10,14 +10,15 @@ from tractive_sam.results import PARTS, BodyFatigue, Maximum, Quantity, Record, 
 from tractive_sam.rolling.adaptive import adaptive_passages
 from tractive_sam.rolling.passage import Passage, next_passage, off_grid, unworn
 from tractive_sam.rolling.saves import Saves
+from tractive_sam.rolling.transient import Moment, Transient
 from tractive_sam.subsurface import fatigue, stress_maxima, stress_on_planes
 
 GROWTHS = 16
 """Most enlargements of a mesh: to 35 times its width."""
 
 
-def passages(model: Model, start: Passage | None = None) -> Iterator[Passage]:
-    """Roll a scene through its revolutions.
+def passages(model: Model, start: Passage | Moment | None = None) -> Iterator[Passage | Moment]:
+    """Roll a scene through its revolutions, or through the distance of its [transient].
 
     A mesh that the scene leaves to us grows with the contact; passages from there on are on the
     wider mesh. Stops after the first contact that is not solved.
@@ -29,6 +30,13 @@ def passages(model: Model, start: Passage | None = None) -> Iterator[Passage]:
     start : Passage, optional
         Where to go on; by default with the unworn bodies, which are then the first one yielded.
     """
+    if model.scene.transient is not None:
+        transient = Transient(model)
+        if start is None:
+            start = transient.start()
+            yield start
+        yield from transient.moments(start)
+        return
     last = start
     if last is None:
         last = unworn(model)
@@ -67,7 +75,7 @@ class Judge(Protocol):
 
 
 def recorded(
-    passage: Passage,
+    passage: Passage | Moment,
     laws: Laws,
     began: float,
     judge: Judge | None = None,
@@ -81,7 +89,7 @@ def recorded(
 
     Parameters
     ----------
-    passage : Passage
+    passage : Passage or Moment
         What was rolled.
     laws : Laws
         What it was rolled with, and what its stress is judged by.
@@ -94,35 +102,16 @@ def recorded(
     measured : Gap, optional
         The measured separation of the scene.
     """
-    contact = replace(passage.contact, revolution=passage.revolution)
-    # The adaptive stepping has corrected the profile with which the material enters.
-    entering = passage.course[-1].profile
-    shift = entering - contact.wear[-1]
-    keep = passage.revolution in Saves.of(contact.scene) or not contact.converged
+    contact, known, last = passage.told()
+    keep = (last and passage.place in Saves.of(contact.scene)) or not contact.converged
     maxima = stress_maxima(contact, laws)
     stress = stress_on_planes(contact, laws=laws) if keep and maxima else ()
     if judge is not None:
         contact = replace(contact, error_bars=judge(passage, maxima))
-    volumes = contact.volumes_of({body: passage.around(body) for body in "AB"})
-    worn = replace(contact, wear=contact.wear + shift, volumes=volumes)
-    given = {
-        "revolution": passage.revolution,
-        "jump": passage.jump,
-        "solves": passage.solves,
-        "wear_max": float(worn.wear.max()),
-        "worn_volume": worn.worn_volume,
-        "worn_mass": worn.worn_mass,
-        "wear_profile": passage.leaving,
-        "entering_profile": entering,
-        "wear_per_revolution": passage.course[-1].rate,
-        "wear_profile_A": passage.behind("A"),
-        "wear_profile_B": passage.behind("B"),
-        "seconds": perf_counter() - began,
-    }
+    given = {**known, "seconds": perf_counter() - began}
     if measured is not None:
         given["measured_profile"] = across(measured, contact.grid)
-    if passage.parts is not None:
-        given[PARTS.name] = passage.parts
+    if PARTS.name in known:
         own = (*own, PARTS)
     stresses = stress_columns(laws.criterion)
     for one, found in zip(stresses, ("value", "interior", "surface", "at"), strict=False):

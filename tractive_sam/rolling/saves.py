@@ -24,6 +24,8 @@ class Saves:
     @classmethod
     def of(cls, scene: Scene) -> Self:
         """As a scene asks for; without [wear] that of the unworn bodies, where it ends."""
+        if scene.transient is not None:
+            return cls(scene.transient.save, scene.transient.distance[-1])
         return cls((0,), 0) if scene.wear is None else cls(scene.wear.save, scene.wear.revolutions)
 
     def __contains__(self, place: float) -> bool:

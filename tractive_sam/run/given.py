@@ -72,6 +72,14 @@ def measured_gap(scene: Scene) -> Gap | None:
     return None if scene.gap is None else read_gap(scene.gap)
 
 
+def travelling(scene: Scene) -> tuple[Gap, ...]:
+    """The profiles that a [transient] has fixed to the bodies, read likewise."""
+    if scene.transient is None:
+        return ()
+    profiles = scene.transient.profile
+    return tuple(read_gap(one) for one in (profiles.A, profiles.B) if one is not None)
+
+
 def depths_of(wear: ArrayLike, grid: Grid) -> np.ndarray:
     """Depths of wear given from outside, mm."""
     needed = f"wear: numbers up to {DEEPEST:g} mm of the shape {grid.elements} are needed"

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable
 from contextlib import nullcontext
 from dataclasses import replace
+from functools import partial
 from os import PathLike
 from pathlib import Path
 from time import perf_counter
@@ -204,6 +205,7 @@ def roll(
             worn, started = started_as(before, path, started), before.started
         last = None if before is None else last_passage(before, path, scene, laws, own)
         model_of, gap = given.model_of(laws, solver, worn), measured_gap(scene)
+        model_of = partial(model_of, profiles=given.travelling(scene))
         run = Recording(scene, gap, model_of, path, replaced, progress, own, began, started)
         model = model_of(scene, run.measured, None if last is None else last.contact.grid)
         memory.check_roll(model, in_memory=path is None)

@@ -93,7 +93,9 @@ class Recording:
             for passage in chain(first, passages(model, start)):
                 record = recorded(passage, model.laws, began, judge, self.columns, self.measured)
                 began = perf_counter()
-                keeper.append(record, passage.contact.grid, fields(passage.contact))
+                keeper.append(
+                    record, passage.contact.grid, fields(passage.contact) | passage.beside
+                )
                 if self.progress is not None:
                     self.progress(record)
                 interrupt.heed()
@@ -142,5 +144,7 @@ def _ended(passage: Passage, missed: str) -> tuple[str, str]:
         return str(Status.INACCURATE), missed
     message = contact.message
     if contact.scene.wear is not None:
-        message = f"revolution {passage.revolution}: {message}"
+        message = f"revolution {passage.place}: {message}"
+    if contact.scene.transient is not None:
+        message = f"after {passage.place:g} mm: {message}"
     return "done" if contact.converged else str(contact.status), message

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from tractive_sam.contact import Laws
+from tractive_sam.contact import Laws, Stepped
 from tractive_sam.results import PARTS, Cost, Grid, History, Quantity
-from tractive_sam.rolling import Milestone, Passage
+from tractive_sam.rolling import Milestone, Moment, Passage
 from tractive_sam.scene import Scene
 from tractive_sam.store import DamagedError, ResultsError, state_of
 
@@ -22,6 +22,10 @@ FREE = (
     "wear.save",
     "wear.stepping",
     "wear.tolerance",
+    "transient.save",
+    "transient.step",
+    "transient.stepping",
+    "transient.tolerance",
     "solver",
     "grid",
 )
@@ -38,8 +42,8 @@ def last_passage(
     scene: Scene,
     laws: Laws | None = None,
     columns: Iterable[Quantity] = (),
-) -> Passage | None:
-    """The last revolution of a results file, from which a scene is to be rolled on.
+) -> Passage | Moment | None:
+    """The last revolution of a results file, or moment of a transient, from which to roll on.
 
     Parameters
     ----------
@@ -56,7 +60,7 @@ def last_passage(
 
     Returns
     -------
-    Passage or None
+    Passage, Moment or None
         None if the file holds no record of a contact that was solved.
 
     Raises
@@ -71,6 +75,8 @@ def last_passage(
     row = int(np.flatnonzero(history["converged"])[-1]) if history["converged"].any() else None
     if row is None:
         return None
+    if scene.transient is not None:
+        return _last_moment(history, path, row, scene)
     revolution = int(history["revolution"][row])
     last = 0 if scene.wear is None else scene.wear.revolutions
     if revolution > last:
@@ -92,6 +98,33 @@ def last_passage(
     parts = history[PARTS.name][row] if PARTS.name in history.columns else None
     passage = Passage(revolution, (contact,), 0, int(history["jump"][row]), course, parts=parts)
     return _on_grid_of(scene, passage, path)
+
+
+def _last_moment(history: History, path: str | PathLike, row: int, scene: Scene) -> Moment:
+    """The moment of a record, and the contact a step before it."""
+    state = state_of(path, row)
+    found = {name: history[name] for name in ("distance", "stretch", "next_step", "xi_x", "xi_y")}
+    contact = replace(history.contact(row, state), scene=scene, cost=Cost())
+    stretch, length, before = int(found["stretch"][row]), 0.0, None
+    if row:
+        length = found["distance"][row] - found["distance"][row - 1]
+    if length:
+        before = replace(
+            contact,
+            traction=np.stack((state["before_x"], state["before_y"])),
+            xi_x=found["xi_x"][row - 1],
+            xi_y=found["xi_y"][row - 1],
+        )
+    shifts = np.array([history[name][row] for name in ("shift_x", "shift_y", "turn")])
+    return Moment(
+        float(found["distance"][row]),
+        stretch,
+        Stepped(contact, energy=float(history["elastic_energy"][row])),
+        length,
+        float(found["next_step"][row]),
+        shifts,
+        before,
+    )
 
 
 def what_differs(before: Scene, now: Scene) -> str:

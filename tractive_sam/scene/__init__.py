@@ -42,6 +42,7 @@ from .tables import (
     Wear,
     WearLaws,
 )
+from .transient import CreepageCourse, FrictionCourse, LoadCourse, Profiles, Transient
 
 __all__ = [
     "BY_COEFFICIENT",
@@ -58,16 +59,20 @@ __all__ = [
     "Check",
     "Coefficients",
     "Creepage",
+    "CreepageCourse",
     "Document",
     "Fatigue",
     "Fault",
     "Friction",
+    "FrictionCourse",
     "Gap",
     "Known",
     "Load",
+    "LoadCourse",
     "Mesh",
     "Plane",
     "PlausibilityWarning",
+    "Profiles",
     "Real",
     "Scene",
     "SceneError",
@@ -76,6 +81,7 @@ __all__ = [
     "Solver",
     "Subsurface",
     "Table",
+    "Transient",
     "Wear",
     "WearLaws",
     "builtin_names",

@@ -14,6 +14,7 @@ from .faults import Fault, SceneWarning, shown
 from .line import LINE_CHECKS, is_line
 from .table import Check, Known
 from .tables import Mesh, Wear
+from .transient import TRANSIENT_CHECKS
 
 FEWEST_ELEMENTS = 8
 """Elements across a contact, or its Hertz ellipse, below which a grid resolves no slip zone."""
@@ -189,6 +190,7 @@ SCENE_CHECKS: tuple[Check, ...] = (
     _one_sharing_of_wear,
     _law_has_what_it_needs,
     *LINE_CHECKS,
+    *TRANSIENT_CHECKS,
 )
 """All checks of a valid scene."""
 

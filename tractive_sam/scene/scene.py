@@ -25,6 +25,7 @@ from .override import override, parse_settings
 from .quantities import entry
 from .table import Check, Table
 from .tables import Accuracy, Creepage, Friction, Load, Mesh, Solver, Subsurface, Wear
+from .transient import Transient
 
 
 class Scene(Document):
@@ -63,6 +64,7 @@ class Scene(Document):
     gap: Gap | None = entry("the additional separation", "", None)
     subsurface: Subsurface | None = entry("the subsurface stress", "", None)
     fatigue: Fatigue | None = entry("the fatigue of the material", "", None)
+    transient: Transient | None = entry("what changes over the distance rolled", "", None)
     solver: Solver = entry("the solver", "", Solver())
     checks: ClassVar[tuple[Check, ...]] = SCENE_CHECKS
 
@@ -162,6 +164,26 @@ class Scene(Document):
         return Turns.of(self.wear_share, self.body.A.radius_x, self.body.B.radius_x)
 
     @property
+    def heaviest(self) -> Scene:
+        """The scene under the largest load of a [transient]: it tells the size of the contact."""
+        if self.transient is None:
+            return self
+        courses = self.transient.courses
+        heavy = {
+            key: max(courses[key]) for key in ("load.normal", "load.approach") if key in courses
+        }
+        heavy = {key: value for key, value in heavy.items() if value > 0.0}
+        return self.replace(transient=None, **heavy) if heavy else self
+
+    @property
+    def forced(self) -> tuple[bool, bool]:
+        """Which of the tangential forces (Q_x, Q_y) are prescribed, in place of creepages."""
+        course = {} if self.transient is None else self.transient.load.entries()
+        return tuple(
+            getattr(self.load, key) is not None or key in course for key in ("force_x", "force_y")
+        )
+
+    @property
     def line(self) -> bool:
         """Whether it is a line contact: plane strain, forces per length, N/mm.
 
@@ -185,6 +207,11 @@ class Scene(Document):
         match tables:
             case {"gap": {"file": str(file)}}:
                 tables["gap"]["file"] = str(folder / file)
+        match tables:
+            case {"transient": {"profile": dict(profiles)}}:
+                for one in profiles.values():
+                    if isinstance(one, dict) and isinstance(one.get("file"), str):
+                        one["file"] = str(folder / one["file"])
         return tables
 
 

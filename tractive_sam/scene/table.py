@@ -76,6 +76,11 @@ class Table(BaseModel):
         """Have its keys in its docstring, for `help`."""
         cls.__doc__ = documented(cls)
 
+    @classmethod
+    def unfolded(cls, given: Mapping[Any, Any]) -> Mapping[Any, Any]:
+        """What was given, as it is to be read; a table may know other ways to write it."""
+        return given
+
     @staticmethod
     def table_of(info: FieldInfo) -> type[Table] | None:
         """The kind of the tables that a field may hold, one or an array of them."""
@@ -132,6 +137,7 @@ class _Reading:
 
 
 def _read(table: type[Table], given: Mapping[Any, Any]) -> _Reading:
+    given = table.unfolded(given)
     reading = _Reading({key: value for key, value in given.items() if value is not None})
     for key in reading.given:
         if key in table.model_fields:

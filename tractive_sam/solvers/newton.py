@@ -45,6 +45,8 @@ class Newton:
         Steps without a smaller residual after which no more are taken.
     loosest : float
         Loosest relative residual of the linear system of a step.
+    sharpest : float
+        Sharpest one, but where a step is taken only as far as it helps.
     sharp : float
         That of a step which is taken only as far as it helps: where the residual has stalled, only
         a sharp step is sure to lead down.
@@ -60,6 +62,7 @@ class Newton:
     patience: int = 3
     hopeless: int = 20
     loosest: float = 0.3
+    sharpest: float = 1e-3
     sharp: float = 1e-5
     rough: float = 1e-4
     large: int = 10_000
@@ -190,7 +193,7 @@ class Newton:
         """
         gained = min(1.0, residual / before) ** GOLDEN if before < np.inf else 1.0
         loosest = min(self.loosest, residual**0.25)  # the sharper, the nearer the first guess
-        wanted = max(min(loosest, 0.9 * gained), 1e-3, 0.3 * tolerance / residual)
+        wanted = max(min(loosest, 0.9 * gained), self.sharpest, 0.3 * tolerance / residual)
         return float(min(wanted, 0.5))
 
     def precision(self, goal: float, elements: int) -> type:

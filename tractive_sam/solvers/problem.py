@@ -9,6 +9,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 
@@ -217,7 +218,7 @@ class Problem:
             rigid = rigid + self.operators.slip_by_pressure(pressure)
         return replace(self, normal=Held(self.operators, pressure, gap), rigid=rigid, wear=None)
 
-    def within(self, box: Box) -> "Problem":
+    def within(self, box: Box) -> Self:
         """The tangential problem, of a pressure that is held, on a rectangle around the contact."""
         friction, pressure = self.friction, self.normal.pressure[box]
         held = Held(self.operators.part(pressure.shape), pressure, self.normal.gap[box])
@@ -225,7 +226,7 @@ class Problem:
         y = friction.y[:, box[1]] if friction.y.shape[1] > 1 else friction.y
         return replace(self, normal=held, rigid=self.rigid[:, *box], friction=friction.on(x, y))
 
-    def coarsened(self) -> "Problem":
+    def coarsened(self) -> Self:
         """The same problem on elements of twice the size."""
         block = self.operators.lattice.block
         friction = self.friction

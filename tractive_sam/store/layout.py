@@ -27,6 +27,7 @@ import h5py
 import numpy as np
 
 from tractive_sam.results import (
+    BEFORE,
     COLUMNS,
     COORDINATE,
     FIELDS,
@@ -88,9 +89,10 @@ def known_names() -> set[str]:
 
 
 def create(
-    file: h5py.File, scene: Scene, mesh: Grid, laws: str = "", coordinate: Quantity = REVOLUTION
+    file: h5py.File, scene: Scene, mesh: Grid, laws: str = "", coordinate: Quantity | None = None
 ) -> None:
-    """Lay out an empty results file of a history along a coordinate."""
+    """Lay out an empty results file of a history along a coordinate, by default the scene's."""
+    coordinate = coordinate or of_role(columns_of(scene).values(), COORDINATE)
     set_text(file, "format", FORMAT)
     file.attrs["format_version"] = FORMAT_VERSION
     set_scene(file, scene)
@@ -111,7 +113,7 @@ def create(
     _create_history(file.create_group("history"), grid, certain)
     _create_fields(file.create_group("fields"), grid, coordinate)
     file.create_group("stress")
-    _create_state(file.create_group("state"), grid)
+    _create_state(file.create_group("state"), grid, scene)
 
 
 def set_status(file: h5py.File, status: str, message: str) -> None:
@@ -177,7 +179,9 @@ def _create_columns(history: h5py.Group, columns: Mapping[str, Quantity], blocks
             _labels(history, name, labels, "component" if name in ("axis", "position") else name)
         scales = [history[name] for name in ("record", *one.dims)]
         _rows(history, one.name, one, scales, coordinate=coordinate)
-    own = [one for one in missing if one.name not in known_names()]
+    # A coordinate may be the package's, and yet not that of the scene.
+    own = [one for one in missing if one.name not in known_names() or one.role == COORDINATE]
+    own = [one for one in own if one != REVOLUTION]
     if own:
         told = json.loads(text_of(history.attrs[OWN])) if OWN in history.attrs else []
         told += [{key: getattr(one, key) for key in TOLD} for one in own]
@@ -203,9 +207,10 @@ def _create_plane(
         _rows(group, name, quantity, (record, *axes), coordinate=coordinate.name, **SQUEEZED)
 
 
-def _create_state(state: h5py.Group, grid: h5py.Group) -> None:
+def _create_state(state: h5py.Group, grid: h5py.Group, scene: Scene) -> None:
     state["x"], state["y"] = grid["x"], grid["y"]
-    for name, quantity in FIELDS.items():
+    kept = FIELDS if scene.transient is None else FIELDS | BEFORE
+    for name, quantity in kept.items():
         _rows(state, name, quantity, (grid["x"], grid["y"]), rows=len(grid["x"]))
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from tractive_sam.results import (
+    BEFORE,
     BODIES,
     COORDINATE,
     FIELDS,
@@ -56,6 +57,8 @@ def open_history(path: str | Path) -> History:
 def state_of(path: str | Path, row: int) -> dict[str, np.ndarray]:
     """The fields after the last record whose contact was solved, by the names of `FIELDS`.
 
+    Of a transient also by those of `BEFORE`.
+
     Parameters
     ----------
     path : path-like
@@ -80,8 +83,9 @@ def state_of(path: str | Path, row: int) -> dict[str, np.ndarray]:
             if kept != row:
                 raise ResultsError(f"{path} holds no state of record {row}; run its scene again")
             mesh = (file.length("grid/x"), file.length("grid/y"))
-            fields = {name: file.numbers(f"state/{name}", mesh) for name in FIELDS}
-    lost = [name for name in FIELDS if name not in OUTSIDE and not np.isfinite(fields[name]).all()]
+            names = (*FIELDS, *_known("state", BEFORE, file))
+            fields = {name: file.numbers(f"state/{name}", mesh) for name in names}
+    lost = [name for name in fields if name not in OUTSIDE and not np.isfinite(fields[name]).all()]
     if lost:
         told = f"{', '.join(lost)} of record {row} are not finite"
         raise ResultsError(f"{path} is damaged (state: {told}); run its scene again")

@@ -17,7 +17,7 @@ from uuid import uuid4
 import numpy as np
 from h5py import File
 
-from tractive_sam.results import REVOLUTION, Grid, Quantity, Record, widened
+from tractive_sam.results import Grid, Quantity, Record, widened
 from tractive_sam.scene import Scene
 from tractive_sam.store import former, layout, room, rows
 from tractive_sam.store.checkpoints import Checkpoints
@@ -48,8 +48,8 @@ class HistoryWriter:
         When records are put on disk.
     laws, started : str
         As of `History`.
-    coordinate : Quantity
-        The column along which the history goes; its role is `COORDINATE`.
+    coordinate : Quantity, optional
+        The column along which the history goes, of the role `COORDINATE`; by default the scene's.
 
     Raises
     ------
@@ -65,7 +65,7 @@ class HistoryWriter:
         overwrite: bool = False,
         checkpoints: Checkpoints | None = None,
         laws: str = "",
-        coordinate: Quantity = REVOLUTION,
+        coordinate: Quantity | None = None,
         started: str = "",
     ) -> None:
         check_results(Path(path), overwrite)

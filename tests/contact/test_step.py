@@ -1,0 +1,168 @@
+"""A step: particles slip by the rigid bodies and what both are displaced; sticking or sliding."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import tractive_sam as ts
+from tractive_sam.contact import Asked, Model, Stepper
+from tractive_sam.operators import Way
+
+SPHERES = ts.Scene.builtin("spheres").replace(subsurface=None)
+P, MU, SHEAR, NU = SPHERES.normal_load, SPHERES.friction.mu[0], 1.0, 0.28
+
+
+def scene(n, half_length=4.08, slip="upwind", **changes):
+    return SPHERES.replace(
+        **{
+            "grid.elements": (n, n),
+            "grid.half_length": (half_length,) * 2,
+            "solver.slip": slip,
+            **changes,
+        }
+    )
+
+
+def builtin_on(name, n, margin=1.2, **changes):
+    """A built-in scene on a mesh so many times as long and wide as its contact."""
+    here = ts.Scene.builtin(name).replace(subsurface=None)
+    grid = {"half_length": (margin * here.hertz.a, margin * here.hertz.b), "elements": (n, n)}
+    return here.replace(grid=grid, **changes)
+
+
+def pressed(model, load=P):
+    stepper = Stepper(model)
+    return stepper, stepper.at_rest(stepper.pressed(Asked(load=load)))
+
+
+def test_first_order_steps_are_those_of_an_independent_program():
+    # After a step of creepage from -0.001 to -0.003; printed by CONTACT with six digits.
+    here = scene(91, **{"creepage.longitudinal": -0.001})
+    model = Model(here)
+    stepper, share = Stepper(model), []
+    now = stepper.at_rest(ts.solve(here))
+    for _ in range(4):
+        now = stepper.step(now, Asked(model.grid.dx, (-0.003, 0.0, 0.0), P))
+        share.append(now.contact.Qx / (MU * P))
+    np.testing.assert_allclose(share, [0.261486, 0.268602, 0.275641, 0.282597], atol=6e-7)
+
+
+@pytest.mark.parametrize("builtin", ["spheres", "spheres-dissimilar", "spheres-orthotropic"])
+@pytest.mark.parametrize("length", [0.0, 1.0, 2.0])
+def test_the_slip_of_a_step_is_that_of_dense_matrices(builtin, length):
+    model = Model(builtin_on(builtin, 15, **{"solver.slip": "upwind"}))
+    asked = Asked(length * model.grid.dx, (-2e-3, 1e-3, 2e-4), model.scene.normal_load)
+    stepper, before = pressed(model, asked.load)
+    before = stepper.step(before, asked)
+    now = stepper.step(before, asked)
+    reach = int(length)
+    wide = stepper.operators.part((15 + reach, 15))
+    matrix = (wide.coupled if model.elasticity.coupled else wide.tangential).as_matrix()
+
+    def displaced(contact):
+        fields = np.pad(stepper._fields(contact), ((0, 0), (0, reach), (0, 0)))
+        return (matrix @ fields.ravel()).reshape(fields.shape)[-2:]
+
+    x, y = model.grid.x[:, None], model.grid.y[None, :]
+    x = x + (0.5 * (length - 1) * model.grid.dx if length else 0.0)
+    rigid = np.stack(np.broadcast_arrays(-2e-3 - 2e-4 * y, 1e-3 + 2e-4 * x))
+    moved = displaced(now.contact)[:, :15] - displaced(before.contact)[:, reach:]
+    unit = model.units.slip / (length or 1.0 / model.grid.dx)
+    slip = rigid + unit * model.frame.slip_to_physical(moved)
+    touching = now.contact.touching
+    # Beyond the mesh of the contact transforms and matrix differ by rounding alone.
+    scale = np.abs(slip).max()
+    np.testing.assert_allclose(now.contact.slip[:, touching], slip[:, touching], atol=1e-11 * scale)
+
+
+def test_a_shift_holds_cattaneos_force():
+    # Cattaneo 1938: delta = 3 mu P (2 - nu)/(16 G a) (1 - (1 - Q/mu P)^(2/3)), each body half.
+    model = Model(scene(45))
+    force = 0.657 * MU * P
+    a = model.scene.hertz.a
+    exact = 2.0 * 3.0 * MU * P * (2.0 - NU) / (16.0 * SHEAR * a) * (1.0 - 0.343 ** (2.0 / 3.0))
+    assert exact == pytest.approx(1.7746e-2, rel=1e-4)  # four digits were printed
+    stepper, now = pressed(model)
+    found = []
+    for n in (23, 45, 91):
+        model = Model(scene(n))
+        stepper, now = pressed(model)
+        now = stepper.step(now, Asked(0.0, load=P, forces=(force, None)))
+        assert now.contact.Qx == pytest.approx(force, rel=1e-6)  # to the solver's tolerance
+        found.append(-now.contact.xi_x)
+    assert np.abs(np.array(found) / exact - 1.0).max() < 4e-3  # the edge of 23 elements
+    assert found[-1] == pytest.approx(exact, rel=1e-3)
+    share = now.contact.Qx / (MU * P)
+    stick = (1.0 - share) ** (1.0 / 3.0) * a
+    x = model.grid.x[:, None] ** 2 + model.grid.y[None, :] ** 2
+    inside = np.sqrt(x) < stick - model.grid.dx
+    assert now.contact.sticking[inside].all()
+    assert now.contact.sliding[(np.sqrt(x) > stick + model.grid.dx) & now.contact.touching].all()
+
+
+@pytest.mark.parametrize("builtin", ["spheres", "spheres-dissimilar", "spin"])
+@pytest.mark.parametrize("length", [0.0, 1.0, 3.0])
+def test_work_is_dissipated_or_stored(builtin, length):
+    # Beside the contact there is room for what leaves it in a step.
+    model = Model(builtin_on(builtin, 31, 1.5, **{"solver.slip": "upwind"}))
+    creepage = model.scene.creepage
+    rigid = (creepage.longitudinal, creepage.lateral + 1e-4, creepage.spin)
+    stepper, now = pressed(model, model.scene.normal_load)
+    for k in range(4):
+        before = now
+        by = tuple((1.0 - 0.3 * k) * one for one in rigid)  # turns round at last
+        now = stepper.step(now, Asked(length * model.grid.dx, by, model.scene.normal_load))
+        assert now.contact.converged
+        gained = now.energy - before.energy
+        size = max(abs(now.supplied), abs(now.friction), abs(gained), now.energy)
+        # Whatever is solved to, the symmetry of the operators balances it, to rounding.
+        assert abs(now.supplied - now.friction - gained) < 1e-12 * size
+    assert now.friction > 0.0
+
+
+@pytest.mark.parametrize("part", [0.25, 0.5, 0.8])
+@pytest.mark.parametrize("whole", [0, 2])
+def test_places_between_nodes_are_those_of_a_parabola(whole, part):
+    x = np.arange(12.0)[:, None]
+    way = Way.of(whole + part)
+    assert (way.elements, way.part) == (whole, pytest.approx(part))
+    nodes = np.stack((x**2 - 3.0 * x, 2.0 * x + 1.0))
+    held = np.ones((12 - way.reach, 1), bool)
+    at = x[: len(held)] + whole + part
+    np.testing.assert_allclose(
+        way.before(nodes, held), np.stack((at**2 - 3.0 * at, 2.0 * at + 1.0)), rtol=1e-12
+    )
+    line = way.before(nodes, ~held)
+    np.testing.assert_allclose(line[1], 2.0 * at + 1.0, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "builtin", ["spheres", "spin", "spheres-orthotropic", "spheres-dissimilar"]
+)
+@pytest.mark.parametrize("slip", ["auto", "upwind"])
+def test_a_steady_contact_stays_as_it_is(builtin, slip):
+    here = builtin_on(builtin, 25, **{"solver.slip": slip})
+    steady, model = ts.solve(here), Model(here)
+    stepper, creepage = Stepper(model), here.creepage
+    by = creepage.longitudinal, creepage.lateral, creepage.spin
+    now = stepper.step(stepper.at_rest(steady), Asked(model.grid.dx, by, here.normal_load))
+    size = MU * here.normal_load
+    # Both are solved to 1e-8; a step amplifies residuals of smooth slip by the elements across.
+    for name in ("Qx", "Qy", "approach"):
+        assert getattr(now.contact, name) == pytest.approx(
+            getattr(steady, name), abs=1e-6 * (size if name != "approach" else steady.approach)
+        )
+    np.testing.assert_allclose(now.contact.slip, steady.slip, atol=1e-5 * np.abs(steady.slip).max())
+
+
+def test_steps_of_parts_of_an_element_keep_a_steady_contact_too():
+    here = scene(25, slip="auto")
+    steady, model = ts.solve(here), Model(here)
+    stepper = Stepper(model)
+    now = stepper.at_rest(steady)
+    for part in (0.5, 0.3, 0.7, 0.1):
+        asked = Asked(part * model.grid.dx, (-0.0031, 0.0, 0.0), P)
+        now = stepper.step(now, asked, replace(now.contact))
+        # The direction of slip alone is taken elsewhere in a shorter step, to second order.
+        assert now.contact.Qx == pytest.approx(steady.Qx, rel=2e-4)

@@ -1,0 +1,159 @@
+"""Courses over the distance rolled: what is stepped through, recorded, and gone on from."""
+
+import math
+
+import numpy as np
+import pytest
+
+import tractive_sam as ts
+
+SPHERES = ts.Scene.builtin("spheres").replace(subsurface=None, creepage=None)
+P, MU = SPHERES.normal_load, SPHERES.friction.mu[0]
+N = 21
+DX = 2.0 * 4.08 / N
+
+
+def scene(transient, n=N, slip="auto", **changes):
+    return SPHERES.replace(
+        transient=transient, **{"grid.elements": (n, n), "solver.slip": slip, **changes}
+    )
+
+
+def test_a_force_held_after_a_shift_takes_the_creepage_of_an_independent_program():
+    # Printed by CONTACT; 33 elements of 0.25 mm, first-order slip.
+    held = {"distance": [0, 14], "load.force_x": [0.657 * MU * P] * 2}
+    grid = {"half_length": (4.125, 4.125), "elements": (33, 33)}
+    history = ts.roll(SPHERES.replace(transient=held, grid=grid, **{"solver.slip": "upwind"}))
+    assert history.status == "done"
+    assert len(history) == 57
+    found = -1e3 * history["creepage_found"][[1, 7, 12, 14, 17, 29, 56], 0]
+    printed = [1.824, 2.334, 2.968, 3.403, 3.241, 3.093, 3.101]
+    np.testing.assert_allclose(found, printed, atol=6e-4)  # four digits
+    assert -history["shift_x"][0] == pytest.approx(1.774e-2, rel=5e-4)
+    np.testing.assert_allclose(history["Qx"], 0.657 * MU * P, rtol=1e-6)  # the solver's tolerance
+
+
+@pytest.mark.parametrize("slip", ["auto", "upwind"])
+@pytest.mark.parametrize(
+    "drive",
+    [
+        {"creepage.longitudinal": -0.003},
+        {"creepage.spin": 4e-4, "creepage.lateral": 5e-4},
+        {"creepage.longitudinal": -0.002, "friction.mu": (0.5, 0.25), "friction.angle": 30.0},
+    ],
+)
+def test_in_the_end_it_is_steady(drive, slip):
+    courses = {k: [v, v] for k, v in drive.items() if k.startswith("creepage")}
+    others = {k: v for k, v in drive.items() if not k.startswith("creepage")}
+    end = 110 * 8.16 / 15  # whole elements
+    history = ts.roll(scene({"distance": [0, end], **courses}, 15, slip, **others))
+    steady = ts.solve(SPHERES.replace(**drive, **{"grid.elements": (15, 15), "solver.slip": slip}))
+    assert history.status == "done"
+    # What is left of the start falls with the distance: to the solver's tolerance after 17 a.
+    size = max(MU, *np.atleast_1d(others.get("friction.mu", MU))) * P
+    for name in ("Qx", "Qy"):
+        assert history[name][-1] == pytest.approx(getattr(steady, name), abs=2e-6 * size)
+
+
+def test_steps_meet_knots_and_saves():
+    transient = {
+        "distance": [0, 1.0, 1.0, 2.5],
+        "creepage.longitudinal": [0, -1e-3, -1e-3, 0],
+        "load.normal": [P, P, 1.2 * P, 1.2 * P],
+        "save": [0.3, 1.0, 2.5],
+    }
+    history = ts.roll(scene(transient))
+    assert history.status == "done"
+    at = history["distance"]
+    assert (np.diff(at) >= 0.0).all()
+    for stop in (0.0, 0.3, 1.0, 2.5):
+        assert stop in at
+    assert np.diff(at).max() <= DX * (1.0 + 1e-6)
+    assert np.count_nonzero(at == 1.0) == 2  # before and after the jump of the load
+    assert history.saved.tolist() == [0.3, 1.0, 2.5]
+    np.testing.assert_allclose(history.state(1.0).P, 1.2 * P, rtol=1e-9)
+    jump = int(np.flatnonzero(at == 1.0)[-1])
+    np.testing.assert_allclose(history["P"][:jump], P, rtol=1e-9)
+    np.testing.assert_allclose(history["P"][jump:], 1.2 * P, rtol=1e-9)
+    assert math.isnan(history["xi_x"][jump])  # a shift has no creepage
+
+
+def test_bodies_part_and_touch_again():
+    transient = {"distance": [0, 2, 4, 6], "load.approach": [0.036, -0.01, -0.01, 0.036]}
+    start = SPHERES.replace(load={"approach": 0.036}, creepage={"longitudinal": -1e-3})
+    history = ts.roll(start.replace(transient=transient, **{"grid.elements": (15, 15)}))
+    assert history.status == "done"
+    apart = (history["distance"] > 2.0) & (history["distance"] < 4.0)
+    assert apart.any()
+    assert (history["P"][apart] == 0.0).all()
+    assert (history["Qx"][apart] == 0.0).all()
+    assert history["Qx"][-1] > 0.0
+    assert history["P"][-1] == pytest.approx(history["P"][0], rel=1e-6)
+
+
+def test_a_bump_travels_through_the_contact():
+    x = np.linspace(-1.0, 9.0, 101)
+    bump = -2e-3 * np.exp(-0.5 * ((x - 4.0) / 0.5) ** 2)
+    profile = {"x": x, "y": [-9.0, 9.0], "separation": np.stack((bump, bump), axis=1)}
+    transient = {"distance": [0, 8], "profile.A": profile, "save": [0, 2, 4, 6]}
+    history = ts.roll(scene(transient, 31, creepage={"longitudinal": -1e-3}))
+    assert history.status == "done"
+    for at, place in ((2.0, 2.0), (4.0, 0.0), (6.0, -2.0)):  # x = 4 - distance
+        p, without = history.field("pressure", at), history.field("pressure", 0.0)
+        i = np.argmax((p - without)[:, 15])
+        assert history.x[i] == pytest.approx(place, abs=1.1 * history.grid.dx)
+    with pytest.raises(ts.SceneError, match="friction"):
+        ts.Scene(**scene(transient).entries() | {"friction": None})
+
+
+@pytest.mark.parametrize("stepping", ["even", "adaptive"])
+def test_it_goes_on_where_it_was_stopped(tmp_path, stepping):
+    transient = {
+        "distance": [0, 2, 2, 5],
+        "creepage.longitudinal": [0, -2e-3, -1e-3, -1e-3],
+        "load.normal": [P, P, 1.1 * P, P],
+        "stepping": stepping,
+    }
+    whole = ts.roll(scene(transient, 15))
+
+    class Stopped(Exception):
+        pass
+
+    for count in (1, 4, len(whole) - 2):
+        done = []
+
+        def stop(record, done=done, count=count):
+            done.append(record)
+            if len(done) == count:
+                raise Stopped
+
+        path = tmp_path / f"{count}.h5"
+        with pytest.raises(Stopped):
+            ts.roll(scene(transient, 15), path, progress=stop)
+        history = ts.roll(scene(transient, 15), path, resume=True)
+        assert history.status == "done"
+        np.testing.assert_array_equal(history["distance"], whole["distance"])
+        # Found from other first guesses, to the solver's tolerance.
+        for name in ("Qx", "P", "shift_x", "elastic_energy"):
+            size = np.abs(whole[name]).max()
+            np.testing.assert_allclose(history[name], whole[name], atol=1e-6 * size)
+
+
+def test_a_loop_of_shifts_takes_mindlins_work():
+    # Mindlin & Deresiewicz 1953: Cattaneo's shift of both bodies is c (1 - (1 - q)^(2/3)), with
+    # q = Q/mu P and c = 3 (2 - nu) mu P/(8 G a); after the force has turned round, twice the change
+    # of force takes twice the shift. So an oscillation between +-Q dissipates, by integration:
+    q, a = 0.6, SPHERES.hertz.a
+    loop = 1.0 - (1.0 - q) ** (5 / 3) - 5.0 * q / 6.0 * (1.0 + (1.0 - q) ** (2 / 3))
+    exact = 4.8 * MU * P * (3.0 * (2.0 - 0.28) * MU * P / (8.0 * 1.0 * a)) * loop
+    transient = {
+        "distance": [0, 1, 2, 3],
+        "load.force_x": [0, q * MU * P, -q * MU * P, q * MU * P],
+        "start": "shift",
+    }
+    history = ts.roll(scene(transient, 45))
+    assert history.status == "done"
+    cycle = history["distance"] > 1.0
+    assert history["step_friction"][cycle].sum() == pytest.approx(exact, rel=0.02)
+    first, last = (history["shift_x"][history["distance"] == at][0] for at in (1.0, 3.0))
+    assert last == pytest.approx(first, rel=1e-4)  # the loop is closed

@@ -1,0 +1,344 @@
+"""One step of transient rolling, or a shift, solved and put back into mm, N and MPa.
+
+See `operators.step` for the slip of a step. The step before is all that a step knows of the past:
+its pressure, tractions and gap.
+"""
+
+from dataclasses import astuple, dataclass, field, replace
+
+import numpy as np
+
+from tractive_sam.contact.equilibrium import finished
+from tractive_sam.contact.measured import sampled
+from tractive_sam.contact.model import Model
+from tractive_sam.mechanics import Bound, Friction
+from tractive_sam.operators import Lattice, StepOperators, Way
+from tractive_sam.results import State, Status
+from tractive_sam.solvers import (
+    ALONE,
+    NormalProblem,
+    Note,
+    Outcome,
+    PrescribedForces,
+    Start,
+    StepProblem,
+)
+
+
+def travelled(model: Model, distance: float) -> np.ndarray | float:
+    """What the profiles fixed to the bodies add to the gap after a distance, mm."""
+    grid, added = model.grid, 0.0
+    for x, y, separation in model.profiles:
+        at_x = np.clip(grid.x + distance, x[0], x[-1])
+        added = added + sampled((x, y, separation), at_x, np.clip(grid.y, y[0], y[-1]))
+    return added
+
+
+Three = tuple[float, float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """What a step is asked to do.
+
+    Attributes
+    ----------
+    distance : float
+        Way rolled, mm; 0: a shift.
+    creepages : tuple of float
+        Longitudinal, lateral and spin creepage, means over the way; of a shift the shifts in x and
+        y, mm, and the turn, radians. Where a force is given, that one does not count.
+    load, approach : float or None
+        Normal load, N, or approach, mm, at the end of the step.
+    forces : tuple of float or None
+        (Q_x, Q_y) at the end, N, in place of creepages.
+    friction : float
+        Factor on the bound of friction at the end.
+    separation : ndarray, shape (n_x, n_y), or float
+        What is added to the undeformed gap at the end, mm.
+    """
+
+    distance: float = 0.0
+    creepages: Three = (0.0, 0.0, 0.0)
+    load: float | None = None
+    approach: float | None = None
+    forces: tuple[float | None, float | None] = (None, None)
+    friction: float = 1.0
+    separation: np.ndarray | float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Stepped:
+    """A contact at the end of a step, and the work of the step.
+
+    Attributes
+    ----------
+    contact : State
+        Its slip is the mean one of the step per distance rolled; of a shift the slip itself, mm.
+        Likewise its creepages, with those that were found.
+    supplied : float
+        Work of what drives the bodies, N mm: by tangential forces and, of dissimilar bodies, by the
+        load.
+    friction : float
+        Work of friction, N mm.
+    distance : float
+        Way rolled in the step, mm.
+    shifted : bool
+        Whether it was a shift.
+    energy : float
+        Elastic energy at the end, N mm: of the tractions, of dissimilar bodies with the pressure.
+    displacement : ndarray, shape (2 or 3, n_x + reach, n_y)
+        Dimensionless, at the nodes of the mesh and ahead of it.
+    """
+
+    contact: State
+    supplied: float = 0.0
+    friction: float = 0.0
+    distance: float = 0.0
+    shifted: bool = False
+    energy: float = 0.0
+    displacement: np.ndarray = field(default_factory=lambda: np.zeros((2, 0, 0)), repr=False)
+
+
+@dataclass(frozen=True, eq=False)
+class Weakened(Friction):
+    """A friction law whose bound counts by a factor."""
+
+    factor: float = 1.0
+
+    def bound(self, pressure: np.ndarray) -> Bound:
+        """See `Friction.bound`."""
+        bound = super().bound(pressure)
+        return replace(
+            bound, radius=self.factor * bound.radius, by_pressure=self.factor * bound.by_pressure
+        )
+
+
+class Stepper:
+    """Takes steps of a model, each from the one before.
+
+    Parameters
+    ----------
+    model : Model
+        The scene in numbers; what a step asks takes the place of its load, creepages and forces.
+
+    Raises
+    ------
+    ValueError
+        If friction falls with sliding, or there is an interfacial layer.
+    """
+
+    def __init__(self, model: Model):
+        if model.friction_law.falls or model.elasticity.layer:
+            raise ValueError("laws: a transient takes no friction that falls, and no layer")
+        self.model = model
+        grid, (pressure, gap, slip) = model.grid, astuple(model.units)
+        self.operators = StepOperators(
+            Lattice(grid.elements, grid.dx, grid.dy),
+            model.elasticity,
+            gap / pressure,
+            slip / pressure,
+            model.frame,
+            model.stencil,
+        )
+
+    def step(self, before: Stepped, asked: Asked, guess: State | None = None) -> Stepped:
+        """Take a step.
+
+        Parameters
+        ----------
+        before : Stepped
+            The one before.
+        asked : Asked
+            What is asked.
+        guess : State, optional
+            First guess, by default the contact before.
+
+        Returns
+        -------
+        Stepped
+            Converged or not: see its contact.
+        """
+        model, grid = self.model, self.model.grid
+        way = Way.of(asked.distance / grid.dx)
+        past, earlier = before.contact, self._displacement(before, way.reach)
+        touching = _ahead((past.pressure > 0.0)[None], way.reach)[0]
+        held = way.held(touching) & model.stencil.staggered
+        moved = self._rigid(asked, way, held)
+        came = way.before(earlier, held)
+
+        gap = np.where(past.touching, 0.0, past.gap) / model.units.gap
+        ahead = _ahead(gap[None], way.reach, edge=True)[0]
+        problem = replace(
+            self._problem(asked),
+            rigid=moved - came[-2:],
+            forces=self._forces(asked),
+            entering=way.before(ahead, held),
+            ahead=way.length,
+        )
+        solver = model.method.dissimilar if model.elasticity.coupled else model.method.alike
+        start: Start | None = self._start(guess or past, way, asked)
+        normal = problem.normal
+        if normal.load is None and normal.gap.min() >= normal.approach:
+            solver, start = ALONE, None  # they do not touch: nothing to solve
+        elif model.elasticity.coupled and not past.touching.any():
+            start = None
+        outcome = solver.solve(problem, model.scene.solver.tolerance, start)
+        if len(problem.forces) and outcome.creepage is None:
+            outcome = _without_contact(problem, outcome)
+        return self._stepped(before, asked, way, problem, outcome, came, moved)
+
+    def _problem(self, asked: Asked) -> StepProblem:
+        """The normal problem and the friction of a step."""
+        model, grid, units = self.model, self.model.grid, self.model.units
+        load = None if asked.load is None else asked.load / (units.pressure * grid.element_area)
+        approach = 0.0 if asked.approach is None else asked.approach / units.gap
+        undeformed = model.undeformed_gap + asked.separation
+        if model.worn_before is not None:
+            undeformed = undeformed + model.worn_before
+        law, x, y = model.friction_law, grid.x[:, None], grid.y[None, :]
+        return StepProblem(
+            NormalProblem(self.operators, undeformed / units.gap, load, approach),
+            np.zeros((2, *grid.elements)),
+            Weakened(law, x, y, units.pressure, factor=asked.friction),
+        )
+
+    def pressed(self, asked: Asked) -> State:
+        """The bodies pressed together without traction, whatever else is asked for."""
+        problem = self._problem(asked)
+        outcome = ALONE.solve(problem, self.model.scene.solver.tolerance)
+        slip = np.zeros_like(problem.rigid)
+        return finished(self.model, problem, outcome, slip, (0.0, 0.0, 0.0))
+
+    def at_rest(self, contact: State) -> Stepped:
+        """A contact from which steps may be taken: its energy and displacements."""
+        displacement = self._displacement(Stepped(contact), 0)
+        energy = self._energy(self._fields(contact), displacement)
+        return Stepped(contact, energy=energy, displacement=displacement)
+
+    def _fields(self, contact: State) -> np.ndarray:
+        """Dimensionless tractions of a contact; of dissimilar bodies after the pressure."""
+        unit = self.model.units.pressure
+        traction = self.model.frame.to_scaled(contact.traction) / unit
+        if not self.model.elasticity.coupled:
+            return traction
+        return np.concatenate((contact.pressure[None] / unit, traction))
+
+    def _displacement(self, of: Stepped, reach: int) -> np.ndarray:
+        """Dimensionless displacements at the nodes of the mesh and ahead of it."""
+        nx = self.model.grid.elements[0]
+        if of.displacement.shape[1] >= nx + reach:
+            return of.displacement[:, : nx + reach]
+        fields = _ahead(self._fields(of.contact), reach)
+        operators = self.operators.part(fields.shape[1:]) if reach else self.operators
+        return (operators.coupled if len(fields) == 3 else operators.tangential)(fields)
+
+    def _rigid(self, asked: Asked, way: Way, held: np.ndarray) -> np.ndarray:
+        """What the undeformed bodies slip on the way, dimensionless, shape (2, n_x, n_y)."""
+        model, grid = self.model, self.model.grid
+        given = [
+            0.0 if force is not None else one
+            for one, force in zip(asked.creepages, (*asked.forces, None), strict=True)
+        ]
+        m, f, d = way.elements, way.part, max(way.length, 1e-300)
+        # Where the way is interpolated by a straight line, so is the rigid slip on it.
+        middle = np.where(held, 0.5 * d, (0.5 * m * m + f * (m + 0.5)) / d)
+        if not model.stencil.staggered and way.length:
+            middle = middle - 0.5
+        x, y = grid.x[:, None] + grid.dx * middle, grid.y[None, :]
+        longitudinal, lateral, spin = given
+        slip = np.stack(np.broadcast_arrays(longitudinal - spin * y, lateral + spin * x))
+        over = way.length if asked.distance else 1.0 / grid.dx
+        return model.frame.slip_to_scaled(slip) * (over / model.units.slip)
+
+    def _forces(self, asked: Asked) -> PrescribedForces:
+        model = self.model
+        given = [(k, q) for k, q in enumerate(asked.forces) if q is not None]
+        if not given:
+            return PrescribedForces()
+        unit = model.units.pressure * model.grid.element_area
+        vectors = np.stack([model.frame.matrix[:, k] for k, _ in given])
+        return PrescribedForces(vectors, np.array([q / unit for _, q in given]))
+
+    def _start(self, guess: State, way: Way, asked: Asked) -> Start:
+        units, frame = self.model.units, self.model.frame
+        over = (way.length if way.length else 1.0 / self.model.grid.dx) / units.slip
+        found = [
+            one
+            for one, force in zip((guess.xi_x, guess.xi_y), asked.forces, strict=True)
+            if force is not None
+        ]
+        return Start(
+            guess.pressure / units.pressure,
+            frame.to_scaled(guess.traction) / units.pressure,
+            guess.approach / units.gap,
+            np.nan_to_num(found) * over,
+        )
+
+    def _energy(self, fields: np.ndarray, displacement: np.ndarray) -> float:
+        """Half the work of fields on displacements at the nodes of the mesh, N mm."""
+        return 0.5 * self._work(fields, displacement[:, : fields.shape[1]])
+
+    def _work(self, fields: np.ndarray, moved: np.ndarray) -> float:
+        """Work of dimensionless fields on dimensionless displacements, N mm."""
+        units, grid = self.model.units, self.model.grid
+        unit = units.pressure * grid.element_area
+        work = unit * units.slip * grid.dx * float((fields[-2:] * moved[-2:]).sum())
+        if len(fields) == 3:
+            work += unit * units.gap * float((fields[0] * moved[0]).sum())
+        return work
+
+    def _stepped(self, before, asked, way, problem, outcome, came, moved) -> Stepped:
+        model, units = self.model, self.model.units
+        known = [k for k in (0, 1) if asked.forces[k] is not None]
+        creepages = list(asked.creepages)
+        over = way.length if way.length else 1.0 / model.grid.dx
+        if known:
+            moved = moved + problem.forces.slip(outcome.creepage)
+            for k, value in zip(known, outcome.creepage, strict=True):
+                creepages[k] = float(value) * units.slip / over
+        slip = units.slip / over * model.frame.slip_to_physical(outcome.slip)
+        if way.length:
+            slip = model.stencil.at_centres(slip)
+        contact = finished(model, problem, outcome, slip, tuple(creepages))
+        now = Stepped(contact, distance=asked.distance, shifted=not asked.distance)
+        if not contact.converged:
+            return now
+        displacement = self._displacement(now, max(way.reach, 1))
+        fields, there = self._fields(contact), self._fields(before.contact)
+        # Half the tractions before and half those after do the work of a step: so what is supplied
+        # is what friction takes and the change of the elastic energy, by the symmetry of A.
+        came_with = way.before(_ahead(there, way.reach), np.zeros(contact.pressure.shape, bool))
+        mean = 0.5 * (fields + came_with)
+        change = displacement[:, : fields.shape[1]] - came
+        slipped = moved + change[-2:]
+        supplied = -self._work(mean[-2:], moved)
+        if len(fields) == 3:
+            supplied += self._work(
+                np.concatenate((mean[:1], 0.0 * mean[1:])),
+                np.concatenate((change[:1], 0.0 * change[1:])),
+            )
+        return replace(
+            now,
+            supplied=supplied,
+            friction=-self._work(mean[-2:], slipped),
+            energy=self._energy(fields, displacement),
+            displacement=displacement,
+        )
+
+
+def _without_contact(problem: StepProblem, outcome: Outcome) -> Outcome:
+    """What comes of forces where the bodies have parted: none can be had."""
+    none = np.zeros(len(problem.forces))
+    if not problem.forces.target.any():
+        return replace(outcome, creepage=none)
+    note = Note("the bodies have parted and carry no force", Status.DIVERGED)
+    return replace(outcome, status=Status.DIVERGED, residual=1.0, creepage=none, trace=(note,))
+
+
+def _ahead(fields: np.ndarray, reach: int, edge: bool = False) -> np.ndarray:
+    """Fields with nodes ahead of the mesh: zero there, or as they are at its edge."""
+    if not reach:
+        return fields
+    sides = [(0, 0)] * (fields.ndim - 2) + [(0, reach), (0, 0)]
+    return np.pad(fields, sides, mode="edge" if edge else "constant")

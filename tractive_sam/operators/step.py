@@ -1,0 +1,188 @@
+"""The operators of a step: where a particle was before it, and what it slips on the way.
+
+A particle at x was at x + d a step of the distance d before. With the displacement u = A p of the
+tractions, over an element's length dx, it slips by
+
+    sigma(x) = W(x) + u_n(x) - u_(n-1)(x + d),
+
+W the rigid slip on the way. The unknown p_n enters by A itself, symmetric and positive definite, so
+that a step has one solution for any d; d = 0 is a shift. All on nodes: of d = (m + f) dx the part f
+of an element is interpolated.
+
+**What is steady.** For d = dx the steady solution of either stencil (`operators.stencil`) is a
+fixed point: u(x) - u(x + dx) is its slip -du/dx. So it is for any other d up to dx, wherever two
+neighbours stick. With the differences d_k of the displacements from node to node, and the node m
+ahead as the origin, the interpolation by the parabola through the nodes 0, 1 and 2 makes of the
+slip f (d_0 + (1 - f)/2 (d_0 - d_1)): where the faces 0 and 1 slip by as much as the rigid bodies
+do, so does the particle. A parabola on the side that material comes from damps odd-even waves
+(Warming & Beam 1976, AIAA J. 14, 1241-1249), and its error goes with dx².
+
+**Entering the contact.** A particle that was out of contact before is held from the moment at which
+its gap has closed. As in the steady state, what it slipped till then is -share x gap: near the edge
+the tractions are a smooth share of the pressure, and so are their displacements, which differ by
+the gap there from a smooth course. Interpolated in the same way, both match at any d. There the
+interpolation is a straight line, as it is wherever one of its nodes is out of contact.
+
+**Where slip points.** The mean slip of the way belongs to its middle, d/2 ahead of the particle; it
+is turned back to the particle's place (`kernels.friction.turn`).
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from tractive_sam.kernels import spectral
+from tractive_sam.mechanics import Linearisation
+from tractive_sam.operators.convolution import Convolution
+from tractive_sam.operators.elastic import Operators
+from tractive_sam.operators.stencil import FrictionSlip
+
+WHOLE = 1e-9
+"""Part of an element that a step may differ from whole ones unseen."""
+
+
+@dataclass(frozen=True)
+class Way:
+    """The way of particles in a step.
+
+    Attributes
+    ----------
+    elements : int
+        m, whole elements.
+    part : float
+        f, of one more, from 0 to 1.
+    """
+
+    elements: int
+    part: float
+
+    @classmethod
+    def of(cls, distance: float) -> "Way":
+        """Of a distance in elements."""
+        whole = round(distance)
+        if abs(distance - whole) <= WHOLE:
+            return cls(whole, 0.0)
+        whole = int(np.floor(distance))
+        return cls(whole, distance - whole)
+
+    @property
+    def length(self) -> float:
+        """d/dx."""
+        return self.elements + self.part
+
+    @property
+    def reach(self) -> int:
+        """Nodes ahead that `before` needs."""
+        return self.elements + (2 if self.part else 0)
+
+    def before(self, nodes: np.ndarray, parabola: np.ndarray) -> np.ndarray:
+        """Values a step before at the places where the particles of the nodes were.
+
+        Parameters
+        ----------
+        nodes : ndarray, shape (..., n_x + reach, n_y)
+            Values at nodes.
+        parabola : ndarray of bool, shape (n_x, n_y)
+            Particles whose values lie on a parabola, of others on a straight line.
+        """
+        f, count = self.part, parabola.shape[0]
+        here, ahead, beyond = (
+            nodes[..., k : k + count, :]
+            for k in np.minimum(self.elements + np.arange(3), nodes.shape[-2] - count)
+        )
+        if not f:
+            return here
+        curved = 0.5 * f * (f - 1.0) * np.where(parabola, here - 2.0 * ahead + beyond, 0.0)
+        return (1.0 - f) * here + f * ahead + curved
+
+    def held(self, contact: np.ndarray) -> np.ndarray:
+        """Particles whose three nodes were in contact, shape (n_x, n_y), as `parabola`.
+
+        Parameters
+        ----------
+        contact : ndarray of bool, shape (n_x + reach, n_y)
+            Nodes in contact a step before.
+        """
+        count = contact.shape[0] - self.reach
+        if not self.part:
+            return np.ones((count, contact.shape[1]), bool)
+        here, ahead, beyond = (contact[self.elements + k :][:count] for k in range(3))
+        return here & ahead & beyond
+
+
+class EnteringSlip(FrictionSlip):
+    """The slip that the friction law sees in a step: the gap before it is what it was."""
+
+    def sticking_change(
+        self,
+        slip: np.ndarray,
+        traction: np.ndarray,
+        change: np.ndarray,
+        gap: np.ndarray,
+        at: np.ndarray,
+    ) -> np.ndarray:
+        """See `FrictionSlip.sticking_change`."""
+        return super().sticking_change(slip, traction, change, np.zeros_like(gap), at)
+
+
+class StepOperators(Operators):
+    """Operators of a step: its slip is the displacement itself, over the length of an element."""
+
+    @property
+    def slip(self) -> Convolution:
+        """pi_t -> A_tt pi_t / dx."""
+        return self.tangential
+
+    @cached_property
+    def self_influence(self) -> tuple[float, float, float]:
+        """Entries (11, 12, 22) of the displacement of an element by itself."""
+        alone = self.on(self.lattice.of((1, 1))).tangential
+        first, second = (alone(unit.reshape(2, 1, 1)).ravel() for unit in np.eye(2))
+        return float(first[0]), float(first[1]), float(second[1])
+
+    @cached_property
+    def coupled(self) -> Convolution:
+        """(pi_n, pi_t) -> (A_nn pi_n + A_nt pi_t, (A_tn pi_n + A_tt pi_t) / dx)."""
+        F, per_gap = self.frame.matrix, self._per_gap
+        per_slip = self._per_slip / self.lattice.dx
+        t11, t12, t22 = self._displacement_per_dx()
+        # Reciprocity: u_n from p_x is minus u_x from p_n, A_zx = -A_xz.
+        drag = [1j * self._displacement(k).imag for k in ("xz", "yz")]
+        first, second = (row[0] * drag[0] + row[1] * drag[1] for row in F)
+        entries = np.stack(
+            [
+                one + 0j
+                for one in (
+                    *(self._normal_spectrum(), -per_gap * first, -per_gap * second),
+                    *(per_slip * first, t11, t12),
+                    *(per_slip * second, t12, t22),
+                )
+            ]
+        )
+        return self._convolution(entries, spectral.full_3x3, 3)
+
+    def entering_slip(self, pressure: np.ndarray, gap: np.ndarray, ahead: float) -> FrictionSlip:
+        """The slip that the friction law sees in a step.
+
+        Parameters
+        ----------
+        pressure : ndarray, shape (n_x, n_y)
+            Dimensionless pressure after the step.
+        gap : ndarray, shape (n_x, n_y)
+            Dimensionless gap of the particles before it.
+        ahead : float
+            Way of the step in elements: its slip belongs to places half as far ahead.
+        """
+        staggered = self.stencil.staggered
+        entering = np.nonzero((pressure > 0.0) & (gap > 0.0) & staggered)
+        back = min(ahead, 2.0) if staggered else 0.0
+        aspect = self.lattice.dx / self.lattice.dy
+        return EnteringSlip(back, pressure, gap, entering, entering, aspect, self._opening)
+
+    def approximate_inverse(
+        self, law: Linearisation, rows: np.ndarray, stiffness: np.ndarray
+    ) -> np.ndarray:
+        """Tractions whose rows of a friction law are nearly those given."""
+        own = self.self_influence
+        return law.approximate_inverse_of_step(rows, self.tangential_inverse, own, stiffness)

@@ -1,0 +1,378 @@
+"""Transient rolling: steps through the courses of [transient], one record each.
+
+The distance goes from knot to knot; between them everything asked for is linear. A stretch of no
+length is a jump: of what presses and pulls the bodies it takes a shift, a step of no distance, to
+follow. Steps meet every knot and every distance that is saved (`rolling.control.Stops`).
+
+Within a stretch tractions change smoothly, so that they extrapolate: that is where a step starts
+its search from, and, of adaptive steps, how far it missed is what tells their error.
+"""
+
+from bisect import bisect_left
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from tractive_sam.contact import Asked, Model, Stepped, Stepper, equilibrium, travelled
+from tractive_sam.results import State
+from tractive_sam.rolling.control import ErrorControl, Step, Stops
+from tractive_sam.scene import Scene
+
+PARTS = 10
+"""Steps of a stretch of shifts, by default."""
+
+LONGEST = 0.25
+"""Longest adaptive step over the length of the contact."""
+
+CLOSE = 1e-6
+"""Part of a step by which it may be longer rather than leave a rest."""
+
+
+@dataclass(frozen=True, eq=False)
+class Moment:
+    """A contact on the way, and all that the next step needs.
+
+    Attributes
+    ----------
+    distance : float
+        Rolled so far, mm.
+    stretch : int
+        The stretch between two knots that it lies in or ends; -1 of the first knot.
+    stepped : Stepped
+        The contact, and the work of the step to it.
+    length : float
+        The step to it, mm; 0 where nothing may be extrapolated from it.
+    wish : float
+        How far the next step is to go, mm; 0 where a stretch begins.
+    shifts : ndarray, shape (3,)
+        Shifts of A over B in x and y, mm, and turn, radians, since the start: without the
+        creepages that were rolled at, unless these are what is sought.
+    before : State, optional
+        The contact a step before.
+    solves : int
+        Contacts solved for it.
+    """
+
+    distance: float
+    stretch: int
+    stepped: Stepped
+    length: float = 0.0
+    wish: float = 0.0
+    shifts: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    before: State | None = None
+    solves: int = 1
+
+    @property
+    def contact(self) -> State:
+        """The contact."""
+        return self.stepped.contact
+
+    @property
+    def contacts(self) -> tuple[State, ...]:
+        """The same, as of a `Passage`."""
+        return (self.contact,)
+
+    @property
+    def place(self) -> float:
+        """Value of the coordinate of its record."""
+        return self.distance
+
+    @property
+    def beside(self) -> Mapping[str, np.ndarray]:
+        """Fields that rolling goes on from beside those of the contact."""
+        before = self.contact if self.before is None else self.before
+        return {"before_x": before.traction[0], "before_y": before.traction[1]}
+
+    def told(self) -> tuple[State, Mapping[str, Any], bool]:
+        """The contact to record, the columns that only stepping knows, and whether it is kept."""
+        course, contact = Courses(self.contact.scene), self.contact
+        way = self.stepped.distance
+        per_distance = {}
+        if course.rolls:
+            rolled = way > 0.0
+            per_distance = {
+                "work_supplied": self.stepped.supplied / way if rolled else np.nan,
+                "dissipation": self.stepped.friction / way if rolled else np.nan,
+            }
+            if not rolled and self.stepped.shifted:
+                per_distance |= dict.fromkeys(("xi_x", "xi_y", "spin", "t_gamma"), np.nan)
+        else:
+            per_distance = dict.fromkeys(
+                ("xi_x", "xi_y", "spin", "t_gamma", "work_supplied", "dissipation"), np.nan
+            )
+        given = {
+            "distance": self.distance,
+            "stretch": self.stretch,
+            "next_step": self.wish,
+            "shift_x": self.shifts[0],
+            "shift_y": self.shifts[1],
+            "turn": self.shifts[2],
+            "step_work": self.stepped.supplied,
+            "step_friction": self.stepped.friction,
+            "elastic_energy": self.stepped.energy,
+            "solves": self.solves,
+            **per_distance,
+        }
+        return contact, given, not course.jumps_after(self.stretch, self.distance)
+
+
+class Courses:
+    """What a scene asks for over the distance.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a [transient].
+    """
+
+    def __init__(self, scene: Scene):
+        self.scene, self.table = scene, scene.transient
+        self.knots = self.table.distance
+        self.rolls = self.table.rolls
+        load, creepage = scene.load, scene.creepage
+        constant = {
+            "load.normal": scene.normal_load,
+            "load.approach": load.approach,
+            "load.force_x": load.force_x,
+            "load.force_y": load.force_y,
+            "creepage.longitudinal": creepage.longitudinal,
+            "creepage.lateral": creepage.lateral,
+            "creepage.spin": creepage.spin,
+            "friction.mu": scene.friction.mu[0],
+        }
+        self._courses = self.table.courses
+        self._constant = {k: v for k, v in constant.items() if k not in self._courses}
+        if "load.normal" in self._courses or "load.approach" in self._courses:
+            self._constant |= {
+                k: None for k in ("load.normal", "load.approach") if k not in self._courses
+            }
+
+    @property
+    def stretches(self) -> int:
+        """Their number."""
+        return len(self.knots) - 1
+
+    def jumps_after(self, stretch: int, distance: float) -> bool:
+        """Whether a shift follows at once."""
+        at_end = distance == self.knots[stretch + 1]
+        return at_end and stretch + 1 < self.stretches and self.shifted(stretch + 1)
+
+    def at(self, distance: float, stretch: int) -> dict[str, float | None]:
+        """Everything asked for at a distance, by dotted keys; at a jump, what the stretch says."""
+        first, last = self.knots[stretch], self.knots[stretch + 1]
+        share = (distance - first) / (last - first) if last > first else 1.0
+        found = dict(self._constant)
+        for key, values in self._courses.items():
+            found[key] = (1.0 - share) * values[stretch] + share * values[stretch + 1]
+        return found
+
+    def first(self) -> dict[str, float | None]:
+        """The same at the first knot, before any jump there."""
+        return self._constant | {key: values[0] for key, values in self._courses.items()}
+
+    def shifted(self, stretch: int) -> bool:
+        """Whether it is a jump, and takes a shift."""
+        return self.knots[stretch] == self.knots[stretch + 1] and any(
+            values[stretch] != values[stretch + 1]
+            for key, values in self._courses.items()
+            if not (self.rolls and key.startswith("creepage."))
+        )
+
+    def jump(self, stretch: int) -> tuple[float, ...]:
+        """By how much the shifts jump over a stretch."""
+        none = (0.0, 0.0)
+        ends = (self._courses.get(key, none)[stretch : stretch + 2] for key in _CREEPAGES)
+        return tuple(last - first for first, last in (end or none for end in ends))
+
+    @cached_property
+    def default_step(self) -> float | None:
+        """That of the scene, where it gives one."""
+        return self.table.step
+
+    def scene_at(self, asked: Mapping[str, float | None]) -> Scene:
+        """The steady scene of what is asked for at a moment."""
+        scene, mu = self.scene, asked["friction.mu"]
+        mu1, mu2 = scene.friction.mu
+        changes: dict[str, Any] = {"transient": None, "friction.mu": (mu, mu * mu2 / mu1)}
+        for key in ("load.normal", "load.approach"):
+            if key in self._courses:
+                changes[key] = asked[key]
+        for force, creepage in (("force_x", "longitudinal"), ("force_y", "lateral")):
+            forced = asked[f"load.{force}"] is not None
+            key = f"load.{force}" if forced else f"creepage.{creepage}"
+            changes[key] = asked[key]
+        changes["creepage.spin"] = asked["creepage.spin"]
+        return scene.replace(**changes)
+
+
+_CREEPAGES = ("creepage.longitudinal", "creepage.lateral", "creepage.spin")
+
+
+class Transient:
+    """Rolls a model through its courses.
+
+    Parameters
+    ----------
+    model : Model
+        The scene in numbers.
+    """
+
+    def __init__(self, model: Model):
+        self.model, self.courses = model, Courses(model.scene)
+        self.stepper = Stepper(model)
+
+    def _asked(
+        self,
+        distance: float,
+        now: Mapping[str, float | None],
+        creepages: tuple[float, float, float],
+        at: float,
+    ) -> Asked:
+        mu = self.courses.scene.friction.mu[0]
+        return Asked(
+            distance,
+            creepages,
+            now["load.normal"],
+            now["load.approach"],
+            (now["load.force_x"], now["load.force_y"]),
+            now["friction.mu"] / mu,
+            travelled(self.model, at if self.courses.rolls else 0.0),
+        )
+
+    def start(self) -> Moment:
+        """The first knot."""
+        model, first, at = self.model, self.courses.first(), self.courses.knots[0]
+        if self.courses.table.start == "steady":
+            steady = Model(self.courses.scene_at(first), model.measured, model.grid, model.laws)
+            depth = travelled(model, at)
+            contact = equilibrium(steady, depth if np.ndim(depth) else None)
+            contact = replace(contact, scene=model.scene, wear=np.zeros(model.grid.elements))
+            return Moment(at, -1, self.stepper.at_rest(contact))
+        pressed = self.stepper.pressed(self._asked(0.0, first, (0.0, 0.0, 0.0), at))
+        moment = Moment(at, -1, self.stepper.at_rest(pressed))
+        forced = first["load.force_x"], first["load.force_y"]
+        shifts = np.array([first[key] for key in _CREEPAGES])
+        if self.courses.rolls:
+            shifts[:] = 0.0
+        if not pressed.converged or not (any(forced) or shifts.any()):
+            return moment
+        asked = self._asked(0.0, first, tuple(shifts), at)
+        return self._moment(moment, self.stepper.step(moment.stepped, asked), at, -1, 0.0)
+
+    def moments(self, last: Moment) -> Iterator[Moment]:
+        """Roll on from a moment to the end, or to a contact that is not solved."""
+        courses = self.courses
+        while last.contact.converged:
+            if last.distance == courses.knots[last.stretch + 1]:
+                if last.stretch + 1 == courses.stretches:
+                    return
+                fresh = {"length": 0.0, "wish": 0.0, "before": None}
+                last = replace(last, stretch=last.stretch + 1, **fresh)
+                if courses.shifted(last.stretch):
+                    last = self._jump(last)
+                    yield last
+            else:
+                for moment in self._along(last):
+                    last = moment
+                    yield last
+
+    def _jump(self, last: Moment) -> Moment:
+        """A step of no distance to the other side of a jump."""
+        stretch, at = last.stretch, last.distance
+        now, shifts = self.courses.at(at, stretch), (0.0, 0.0, 0.0)
+        if not self.courses.rolls:
+            shifts = self.courses.jump(stretch)
+        asked = self._asked(0.0, now, shifts, at)
+        return self._moment(last, self.stepper.step(last.stepped, asked), at, stretch, 0.0)
+
+    def _along(self, last: Moment) -> Iterator[Moment]:
+        """Steps to the end of a stretch of some length."""
+        courses, table = self.courses, self.courses.table
+        first, end = courses.knots[last.stretch], courses.knots[last.stretch + 1]
+        stops = tuple(sorted({*(s for s in table.save if first < s < end), end}))
+        adaptive = table.stepping == "adaptive"
+        unit = self.model.grid.dx if courses.rolls else (end - first) / (PARTS * 100)
+        control = Stops(ErrorControl(order=2, unit=unit), stops)
+        longest = courses.default_step or self._longest(adaptive, end - first)
+        usual = longest if not adaptive else min(longest, unit * (1 if courses.rolls else 100))
+        while last.contact.converged and last.distance < end:
+            wish = min(last.wish or usual, longest)
+            last = self._next(last, control, wish, adaptive, end)
+            yield last
+
+    def _longest(self, adaptive: bool, stretch: float) -> float:
+        if not self.courses.rolls:
+            return stretch / (1 if adaptive else PARTS)
+        dx = self.model.grid.dx
+        if not adaptive:
+            return dx
+        hertz, half = self.model.scene.hertz, self.model.grid.half_length[0]
+        length = 2.0 * (half if hertz is None else min(hertz.a, half))
+        return max(dx, int(LONGEST * length / dx) * dx)
+
+    def _next(
+        self, last: Moment, control: Stops, wish: float, adaptive: bool, end: float
+    ) -> Moment:
+        """The step after a moment; of adaptive ones the longest that keeps its error."""
+        here, stops = last.distance, control.stops
+        stop = stops[bisect_left(stops, here + CLOSE * wish)]
+        step, solves = Step(min(wish, stop - here), wish), 0
+        while True:
+            at = here + step.length
+            if abs(stop - at) <= CLOSE * wish:
+                at = stop
+            now, error = self._tried(last, at, control if adaptive else None)
+            solves += 1
+            shortest = step.length <= 1.000001 * control.control.unit
+            if error <= 1.0 or shortest or not now.contact.converged:
+                break
+            step = control.shorter(step, error)
+        after = control.next(step, error) if adaptive else wish
+        after = after if at < end else 0.0
+        return replace(now, wish=after, solves=solves)
+
+    def _tried(self, last: Moment, at: float, control: Stops | None) -> tuple[Moment, float]:
+        """A step to a distance, and its error over the tolerance; that of the first one is zero."""
+        courses, stretch, contact = self.courses, last.stretch, last.contact
+        then, now = courses.at(last.distance, stretch), courses.at(at, stretch)
+        length = at - last.distance
+        share = 0.5 if courses.rolls else 1.0
+        creepages = tuple(
+            share * (then[key] + now[key]) if courses.rolls else now[key] - then[key]
+            for key in _CREEPAGES
+        )
+        asked = self._asked(length if courses.rolls else 0.0, now, creepages, at)
+        guess, expected = contact, None
+        if last.before is not None and last.length > 0.0:
+            ratio = length / last.length
+            expected = contact.traction + ratio * (contact.traction - last.before.traction)
+            found = [
+                (1.0 + ratio) * getattr(contact, k) - ratio * getattr(last.before, k)
+                for k in ("xi_x", "xi_y")
+            ]
+            guess = replace(contact, traction=expected, xi_x=found[0], xi_y=found[1])
+        stepped = self.stepper.step(last.stepped, asked, guess)
+        moment = self._moment(last, stepped, at, stretch, length)
+        error = 0.0
+        if control is not None and expected is not None and moment.contact.converged:
+            missed = np.linalg.norm(moment.contact.traction - expected)
+            size = np.linalg.norm(moment.contact.traction)
+            error = float(missed / size / courses.table.tolerance) if size > 0.0 else 0.0
+        return moment, error
+
+    def _moment(
+        self,
+        last: Moment,
+        stepped: Stepped,
+        at: float,
+        stretch: int,
+        length: float,
+    ) -> Moment:
+        contact = stepped.contact
+        by = np.array([contact.xi_x, contact.xi_y, contact.spin])
+        shifts = last.shifts + by * (stepped.distance if stepped.distance else 1.0)
+        before = last.contact if length else None
+        return Moment(at, stretch, stepped, length, 0.0, shifts, before)

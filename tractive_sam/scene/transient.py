@@ -1,0 +1,281 @@
+"""The [transient] table: what changes over the distance rolled, and how it is stepped through.
+
+Courses are lists of values at the knots of the distance, linear between them; two equal knots are a
+jump. They stand for keys of other tables, by their dotted names.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from itertools import pairwise
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import AfterValidator, Field
+
+from .faults import Fault
+from .gap import Gap
+from .quantities import Positive, Real, entry, positive
+from .table import Check, Known, Table
+
+
+def _ascending(places: tuple[float, ...]) -> tuple[float, ...]:
+    if any(late < early for early, late in pairwise(places)):
+        raise ValueError("numbers that do not fall; two equal ones are a jump")
+    if any(first == last for first, _, last in zip(places, places[1:], places[2:], strict=False)):
+        raise ValueError("each number at most twice: two equal ones are a jump")
+    return places
+
+
+def _rising(places: tuple[float, ...]) -> tuple[float, ...]:
+    if any(late <= early for early, late in pairwise(places)):
+        raise ValueError("ascending numbers")
+    return places
+
+
+NotBelowZero = Annotated[Real, Field(ge=0)]
+Knots = Annotated[tuple[NotBelowZero, ...], AfterValidator(_ascending)]
+Saved = Annotated[tuple[NotBelowZero, ...], AfterValidator(_rising)]
+Course = tuple[Real, ...]
+PositiveCourse = tuple[Positive, ...]
+
+
+def course(meaning: str, allowed: str = "a list of numbers, one for each knot") -> Any:
+    """Define a field for a course."""
+    return entry(meaning, allowed, None)
+
+
+class LoadCourse(Table):
+    """Courses of keys of [load].
+
+    Examples
+    --------
+    >>> ts.LoadCourse(force_x=[0.0, 0.1]).force_x
+    (0.0, 0.1)
+    """
+
+    normal: PositiveCourse | None = course(
+        "normal load P, N or N/mm",
+        "a list of numbers above 0, one for each knot; load.approach lets bodies part",
+    )
+    approach: Course | None = course("approach of the bodies, mm; up to 0 there is no contact")
+    force_x: Course | None = course("prescribed tangential force Q_x on body A, N or N/mm")
+    force_y: Course | None = course("prescribed tangential force Q_y on body A, N or N/mm")
+
+
+class CreepageCourse(Table):
+    """Courses of keys of [creepage]; of `start = "shift"` the shifts themselves.
+
+    Examples
+    --------
+    >>> ts.CreepageCourse(longitudinal=[0.0, -0.003]).spin is None
+    True
+    """
+
+    longitudinal: Course | None = course(
+        'longitudinal creepage xi_x; of start = "shift" the shift of A over B in x, mm'
+    )
+    lateral: Course | None = course(
+        'lateral creepage xi_y; of start = "shift" the shift of A over B in y, mm'
+    )
+    spin: Course | None = course(
+        'spin creepage phi, 1/mm; of start = "shift" the turn of A over B, radians'
+    )
+
+
+class FrictionCourse(Table):
+    """Courses of keys of [friction].
+
+    Examples
+    --------
+    >>> ts.FrictionCourse(mu=[0.4, 0.1]).mu
+    (0.4, 0.1)
+    """
+
+    mu: PositiveCourse | None = course(
+        "friction coefficient mu1; mu2 changes in the same proportion",
+        "a list of numbers above 0, one for each knot",
+    )
+
+
+class Profiles(Table):
+    """Profiles that are fixed to a body and travel through the contact with it.
+
+    As [gap]: what is added to the separation, so that a bump is negative. The place x of a profile
+    is in the middle of the contact when the distance x has been rolled.
+
+    Examples
+    --------
+    >>> bump = {"x": [-1, 0, 1], "y": [-9, 9], "separation": [[0, 0], [-1e-3, -1e-3], [0, 0]]}
+    >>> ts.Profiles(A=bump).B is None
+    True
+    """
+
+    A: Gap | None = entry("of the upper body", "", None)
+    B: Gap | None = entry("of the lower body", "", None)
+
+
+def _of_the_knots(known: Known) -> Iterator[Fault]:
+    knots = known["distance"]
+    if knots[0] == knots[-1]:
+        yield Fault("distance", str(list(knots)), "knots that go on from the first one")
+    for table, kind in (
+        ("load", LoadCourse),
+        ("creepage", CreepageCourse),
+        ("friction", FrictionCourse),
+    ):
+        for key in kind.model_fields:
+            values = known.get(f"{table}.{key}")
+            if values is not None and len(values) != len(knots):
+                given = f"{len(values)} values and {len(knots)} knots"
+                yield Fault(f"{table}.{key}", given, "one value for each knot of distance")
+
+
+def _saved_on_the_way(known: Known) -> Iterator[Fault]:
+    knots, save = known["distance"], known["save"]
+    if save and not knots[0] <= save[0] <= save[-1] <= knots[-1]:
+        yield Fault("save", str(list(save)), f"distances from {knots[0]:g} to {knots[-1]:g} mm")
+
+
+class Transient(Table):
+    """What changes over the distance rolled.
+
+    Quantities change linearly between the knots; what has no course stays as its own table says.
+    With ``start = "shift"`` nothing rolls: the distance is a mere parameter, and creepages are the
+    shifts of A over B since the bodies were pressed together.
+
+    Examples
+    --------
+    >>> ts.Transient(distance=[0, 5], creepage={"longitudinal": [0, -0.003]}).start
+    'rest'
+    """
+
+    distance: Knots = entry("knots, distance rolled, mm", "numbers that do not fall", min_length=2)
+    load: LoadCourse = entry("courses of the load", "", LoadCourse())
+    creepage: CreepageCourse = entry("courses of the creepages", "", CreepageCourse())
+    friction: FrictionCourse = entry("courses of the friction", "", FrictionCourse())
+    profile: Profiles = entry("profiles that travel through the contact", "", Profiles())
+    start: Literal["rest", "steady", "shift"] = entry(
+        "what the bodies did before: they were only pressed together, or they rolled steadily as "
+        "the first knot says; or they are not to roll but to shift",
+        '"rest", "steady" or "shift"',
+        "rest",
+    )
+    step: Positive | None = positive(
+        "longest step, mm; by default one element, of shifts a tenth of the way between two knots, "
+        "and of adaptive steps a quarter of the contact",
+        None,
+    )
+    stepping: Literal["even", "adaptive"] = entry(
+        "whether steps are equally long but for the last one to a knot, or as long as their error "
+        "allows",
+        '"even" or "adaptive"',
+        "even",
+    )
+    tolerance: Real = entry(
+        "error of an adaptive step, relative: that of the tractions",
+        "a number above 0, at most 0.1",
+        1e-3,
+        gt=0,
+        le=0.1,
+    )
+    save: Saved = entry(
+        "distances whose fields are stored, mm",
+        "ascending numbers from the first knot to the last",
+        default_factory=lambda given: tuple(sorted({*given["distance"]})),
+    )
+    checks: ClassVar[tuple[Check, ...]] = (_of_the_knots, _saved_on_the_way)
+
+    @classmethod
+    def unfolded(cls, given: Mapping[Any, Any]) -> Mapping[Any, Any]:
+        """Keys with a dot in them, as in ``"creepage.longitudinal"``, as tables."""
+        tables: dict[Any, Any] = {}
+        for key, value in given.items():
+            table, dot, name = str(key).partition(".")
+            if not dot:
+                more = isinstance(value, Mapping) and isinstance(tables.get(key), dict)
+                tables[key] = {**value, **tables[key]} if more else value
+                continue
+            inner = tables.get(table, {})
+            if isinstance(inner, Table):
+                inner = inner.entries()
+            tables[table] = {**inner, name: value} if isinstance(inner, Mapping) else inner
+        return tables
+
+    @property
+    def rolls(self) -> bool:
+        """Whether the bodies roll, or only shift."""
+        return self.start != "shift"
+
+    @property
+    def courses(self) -> dict[str, tuple[float, ...]]:
+        """The courses by the dotted keys they stand for."""
+        tables = {"load": self.load, "creepage": self.creepage, "friction": self.friction}
+        return {
+            f"{name}.{key}": values
+            for name, table in tables.items()
+            for key, values in table.entries().items()
+        }
+
+
+def _transient_needs_friction(known: Known) -> Iterator[Fault]:
+    if known["transient"] is not None and known["friction"] is None:
+        yield Fault("transient", "without friction", "only with a [friction] table")
+
+
+def _transient_is_alone(known: Known) -> Iterator[Fault]:
+    if known["transient"] is None:
+        return
+    for table, why in (
+        ("wear", "one of both: the wear of a transient is not modelled"),
+        ("fatigue", "one of both: the life of a transient is not modelled"),
+        ("accuracy", "a [grid] in place of it: the error bars are those of steady states"),
+    ):
+        if known[table] is not None:
+            yield Fault("transient", f"together with [{table}]", why)
+    if known["friction"] is not None:
+        if known["friction.law"] != "constant":
+            cure = '"constant" with [transient]: others are those of steady rolling'
+            yield Fault("friction.law", f'"{known["friction.law"]}"', cure)
+        if known["friction.layer"]:
+            given = f"{known['friction.layer']:g}, together with [transient]"
+            yield Fault("friction.layer", given, "no layer: that of a transient is not modelled")
+    if known["solver.method"] in ("uzawa", "anderson"):
+        given = f'solver.method = "{known["solver.method"]}"'
+        yield Fault("solver.method", given, '"auto" or "newton" with [transient]')
+
+
+def _courses_of_what_is_asked(known: Known) -> Iterator[Fault]:
+    if known["transient"] is None:
+        return
+    for key in ("normal", "approach"):
+        if known[f"transient.load.{key}"] is not None and known[f"load.{key}"] is None:
+            cure = f"load.{key} itself as well: it tells the mesh and the units"
+            yield Fault(f"transient.load.{key}", f"a course, and no load.{key}", cure)
+    for force, creepage in (("force_x", "longitudinal"), ("force_y", "lateral")):
+        forced = [k for k in (f"load.{force}", f"transient.load.{force}") if known[k] is not None]
+        crept = f"transient.creepage.{creepage}"
+        if forced and known[crept] is not None:
+            yield Fault(crept, f"together with {forced[-1]}", "one of both: a force or a creepage")
+        if f"transient.load.{force}" in forced and f"creepage.{creepage}" in known.given:
+            given = f"together with transient.load.{force}"
+            yield Fault(f"creepage.{creepage}", given, "one of both: a force or a creepage")
+
+
+def _steps_within_the_contact(known: Known) -> Iterator[Fault]:
+    transient, hertz = known["transient"], known["body"].hertz(known["load"])
+    if transient is None or not transient.rolls or transient.step is None or hertz is None:
+        return
+    most = 2.0 * hertz.a
+    if known["gap"] is None and transient.step > most and math.isfinite(most):
+        cure = f"at most {most:.4g} mm: in a longer step all material leaves the contact"
+        yield Fault("transient.step", f"{transient.step:g}", cure)
+
+
+TRANSIENT_CHECKS: tuple[Check, ...] = (
+    _transient_needs_friction,
+    _transient_is_alone,
+    _courses_of_what_is_asked,
+    _steps_within_the_contact,
+)
+"""Checks between [transient] and the other tables."""

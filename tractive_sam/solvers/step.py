@@ -1,0 +1,59 @@
+"""The contact problem of a step of transient rolling, or of a shift."""
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Self, cast
+
+import numpy as np
+
+from tractive_sam.operators import FrictionSlip, StepOperators
+from tractive_sam.solvers.problem import Box, Problem, block_mean
+
+
+@dataclass(frozen=True, eq=False)
+class StepProblem(Problem):
+    """A `Problem` whose slip is that of a step, over the length of an element.
+
+    Its operators are `operators.step.StepOperators`, and `rigid` holds all of the slip that does
+    not change with the tractions sought: what the undeformed bodies slip on the way, less the
+    displacements that the particles had before.
+
+    Parameters
+    ----------
+    entering : ndarray, shape (n_x, n_y)
+        Gap of the particles before the step.
+    ahead : float
+        Way of the step, in elements.
+    """
+
+    entering: np.ndarray = field(default_factory=lambda: np.zeros((1, 1)))
+    ahead: float = 0.0
+
+    def friction_slip(self, pressure: np.ndarray, gap: np.ndarray) -> FrictionSlip:
+        """See `Problem.friction_slip`."""
+        if self.held:
+            return self._entering_held
+        return self._entering(pressure)
+
+    @cached_property
+    def _entering_held(self) -> FrictionSlip:
+        return self._entering(self.normal.pressure)
+
+    def _entering(self, pressure: np.ndarray) -> FrictionSlip:
+        operators = cast(StepOperators, self.operators)
+        return operators.entering_slip(pressure, self.entering, self.ahead)
+
+    def coarsened(self) -> Self:
+        """See `Problem.coarsened`; the slip is over the length of an element, which is twice it."""
+        block = self.operators.lattice.block
+        coarse = super().coarsened()
+        return replace(
+            coarse,
+            rigid=coarse.rigid / block[0],
+            entering=block_mean(self.entering, block, "edge"),
+            ahead=self.ahead / block[0],
+        )
+
+    def within(self, box: Box) -> Self:
+        """See `Problem.within`."""
+        return replace(super().within(box), entering=self.entering[box])
