@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from tests.conftest import size
+from tests.conftest import size, steady
 from tractive_sam.contact import Model, equilibrium, grown
 from tractive_sam.reference import Carter, bentall_johnson_creepage
 from tractive_sam.results.grid import Grid
@@ -275,3 +275,25 @@ def test_a_gap_that_does_not_end_the_contact_is_said():
     contact = equilibrium(Model(scene, (scene.gap.x, scene.gap.y, scene.gap.separation)))
     assert not contact.converged
     assert "rises towards its sides" in contact.message
+
+
+@pytest.mark.filterwarnings("ignore::tractive_sam.scene.SceneWarning")
+@pytest.mark.parametrize(
+    "settings",
+    [
+        ("load.normal=1.9806281843733092e-25",),
+        ("load.normal=1e-18",),
+        ("body.B.radius_x=0.016000550541449336",),
+        ("body.B.radius_x=0.004753220284576842",),
+    ],
+)
+def test_free_rolling_on_a_single_element(settings):
+    """Of unlike cylinders on elements far wider than their contact: tractions whose square is zero,
+    and a pressure without load that missed next to nothing. What is solved bears its load.
+    """
+    mesh = ("grid.half_length=0.4289878114670304", "grid.elements=33")
+    contact = steady("cylinders-dissimilar", *mesh, *settings)
+    assert contact.converged, contact.message
+    # One element, all of whose pressure is the load; the tractions are rounding beside it.
+    assert pytest.approx(contact.scene.load.normal, rel=1e-12, abs=0.0) == contact.P
+    assert abs(contact.Qx) <= 1e-12 * contact.P

@@ -7,8 +7,8 @@ import pytest
 
 from tests.conftest import size, steady
 from tests.solvers.small import tangential_problem
-from tractive_sam.results.status import Status
-from tractive_sam.solvers import Continuation, Newton, Outcome, Solver
+from tractive_sam.results.status import Cost, Status
+from tractive_sam.solvers import Bracketing, Continuation, Newton, Outcome, PrescribedForces, Solver
 from tractive_sam.solvers.ladder import METHODS
 
 SMALL = ("grid.half_length=[4.08, 4.08]", "grid.elements=[19, 19]")
@@ -109,3 +109,26 @@ def test_a_stretch_that_fails_is_halved():
     direct = NEWTON.solve(problem, 1e-8)
     assert size(outcome.traction - direct.traction) < 1e-6 * size(direct.traction)
     assert outcome.cost.applications > direct.cost.applications
+
+
+def test_a_force_is_bracketed_however_small_it_is():
+    """Of forces whose product is zero in floating point the signs still differ."""
+
+    @dataclass(frozen=True)
+    class Tiny:
+        """Tractions that fall with the creepage, through zero at 2.5, and cost nothing."""
+
+        def solve(self, problem, tolerance, start=None):
+            creepage = 2.5 if len(problem.forces) else float((problem.rigid - rigid)[0, 0, 0])
+            traction = np.full_like(rigid, 1e-200 * (2.5 - creepage))
+            found = np.array([creepage] if len(problem.forces) else [])
+            status, slip = Status.CONVERGED, np.zeros_like(rigid)
+            return Outcome(status, 0.0, 1, Cost(), traction=traction, slip=slip, creepage=found)
+
+    alone = tangential_problem()
+    rigid = alone.rigid
+    forces = PrescribedForces(np.array([[1.0, 0.0]]), np.zeros(1))
+    way = Bracketing(Tiny(), Continuation(Tiny()))
+    outcome = way.solve(replace(alone, forces=forces), 1e-8)
+    assert outcome.converged
+    assert outcome.creepage.tolist() == [2.5]

@@ -88,9 +88,10 @@ class Bracketing:
 
         try:
             here = 0.0 if start is None or start.creepage is None else float(start.creepage[0])
-            missed = sides = beyond(here)
-            step = np.sign(missed) * self.first
-            while missed * sides > 0.0:
+            missed = beyond(here)
+            side = np.sign(missed)
+            step = side * self.first
+            while missed and np.sign(missed) == side:
                 if forces.diverged(now.creepage, forces.elastic_slip(now.slip, now.creepage)):
                     now = replace(now, status=Status.DIVERGED, residual=1.0)
                     raise _NotSolvedError

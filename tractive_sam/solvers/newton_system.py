@@ -72,7 +72,8 @@ class Iterate:
         if not held:
             self._normal = np.sum(np.minimum(self.pressure, self.gap) ** 2)
             self._normal += self.load_missed**2 / elements
-            size = np.linalg.norm(self.pressure)
+            # No less than of a pressure that has the load: to have none is no solution.
+            size = max(np.linalg.norm(self.pressure), (problem.load or 0.0) / np.sqrt(elements))
             self.residual = max(relative(np.sqrt(self._normal), size), self.residual)
             self.ratio = float(max(size / drag, 1.0)) if drag > 0.0 else 1.0
         self.merit = self.merit_by(ratio)
@@ -87,7 +88,8 @@ class Iterate:
 
     def merit_by(self, ratio: float) -> float:
         """Size of what the conditions miss, where those of the tractions count `ratio` times."""
-        return float(np.sqrt(self._normal + ratio**2 * self._tangential))
+        # The ratio may be larger than what a square can be.
+        return float(np.hypot(np.sqrt(self._normal), ratio * np.sqrt(self._tangential)))
 
 
 class System:
