@@ -7,7 +7,7 @@ different bodies and a thousandth to a hundredth of the creepage of full slip, i
 as spin alone. Every scene is solved to a tolerance, and again on a mesh with up to 4 x 4 elements
 for each one.
 
-    python benchmarks/error_bars.py [--scenes 100] [--tolerance 3e-3] [--seed 1]
+    python benchmarks/error_bars.py [--scenes 100] [--tolerance 3e-3] [--seed 2]
 """
 
 import argparse
@@ -125,7 +125,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--scenes", type=int, default=100)
     parser.add_argument("--tolerance", type=float, default=3e-3)
-    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--seed", type=int, default=2)
     asked = parser.parse_args()
     warnings.simplefilter("ignore", ts.SceneWarning)
     rows = []
