@@ -1,8 +1,5 @@
 """``tractive-sam run``: computes a scene into a results file."""
 
-import math
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -12,7 +9,6 @@ from tractive_sam.cli.output import (
     Status,
     bad_input_told,
     console,
-    progress_bar,
     say,
     stop,
     warnings_told,
@@ -20,7 +16,6 @@ from tractive_sam.cli.output import (
 from tractive_sam.cli.scene_input import SceneName, Settings, read_scene
 
 if TYPE_CHECKING:
-    from tractive_sam.results import Record
     from tractive_sam.scene import Scene
 
 
@@ -59,7 +54,7 @@ def run(
     """Compute a scene, all its revolutions, into a results file."""
     from tractive_sam.cli import tables
     from tractive_sam.results import balances
-    from tractive_sam.run import roll
+    from tractive_sam.run import progress_shown, roll
     from tractive_sam.store import open_history
 
     if resume and overwrite:
@@ -71,7 +66,7 @@ def run(
             raise stop(Status.INVALID, _kept(output, asked))
         before, worn = _written(output), None if start is None else open_history(start)
         try:
-            with _progress(asked) as progress, warnings_told():
+            with progress_shown(asked, True, console(stderr=True)) as progress, warnings_told():
                 history = roll(
                     asked, output, start=worn, overwrite=True, resume=resume, progress=progress
                 )
@@ -122,32 +117,3 @@ def _kept(path: Path, scene: "Scene") -> str:
 def _written(path: Path) -> int | None:
     """When a file was last written; None where there is none."""
     return path.stat().st_mtime_ns if path.exists() else None
-
-
-@contextmanager
-def _progress(scene: "Scene") -> Iterator[Callable[["Record"], None] | None]:
-    """Show how far the revolutions are, on a terminal."""
-    revolutions = scene.wear.revolutions if scene.wear is not None else 0
-    adaptive = scene.wear is not None and scene.wear.stepping == "adaptive"
-
-    def effort(done: int) -> float:
-        """Share of the work up to a revolution: adaptive jumps grow with the revolutions rolled."""
-        return math.log1p(done) if adaptive else float(done)
-
-    with progress_bar() as bar:
-        if bar is None:
-            yield None
-            return
-        coarser = scene.accuracy is not None and scene.wear is not None
-        first = "rolling on coarser meshes" if coarser else "solving the unworn bodies"
-        task = bar.add_task(first, total=effort(revolutions) or None)
-
-        def advance(record: "Record") -> None:
-            done, depth = record.revolution, 1e3 * record.values["wear_max"]
-            bar.update(
-                task,
-                completed=effort(done),
-                description=f"revolution {done} of {revolutions}, wear {depth:.3g} µm",
-            )
-
-        yield advance

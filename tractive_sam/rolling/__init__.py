@@ -1,5 +1,6 @@
 """Counts revolutions: what a pass wears is in the way of the next one."""
 
+from tractive_sam.rolling.forecast import Forecast
 from tractive_sam.rolling.passage import (
     Milestone,
     Passage,
@@ -14,6 +15,7 @@ from tractive_sam.rolling.saves import Saves
 from tractive_sam.rolling.transient import Moment, Transient
 
 __all__ = [
+    "Forecast",
     "Judge",
     "Milestone",
     "Moment",

@@ -4,6 +4,7 @@ from tractive_sam.run import explain, memory
 from tractive_sam.run.export import export_volume
 from tractive_sam.run.given import measured_gap
 from tractive_sam.run.pipeline import roll, solve
+from tractive_sam.run.progress import progress_shown
 from tractive_sam.run.resume import what_differs
 
 __all__ = [
@@ -11,6 +12,7 @@ __all__ = [
     "export_volume",
     "measured_gap",
     "memory",
+    "progress_shown",
     "roll",
     "solve",
     "what_differs",

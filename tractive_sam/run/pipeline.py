@@ -16,6 +16,7 @@ from tractive_sam.results import History, NotConverged, Quantity, Record, State
 from tractive_sam.rolling import first_passage, resumed
 from tractive_sam.run import accurately, given, memory
 from tractive_sam.run.given import measured_gap
+from tractive_sam.run.progress import progress_shown
 from tractive_sam.run.recording import Recording
 from tractive_sam.run.resume import last_passage
 from tractive_sam.run.start import started_as, told_of, worn_bodies
@@ -126,7 +127,7 @@ def roll(
     start: History | State | None = None,
     overwrite: bool = False,
     resume: bool = False,
-    progress: Callable[[Record], None] | None = None,
+    progress: bool | Callable[[Record], None] | None = None,
     laws: Laws | None = None,
     solver: Solver | None = None,
     columns: Iterable[Quantity] = (),
@@ -151,8 +152,9 @@ def roll(
         Whether to go on from the last record of the results file, if there is one: of a run that
         was killed or stopped, or of a finished one that is to be rolled further. The history is
         that of an uninterrupted run.
-    progress : callable, optional
-        Called with each record.
+    progress : bool or callable, optional
+        Called with each record; True for a bar, False for none. By default a bar in a terminal or
+        a notebook, of what takes longer than two seconds.
     laws, solver : Laws and Solver, optional
         As of `solve`.
     columns : iterable of Quantity, optional
@@ -199,14 +201,15 @@ def roll(
     own = given.columns_of(columns, laws)
     worn, started = (None, "") if start is None else (worn_bodies(start, scene), told_of(start))
     replaced = overwrite or resume
-    with nullcontext() if path is None else results_writer(Path(path), replaced):  # at once
+    kept = nullcontext() if path is None else results_writer(Path(path), replaced)  # at once
+    with kept, progress_shown(scene, progress) as called:
         before = open_history(path) if resume and Path(path).exists() else None
         if before is not None and len(before):
             worn, started = started_as(before, path, started), before.started
         last = None if before is None else last_passage(before, path, scene, laws, own)
         model_of, gap = given.model_of(laws, solver, worn), measured_gap(scene)
         model_of = partial(model_of, profiles=given.travelling(scene))
-        run = Recording(scene, gap, model_of, path, replaced, progress, own, began, started)
+        run = Recording(scene, gap, model_of, path, replaced, called, own, began, started)
         model = model_of(scene, run.measured, None if last is None else last.contact.grid)
         memory.check_roll(model, in_memory=path is None)
         if last is None or before is None:

@@ -66,7 +66,7 @@ def _rolled(scene: Scene, file: Path) -> Outcome:
         history = open_history(file)
         if history.finished and history.scene == scene:
             return _of(history)
-    return _of(roll(scene, file, resume=True))
+    return _of(roll(scene, file, resume=True, progress=False))
 
 
 def _of(history: History) -> Outcome:

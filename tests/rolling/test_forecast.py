@@ -1,0 +1,70 @@
+"""What is left of a roll is foreseen by the contacts that it took, not by revolutions."""
+
+import numpy as np
+import pytest
+
+import tractive_sam as ts
+from tractive_sam.rolling import Forecast
+
+COLUMNS = ("revolution", "jump", "solves", "seconds")
+
+MESH = ("grid.half_length=[0.35, 1.4]", "grid.elements=[31, 91]")
+
+
+def foreseen(history):
+    """Contacts done and foreseen, and those that were left, with each record."""
+    forecast, total = Forecast(history.scene), history["solves"].sum()
+    for numbers in zip(*(history[name].tolist() for name in COLUMNS), strict=True):
+        forecast.add(*map(float, numbers))
+        yield forecast.done / total, forecast.left, total - forecast.done
+
+
+@pytest.mark.slow  # all revolutions of the discs, thrice on a coarse mesh
+@pytest.mark.parametrize(
+    ("name", "settings"),
+    [
+        *(("twin-discs", (*MESH, f"friction.angle={beta}")) for beta in (0, 45, 90)),
+        ("spheres", ("wear.coefficient=1e-4", "wear.revolutions=20000", "wear.save=[0, 500]")),
+    ],
+    ids=["0 degrees", "45 degrees", "90 degrees", "spheres"],
+)
+def test_within_a_factor_of_two_from_a_tenth_on(name, settings):
+    scene = ts.Scene.builtin(name).replace(subsurface=None).with_set(settings)
+    course = [one for one in foreseen(ts.roll(scene)) if one[0] >= 0.1 and one[2] > 0]
+    # The last three contacts may be foreseen as one or six: nobody waits for them.
+    ratios = [left / truly for _, left, truly in course if truly > 3]
+    assert len(ratios) > 8
+    assert min(ratios) >= 0.5
+    assert max(ratios) <= 2.0
+
+
+def test_one_by_one_all_is_known():
+    scene = ts.Scene.builtin("twin-discs").with_set(
+        ["wear.revolutions=10", "wear.save=[0, 10]", 'wear.stepping="every-revolution"']
+    )
+    forecast = Forecast(scene)
+    for revolution in range(11):
+        forecast.add(revolution, 1.0, 1.0, 5.0 if revolution == 0 else 0.5)
+        assert forecast.left == 10 - revolution
+        # Of the first contact, which compiles, nothing is concluded for the others.
+        assert forecast.seconds_left == (50.0 if revolution == 0 else 0.5 * forecast.left)
+
+
+def test_nothing_is_left_at_the_end_nor_without_wear():
+    assert list(foreseen(ts.roll(ts.Scene.builtin("spheres"))))[-1][1:] == (0.0, 0.0)
+    scene = ts.Scene.builtin("twin-discs")
+    forecast = Forecast(scene)
+    forecast.add(14999.0, 100.0, 1.0, 1.0)
+    assert forecast.left == 1
+    forecast.add(15000.0, 100.0, 1.0, 1.0)
+    assert forecast.left == 0
+
+
+def test_endless_rolls_are_foreseen_at_once():
+    scene = ts.Scene.builtin("twin-discs").with_set(
+        ["wear.revolutions=1000000000", "wear.save=[0]"]
+    )
+    forecast = Forecast(scene)
+    forecast.add(1000.0, 1.0, 1.0, 1.0)
+    assert np.isfinite(forecast.left)
+    assert forecast.left > 1e5

@@ -1,0 +1,83 @@
+"""A bar is shown where somebody sees it, and taken away."""
+
+import io
+import sys
+from types import SimpleNamespace
+
+import pytest
+from rich.console import Console
+
+import tractive_sam as ts
+from tractive_sam.run import progress
+
+SCENE = ts.Scene.builtin("twin-discs").with_set(
+    [
+        "grid.half_length=[0.35, 0.7]",
+        "grid.elements=[15, 21]",
+        "wear.revolutions=3",
+        "wear.save=[0]",
+    ]
+)
+SCENE = SCENE.replace(subsurface=None)
+
+
+def rolled_on(terminal, asked):
+    """What a terminal is shown of a roll."""
+    with progress.progress_shown(SCENE, asked, terminal) as called:
+        if called is not None:
+            ts.roll(SCENE, progress=called)
+    return terminal.file.getvalue()
+
+
+def terminal(is_one=True):
+    return Console(file=io.StringIO(), force_terminal=is_one, width=120)
+
+
+def test_in_a_terminal_where_it_is_asked_for():
+    assert "revolution 3 of 3" in rolled_on(terminal(), True)
+    assert not rolled_on(terminal(), False)
+    assert not rolled_on(terminal(is_one=False), True)
+
+
+def test_by_itself_only_of_what_takes_longer(monkeypatch):
+    assert not rolled_on(terminal(), None)
+    monkeypatch.setattr(progress, "AT_FIRST", 0.0)
+    assert "revolution 3 of 3" in rolled_on(terminal(), None)
+
+
+@pytest.fixture
+def notebook(monkeypatch):
+    """A notebook that keeps what it is shown."""
+    shown = []
+
+    class Handle:
+        def update(self, bundle, raw):
+            shown.append(bundle["text/html"])
+
+    def display(bundle, raw, display_id):
+        shown.append(bundle["text/html"])
+        return Handle()
+
+    shell = SimpleNamespace(get_ipython=lambda: SimpleNamespace(kernel="a kernel"))
+    monkeypatch.setitem(sys.modules, "IPython", shell)
+    monkeypatch.setitem(sys.modules, "IPython.display", SimpleNamespace(display=display))
+    return shown
+
+
+def test_in_a_notebook_it_is_one_line_that_is_empty_at_the_end(notebook):
+    ts.roll(SCENE, progress=True)
+    assert notebook[0].startswith("<progress>")
+    assert notebook[-1] == ""
+
+
+def test_a_notebook_is_silent_where_that_is_asked_for(notebook):
+    ts.roll(SCENE, progress=False)
+    ts.roll(SCENE)  # and by itself of what is over at once
+    assert notebook == []
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"), [(5.4, "0:05"), (65.0, "1:05"), (7200.0, "2:00:00"), (0.2, "0:00")]
+)
+def test_durations(seconds, text):
+    assert progress.duration(seconds) == text

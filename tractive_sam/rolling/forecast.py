@@ -1,0 +1,97 @@
+"""How many contacts a roll still takes, from the steps that it took."""
+
+from bisect import bisect_right
+from math import ceil, inf
+
+from tractive_sam.rolling.adaptive import SETTLING
+from tractive_sam.rolling.saves import Saves
+from tractive_sam.scene import Scene
+
+GROWTH = 0.45
+"""Power of the revolutions rolled with which jumps grow once wear shapes the contact."""
+
+UNHINDERED = 0.9
+"""Jump over the revolutions rolled from which nothing limits it but its own growth: it doubles."""
+
+SHORTENING = 4.0
+"""So much shorter than the first one that is cut before a stop do steps get there."""
+
+RECENT = 20
+"""Records whose time per contact is that of those to come."""
+
+LONGEST = 100_000
+"""Steps that are foreseen one by one; of more, the rest goes in steps as long as the last one."""
+
+
+class Forecast:
+    """What is done of a roll and what is left, told record by record.
+
+    Jumps grow with the revolutions rolled, and shorten before every stop: they are foreseen one by
+    one, by the rule that `rolling.control` goes by.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is rolled.
+
+    Attributes
+    ----------
+    done, left : float
+        Contacts solved, and to be solved.
+    end : float
+        Where it ends.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        saves = Saves.of(scene)
+        self._stops, self.end = saves.stops, saves.end
+        self._adaptive = scene.wear is not None and scene.wear.stepping == "adaptive"
+        self._wish, self._spent = 0.0, list[tuple[float, float]]()
+        self._here, self._settled = 0.0, inf  # until a step was seen to be cut
+        self.done = self.left = 0.0
+
+    def add(self, place: float, jump: float, solves: float, seconds: float) -> None:
+        """Take a record: its place, such as revolutions, and its columns of these names."""
+        if self._adaptive and self._wish and place > self._here:
+            self._learn(place - self._here, self._distance(self._here), self._wish)
+        self._here, self._wish = place, jump
+        self._spent = [*self._spent[1 - RECENT :], (solves, seconds)]
+        self.done += solves
+        self.left = self._foreseen(jump) if self._adaptive else self.end - place
+
+    @property
+    def seconds_left(self) -> float:
+        """Time that is left, as the last records took theirs; the first one compiles."""
+        if not self._spent:
+            return 0.0
+        first = 1 if 1 < len(self._spent) < RECENT else 0
+        solves, seconds = map(sum, zip(*self._spent[first:], strict=True))
+        return self.left * seconds / solves if solves else 0.0
+
+    def _learn(self, step: float, distance: float, wish: float) -> None:
+        """See from a step how short one has to be that may go right to a stop."""
+        nearer = ceil(SETTLING * distance)
+        if step == nearer < wish:
+            self._settled = min(self._settled, step / SHORTENING)
+        elif nearer < step < min(wish, distance):
+            self._settled = step
+        elif step > nearer:
+            self._settled = max(self._settled, step)
+
+    def _distance(self, here: float) -> float:
+        """To the next stop."""
+        return self._stops[bisect_right(self._stops, here)] - here
+
+    def _foreseen(self, jump: float) -> float:
+        start = max(self._here, 1.0)
+        growth = 1.0 if jump >= UNHINDERED * start else GROWTH
+        here, count = self._here, 0
+        while here < self.end:
+            distance = self._distance(here)
+            wish = jump * (max(here, 1.0) / start) ** growth
+            step = max(1.0, min(wish, distance, max(self._settled, ceil(SETTLING * distance))))
+            if count == LONGEST:
+                return count + (self.end - here) / step
+            here += step
+            count += 1
+        return count
