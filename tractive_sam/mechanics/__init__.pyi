@@ -2,6 +2,7 @@
 
 from .criteria import CRITERIA as CRITERIA
 from .criteria import VON_MISES as VON_MISES
+from .criteria import CycleCriterion as CycleCriterion
 from .criteria import StressCriterion as StressCriterion
 from .elasticity import Elasticity as Elasticity
 from .elasticity import HalfSpaces as HalfSpaces
@@ -11,7 +12,6 @@ from .falling import FallingCoulomb as FallingCoulomb
 from .falling import Rational as Rational
 from .falling import SlidingShare as SlidingShare
 from .fatigue import Crossland as Crossland
-from .fatigue import CycleCriterion as CycleCriterion
 from .fatigue import DangVan as DangVan
 from .fatigue import FatemiSocie as FatemiSocie
 from .fatigue import Findley as Findley

@@ -1,4 +1,4 @@
-"""Stress criteria: how a state of stress is judged, as one number."""
+"""Criteria: how a state of stress is judged, or a cycle of it, as one number."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
@@ -54,6 +54,52 @@ class StressCriterion(ABC):
         -------
         ndarray, shape (...)
             At least 0.
+        """
+
+
+class CycleCriterion(ABC):
+    """An equivalent stress amplitude of a cycle; above a limit of the material it does damage.
+
+    Attributes
+    ----------
+    name : str
+        As ``fatigue.criterion`` of a scene names it.
+    symbol : str
+        For math text in figures.
+    long_name : str
+        Description for people.
+
+    Examples
+    --------
+    >>> class Range(ts.CycleCriterion):
+    ...     name, long_name = "range", "half the range of xx"
+    ...
+    ...     def __call__(self, cycle):
+    ...         return 0.5 * np.ptp(cycle[0], axis=0)
+    >>> tired = scene.replace(fatigue={"limit": 200.0, "sensitivity": 0.3, "bodies": ["A"]})
+    >>> laws = ts.Laws.of(tired).replace(fatigue=Range())
+    >>> ts.fatigue(ts.solve(tired), laws=laws)["A"].utilisation_max > 0.0
+    True
+    """
+
+    name: str
+    symbol: str = r"\tau_\mathrm{eq}"
+    long_name: str
+
+    @abstractmethod
+    def __call__(self, cycle: np.ndarray) -> np.ndarray:
+        """Judge cycles.
+
+        Parameters
+        ----------
+        cycle : ndarray, shape (6, n, ...)
+            Components xx, yy, zz, xy, xz, yz at n points along the cycle, MPa; the last of them is
+            the unloaded material.
+
+        Returns
+        -------
+        ndarray, shape (...)
+            MPa; up to zero there is no damage.
         """
 
 

@@ -51,6 +51,10 @@ class Turns:
         """Depth by which the sum of both profiles deepens in a revolution, over that of a pass."""
         return 1.0 + sum(self.share[body] * (self.per_count[body] - 1.0) for body in "AB")
 
+    def lasting(self, body: str) -> float:
+        """Part of the entering depth that is one body's; 0 of a flat one."""
+        return self.share[body] * self.per_count[body] / self.gain
+
     def next(self, entering: np.ndarray, leaving: np.ndarray) -> np.ndarray:
         """Depth with which the next revolution begins, of both together.
 
@@ -67,7 +71,7 @@ class Turns:
         What the next revolution meets of it, without what its phase leaves: both bodies roll the
         same distance, so that their volumes are as their shares. Zero of a flat one.
         """
-        return self.share[body] * self.per_count[body] / self.gain * self.next(entering, leaving)
+        return self.lasting(body) * self.next(entering, leaving)
 
     def of_body(self, body: str, entering: np.ndarray, leaving: np.ndarray) -> np.ndarray:
         """Depth of one body behind the contact, mm; arguments as of `next`.

@@ -16,6 +16,7 @@ from .quantities import BEFORE as BEFORE
 from .quantities import BODIES as BODIES
 from .quantities import COLUMNS as COLUMNS
 from .quantities import COORDINATE as COORDINATE
+from .quantities import CYCLES as CYCLES
 from .quantities import DIMS as DIMS
 from .quantities import FIELDS as FIELDS
 from .quantities import OUTSIDE as OUTSIDE

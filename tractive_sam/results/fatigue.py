@@ -1,12 +1,17 @@
 """What the cycles of stress do to one body, over its section (y, depth)."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from typing import Self
 
 import numpy as np
 
 from tractive_sam.mechanics import CycleCriterion
 from tractive_sam.results.maximum import Maximum
+
+
+def _none() -> np.ndarray:
+    return np.zeros(0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +39,13 @@ class BodyFatigue:
         What the utilisation is by.
     shear_yield : float
         k, MPa; nan without.
+    zeta : ndarray, shape (m,)
+        Places of the material: depth below the *unworn* surface, mm; of a roll with a limit.
+    damage : ndarray, shape (n_y, m)
+        What it has suffered so far by Miner's rule: at 1 a crack starts. Material with zeta < worn
+        is gone; its number is the last one it had.
+    worn : ndarray, shape (n_y,)
+        Depth worn off this body, mm.
 
     Examples
     --------
@@ -51,6 +63,43 @@ class BodyFatigue:
     path_radius: np.ndarray
     criterion: CycleCriterion | None
     shear_yield: float
+    zeta: np.ndarray = field(default_factory=_none)
+    damage: np.ndarray = field(default_factory=_none)
+    worn: np.ndarray = field(default_factory=_none)
+
+    def with_damage(self, zeta: np.ndarray, damage: np.ndarray, worn: np.ndarray) -> Self:
+        """The same with what the material has suffered."""
+        return replace(self, zeta=zeta, damage=damage, worn=worn)
+
+    @property
+    def damage_max(self) -> tuple[float, tuple[float, float, float]]:
+        """The largest damage of what is left of the material, and where, (nan, y, zeta), mm.
+
+        At the surface it is taken on to it from the two places below, as an exponential; inside it
+        is refined by a parabola.
+        """
+        if not self.damage.size:
+            return math.nan, (math.nan,) * 3
+        left = self.zeta >= self.worn[:, None]
+        inside = np.where(left, self.damage, 0.0)
+        if not inside.any():
+            return 0.0, (math.nan,) * 3
+        j, k = np.unravel_index(np.argmax(inside), inside.shape)
+        value, at = float(inside[j, k]), (math.nan, float(self.y[j]), float(self.zeta[k]))
+        if k and left[j, k - 1]:
+            depth, more = _top(self.zeta, inside[j], int(k))
+            value, at = value + more, (math.nan, at[1], depth)
+        first = np.minimum(np.argmax(left, axis=1), self.zeta.size - 2)
+        row = np.arange(self.y.size)
+        here, below = self.damage[row, first], self.damage[row, first + 1]
+        step = (self.worn - self.zeta[first]) / (self.zeta[first + 1] - self.zeta[first])
+        log = np.log(np.maximum((here, below), 1e-300))
+        reached = left.any(axis=1) & (here > 0.0)
+        surface = np.where(reached, np.exp(log[0] + step * (log[1] - log[0])), 0.0)
+        j = int(np.argmax(surface))
+        if surface[j] > value:
+            return float(surface[j]), (math.nan, float(self.y[j]), float(self.worn[j]))
+        return value, at
 
     def largest(self, name: str = "utilisation") -> Maximum:
         """The largest value of a field by its name; places are (nan, y, depth), mm.

@@ -2,12 +2,13 @@
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import product
 from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar
 
 import numpy as np
 
+from tractive_sam.results.fatigue import BodyFatigue
 from tractive_sam.results.grid import Grid, widened
 from tractive_sam.results.plane_stress import PlaneStress
 from tractive_sam.results.quantities import (
@@ -88,6 +89,9 @@ class History:
         Laws that were given in place of the scene's; empty where none were.
     started : str
         Where the worn bodies are from with which it began; empty of new ones.
+    cycles : mapping of str to Rows, length m
+        What rolling has done to each body that [fatigue] names, of each record that kept its
+        fields; see `fatigue`.
 
     Examples
     --------
@@ -111,6 +115,7 @@ class History:
     provenance: tuple[tuple[int, Mapping[str, str]], ...] = ()
     laws: str = ""
     started: str = ""
+    cycles: Mapping[str, Rows[BodyFatigue]] = field(default_factory=dict)
 
     @classmethod
     def of_records(
@@ -150,6 +155,7 @@ class History:
             _by_plane(kept),
             laws=laws,
             started=started,
+            cycles=_by_body(kept),
         )
 
     def __len__(self) -> int:
@@ -342,6 +348,26 @@ class History:
                 f"no stress on {plane} of body {body}; there is {kept or 'none: add [subsurface]'}"
             )
         return rows[self.row_of(at, **named)]
+
+    def fatigue(self, body: str, at: float | None = None, **named: float | None) -> BodyFatigue:
+        """What rolling has done to a body by one record, with its damage where there is a limit.
+
+        Parameters
+        ----------
+        body : "A" or "B"
+            The body.
+        at : float, optional
+            As of `field`.
+
+        Raises
+        ------
+        LookupError
+            If it was not kept; the message lists what was.
+        """
+        if body not in self.cycles:
+            kept = ", ".join(self.cycles) or "none: add [fatigue]"
+            raise LookupError(f"no fatigue of body {body}; there is {kept}")
+        return self.cycles[body][self.row_of(at, **named)]
 
     def row_of(self, at: float | None = None, **named: float | None) -> int:
         """The row of a value of the coordinate in `saved`; arguments and errors as of `field`."""
@@ -541,6 +567,11 @@ def _by_plane(kept: Sequence[Record]) -> dict[tuple[str, str], list["PlaneStress
         for k, one in enumerate(first)
     }
     return dict(sorted(rows.items()))  # as a file has them
+
+
+def _by_body(kept: Sequence[Record]) -> dict[str, list[BodyFatigue]]:
+    bodies = (one.body for one in kept[0].cycles) if kept else ()
+    return {body: [record.cycles[k] for record in kept] for k, body in enumerate(bodies)}
 
 
 def _without_nan(value: Any) -> Any:

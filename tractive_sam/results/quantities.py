@@ -356,6 +356,21 @@ _FATIGUE = (
              format=".3f", **_OF_BODIES),
     Quantity("utilisation_at", "mm", "position (no x, y, depth) of the largest utilisation",
              **_OF_PLACES),
+    Quantity("damage", "1", "largest damage of the material that is left; at 1 a crack starts",
+             symbol="D", format=".3g", **_OF_BODIES),
+    Quantity("damage_at", "mm", "position (no x, y, depth below the unworn surface) of it",
+             **_OF_PLACES),
+    Quantity("damage_error", "1", "error of it by the length of the jumps", format=".1g",
+             **_OF_BODIES),
+    Quantity("initiation", "1", "revolution at which it reached 1", format=".4g", **_OF_BODIES),
+    Quantity("fatigue_life", "1", "revolutions to a crack by this record's stress, without wear",
+             format=".4g", **_OF_BODIES),
+    Quantity("wear_margin", "1", "smallest wear over the wear that balances fatigue, across the "
+             "track; below 1 cracks start", format=".3g", **_OF_BODIES),
+    Quantity("balancing_wear_A", "mm", "wear of body A in a revolution that balances fatigue",
+             dims=("y",), when=lambda scene: "A" in _with_limit(scene)),
+    Quantity("balancing_wear_B", "mm", "wear of body B in a revolution that balances fatigue",
+             dims=("y",), when=lambda scene: "B" in _with_limit(scene)),
 )
 # fmt: on
 
@@ -439,6 +454,30 @@ STRESS = by_name(
     )
 )
 """A function on a plane below the surface, kept with the fields."""
+
+
+CYCLES = by_name(
+    (
+        Quantity(
+            "utilisation", "1", "equivalent stress of the cycle over its limit", dims=("y", "depth")
+        ),
+        Quantity(
+            "residual_shear",
+            "MPa",
+            "sqrt(J2) of the cycle left by the best residual stress that rolling can leave",
+            dims=("y", "depth"),
+        ),
+        Quantity(
+            "path_radius",
+            "MPa",
+            "sqrt(J2) of the cycle left by the best constant deviator",
+            dims=("y", "depth"),
+        ),
+        Quantity("damage", "1", "damage of the material", dims=("y", "zeta")),
+        Quantity("worn", "mm", "depth worn off the body", dims=("y",)),
+    )
+)
+"""What rolling does to a body, over its section, kept with the fields."""
 
 
 def of_role(columns: Iterable[Quantity], role: str) -> Quantity:

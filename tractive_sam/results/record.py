@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from tractive_sam.results.fatigue import BodyFatigue
 from tractive_sam.results.plane_stress import PlaneStress
 from tractive_sam.results.quantities import COORDINATE, FIELDS, Quantity, columns, of_role
 from tractive_sam.results.state import State
@@ -25,12 +26,15 @@ class Record:
         By the names of `FIELDS`; empty where they are not kept.
     stress : tuple of PlaneStress
         Stress on the planes that the scene asks for, kept with the fields.
+    cycles : tuple of BodyFatigue
+        What rolling has done to each body that [fatigue] names, kept with the fields.
     """
 
     values: Mapping[str, Any]
     columns: Mapping[str, Quantity]
     fields: Mapping[str, np.ndarray] = field(default_factory=dict)
     stress: tuple[PlaneStress, ...] = ()
+    cycles: tuple[BodyFatigue, ...] = ()
 
     @classmethod
     def of(
@@ -41,6 +45,7 @@ class Record:
         own: Iterable[Quantity] = (),
         with_fields: bool = True,
         stress: Iterable[PlaneStress] = (),
+        cycles: Iterable[BodyFatigue] = (),
     ) -> "Record":
         """Take the record of a contact.
 
@@ -56,13 +61,16 @@ class Record:
             Whether to keep the fields.
         stress : iterable of PlaneStress
             Stress on planes.
+        cycles : iterable of BodyFatigue
+            Fatigue of bodies, kept with the fields.
         """
         names = columns(contact.scene, own)
         values = {
             name: given[name] if name in given else _read(one, contact)
             for name, one in names.items()
         }
-        return cls(values, names, fields(contact) if with_fields else {}, tuple(stress))
+        kept = (fields(contact), tuple(stress), tuple(cycles)) if with_fields else ({}, ())
+        return cls(values, names, *kept)
 
     @property
     def coordinate(self) -> Quantity:

@@ -1,5 +1,6 @@
 """Counts revolutions: what a pass wears is in the way of the next one."""
 
+from tractive_sam.rolling.damage import Damage
 from tractive_sam.rolling.forecast import Forecast
 from tractive_sam.rolling.passage import (
     Milestone,
@@ -15,6 +16,7 @@ from tractive_sam.rolling.saves import Saves
 from tractive_sam.rolling.transient import Moment, Transient
 
 __all__ = [
+    "Damage",
     "Forecast",
     "Judge",
     "Milestone",

@@ -222,6 +222,14 @@ class Passage:
         """Depth of one body before the contact, shape (n_y,), mm; where parts are known."""
         return self._before(body) + self.parts[:, "AB".index(body)].sum(axis=0)
 
+    def off(self, body: str) -> tuple[np.ndarray, np.ndarray]:
+        """Depth (n_y,) worn off one body before this revolution, and in it, mm; 0 of a flat one."""
+        if self.parts is not None:
+            return self._entering_of(body), self.gained_by[:, "AB".index(body)].sum(axis=0)
+        lasting = self.turns[0].lasting(body)
+        here = lasting * (self.entering - self._before())
+        return self._before(body) + here, lasting * self.course[-1].rate
+
     def behind(self, body: str) -> np.ndarray:
         """Depth of one body behind the contact, mm; of a flat one what a single pass wears."""
         if self.parts is None:

@@ -6,12 +6,13 @@ from time import perf_counter
 from typing import Any, Protocol
 
 from tractive_sam.contact import Gap, Laws, Model, across, grown
-from tractive_sam.results import PARTS, BodyFatigue, Maximum, Quantity, Record, stress_columns
+from tractive_sam.results import PARTS, Maximum, Quantity, Record, stress_columns
 from tractive_sam.rolling.adaptive import adaptive_passages
+from tractive_sam.rolling.damage import Damage, fatigue_columns
 from tractive_sam.rolling.passage import Passage, next_passage, off_grid, unworn
 from tractive_sam.rolling.saves import Saves
 from tractive_sam.rolling.transient import Moment, Transient
-from tractive_sam.subsurface import fatigue, stress_maxima, stress_on_planes
+from tractive_sam.subsurface import stress_maxima, stress_on_planes
 
 GROWTHS = 16
 """Most enlargements of a mesh: to 35 times its width."""
@@ -81,6 +82,7 @@ def recorded(
     judge: Judge | None = None,
     own: Iterable[Quantity] = (),
     measured: Gap | None = None,
+    tired: Damage | None = None,
 ) -> Record:
     """The record of a passage.
 
@@ -101,6 +103,8 @@ def recorded(
         Columns beside the package's.
     measured : Gap, optional
         The measured separation of the scene.
+    tired : Damage, optional
+        What rolling has done to the material by then, of a scene with [fatigue].
     """
     contact, known, last = passage.told()
     keep = (last and passage.place in Saves.of(contact.scene)) or not contact.converged
@@ -116,27 +120,7 @@ def recorded(
     stresses = stress_columns(laws.criterion)
     for one, found in zip(stresses, ("value", "interior", "surface", "at"), strict=False):
         given[one.name] = {body: getattr(largest, found) for body, largest in maxima.items()}
-    if contact.scene.fatigue is not None:
-        given |= fatigue_columns(fatigue(contact, laws=laws))
-    return Record.of(contact, given, own=(*own, *stresses), with_fields=keep, stress=stress)
-
-
-def fatigue_columns(cycled: Mapping[str, BodyFatigue]) -> dict[str, dict[str, Any]]:
-    """Columns of what a pass does to the material of each body."""
-    used = {body: one.largest() for body, one in cycled.items()}
-    left = {body: one.largest("residual_shear") for body, one in cycled.items()}
-
-    def factors(of: str) -> dict[str, float]:
-        return {body: one.load_factor(getattr(left[body], of)) for body, one in cycled.items()}
-
-    return {
-        "shakedown_lower": factors("value"),
-        "shakedown_interior": factors("interior"),
-        "shakedown_surface": factors("surface"),
-        "shakedown_lower_at": {body: one.at for body, one in left.items()},
-        "shakedown_upper": {body: one.shakedown_upper for body, one in cycled.items()},
-        "utilisation": {body: one.value for body, one in used.items()},
-        "utilisation_interior": {body: one.interior for body, one in used.items()},
-        "utilisation_surface": {body: one.surface for body, one in used.items()},
-        "utilisation_at": {body: one.at for body, one in used.items()},
-    }
+    if tired is not None:
+        given |= fatigue_columns(tired, laws.life)
+    kept = {} if tired is None else {"cycles": tired.fields}
+    return Record.of(contact, given, own=(*own, *stresses), with_fields=keep, stress=stress, **kept)

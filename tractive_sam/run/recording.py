@@ -12,9 +12,10 @@ from typing import Self
 import numpy as np
 
 from tractive_sam import interrupt
-from tractive_sam.contact import Gap, Model
+from tractive_sam.contact import Gap, Laws, Model
 from tractive_sam.results import Grid, History, Quantity, Record, Status, fields
-from tractive_sam.rolling import Judge, Passage, passages, recorded
+from tractive_sam.rolling import Damage, Judge, Passage, passages, recorded
+from tractive_sam.run.resume import last_damage
 from tractive_sam.scene import PlausibilityWarning, Scene
 from tractive_sam.store import HistoryWriter, open_history
 
@@ -65,7 +66,7 @@ class Recording:
         if self.path is not None:
             about = {"laws": laws, "started": self.started}
             keeper = HistoryWriter(self.path, self.scene, model.grid, self.overwrite, **about)
-        return self._kept(keeper, model, start, (start,), judge, missed)
+        return self._kept(keeper, model, start, (start,), None, judge, missed)
 
     def resumed(
         self,
@@ -77,7 +78,8 @@ class Recording:
     ) -> History:
         """Roll on from the last of a number of records in the file; arguments as of `begun`."""
         keeper = HistoryWriter.reopen(self.path, self.scene, records)
-        return self._kept(keeper, model, last, (), judge, missed)
+        tired = last_damage(self.path, last)
+        return self._kept(keeper, model, last, (), tired, judge, missed)
 
     def _kept(
         self,
@@ -85,17 +87,21 @@ class Recording:
         model: Model,
         start: Passage,
         first: Iterable[Passage],
+        tired: Damage | None,
         judge: Judge | None,
         missed: str,
     ) -> History:
         passage, began = start, self.began
         with keeper:
             for passage in chain(first, passages(model, start)):
-                record = recorded(passage, model.laws, began, judge, self.columns, self.measured)
-                began = perf_counter()
-                keeper.append(
-                    record, passage.contact.grid, fields(passage.contact) | passage.beside
+                tired, now = _followed(tired, passage, model.laws)
+                record = recorded(
+                    passage, model.laws, began, judge, self.columns, self.measured, now
                 )
+                began = perf_counter()
+                state = fields(passage.contact) | passage.beside
+                state |= {} if tired is None else tired.state
+                keeper.append(record, passage.contact.grid, state)
                 if self.progress is not None:
                     self.progress(record)
                 interrupt.heed()
@@ -111,6 +117,16 @@ def _warn_beyond_tests(model: Model, start: Passage) -> None:
             if told := block.wear_law.beyond_tests(*fields):
                 key = f"wear.law: duty block {k + 1}" if len(model.blocks) > 1 else "wear.law"
                 warnings.warn(f"{key}: {told}", PlausibilityWarning, stacklevel=2)
+
+
+def _followed(
+    tired: Damage | None, passage: Passage, laws: Laws
+) -> tuple[Damage | None, Damage | None]:
+    """What rolling has done to the material, so far and in a contact that was solved."""
+    if passage.contact.scene.fatigue is None or not passage.contact.converged:
+        return tired, None
+    tired = Damage.begun(passage, laws) if tired is None else tired.after(passage, laws)
+    return tired, tired
 
 
 class _InMemory:

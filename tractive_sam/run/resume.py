@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from tractive_sam.contact import Laws, Stepped
-from tractive_sam.results import PARTS, Cost, Grid, History, Quantity
-from tractive_sam.rolling import Milestone, Moment, Passage
+from tractive_sam.results import BODIES, PARTS, Cost, Grid, History, Quantity
+from tractive_sam.rolling import Damage, Milestone, Moment, Passage
 from tractive_sam.scene import Scene
-from tractive_sam.store import DamagedError, ResultsError, state_of
+from tractive_sam.store import DamagedError, ResultsError, open_history, state_of
 
 MOST_TOLD = 5
 """Differences of two scenes that are told one by one."""
@@ -125,6 +125,30 @@ def _last_moment(history: History, path: str | PathLike, row: int, scene: Scene)
         shifts,
         before,
     )
+
+
+def last_damage(path: str | PathLike, passage: Passage) -> Damage | None:
+    """What rolling had done to the material by the last passage of a results file.
+
+    Raises
+    ------
+    DamagedError
+        If the file does not hold it.
+    """
+    if passage.contact.scene.fatigue is None:
+        return None
+    history = open_history(path)
+    row = int(np.flatnonzero(history["converged"])[-1])
+    unknown = np.full((len(history), len(BODIES)), np.nan)
+    columns = {
+        name: dict(zip(BODIES, history.values.get(name, unknown)[row], strict=True))
+        for name in ("initiation", "damage_error")
+    }
+    earlier = int(history["revolution"][max(row - 1, 0)])
+    try:
+        return Damage.restored(passage, state_of(path, row), columns, earlier)
+    except LookupError as error:
+        raise DamagedError(f"{path} is damaged: {error} of record {row} is missing") from None
 
 
 def what_differs(before: Scene, now: Scene) -> str:

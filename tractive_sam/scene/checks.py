@@ -173,7 +173,14 @@ def _law_has_what_it_needs(known: Known) -> Iterator[Fault]:
         yield Fault("creepage.speed", "nothing", cure)
 
 
+def _fatigue_is_of_steady_rolling(known: Known) -> Iterator[Fault]:
+    if known["fatigue"] is not None and known["transient"] is not None:
+        cure = "no [transient]: only in steady rolling the material lives through what is along x"
+        yield Fault("fatigue", "together with [transient]", cure)
+
+
 SCENE_CHECKS: tuple[Check, ...] = (
+    _fatigue_is_of_steady_rolling,
     not_both("load.force_x", "creepage.longitudinal"),
     not_both("load.force_y", "creepage.lateral"),
     not_both("grid", "accuracy"),

@@ -10,8 +10,11 @@
     /fields    record, revolution, x, y; fields (record, x, y)
     /stress    of scenes with [subsurface]: a group <body>/<plane> with record, revolution and its
                two axes, such as x and depth; components (record, x, depth)
+    /fatigue   of scenes with [fatigue]: a group for each body with record, revolution, depth (below
+               the present surface) and zeta (below the unworn one); utilisation, residual_shear,
+               path_radius (record, y, depth), damage (record, y, zeta), worn (record, y)
     /state     fields (x, y) of the last contact that was solved, from which rolling goes on;
-               attribute: record, its row in /history
+               attribute: record, its row in /history; with [fatigue] what the damage goes on from
 
 A netCDF reader seeks the dimensions of a variable in its own group: /grid/x and /grid/y are hard
 linked into the groups that need them. The record of a row of /fields and /stress is its row in
@@ -30,10 +33,12 @@ from tractive_sam.results import (
     BEFORE,
     COLUMNS,
     COORDINATE,
+    CYCLES,
     FIELDS,
     LABELS,
     REVOLUTION,
     STRESS,
+    BodyFatigue,
     Grid,
     PlaneStress,
     Quantity,
@@ -156,7 +161,7 @@ def set_versions(file: h5py.File, before: Sequence[tuple[int, Mapping[str, str]]
 
 
 def add_columns(file: h5py.File, records: Iterable[Record]) -> None:
-    """Make room for what the file does not hold yet: columns and planes of records."""
+    """Make room for what the file does not hold yet: columns, planes and bodies of records."""
     known: set[str] = set()
     for record in records:
         if not record.columns.keys() <= known:
@@ -167,6 +172,10 @@ def add_columns(file: h5py.File, records: Iterable[Record]) -> None:
             if str(one.plane) not in bodies:
                 group = bodies.create_group(str(one.plane))
                 _create_plane(group, file["grid"], one, record.coordinate)
+        for body in record.cycles:
+            bodies = file.require_group("fatigue")
+            if body.body not in bodies:
+                _create_cycle(bodies.create_group(body.body), file, body, record.coordinate)
 
 
 def _create_columns(history: h5py.Group, columns: Mapping[str, Quantity], blocks: int = 0) -> None:
@@ -205,6 +214,30 @@ def _create_plane(
         axes.append(group[name])
     for name, quantity in STRESS.items():
         _rows(group, name, quantity, (record, *axes), coordinate=coordinate.name, **SQUEEZED)
+
+
+def _create_cycle(
+    group: h5py.Group, file: h5py.File, one: BodyFatigue, coordinate: Quantity
+) -> None:
+    """Room for what rolling does to a body, and for what it goes on from."""
+    record = _scale(group, "record", np.empty(0, int), ROW)
+    _rows(group, coordinate.name, coordinate, (record,), coordinate=coordinate.name)
+    group["y"] = file["grid/y"]
+    _scale(group, "depth", one.depth, Quantity("depth", "mm", "depth below the present surface"))
+    if one.zeta.size:
+        about = Quantity("zeta", "mm", "depth below the unworn surface")
+        _scale(group, "zeta", one.zeta, about)
+    for name, quantity in CYCLES.items():
+        if all(axis in group for axis in quantity.dims):
+            scales = (record, *(group[axis] for axis in quantity.dims))
+            _rows(group, name, quantity, scales, coordinate=coordinate.name, **SQUEEZED)
+
+
+def add_state(state: h5py.Group, name: str, values: np.ndarray) -> None:
+    """Keep something more to go on from, beside the fields."""
+    chunks = tuple(max(1, n) for n in values.shape)
+    about = {"chunks": chunks, "maxshape": (None,) * values.ndim, "fletcher32": True}
+    _describe(state.create_dataset(name, data=values, **about), Quantity(name, "", "to go on from"))
 
 
 def _create_state(state: h5py.Group, grid: h5py.Group, scene: Scene) -> None:

@@ -128,6 +128,11 @@ class Results:
         with self._damage_told(name):
             return self._file[name][: shape[0]]
 
+    def whole(self, name: str) -> np.ndarray:
+        """All numbers of a dataset."""
+        with self._damage_told(name):
+            return self._file[name][...]
+
     def row(self, name: str, row: int) -> np.ndarray:
         """One row of numbers."""
         with self._damage_told(name):

@@ -1,6 +1,7 @@
 """Reads results files, finished or not."""
 
 import json
+import math
 import warnings
 from collections.abc import Iterable
 from pathlib import Path
@@ -11,6 +12,7 @@ from tractive_sam.results import (
     BEFORE,
     BODIES,
     COORDINATE,
+    CYCLES,
     FIELDS,
     LABELS,
     OUTSIDE,
@@ -25,7 +27,7 @@ from tractive_sam.scene import Scene, SceneError, SceneWarning, files_anywhere
 from tractive_sam.store import former, layout
 from tractive_sam.store.errors import ResultsError
 from tractive_sam.store.opening import Results, results_file
-from tractive_sam.store.stored import StoredField, StoredStress
+from tractive_sam.store.stored import StoredCycles, StoredField, StoredStress
 
 
 def open_history(path: str | Path) -> History:
@@ -85,6 +87,8 @@ def state_of(path: str | Path, row: int) -> dict[str, np.ndarray]:
             mesh = (file.length("grid/x"), file.length("grid/y"))
             names = (*FIELDS, *_known("state", BEFORE, file))
             fields = {name: file.numbers(f"state/{name}", mesh) for name in names}
+            more = (name for name in file.names("state") if name not in (*names, "x", "y"))
+            fields |= {name: file.whole(f"state/{name}") for name in more}
     lost = [name for name in fields if name not in OUTSIDE and not np.isfinite(fields[name]).all()]
     if lost:
         told = f"{', '.join(lost)} of record {row} are not finite"
@@ -114,7 +118,24 @@ def _history(file: Results) -> History:
         _versions(file),
         file.text("scene", "laws", ""),
         file.text("scene", "started", ""),
+        _cycles(file, scene, m),
     )
+
+
+def _cycles(file: Results, scene: Scene, length: int) -> dict[str, StoredCycles]:
+    """What is kept of bodies that are followed; its datasets are looked at, but not read."""
+    found, asked = {}, scene.fatigue
+    for body in file.names("fatigue") if asked is not None and "fatigue" in file else ():
+        k, group = asked.shear_yield_stress, f"fatigue/{body}"
+        rows, axes = [file.length("grid/y")], {}
+        for name in ("depth", "zeta"):
+            axes[name] = file.length(f"{group}/{name}") if f"{group}/{name}" in file else 0
+        axes["y"] = rows[0]
+        for name, one in CYCLES.items():
+            if f"{group}/{name}" in file:
+                file.check(f"{group}/{name}", (length, *(axes[axis] for axis in one.dims)))
+        found[body] = StoredCycles(file.path, body, math.nan if k is None else k, length)
+    return found
 
 
 def _column(file: Results, one: Quantity, records: int, mesh: tuple[int, int]) -> np.ndarray:

@@ -6,13 +6,24 @@ import h5py
 import numpy as np
 
 from tractive_sam.mechanics import VON_MISES
-from tractive_sam.results import FIELDS, OUTSIDE, STRESS, Grid, Record, stacked, widened
+from tractive_sam.results import (
+    BEFORE,
+    CYCLES,
+    FIELDS,
+    OUTSIDE,
+    STRESS,
+    Grid,
+    Record,
+    stacked,
+    widened,
+)
+from tractive_sam.store import layout
 
 SCALES = ("y", "axis", "body", "block", "position")
 """What is in /history beside rows of records."""
 
-AXES = ("x", "y", "depth")
-"""What is in /fields and in the planes of /stress beside them."""
+AXES = ("x", "y", "depth", "zeta")
+"""What is in /fields, in the planes of /stress and in /fatigue beside them."""
 
 
 def append(file: h5py.File, records: Sequence[Record]) -> None:
@@ -49,6 +60,9 @@ def _append_fields(file: h5py.File, row: int, record: Record) -> None:
         group = file["stress"][plane.body][str(plane.plane)]
         values = plane.components | {VON_MISES.name: plane.by(VON_MISES)}
         _append(group, row, record, values, dict.fromkeys(values, np.nan))  # not known there
+    for one in record.cycles:
+        group = file["fatigue"][one.body]
+        _append(group, row, record, {k: getattr(one, k) for k in CYCLES if k in group}, {})
 
 
 def _append(
@@ -71,6 +85,8 @@ def put_state(file: h5py.File, row: int, state: Mapping[str, np.ndarray]) -> Non
     group = file["state"]
     group.attrs["record"] = row
     for name, values in state.items():
+        if name not in group:
+            layout.add_state(group, name, values)
         group[name][...] = widened(values, group[name].shape, OUTSIDE.get(name, 0.0))
 
 
@@ -80,7 +96,7 @@ def drop_unsolved(file: h5py.File) -> None:
     last = len(history["record"]) - 1
     if last < 0 or history["converged"][last]:
         return
-    for group in (file["fields"], *planes(file)):
+    for group in (file["fields"], *planes(file), *cycles(file)):
         kept = np.count_nonzero(group["record"][:] < last)
         for name in (name for name in group if name not in AXES):
             group[name].resize(kept, axis=0)
@@ -105,6 +121,14 @@ def widen(file: h5py.File, grid: "Grid") -> None:
         values = state[name][:]
         state[name].resize((after["x"], after["y"]))
         state[name][...] = widened(values, state[name].shape, OUTSIDE.get(name, 0.0))
+    for name in (name for name in state if name not in (*FIELDS, *BEFORE, *AXES)):
+        if state[name].ndim == 2:  # (y, depth)
+            values = state[name][:]
+            state[name].resize((after["y"], values.shape[1]))
+            state[name][...] = widened(values, state[name].shape)
+    for group in cycles(file):
+        for name in (name for name in CYCLES if name in group):
+            _widen(group[name], ("y",), before, after)  # nothing is stressed there
     for group in planes(file):
         for name in STRESS:
             # Unlike wear and pressure, stress is not zero beside the former mesh.
@@ -136,6 +160,12 @@ def planes(file: h5py.File) -> Iterator[h5py.Group]:
     """Groups of the stress on each plane of each body."""
     for body in file["stress"].values():
         yield from body.values()
+
+
+def cycles(file: h5py.File) -> Iterator[h5py.Group]:
+    """Groups of what rolling does to each body."""
+    if "fatigue" in file:
+        yield from file["fatigue"].values()
 
 
 def along(group: h5py.Group) -> tuple[str, ...]:

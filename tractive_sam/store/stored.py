@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tractive_sam.results import COMPONENTS, PlaneStress
+from tractive_sam.results import COMPONENTS, CYCLES, BodyFatigue, PlaneStress
 from tractive_sam.scene import Plane
 from tractive_sam.store.opening import results_file
 
@@ -76,3 +76,45 @@ class StoredStress:
         axes = {name: axes[name][at] for name, at in zip(axes, inside, strict=True)}
         components = {name: values[np.ix_(*inside)] for name, values in components.items()}
         return PlaneStress(self.body, Plane.parse(self.plane), position, axes, components)
+
+
+@dataclass(frozen=True)
+class StoredCycles:
+    """What rolling has done to one body by several records, read whenever one is asked for.
+
+    Attributes
+    ----------
+    path : Path
+        The results file.
+    body : str
+        "A" or "B".
+    shear_yield : float
+        As of `BodyFatigue`.
+    length : int
+        Number of records.
+    """
+
+    path: Path
+    body: str
+    shear_yield: float
+    length: int
+
+    def __len__(self) -> int:
+        return self.length
+
+    def __getitem__(self, row: int) -> BodyFatigue:
+        """That of one record; which criterion was asked only the scene tells."""
+        row, none = range(self.length)[row], np.zeros(0)
+        with results_file(self.path) as file:
+            group = f"fatigue/{self.body}"
+            values = {
+                name: file.row(f"{group}/{name}", row) if f"{group}/{name}" in file else none
+                for name in CYCLES
+            }
+            axes = {
+                name: file.whole(f"{group}/{name}") if f"{group}/{name}" in file else none
+                for name in ("y", "depth", "zeta")
+            }
+        return BodyFatigue(
+            self.body, **axes, **values, criterion=None, shear_yield=self.shear_yield
+        )

@@ -1,0 +1,194 @@
+"""Damage in the material while it wears."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import tractive_sam as ts
+from tractive_sam.results import BodyFatigue
+from tractive_sam.rolling import damage
+
+LIFE = ts.Woehler(cycles=1e6, exponent=6.0)
+ASKED = {"shear_yield": 300.0, "sensitivity": 0.333, "limit": 250.0, "elements": 12}
+DEPTH = np.concatenate(([0.0], np.linspace(0.02, 0.5, 25)))
+
+
+def material(rate, utilisation=None):
+    """One row of a body that is stressed alike for ever, and wears evenly."""
+    if utilisation is None:
+        utilisation = 1.2 * np.exp(-((DEPTH - 0.1) ** 2) / 0.02)
+    rows = np.tile(utilisation, (len(rate), 1))
+    zeta = damage._below_the_unworn_surface(DEPTH)
+    now = BodyFatigue("A", np.arange(len(rate)) * 1.0, DEPTH, rows, rows, rows, None, math.nan)
+    now = now.with_damage(zeta, np.zeros((len(rate), zeta.size)), np.zeros(len(rate)))
+    return damage.Followed(now, rows, np.asarray(rate, float), 1.0)
+
+
+def rolled(one, jumps, life=LIFE):
+    """The same after jumps of these lengths."""
+    revolution, before = 0, 0
+    for jump in jumps:
+        worn = one.now.worn + jump * one.rate
+        now = replace(one.now, worn=worn)
+        one = damage._rolled(one, now, worn, one.rate, (jump, before), life, revolution)
+        revolution, before = revolution + jump, jump
+    return one
+
+
+def test_without_wear_the_life_is_the_inverse_of_the_damage():
+    one = material([0.0])
+    told = one.columns(LIFE)
+    after = rolled(one, [1, 4, 95, 900])
+    assert after.now.damage_max[0] * told["fatigue_life"] == pytest.approx(1000.0, rel=1e-12)
+    peak = LIFE.damage(np.array([1.2]))[0]
+    assert 1.0 / told["fatigue_life"] == pytest.approx(peak, rel=1e-3)  # a parabola
+    assert after.error < 1e-12 * after.now.damage_max[0]
+    assert math.isnan(after.initiation)
+
+
+def test_a_crack_starts_when_the_damage_is_one():
+    one = material([0.0])
+    life = one.columns(LIFE)["fatigue_life"]
+    after = rolled(one, [1, int(0.4 * life), int(0.4 * life), int(0.4 * life)])
+    assert after.initiation == pytest.approx(life, rel=1e-9)
+
+
+@pytest.mark.parametrize("share", [0.5, 0.9, 1.1, 2.0])
+def test_wear_that_is_slower_than_fatigue_starts_cracks(share):
+    """With steady d(z) and w', what comes to the surface has suffered the integral of d/w'."""
+    balance = material([0.0]).columns(LIFE)["balancing_wear"][0]
+    rate = share * balance
+    count = int(0.45 / rate)  # until material from below the stress is at the surface
+    one = rolled(material([rate]), [1, *[count // 30] * 30])
+    top, at = one.now.damage_max
+    # Of the interpolation between places of the material.
+    assert top == pytest.approx(1.0 / share, rel=2e-3)
+    assert at[2] == pytest.approx(one.now.worn[0], abs=0.05)
+    assert (share < 1.0) == (not math.isnan(one.initiation))
+    assert one.columns(LIFE)["wear_margin"] == pytest.approx(share, rel=1e-9)
+
+
+def test_long_jumps_are_the_sum_of_passes():
+    """Of a profile that wears unevenly under stress that changes."""
+
+    def course(jumps):
+        one, n, last = material([1e-4, 3e-4]), 0, 0
+        for jump in jumps:
+            n += jump
+            worn = np.array([1e-4, 3e-4]) * n**1.1
+            rate = 1.1 * worn / n
+            shape = np.exp(-((DEPTH - 0.1) ** 2) / 0.02) * (1.2 - 0.3 * (n / 400) ** 0.5)
+            now = replace(one.now, utilisation=np.tile(shape, (2, 1)), worn=worn)
+            one = damage._rolled(one, now, worn, rate, (jump, last), LIFE, n - jump)
+            last = jump
+        return one
+
+    each = course([1] * 400)
+    jumps = course([1, 1, 2, 3, 4, 6, 9, 14, 20, 30, 40, 50, 60, 80, 80])
+    left = each.now.zeta >= each.now.worn[:, None] + 0.03
+    scale = each.now.damage[left].max()
+    missed = np.abs(jumps.now.damage - each.now.damage)[left].max()
+    assert missed < 5e-3 * scale  # parabolas over a fifth of the course
+    assert missed < jumps.error
+    assert each.error == 0.0
+
+
+def test_a_flat_body_comes_but_once():
+    one = replace(material([0.0]), passes=0.0)
+    after = rolled(one, [1, 10, 100])
+    assert after.now.damage_max[0] == pytest.approx(LIFE.damage(np.array([1.2]))[0], rel=1e-3)
+    assert math.isnan(after.columns(LIFE)["wear_margin"])
+
+
+def discs(*settings, **asked):
+    scene = ts.Scene.builtin("twin-discs").with_set(["grid.elements=[15, 31]", *settings])
+    asked = {name: value for name, value in (ASKED | asked).items() if value is not None}
+    return scene.replace(subsurface=None, fatigue=asked)
+
+
+def test_adaptive_jumps_do_the_damage_of_every_revolution():
+    settings = ["wear.revolutions=40", "wear.save=[0, 40]"]
+    jumps = ts.roll(discs(*settings))
+    each = ts.roll(discs(*settings, "wear.stepping=every-revolution"))
+    assert len(jumps) < len(each) == 41
+    # The stepping's tolerance: no row comes into contact, or loses it, by then.
+    np.testing.assert_allclose(jumps["damage"][-1], each["damage"][-1], rtol=1e-3)
+    # Miner's sum at the surface, which is hardly worn by then.
+    lives = np.sum(1.0 / each["fatigue_life"][1:], axis=0)
+    np.testing.assert_allclose(each["damage"][-1], lives, rtol=0.05)
+
+
+def test_what_happens_within_a_jump_is_told_as_an_error():
+    """At revolution 52 an element leaves the contact, and with it a third of the damage."""
+    settings = ["wear.revolutions=60", "wear.save=[0, 60]"]
+    history = ts.roll(discs(*settings))
+    assert history["damage_error"][-1, 0] > 0.01 * history["damage"][-1, 0]
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    path = tmp_path_factory.mktemp("damage") / "whole.h5"
+    return ts.roll(discs("wear.revolutions=40", "wear.save=[0, 15, 40]"), path)
+
+
+def test_file_and_memory_hold_the_same(whole):
+    kept = ts.roll(whole.scene)
+    for body in "AB":
+        for revolution in (0, 15, 40):
+            here, there = (one.fatigue(body, revolution=revolution) for one in (whole, kept))
+            for name in ("y", "depth", "zeta", "utilisation", "residual_shear", "damage", "worn"):
+                # Plans of transforms may differ, and with them the last digits.
+                np.testing.assert_allclose(
+                    getattr(here, name), getattr(there, name), rtol=1e-7, atol=1e-12
+                )
+        assert here.damage_max[0] == pytest.approx(whole["damage"][-1, "AB".index(body)])
+    with pytest.raises(LookupError, match="there is A, B"):
+        whole.fatigue("C")
+
+
+def test_it_goes_on_with_the_same_damage(whole, tmp_path):
+    path = tmp_path / "a.h5"
+    ts.roll(discs("wear.revolutions=15", "wear.save=[0, 15]"), path)
+    on = ts.roll(whole.scene, path, resume=True)
+    np.testing.assert_array_equal(on["revolution"], whole["revolution"])
+    for name in ("damage", "damage_at", "damage_error", "wear_margin", "fatigue_life"):
+        np.testing.assert_allclose(on[name], whole[name], rtol=1e-7, atol=1e-12)
+    for body in "AB":
+        here, there = on.fatigue(body), whole.fatigue(body)
+        np.testing.assert_allclose(here.damage, there.damage, rtol=1e-7, atol=1e-15)
+
+
+def test_a_mesh_that_grows_keeps_the_damage(tmp_path):
+    scene = discs("wear.revolutions=12", "wear.save=[12]").replace(grid=None)
+    first = ts.roll(scene, tmp_path / "a.h5")
+    assert first.finished
+    body = first.fatigue("A")
+    assert body.damage.shape == (first.grid.elements[1], body.zeta.size)
+    wider = first.grid.half_length[1] + 4 * first.grid.dy
+    grid = {
+        "half_length": [first.grid.half_length[0], wider],
+        "elements": [first.grid.elements[0], first.grid.elements[1] + 8],
+    }
+    longer = scene.replace(grid=grid).with_set(["wear.revolutions=14", "wear.save=[12, 14]"])
+    on = ts.roll(longer, tmp_path / "a.h5", resume=True)
+    assert on.finished
+    again = on.fatigue("A", revolution=12)
+    np.testing.assert_array_equal(again.damage[4:-4], body.damage)
+    assert not again.damage[:4].any()
+    assert (on.fatigue("A").damage[4:-4] >= body.damage).all()
+
+
+def test_without_wear_there_is_a_life_and_no_damage():
+    history = ts.roll(discs().replace(wear=None))
+    assert (history["damage"] == 0.0).all()
+    assert (history["fatigue_life"] > 0.0).all()
+    assert (history["wear_margin"] == 0.0).all()
+
+
+def test_what_is_not_asked_is_not_there():
+    history = ts.roll(discs("wear.revolutions=1", "wear.save=[0, 1]", limit=None))
+    assert "damage" not in history.columns
+    assert "shakedown_lower" in history.columns
+    assert not history.fatigue("A").damage.any()
