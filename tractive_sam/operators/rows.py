@@ -31,15 +31,15 @@ def row_compliance(lattice: Lattice, elasticity: Elasticity, contact: np.ndarray
     """
     rows = np.flatnonzero(contact.any(axis=0))
     share = contact[:, rows] / contact[:, rows].sum(axis=0)
-    px, py = lattice.padded
-    along = np.fft.rfft(influence.displacement(lattice, elasticity, "zz"), axis=0)
+    px, _ = lattice.padded
+    # Even in x: a real spectrum. Parseval over its half: inner frequencies count twice.
+    along = np.fft.rfft(influence.displacement(lattice, elasticity, "zz"), axis=0).real / px
+    along[1:-1] *= 2.0
     share = np.fft.rfft(share, n=px, axis=0)
-    offsets = (rows[:, None] - rows[None, :]) % py
-    # Parseval over the half spectrum: inner frequencies count twice.
-    weight = np.full(len(along), 2.0)
-    weight[0] = weight[-1] = 1.0
+    share = np.ascontiguousarray(np.concatenate((share.real, share.imag)).T)
+    by_offset = np.ascontiguousarray(np.concatenate((along, along)).T)
     compliance = np.empty((len(rows), len(rows)))
-    for j in range(len(rows)):
-        products = (weight[:, None] * share[:, j, None].conj() * share) * along[:, offsets[j]]
-        compliance[j] = products.real.sum(axis=0) / px
+    for j, row in enumerate(rows):
+        compliance[j, j:] = (share[j:] * by_offset[rows[j:] - row]) @ share[j]
+        compliance[j:, j] = compliance[j, j:]
     return compliance

@@ -11,6 +11,9 @@ Function = Callable[[np.ndarray, np.ndarray], np.ndarray]
 STEPS = 6
 """Largest number of Newton steps: a way that is longer swings between elements near the surface."""
 
+FLATTEST = 1e-3
+"""Least curvature over the largest one."""
+
 SETTLED = 1e-2
 """A step shorter than this share of the depth is the last."""
 
@@ -65,10 +68,22 @@ def _hessian(values: np.ndarray, unit: float) -> np.ndarray:
     pairs = values[7:13] + values[13:]
     for k, (i, j) in enumerate(combinations(range(3), 2)):
         hessian[i, j] = hessian[j, i] = 0.25 * (pairs[2 * k] - pairs[2 * k + 1])
-    curvatures, directions = np.linalg.eigh(hessian / unit**2)
+    hessian /= unit**2
+    if _falls_all_ways(hessian.tolist()):
+        return hessian
+    curvatures, directions = np.linalg.eigh(hessian)
     # Where it curves upwards, go uphill all the same.
-    curvatures = -np.maximum(np.abs(curvatures), 1e-3 * np.abs(curvatures).max())
+    curvatures = -np.maximum(np.abs(curvatures), FLATTEST * np.abs(curvatures).max())
     return directions * curvatures @ directions.T
+
+
+def _falls_all_ways(hessian: list[list[float]]) -> bool:
+    """Whether it is well negative definite, by its leading minors: numpy takes far longer."""
+    (a, b, c), (_, d, e), (_, _, f) = hessian
+    minor = a * d - b * b
+    whole = f * minor - a * e * e + 2.0 * b * c * e - d * c * c
+    size = max(-a, -d, -f)
+    return a < 0.0 < minor and whole < -FLATTEST * size**3
 
 
 def _step(at: np.ndarray, gradient: np.ndarray, hessian: np.ndarray, floor: float) -> np.ndarray:
