@@ -62,6 +62,27 @@ def test_a_change_in_an_imported_module_is_seen(ask):  # four processes that imp
     assert ask("x - 1.0", 5) == (10.0, 0)
 
 
+TOLD = """
+from {room}.compiled import compiling_told
+from {room}.outer import total
+
+with compiling_told(lambda: print(1)):
+    print(0, total(3.0), total(2.0), total(2))
+"""
+
+
+@pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
+def test_compiling_is_told_once_and_not_of_what_is_kept(ask, tmp_path):
+    def told():
+        command = [sys.executable, "-B", "-c", TOLD.format(room="room")]
+        found = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+        return found.stdout
+
+    ask("x + 1.0", 2)
+    assert told().split() == ["1", "0", "8.0", "6.0", "6.0"]  # of a whole number, not of 3.0
+    assert told().split() == ["0", "8.0", "6.0", "6.0"]
+
+
 def test_what_takes_from_other_kernels_is_compiled_in_this_way():
     for module in files("tractive_sam.kernels").iterdir():
         if module.name.endswith(".py") and module.name != "compiled.py":

@@ -6,7 +6,14 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from tractive_sam.cli.output import Status, bad_input_told, console, stop, warnings_told
+from tractive_sam.cli.output import (
+    Status,
+    bad_input_told,
+    compiling_told,
+    console,
+    stop,
+    warnings_told,
+)
 from tractive_sam.cli.scene_input import SceneName, Settings, read_scene
 
 
@@ -32,7 +39,7 @@ def explain(
             asked, sections = _study(Path(scene), settings, workers)
         else:
             asked = read_scene(scene, settings)
-            with warnings_told():
+            with compiling_told(), warnings_told():
                 sections = explanation.explain(asked)
     out = console()
     if asked.title:

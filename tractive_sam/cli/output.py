@@ -135,6 +135,19 @@ def warnings_told() -> Iterator[list[warnings.WarningMessage]]:
 
 
 @contextmanager
+def compiling_told() -> Iterator[None]:
+    """Say on a terminal why the first run takes longer, once it does."""
+    if not console(stderr=True).is_terminal:
+        yield
+        return
+    from tractive_sam.kernels.compiled import compiling_told as told
+
+    line = "formulas are compiled for this machine and kept: some 20 seconds, once"
+    with told(lambda: say(("note: ", "bold yellow"), line)):
+        yield
+
+
+@contextmanager
 def bad_input_told() -> Iterator[None]:
     """Turn errors that the user can cure into messages and an exit status."""
     from tractive_sam.scene import SceneError

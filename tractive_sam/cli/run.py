@@ -8,6 +8,7 @@ import typer
 from tractive_sam.cli.output import (
     Status,
     bad_input_told,
+    compiling_told,
     console,
     say,
     stop,
@@ -66,7 +67,8 @@ def run(
             raise stop(Status.INVALID, _kept(output, asked))
         before, worn = _written(output), None if start is None else open_history(start)
         try:
-            with progress_shown(asked, True, console(stderr=True)) as progress, warnings_told():
+            shown = progress_shown(asked, True, console(stderr=True))
+            with compiling_told(), shown as progress, warnings_told():
                 history = roll(
                     asked, output, start=worn, overwrite=True, resume=resume, progress=progress
                 )

@@ -6,13 +6,15 @@ a hash of all these sources in its name.
 """
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 import numba
+from numba.core import event
 
 ANY_ORDER = {"reassoc", "contract", "nsz"}
 """`fastmath` of sums that may be added in any order, which allows for vector instructions."""
@@ -45,3 +47,25 @@ def sources(module: str) -> str:
     text = Path(__file__).with_name(f"{module}.py").read_text("utf-8")
     imported = re.findall(rf"^from {re.escape(__package__)}\.(\w+) import", text, re.MULTILINE)
     return sha256("".join([text, *map(sources, imported)]).encode()).hexdigest()[:12]
+
+
+@contextmanager
+def compiling_told(tell: Callable[[], None]) -> Iterator[None]:
+    """Call `tell` once, when in the block a kernel is compiled that is not kept on disk."""
+    with event.install_listener("numba:compile", _Once(tell)):
+        yield
+
+
+class _Once(event.Listener):
+    """Tells of the first event."""
+
+    def __init__(self, tell: Callable[[], None]) -> None:
+        self._tell: Callable[[], None] | None = tell
+
+    def on_start(self, event: event.Event) -> None:
+        tell, self._tell = self._tell, None
+        if tell is not None:
+            tell()
+
+    def on_end(self, event: event.Event) -> None:
+        """Nothing more to say."""
