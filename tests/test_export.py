@@ -88,3 +88,29 @@ def test_what_cannot_be_exported_is_told(contact, tmp_path):
     with pytest.raises(ts.ResultsError, match="suffix"):
         ts.export_volume(contact, tmp_path / "v.h5")
     assert not list(tmp_path.iterdir())
+
+
+def test_the_surface_has_a_step_for_each_stored_record(contact, tmp_path):
+    path = ts.export_surface(history(contact), tmp_path / "s.vtkhdf")
+    with h5py.File(path) as file:
+        vtk = file["VTKHDF"]
+        assert vtk.attrs["Version"].tolist() == [2, 0]
+        assert vtk.attrs["WholeExtent"].tolist() == [0, 14, 0, 14, 0, 0]
+        assert (vtk["Steps"].attrs["NSteps"], vtk["Steps/Values"][:].tolist()) == (2, [0.0, 20.0])
+        arrays = vtk["PointData"]
+        assert {name: one.shape for name, one in arrays.items()} == {
+            **dict.fromkeys(("pressure", "wear", "gap"), (2, 15, 15)),
+            **dict.fromkeys(("traction", "slip"), (2, 15, 15, 3)),
+        }
+        single = np.float32  # of what the file holds
+        np.testing.assert_array_equal(arrays["pressure"][1].T, contact.pressure.astype(single))
+        x, y, z = np.moveaxis(arrays["traction"][0], -1, 0)
+        np.testing.assert_array_equal([x.T, y.T], contact.traction.astype(single))
+        assert not z.any()
+
+
+def test_what_has_no_surface_to_export(tmp_path):
+    line = ts.solve(ts.Scene.builtin("cylinders").with_set(["grid.elements=[31]"]))
+    with pytest.raises(ValueError, match="line contact"):
+        ts.export_surface(line, tmp_path / "s.vtkhdf")
+    assert not list(tmp_path.iterdir())

@@ -35,6 +35,7 @@ from .results import PlaneStress as PlaneStress
 from .results import Quantity as Quantity
 from .results import State as State
 from .run.explain import explain as explain
+from .run.export import export_surface as export_surface
 from .run.export import export_volume as export_volume
 from .run.pipeline import roll as roll
 from .run.pipeline import solve as solve

@@ -87,3 +87,12 @@ def test_unfinished_results_are_told(call, results, monkeypatch):
     result = call("export", results, "--elements", 2)
     assert result.exit_code == 0
     assert "note:" in result.stderr
+
+
+def test_surface(call, results):
+    assert call("export", results, "--surface").stdout == "discs-surface.vtkhdf\n"
+    with h5py.File("discs-surface.vtkhdf") as file:
+        assert file["VTKHDF/Steps/Values"][:].tolist() == [0.0, 2.0]
+    refused = call("export", results, "--surface", "--depth", 1.0)
+    assert refused.exit_code == 2
+    assert "--surface" in refused.stderr

@@ -1,4 +1,4 @@
-"""``tractive-sam export``: stress in a volume, for ParaView."""
+"""``tractive-sam export``: stress in a volume, or the surface, for ParaView."""
 
 from enum import StrEnum
 from pathlib import Path
@@ -47,6 +47,14 @@ def export(
         typer.Option(help="Revolution, of those whose fields the results file holds; the last."),
     ] = None,
     body: Annotated[Body, typer.Option(help="Body.")] = Body.A,
+    surface: Annotated[
+        bool,
+        typer.Option(
+            "--surface",
+            help="Write pressure, traction, slip, wear and gap in place of stress: a step for "
+            "each stored revolution.",
+        ),
+    ] = False,
     depth: Annotated[
         float | None,
         typer.Option(
@@ -59,26 +67,32 @@ def export(
         typer.Option(help="Points over the depth; by default those of the scene, or 64."),
     ] = None,
 ) -> None:
-    """Write the stress in a volume of one body into a file that ParaView opens."""
-    from tractive_sam.run import export_volume
+    """Write the stress in a volume of one body, or the surface, for ParaView."""
+    from tractive_sam.run import export_surface, export_volume
     from tractive_sam.store import check_volume
 
-    output = output or Path(f"{Path(source).stem}-{body}.vtkhdf")
+    if surface and (revolution is not None or depth is not None or elements is not None):
+        refusal = "--surface takes every stored revolution, and no depth: omit the other options"
+        raise stop(Status.INVALID, refusal)
+    output = output or Path(f"{Path(source).stem}-{'surface' if surface else body}.vtkhdf")
     with bad_input_told():
         check_volume(output, overwrite=True)
         try:
             with warnings_told():
                 opened = _opened(source, settings, revolution)
                 try:
-                    export_volume(
-                        opened,
-                        output,
-                        body=body.value,
-                        revolution=revolution,
-                        depth=depth,
-                        elements=elements,
-                        overwrite=True,
-                    )
+                    if surface:
+                        export_surface(opened, output, overwrite=True)
+                    else:
+                        export_volume(
+                            opened,
+                            output,
+                            body=body.value,
+                            revolution=revolution,
+                            depth=depth,
+                            elements=elements,
+                            overwrite=True,
+                        )
                 except (LookupError, ValueError) as error:
                     raise stop(Status.INVALID, f"{source}: {error}") from None
         except KeyboardInterrupt:

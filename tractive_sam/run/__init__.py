@@ -1,7 +1,7 @@
 """The front doors of a scene: solve, roll, resume, explain, export, and error bars."""
 
 from tractive_sam.run import explain, memory
-from tractive_sam.run.export import export_volume
+from tractive_sam.run.export import export_surface, export_volume
 from tractive_sam.run.given import measured_gap
 from tractive_sam.run.pipeline import roll, solve
 from tractive_sam.run.progress import progress_shown
@@ -9,6 +9,7 @@ from tractive_sam.run.resume import what_differs
 
 __all__ = [
     "explain",
+    "export_surface",
     "export_volume",
     "measured_gap",
     "memory",

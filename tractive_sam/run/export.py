@@ -1,4 +1,4 @@
-"""Stress in a volume, from a contact or a stored revolution into a file for ParaView."""
+"""Stress in a volume, and the surface over a history, into files for ParaView."""
 
 from collections.abc import Iterator
 from os import PathLike
@@ -6,10 +6,11 @@ from pathlib import Path
 
 import numpy as np
 
+from tractive_sam import interrupt
 from tractive_sam.mechanics import CRITERIA
 from tractive_sam.results import Grid, History, State
 from tractive_sam.scene import Subsurface
-from tractive_sam.store import Image, check_volume, write_volume
+from tractive_sam.store import Image, check_volume, write_surface, write_volume
 from tractive_sam.subsurface import stress_volume
 
 DEFAULT = Subsurface(planes=("y=0",))
@@ -87,6 +88,69 @@ def export_volume(
     image = _image(source.grid, depths, body)
     write_volume(path, image, _arrays(layers), source.scene, about, overwrite)
     return path
+
+
+def export_surface(
+    source: State | History, path: str | PathLike, *, overwrite: bool = False
+) -> Path:
+    """Write pressure, traction, slip, wear and gap into a file that ParaView plays (VTKHDF).
+
+    Points are the centres of the elements. Of a history there is a step for each of its `saved`,
+    which ParaView takes for times.
+
+    Parameters
+    ----------
+    source : State or History
+        A solved contact, or a history that stored fields.
+    path : path-like
+        The file, with the suffix ``.vtkhdf``.
+    overwrite : bool
+        Whether a file of this function or of `export_volume` may be replaced.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    ValueError
+        If the history stored no fields, or it is of a line contact.
+    ResultsError
+        If the file cannot be written.
+
+    Examples
+    --------
+    >>> ts.export_surface(history, "surface.vtkhdf").name
+    'surface.vtkhdf'
+    """
+    path = Path(path)
+    check_volume(path, overwrite)
+    if isinstance(source, History):
+        steps = source.saved
+        states = map(source.state, steps.tolist())
+    else:
+        steps, states = np.zeros(1), iter([source])
+    if not steps.size:
+        raise ValueError("the history stored no fields; wear.save tells when")
+    grid = source.grid
+    if source.scene.line:
+        raise ValueError("a line contact has no map: tractive-sam plot draws its sections")
+    origin = (float(grid.x[0]), float(grid.y[0]), 0.0)
+    image = Image((*grid.elements, 1), origin, (grid.dx, grid.dy, 1.0))
+    write_surface(path, image, steps, map(_surface, states), source.scene, overwrite)
+    return path
+
+
+def _surface(state: State) -> dict[str, np.ndarray]:
+    interrupt.heed()
+    return {
+        "pressure": state.pressure,
+        "traction": state.traction,
+        "slip": state.slip,
+        "wear": state.wear,
+        "gap": state.gap,
+    }
 
 
 def _depths(source: State, depth: float | None, elements: int | None) -> np.ndarray:

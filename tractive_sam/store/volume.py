@@ -1,4 +1,4 @@
-"""Writes stress in a volume as VTKHDF, which ParaView opens.
+"""Writes stress in a volume, and the surface over a history, as VTKHDF, which ParaView opens.
 
 The file holds an image: points at equal distances, here the centres of the elements over equal
 layers. Of all kinds of grid that VTKHDF knows, an image is the one that every version since the
@@ -6,13 +6,17 @@ first reads, and it costs no coordinates.
 
     /VTKHDF                 attributes: Version, Type, WholeExtent, Origin, Spacing, Direction
     /VTKHDF/PointData       stress (z, y, x, 6), von_mises and max_shear (z, y, x)
+    /VTKHDF/Steps           of a surface: attribute NSteps, and Values, the revolutions or distances;
+                            its arrays pressure, wear, gap (step, y, x), traction and slip
+                            (step, y, x, 3) have no z: of flat images VTK reads none
     /scene                  the TOML text, beside what readers look at; attributes of the root:
                             format, format_version, body, revolution, versions
 
 Source: VTKHDF file format, docs.vtk.org.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,7 +24,7 @@ import h5py
 import numpy as np
 
 from tractive_sam.mechanics import CRITERIA, VON_MISES
-from tractive_sam.results import Quantity
+from tractive_sam.results import FIELDS, Quantity
 from tractive_sam.scene import Scene
 from tractive_sam.store.errors import ResultsError
 from tractive_sam.store.replacement import replacement
@@ -39,15 +43,30 @@ FORMAT_VERSION = 1
 VTKHDF_VERSION = (1, 0)
 """The first one; an image has not changed since."""
 
+WITH_STEPS = (2, 0)
+"""The first one that knows steps (ParaView 5.12)."""
+
 VTK_ORDER = [0, 1, 2, 3, 5, 4]
 """VTK's xx, yy, zz, xy, yz, xz of our xx, yy, zz, xy, xz, yz."""
 
-QUANTITIES = {
+VOLUME = {
     "stress": Quantity(
         "stress", "MPa", "stress in the axes of the contact, xx, yy, zz, xy, yz, xz"
     ),
 } | {name: Quantity(name, one.unit, one.long_name) for name, one in CRITERIA.items()}
-"""Arrays of the file."""
+"""Arrays of a volume."""
+
+SURFACE = {
+    "pressure": FIELDS["pressure"],
+    "traction": Quantity("traction", "MPa", "traction on body A, x, y and 0"),
+    "slip": Quantity("slip", "1", "slip of A over B per unit rolling speed, x, y and 0"),
+    "wear": FIELDS["wear"],
+    "gap": FIELDS["gap"],
+}
+"""Arrays of a surface."""
+
+COMPONENTS = {"stress": (6,), "traction": (3,), "slip": (3,)}
+"""Of arrays that have several."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +105,7 @@ def write_volume(
     image : Image
         Where the points are.
     layers : iterable of mapping of str to ndarray, shape (n_x, n_y) or (6, n_x, n_y)
-        By the names of `QUANTITIES`, from the lowest z to the highest; stress as xx, yy, zz, xy,
+        By the names of `VOLUME`, from the lowest z to the highest; stress as xx, yy, zz, xy,
         xz, yz. Stored in single precision.
     scene : Scene
         What was computed.
@@ -100,16 +119,66 @@ def write_volume(
     ResultsError
         If the file cannot be written, or there is one that may not be replaced.
     """
+    with _written(path, scene, about, overwrite) as file:
+        arrays = _laid_out(file, image, VOLUME, image.points[2:])
+        for k, layer in enumerate(layers):
+            for name, values in layer.items():
+                arrays[name][k] = (values[VTK_ORDER] if name == "stress" else values).T
+
+
+def write_surface(
+    path: Path,
+    image: Image,
+    steps: np.ndarray,
+    states: Iterable[Mapping[str, np.ndarray]],
+    scene: Scene,
+    overwrite: bool = False,
+) -> None:
+    """Write the surface at every step as it comes; the file appears when all are written.
+
+    Parameters
+    ----------
+    path, image, scene, overwrite
+        As of `write_volume`; the image is one point high.
+    steps : ndarray, shape (n,)
+        What ParaView calls time: revolutions, or a distance.
+    states : iterable of mapping of str to ndarray, shape (n_x, n_y) or (2, n_x, n_y)
+        By the names of `SURFACE`. Stored in single precision.
+
+    Raises
+    ------
+    ResultsError
+        As by `write_volume`.
+    """
+    with _written(path, scene, {}, overwrite) as file:
+        arrays = _laid_out(file, image, SURFACE, (steps.size,))
+        file["VTKHDF"].attrs["Version"] = np.array(WITH_STEPS, "i8")
+        group = file["VTKHDF"].create_group("Steps")
+        group.attrs["NSteps"] = steps.size
+        group["Values"] = np.asarray(steps, float)
+        offsets = group.create_group("PointDataOffsets")
+        for name in arrays:
+            offsets[name] = np.arange(steps.size)
+        for k, state in enumerate(states):
+            for name, values in state.items():
+                plane = (
+                    values if values.ndim == 2 else np.stack([*values, np.zeros_like(values[0])])
+                )
+                arrays[name][k] = plane.T
+
+
+@contextmanager
+def _written(
+    path: Path, scene: Scene, about: Mapping[str, str | float], overwrite: bool
+) -> Iterator[h5py.File]:
+    """A file that tells what it is of, and appears when all is written."""
     _check_suffix(path)
     with sole_writer(path, overwrite, _check_kind), replacement(path, empty=True) as file:
         create_text(file, "scene", scene.to_toml())
         set_text(file, "format", FORMAT)
         file.attrs.update({"format_version": FORMAT_VERSION, **about})
         file.attrs.update({VERSION_PREFIX + k: version for k, version in versions().items()})
-        arrays = _laid_out(file, image)
-        for k, layer in enumerate(layers):
-            for name, values in layer.items():
-                arrays[name][k] = (values[VTK_ORDER] if name == "stress" else values).T
+        yield file
 
 
 def check_volume(path: Path, overwrite: bool = False) -> None:
@@ -141,8 +210,10 @@ def _check_kind(path: Path) -> None:
         raise ResultsError(f"{path} is no volume of tractive-sam")
 
 
-def _laid_out(file: h5py.File, image: Image) -> dict[str, h5py.Dataset]:
-    """Describe the image, and make room for its arrays."""
+def _laid_out(
+    file: h5py.File, image: Image, quantities: Mapping[str, Quantity], outer: tuple[int, ...]
+) -> dict[str, h5py.Dataset]:
+    """Describe the image, and make room for its arrays; `outer` are their dimensions before y."""
     vtk = file.create_group("VTKHDF")
     vtk.attrs["Version"] = np.array(VTKHDF_VERSION, "i8")
     set_text(vtk, "Type", "ImageData", "ascii")
@@ -151,20 +222,20 @@ def _laid_out(file: h5py.File, image: Image) -> dict[str, h5py.Dataset]:
     vtk.attrs["Spacing"] = np.array(image.spacing)
     vtk.attrs["Direction"] = np.eye(3).ravel()
     data = vtk.create_group("PointData")
-    shape = image.points[::-1]
     arrays = {}
-    for name, quantity in QUANTITIES.items():
-        whole = (*shape, 6) if name == "stress" else shape
+    for name, quantity in quantities.items():
+        whole = (*outer, image.points[1], image.points[0], *COMPONENTS.get(name, ()))
         arrays[name] = data.create_dataset(
             name,
             whole,
             "f4",
-            chunks=(1, *whole[1:]),
+            chunks=(*(1 for _ in outer), *whole[len(outer) :]),
             compression="gzip",
             compression_opts=1,
             shuffle=True,
             fletcher32=True,
         )
         arrays[name].attrs.update({"units": quantity.unit, "long_name": quantity.long_name})
-    set_text(arrays[VON_MISES.name], "Attribute", "Scalars", "ascii")  # what is shown first
+    first = arrays.get(VON_MISES.name, arrays.get("pressure"))
+    set_text(first, "Attribute", "Scalars", "ascii")  # what is shown first
     return arrays
