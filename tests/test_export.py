@@ -110,7 +110,7 @@ def test_the_surface_has_a_step_for_each_stored_record(contact, tmp_path):
 
 
 def test_what_has_no_surface_to_export(tmp_path):
-    line = ts.solve(ts.Scene.builtin("cylinders").with_set(["grid.elements=[31]"]))
+    line = ts.solve(ts.Scene.builtin("cylinders"))
     with pytest.raises(ValueError, match="line contact"):
         ts.export_surface(line, tmp_path / "s.vtkhdf")
     assert not list(tmp_path.iterdir())

@@ -6,7 +6,7 @@ first reads, and it costs no coordinates.
 
     /VTKHDF                 attributes: Version, Type, WholeExtent, Origin, Spacing, Direction
     /VTKHDF/PointData       stress (z, y, x, 6), von_mises and max_shear (z, y, x)
-    /VTKHDF/Steps           of a surface: attribute NSteps, and Values, the revolutions or distances;
+    /VTKHDF/Steps           of a surface: attribute NSteps, and Values, revolutions or distances;
                             its arrays pressure, wear, gap (step, y, x), traction and slip
                             (step, y, x, 3) have no z: of flat images VTK reads none
     /scene                  the TOML text, beside what readers look at; attributes of the root:
@@ -161,10 +161,9 @@ def write_surface(
             offsets[name] = np.arange(steps.size)
         for k, state in enumerate(states):
             for name, values in state.items():
-                plane = (
-                    values if values.ndim == 2 else np.stack([*values, np.zeros_like(values[0])])
-                )
-                arrays[name][k] = plane.T
+                # Vectors lie in the plane; ParaView's have three components.
+                third = () if values.ndim == 2 else (np.zeros((1, *values.shape[1:])),)
+                arrays[name][k] = np.concatenate((values, *third)).T
 
 
 @contextmanager
