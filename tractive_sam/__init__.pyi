@@ -28,6 +28,7 @@ from .mechanics import Woehler as Woehler
 from .pages import report as report
 from .results import BodyFatigue as BodyFatigue
 from .results import Contact as Contact
+from .results import FlashTemperature as FlashTemperature
 from .results import History as History
 from .results import Maximum as Maximum
 from .results import NotConverged as NotConverged
@@ -42,6 +43,7 @@ from .run.pipeline import solve as solve
 from .scene import Accuracy as Accuracy
 from .scene import Bodies as Bodies
 from .scene import Body as Body
+from .scene import Bulk as Bulk
 from .scene import Coefficients as Coefficients
 from .scene import Creepage as Creepage
 from .scene import CreepageCourse as CreepageCourse
@@ -49,6 +51,7 @@ from .scene import Fatigue as Fatigue
 from .scene import Friction as Friction
 from .scene import FrictionCourse as FrictionCourse
 from .scene import Gap as Gap
+from .scene import Heat as Heat
 from .scene import Load as Load
 from .scene import LoadCourse as LoadCourse
 from .scene import Mesh as Mesh
@@ -59,6 +62,7 @@ from .scene import SceneWarning as SceneWarning
 from .scene import Sets as Sets
 from .scene import Solver as Solver
 from .scene import Subsurface as Subsurface
+from .scene import Thermal as Thermal
 from .scene import Transient as Transient
 from .scene import Wear as Wear
 from .scene import WearLaws as WearLaws

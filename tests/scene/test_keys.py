@@ -34,8 +34,9 @@ def test_every_key_has_its_words():
 def test_help_lists_the_keys():
     for kind in (ts.Load, ts.Wear, ts.Body, ts.Friction, ts.Solver):
         assert issubclass(kind, Table)
-        for key in kind.model_fields:
-            assert f"\n{key} : " in kind.__doc__
+        for key, info in kind.model_fields.items():
+            is_table = not info.description  # it has a list of its own
+            assert is_table or f"\n{key} : " in kind.__doc__
         assert ">>> " in kind.__doc__
 
 

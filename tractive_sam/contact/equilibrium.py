@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from tractive_sam.contact.heat import warmed
 from tractive_sam.contact.mesh import grown
 from tractive_sam.contact.message import message, too_steep
 from tractive_sam.contact.model import Model
@@ -42,6 +43,14 @@ def equilibrium(
     State
         Converged or not: see its status and message.
     """
+    if model.scene.heat is None:
+        return _equilibrium(model, depth, start)
+    return warmed(model, lambda warm, start: _equilibrium(warm, depth, start), start)
+
+
+def _equilibrium(
+    model: Model, depth: np.ndarray | DepthInPass | None, start: State | None
+) -> State:
     gap, in_pass = model.undeformed_gap, None
     if callable(depth):
         in_pass = _dimensionless(model, depth)

@@ -58,7 +58,7 @@ def check_jacobian(model: Model) -> None:
     ImportError
         If xarray is missing.
     ValueError
-        If there is no friction.
+        If there is no friction, or it depends on temperature.
     """
     try:
         import xarray  # noqa: F401, PLC0415 - of an extra
@@ -67,6 +67,11 @@ def check_jacobian(model: Model) -> None:
         raise ImportError(f"jacobian: xarray is needed, of the extra study: {cure}") from None
     if model.laws.friction is None:
         raise ValueError("jacobian: friction is needed; give the scene a [friction] table")
+    if model.scene.friction is not None and model.scene.friction.temperature is not None:
+        raise ValueError(
+            "jacobian: by friction.temperature friction answers to the heat of the whole contact, "
+            "of which no derivative is known; leave it out, or take differences of solutions"
+        )
 
 
 def jacobian_of(model: Model, contact: State) -> "xarray.DataArray":

@@ -118,7 +118,7 @@ def _friction(scene: Scene) -> Coulomb | None:
         return None
     mu, angle, share = table.mu, float(np.deg2rad(table.angle)), table.share
     falls = share is not None and share[0] < 1.0
-    if not falls and table.strength is None:
+    if not falls and table.strength is None and table.temperature is None:
         return Coulomb(mu, angle)
     sliding, speed, memory = None, 0.0, 0.0
     if falls:

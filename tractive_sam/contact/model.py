@@ -1,5 +1,6 @@
 """A scene put into numbers: mesh, undeformed gap, rigid slip, units and operators."""
 
+from copy import copy
 from dataclasses import astuple, dataclass
 from functools import cached_property
 
@@ -114,6 +115,14 @@ class Model:
         if self.began is None:
             return None
         return np.tile(self.began.on(self.grid).sum(axis=0), (self.grid.elements[0], 1))
+
+    def with_friction(self, law: FrictionLaw) -> "Model":
+        """The same with another law of friction in the same frame; the operators are shared."""
+        _ = self.operators, self.units, self.undeformed_gap  # made once, for all
+        other = copy(self)
+        other.laws = self.laws.replace(friction=law)
+        other.__dict__.pop("friction_law", None)
+        return other
 
     @cached_property
     def undeformed_gap(self) -> np.ndarray:

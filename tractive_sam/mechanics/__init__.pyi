@@ -11,6 +11,7 @@ from .falling import Exponential as Exponential
 from .falling import FallingCoulomb as FallingCoulomb
 from .falling import Rational as Rational
 from .falling import SlidingShare as SlidingShare
+from .falling import Warmth as Warmth
 from .fatigue import Crossland as Crossland
 from .fatigue import DangVan as DangVan
 from .fatigue import FatemiSocie as FatemiSocie

@@ -109,6 +109,46 @@ class Rational(SlidingShare):
         return self.kinetic
 
 
+@dataclass(frozen=True, eq=False)
+class Warmth:
+    """Factor on the coefficients by the temperature, on the elements of a mesh.
+
+    Attributes
+    ----------
+    x, y : ndarray, shapes (n_x,) and (n_y,)
+        Centres of the elements, mm.
+    factor : ndarray, shape (n_x, n_y)
+        Factor in them.
+    """
+
+    x: np.ndarray
+    y: np.ndarray
+    factor: np.ndarray
+
+    def at(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Factor on a part of the mesh, or on elements made of several; linear between centres.
+
+        Parameters
+        ----------
+        x, y : ndarray, shapes (m, 1) and (1, n)
+            Centres of the elements, mm.
+        """
+        along, across = (_weights(a, b.ravel()) for a, b in ((self.x, x), (self.y, y)))
+        return along @ self.factor @ across.T
+
+
+def _weights(known: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+    """Linear interpolation between ascending points, constant beyond, as a matrix."""
+    if len(known) == 1:
+        return np.ones((len(wanted), 1))
+    place = np.interp(wanted, known, np.arange(len(known)))
+    first = np.minimum(place.astype(int), len(known) - 2)
+    rows, part = np.arange(len(wanted)), place - first
+    matrix = np.zeros((len(wanted), len(known)))
+    matrix[rows, first], matrix[rows, first + 1] = 1.0 - part, part
+    return matrix
+
+
 @dataclass(frozen=True)
 class FallingCoulomb(Coulomb):
     """Coulomb friction with coefficients that fall with sliding speed, and a strength.
@@ -125,6 +165,8 @@ class FallingCoulomb(Coulomb):
         Distance d_c slid over which the coefficients follow the speed, mm.
     strength : float
         Largest traction, MPa.
+    warmth : Warmth, optional
+        Factor by the temperature.
 
     Examples
     --------
@@ -137,6 +179,7 @@ class FallingCoulomb(Coulomb):
     speed: float = 0.0
     memory: float = 0.0
     strength: float = np.inf
+    warmth: Warmth | None = None
 
     @property
     def falls(self) -> bool:
@@ -151,7 +194,7 @@ class FallingCoulomb(Coulomb):
         """See `FrictionLaw.bound`."""
         lost = self.sliding is not None and np.isinf(self.speed)
         share = self.sliding.least if lost else 1.0
-        return self._capped(pressure, np.full_like(pressure, share))[0]
+        return self._capped(pressure, np.full_like(pressure, share), self._factor(x, y))[0]
 
     def bound_sliding(
         self, pressure: np.ndarray, slip: np.ndarray, x: np.ndarray, y: np.ndarray, second: bool
@@ -162,7 +205,7 @@ class FallingCoulomb(Coulomb):
         kept = np.zeros_like(share)
         if self.memory > 0.0:
             share, by_speed, kept = self._remembered(pressure, size, share, by_speed, x, second)
-        bound, by_share = self._capped(pressure, share)
+        bound, by_share = self._capped(pressure, share, self._factor(x, y))
         along = slip / np.where(size > 0.0, size, 1.0)
         return replace(bound, slope=Slope(by_share, self.speed * by_speed * along, kept))
 
@@ -177,7 +220,8 @@ class FallingCoulomb(Coulomb):
         share = np.ones_like(pressure)
         if self.sliding is not None:
             share = self.sliding.at(self.speed * np.hypot(*slip))[0]
-        radius = self._capped(pressure, share)[0].radius
+        factor = 1.0 if self.warmth is None else self.warmth.factor
+        radius = self._capped(pressure, share, factor)[0].radius
         return np.divide(radius, pressure, out=share, where=pressure > 0.0)
 
     def _remembered(self, pressure, size, target, by_speed, x, second):
@@ -200,10 +244,15 @@ class FallingCoulomb(Coulomb):
         enters[:-1] = pressure[1:] <= 0.0
         return share, by_speed, np.where(enters, 0.0, kept)
 
-    def _capped(self, pressure: np.ndarray, share: np.ndarray) -> tuple[Bound, np.ndarray]:
-        """The bound of a share, and its derivative by that."""
-        most = self.strength / max(self.mu)
+    def _factor(self, x: np.ndarray, y: np.ndarray) -> np.ndarray | float:
+        return 1.0 if self.warmth is None else self.warmth.at(x, y)
+
+    def _capped(
+        self, pressure: np.ndarray, share: np.ndarray, factor: np.ndarray | float
+    ) -> tuple[Bound, np.ndarray]:
+        """The bound of a share and a factor, and its derivative by the share."""
+        most, share = self.strength / max(self.mu), factor * share
         radius = share * pressure
         weak = radius < most
         bound = Bound(np.minimum(radius, most), np.where(weak, share, 0.0))
-        return bound, np.where(weak, pressure, 0.0)
+        return bound, np.where(weak, factor * pressure, 0.0)

@@ -4,6 +4,7 @@ from tractive_sam.mechanics import Frame
 from tractive_sam.operators.convolution import Convolution
 from tractive_sam.operators.elastic import Operators
 from tractive_sam.operators.extent import extent
+from tractive_sam.operators.heat import STEPS_FROM, SurfaceHeat
 from tractive_sam.operators.influence import Lattice
 from tractive_sam.operators.memory import available
 from tractive_sam.operators.rows import row_compliance
@@ -17,6 +18,7 @@ from tractive_sam.results import Grid
 
 __all__ = [
     "STAGGERED",
+    "STEPS_FROM",
     "UPWIND",
     "Convolution",
     "Frame",
@@ -28,6 +30,7 @@ __all__ = [
     "StepOperators",
     "StressLayers",
     "StressPlane",
+    "SurfaceHeat",
     "Way",
     "available",
     "between",

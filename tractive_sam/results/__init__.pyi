@@ -3,6 +3,7 @@
 from .fatigue import BodyFatigue as BodyFatigue
 from .grid import Grid as Grid
 from .grid import widened as widened
+from .heat import FlashTemperature as FlashTemperature
 from .history import BESIDE as BESIDE
 from .history import FORMER as FORMER
 from .history import LABELS as LABELS

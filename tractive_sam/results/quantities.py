@@ -52,6 +52,19 @@ def _revolving(scene: Scene) -> bool:
     return scene.transient is None
 
 
+def _heated(scene: Scene) -> bool:
+    return scene.heat is not None
+
+
+def _of_heat(name: str, none: Any = math.nan) -> Callable[[State], Any]:
+    """Reads off a contact what its `heat` says."""
+
+    def read(contact: State) -> Any:
+        return none if contact.heat is None else getattr(contact.heat, name)
+
+    return read
+
+
 def _stressed(scene: Scene) -> tuple[str, ...]:
     return () if scene.subsurface is None else scene.subsurface.bodies
 
@@ -270,6 +283,14 @@ _OTHERS = (
              dims=("y",), when=_measured),
     Quantity("creepage_found", "1", "creepages (x, y) that the prescribed forces take",
              lambda c: c.creepage_found, ("axis",), when=_forced),
+    Quantity("temperature_max", "degC", "largest temperature of the surfaces in contact",
+             _of_heat("temperature_max"), symbol=r"T_\mathrm{max}", when=_heated),
+    Quantity("temperature_max_at", "mm", "position (x, y) of the largest temperature",
+             _of_heat("temperature_max_at", (math.nan, math.nan)), ("axis",), when=_heated),
+    Quantity("temperature_mean", "degC", "mean temperature of the surfaces in contact",
+             _of_heat("temperature_mean"), symbol=r"T_\mathrm{mean}", when=_heated),
+    Quantity("heat_share", "1", "share of body A in the heat that friction makes",
+             _of_heat("share"), format=".4f", when=_heated),
     Quantity("worn_volume", "mm3", "volume worn off each body since it was new; none of a flat one",
              lambda c: c.worn_volume, ("body",), symbol="V", per_length=True, when=_worn),
     Quantity("worn_mass", "mg", "mass worn off each body since it was new, by its density",

@@ -11,6 +11,7 @@ import numpy as np
 from tractive_sam.mechanics import Frame
 from tractive_sam.results.edges import covered, extent
 from tractive_sam.results.grid import Grid, widened
+from tractive_sam.results.heat import FlashTemperature
 from tractive_sam.results.status import Cost, Status
 from tractive_sam.scene import Scene
 
@@ -116,6 +117,8 @@ class State:
         and `operator_applications`. On a given mesh it is exact while no element changes between
         stick, slip and out of contact, to 1e-4 by mu, else to 1e-6 (`contact.jacobian`). Pickling
         does not carry it, nor do results files.
+    heat : FlashTemperature or None
+        Of scenes with [heat]: temperatures of both surfaces, and the heat that goes into them.
 
     Examples
     --------
@@ -152,6 +155,7 @@ class State:
     revolution: int = 0
     volumes: Mapping[str, float] | None = field(default=None, repr=False)
     jacobian: "xarray.DataArray | None" = field(default=None, repr=False)
+    heat: FlashTemperature | None = field(default=None, repr=False)
 
     def __getstate__(self) -> dict[str, Any]:
         """Without the Jacobian: who reads it may not have xarray."""

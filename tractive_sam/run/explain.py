@@ -6,7 +6,7 @@ from time import perf_counter
 import numpy as np
 
 from tractive_sam.contact import Model
-from tractive_sam.operators import available
+from tractive_sam.operators import STEPS_FROM, available
 from tractive_sam.results import columns
 from tractive_sam.rolling import Saves
 from tractive_sam.run import memory
@@ -84,8 +84,9 @@ def explain(scene: Scene) -> Explanation:
         accuracy = [_accuracy(found)]
     parts = (_bodies, _contact, _wear, _subsurface, _mesh, _work)
     told = [part(model) for part in parts]
+    warm = [] if scene.heat is None else [_heat(model)]
     tired = [] if scene.fatigue is None else [_fatigue(model)]
-    return Explanation((*told[:4], *tired, *accuracy, *told[4:]))
+    return Explanation((*told[:4], *warm, *tired, *accuracy, *told[4:]))
 
 
 def _accuracy(found: Refined) -> Section:
@@ -161,9 +162,8 @@ def _contact(model: Model) -> Section:
         staggered = model.stencil.staggered
         scheme = "staggered, second order" if staggered else "upwind, first order (the paper's)"
         rows.append(("slip", scheme))
-    rows.append(
-        ("left out", "inertia, speed, lubricant, heat, plasticity; thin or conforming bodies")
-    )
+    heat = "heat, " if scene.heat is None else ""
+    rows.append(("left out", f"inertia, lubricant, {heat}plasticity; thin or conforming bodies"))
     return Section("State", rows)
 
 
@@ -222,6 +222,31 @@ def _subsurface(model: Model) -> Section:
         (f"largest {criterion.long_name}", "inside and at the surface, with every record"),
     ]
     return Section("Stress", rows)
+
+
+def _heat(model: Model) -> Section:
+    scene, rows = model.scene, []
+    speed, bulk = scene.creepage.speed, scene.heat.bulks
+    half = model.grid.half_length[0] if scene.hertz is None else scene.hertz.a
+    for name, thermal in scene.thermal.items():
+        given = "" if getattr(scene.body, name).thermal else " (steel, not given)"
+        moving = speed / (2.0 * thermal.diffusivity)
+        fronts = "steps" if moving * model.grid.dx > STEPS_FROM else "resolved"
+        rows.append(
+            (
+                f"body {name}",
+                f"{thermal.conductivity:g} W/(m K), {thermal.diffusivity:.4g} mm2/s{given}, bulk "
+                f"{bulk[name]:g} degC; Peclet number {moving * half:.3g} of the contact, "
+                f"{moving * model.grid.dx:.3g} of an element: heat fronts {fronts}",
+            )
+        )
+    alike = scene.thermal["A"] == scene.thermal["B"] and bulk["A"] == bulk["B"]
+    shared = "half to each body" if alike else "by equal temperatures in contact"
+    rows.append(("shared", shared))
+    table = scene.friction and scene.friction.temperature
+    answers = "contact and temperature in turn" if table else "no: the contact is solved once"
+    rows.append(("friction answers to it", answers))
+    return Section("Heat", rows)
 
 
 def _fatigue(model: Model) -> Section:

@@ -19,6 +19,7 @@ from .faults import (
     suggestion,
 )
 from .gap import LENGTHS, TEXTS, Gap, files_anywhere
+from .heat import Bulk, Heat, Thermal
 from .keys import groups
 from .override import parse_settings
 from .plane import Plane
@@ -56,6 +57,7 @@ __all__ = [
     "Accuracy",
     "Bodies",
     "Body",
+    "Bulk",
     "Check",
     "Coefficients",
     "Creepage",
@@ -66,6 +68,7 @@ __all__ = [
     "Friction",
     "FrictionCourse",
     "Gap",
+    "Heat",
     "Known",
     "Load",
     "LoadCourse",
@@ -81,6 +84,7 @@ __all__ = [
     "Solver",
     "Subsurface",
     "Table",
+    "Thermal",
     "Transient",
     "Wear",
     "WearLaws",

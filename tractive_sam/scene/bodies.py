@@ -19,6 +19,7 @@ from tractive_sam.mechanics import (
 
 from .alternatives import exactly_one
 from .faults import Fault
+from .heat import Thermal
 from .quantities import Positive, Radius, Real, entry, positive
 from .table import Check, Known, Table
 from .tables import Load
@@ -45,6 +46,7 @@ class Body(Table):
         1.0,
     )
     density: Positive = positive("density, kg/m3, for the worn mass; by default steel's", 7850.0)
+    thermal: Thermal | None = entry("what it conducts heat by", "", None)
     checks: ClassVar[tuple[Check, ...]] = (exactly_one("young", "shear"),)
 
     @property

@@ -11,6 +11,7 @@ from tractive_sam.mechanics import HertzContact, HertzLine, full_slip_force, loa
 from .alternatives import not_both
 from .bodies import Bodies
 from .faults import Fault, SceneWarning, shown
+from .heat import HEAT_CHECKS
 from .line import LINE_CHECKS, is_line
 from .table import Check, Known
 from .tables import Mesh, Wear
@@ -198,6 +199,7 @@ SCENE_CHECKS: tuple[Check, ...] = (
     _law_has_what_it_needs,
     *LINE_CHECKS,
     *TRANSIENT_CHECKS,
+    *HEAT_CHECKS,
 )
 """All checks of a valid scene."""
 

@@ -21,6 +21,7 @@ from .doubts import doubts
 from .fatigue import Fatigue
 from .faults import PlausibilityWarning
 from .gap import Gap
+from .heat import STEEL, Heat, Thermal
 from .override import override, parse_settings
 from .quantities import entry
 from .table import Check, Table
@@ -62,6 +63,7 @@ class Scene(Document):
     grid: Mesh | None = entry("the grid", "", None)
     accuracy: Accuracy | None = entry("the accuracy that chooses the grid", "", None)
     gap: Gap | None = entry("the additional separation", "", None)
+    heat: Heat | None = entry("the flash temperature", "", None)
     subsurface: Subsurface | None = entry("the subsurface stress", "", None)
     fatigue: Fatigue | None = entry("the fatigue of the material", "", None)
     transient: Transient | None = entry("what changes over the distance rolled", "", None)
@@ -139,6 +141,11 @@ class Scene(Document):
     def materials(self) -> dict[str, Material]:
         """Elastic constants of the bodies "A" and "B"."""
         return self.body.materials
+
+    @property
+    def thermal(self) -> dict[str, Thermal]:
+        """What the bodies "A" and "B" conduct heat by: steel's where nothing is given."""
+        return {name: getattr(self.body, name).thermal or STEEL for name in "AB"}
 
     @property
     def material(self) -> CombinedMaterial:

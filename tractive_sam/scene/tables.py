@@ -107,6 +107,15 @@ POLACH = ("A", "B")
 """What Polach's may be given by in its place."""
 
 
+def _warmer(pairs: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+    if any(late[0] <= early[0] for early, late in pairwise(pairs)):
+        raise ValueError("pairs [temperature, factor] whose temperatures ascend")
+    return pairs
+
+
+Factors = Annotated[tuple[tuple[Real, Positive], ...], AfterValidator(_warmer)]
+
+
 def _law_is_given(known: Known) -> Iterator[Fault]:
     law, given = known["law"], known.given
     if law == "constant":
@@ -200,6 +209,13 @@ class Friction(Table):
         "a number of at least 0",
         0.0,
     )
+    temperature: Factors | None = entry(
+        "factor on the coefficients over the surface temperature, degrees C, linear between the "
+        "pairs and constant beyond; needs [heat]",
+        "pairs [temperature, factor], the temperatures ascending, the factors above 0",
+        None,
+        min_length=1,
+    )
     strength: Positive | None = positive("shear strength that no traction exceeds, MPa", None)
     layer: NotNegative = entry(
         "shear compliance h/G3 of an interfacial layer, mm/MPa", "a number of at least 0", 0.0
@@ -220,7 +236,7 @@ class Friction(Table):
     @property
     def varies(self) -> bool:
         """Whether the coefficients are other than at rest anywhere."""
-        return self.law != "constant" or self.strength is not None
+        return self.law != "constant" or self.strength is not None or self.temperature is not None
 
     @property
     def share(self) -> tuple[float, float] | None:

@@ -47,6 +47,12 @@ def friction_told(scene: Scene) -> str:
         if friction.memory:
             words += f", after {friction.memory:g} mm slid"
         words += f"; followed from {'great speed' if friction.start == 'sliding' else 'rest'}"
+    if friction.temperature is not None:
+        least, most = friction.temperature[0], friction.temperature[-1]
+        words += (
+            f"; times {least[1]:g} at {least[0]:g} degC to {most[1]:g} at {most[0]:g} degC of the "
+            "surface"
+        )
     if friction.strength is not None:
         words += f"; no more than {friction.strength:g} MPa"
     if friction.layer:

@@ -1,0 +1,144 @@
+"""Flash temperature of contacts, and friction that answers to it."""
+
+import numpy as np
+import pytest
+
+import tractive_sam as ts
+
+GLASS = {"conductivity": 1.0, "density": 2500.0, "heat_capacity": 800.0}
+
+
+@pytest.fixture(scope="module")
+def discs():
+    half = {"half_length": (0.35, 0.8), "elements": (41, 31)}
+    return ts.Scene.builtin("hot-discs").replace(grid=half)
+
+
+@pytest.fixture(scope="module")
+def cold(discs):
+    """The same with friction that does not care."""
+    return discs.replace(**{"friction.temperature": None})
+
+
+def test_equal_bodies_share_by_half(cold):
+    contact = ts.solve(cold)
+    heat = contact.heat
+    assert heat.share == 0.5
+    assert (heat.flux["A"] == heat.flux["B"]).all()
+    assert (heat.temperature["A"] == heat.temperature["B"]).all()
+    assert heat.temperature_mean < heat.temperature_max
+
+
+def test_heat_conducted_is_heat_made(cold):
+    contact = ts.solve(
+        cold.replace(**{"body.B.thermal": GLASS, "heat.bulk": {"A": 80.0, "B": 5.0}})
+    )
+    heat, V = contact.heat, 20e3
+    area = contact.grid.element_area
+    conducted = (heat.flux["A"].sum() + heat.flux["B"].sum()) * area
+    assert conducted == pytest.approx(V * contact.dissipation, rel=1e-10)
+    assert 1e3 * heat.power == pytest.approx(V * contact.dissipation, rel=1e-10)
+    apart = (heat.temperature["A"] - heat.temperature["B"])[contact.touching]
+    assert np.abs(apart).max() < 1e-8 * heat.temperature_max  # 1e-12 in the sum of squares
+    assert heat.share > 0.6  # steel takes more of it than glass
+
+
+def test_contact_conducts_without_sliding(cold):
+    still = {"creepage.longitudinal": 0.0, "heat.bulk": {"A": 150.0, "B": 0.0}}
+    heat = ts.solve(cold.replace(**still)).heat
+    assert heat.temperature_max == pytest.approx(75.0, abs=1e-7)
+    assert heat.temperature_mean == pytest.approx(75.0, abs=1e-8)
+    assert np.isnan(heat.share)  # no heat is made
+    assert heat.flux["A"].sum() < 0.0  # it flows from A
+    np.testing.assert_allclose(heat.flux["A"], -heat.flux["B"])
+
+
+def test_symmetric_under_exchange_of_the_bodies(cold):
+    given = {"body.A.thermal": GLASS, "heat.bulk": {"A": 80.0, "B": 20.0}}
+    swapped = {"body.B.thermal": GLASS, "heat.bulk": {"A": 20.0, "B": 80.0}}
+    one, other = (ts.solve(cold.replace(**changes)).heat for changes in (given, swapped))
+    assert one.share == pytest.approx(1.0 - other.share, abs=1e-9)
+    assert one.temperature_max == pytest.approx(other.temperature_max, rel=1e-9)
+    np.testing.assert_allclose(one.temperature["A"], other.temperature["B"], rtol=1e-7)
+
+
+def test_line_contact_against_the_elliptic_strip():
+    """Full slip at a Peclet number of 2,800: the closed form is that of infinity."""
+    cylinders = ts.Scene.builtin("cylinders").replace(
+        **{
+            "creepage.longitudinal": -0.08, "creepage.speed": 3e5, "heat": {"bulk": 0.0},
+            "body.A.thermal": GLASS, "body.B.thermal": GLASS,
+        }
+    )  # fmt: skip
+    contact = ts.solve(cylinders)
+    a, V, kappa = cylinders.hertz.a, 3e5, 0.5
+    q0 = 0.5 * 0.08 * V * cylinders.friction.mu[0] * cylinders.hertz.p0
+    exact = 2.1883 * q0 / 1.0 * np.sqrt(a * kappa / (np.pi * V))
+    assert contact.heat.temperature_max == pytest.approx(exact, rel=1e-2)  # elastic slip: 5e-3
+
+
+def test_friction_falls_with_the_temperature(discs, cold):
+    hot, plain = ts.solve(discs), ts.solve(cold)
+    table = np.array(discs.friction.temperature).T
+    factor = np.interp(hot.heat.temperature["A"], *table)
+    sliding = hot.sliding
+    assert sliding.sum() > 0.9 * hot.touching.sum()
+    used = np.hypot(*hot.traction)[sliding] / (0.3 * hot.pressure[sliding])
+    np.testing.assert_allclose(used, factor[sliding], rtol=1e-6)  # ten tolerances of the coupling
+    assert hot.Qx < 0.95 * plain.Qx
+    assert hot.heat.temperature_max < plain.heat.temperature_max
+    flat = discs.replace(**{"friction.temperature": [[20.0, 1.0], [2000.0, 1.0]]})
+    assert ts.solve(flat).Qx == plain.Qx  # a factor of one changes nothing
+
+
+def test_columns_and_history(discs, tmp_path):
+    history = ts.roll(discs, tmp_path / "hot.h5")
+    contact = ts.solve(discs)
+    assert history["temperature_max"][0] == pytest.approx(contact.heat.temperature_max, rel=1e-6)
+    assert tuple(history["temperature_max_at"][0]) == contact.heat.temperature_max_at
+    assert history["heat_share"][0] == 0.5
+    again = ts.open_history(tmp_path / "hot.h5")
+    assert again["temperature_mean"][0] == history["temperature_mean"][0]
+
+
+def test_jacobian_is_refused_where_friction_is_warm(discs, cold):
+    with pytest.raises(ValueError, match=r"friction\.temperature"):
+        ts.solve(discs, jacobian=True)
+    assert ts.solve(cold, jacobian=True).jacobian is not None
+
+
+@pytest.mark.parametrize(
+    ("changes", "key", "words"),
+    [
+        ({"body.A.thermal.conductivity": -1.0}, "body.A.thermal.conductivity", "above 0"),
+        ({"body.A.thermal": None}, "body.A.thermal", "both"),
+        ({"creepage.speed": None}, "creepage.speed", "[heat]"),
+        ({"heat": None}, "friction.temperature", "[heat]"),
+        ({"heat.bulk": -300.0}, "heat.bulk", "-273.15"),
+        ({"heat.bulk": {"A": "warm"}}, "heat.bulk.A", "number"),
+        ({"friction.temperature": [[90.0, 1.0], [50.0, 0.5]]}, "friction.temperature", "ascend"),
+        (
+            {"friction.temperature": [[100.0, 1.0], [150.0, -0.5]]},
+            "friction.temperature",
+            "above 0",
+        ),
+        (
+            {"body.A.thermal": None, "body.B.thermal": None, "body.A.young": 170e3},
+            "body.A.thermal",
+            "steel's",
+        ),
+    ],
+)
+def test_bad_input_is_told(discs, changes, key, words):
+    with pytest.raises(ts.SceneError) as caught:
+        discs.replace(**changes)
+    (fault,) = caught.value.faults
+    assert fault.key == key
+    assert words in f"{fault.given} {fault.allowed}"
+
+
+def test_explained(discs):
+    heat = next(section for section in ts.explain(discs) if section.title == "Heat")
+    rows = dict(heat.rows)
+    assert "Peclet" in rows["body A"]
+    assert rows["shared"].startswith("half")

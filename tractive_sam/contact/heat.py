@@ -1,0 +1,160 @@
+"""Flash temperature of a solved contact: how the heat of friction is shared between the bodies.
+
+Where they touch both surfaces are equally warm: with K_A, K_B the operators of flux to temperature
+(`operators.heat`), q the heat made and w what of it goes into A,
+
+    bulk_A + K_A w = bulk_B + K_B (q - w)
+
+in contact, one linear system. Of equal bodies of equal bulk w is q/2, whatever the contact.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from tractive_sam.contact.model import Model
+from tractive_sam.mechanics import Warmth
+from tractive_sam.operators import SurfaceHeat
+from tractive_sam.results import FlashTemperature, Grid, State, Status
+from tractive_sam.solvers import gmres
+
+TOLERANCE = 1e-12
+"""Relative residual of the equality of both temperatures."""
+
+KRYLOV = 200
+
+MOST = 40
+"""Most contacts that are solved for friction and temperature to agree."""
+
+MEMORY = 5
+"""Temperatures that are combined with the last one on the way to those that friction answers to."""
+
+
+@lru_cache(maxsize=4)
+def surface_heat(grid: Grid, speed: float, diffusivity: float, conductivity: float) -> SurfaceHeat:
+    """The operator of a body on a mesh; the last few are kept."""
+    return SurfaceHeat(grid, speed, diffusivity, conductivity)
+
+
+def heat_of(model: Model, contact: State) -> FlashTemperature:
+    """Temperatures of a solved contact of a scene with [heat].
+
+    Raises
+    ------
+    RuntimeError
+        If the linear system was not solved, which no material should bring about.
+    """
+    scene = model.scene
+    V, thermal, bulk = scene.creepage.speed, scene.thermal, scene.heat.bulks
+    warm = {
+        body: surface_heat(contact.grid, V, one.diffusivity, one.conductivity)
+        for body, one in thermal.items()
+    }
+    made = -V * (contact.traction * contact.slip).sum(axis=0)
+    touching = contact.touching
+    if thermal["A"] == thermal["B"] and bulk["A"] == bulk["B"]:
+        into_A = 0.5 * made
+    else:
+        colder = bulk["B"] - bulk["A"]
+        into_A = _shared(warm["A"], warm["B"], made, colder, touching)
+    flux = {"A": into_A, "B": made - into_A}
+    temperature = {body: bulk[body] + warm[body](flux[body]) for body in warm}
+    return FlashTemperature(contact.grid, touching, temperature, flux)
+
+
+def _shared(
+    A: SurfaceHeat, B: SurfaceHeat, made: np.ndarray, colder: float, touching: np.ndarray
+) -> np.ndarray:
+    """What of the heat made goes into A, by equal temperatures in contact."""
+    inverse = A.inverse_with(B)
+
+    def spread(values: np.ndarray) -> np.ndarray:
+        field = np.zeros(touching.shape)
+        field[touching] = values
+        return field
+
+    def operator(values: np.ndarray) -> np.ndarray:
+        field = spread(values)
+        return (A(field) + B(field))[touching]
+
+    rhs = (B(made) + colder)[touching]
+    found, left, size = np.zeros_like(rhs), rhs, np.linalg.norm(rhs)
+    for _ in range(4):  # again from what rounding leaves
+        missed = np.linalg.norm(left)
+        if missed <= TOLERANCE * size:
+            return spread(found)
+        step, _ = gmres(
+            operator,
+            lambda values: inverse(spread(values)[None])[0][touching],
+            left,
+            0.5 * TOLERANCE * size / missed,
+            KRYLOV,
+        )
+        found = found + step
+        left = rhs - operator(found)
+    if np.linalg.norm(left) > 1e-9 * size:
+        raise RuntimeError(f"heat: shared to {np.linalg.norm(left) / size:.1e} only")
+    return spread(found)
+
+
+def warmed(
+    model: Model, solve: Callable[[Model, State | None], State], start: State | None
+) -> State:
+    """The contact of a scene with [heat] and its temperatures, to which friction may answer.
+
+    Where it does, contact and temperature are solved in turn, each contact from the one before;
+    the temperatures are combined so that they change least (Anderson 1965, J. ACM 12, 547-560).
+
+    Parameters
+    ----------
+    model : Model
+        The scene in numbers.
+    solve : callable
+        (model, start) -> contact.
+    start : State, optional
+        A contact nearby.
+    """
+    table = model.scene.friction and model.scene.friction.temperature
+    if not table:
+        contact = solve(model, start)
+        return replace(contact, heat=heat_of(model, contact))
+    degrees, factors = np.array(table).T
+    bulk = model.scene.heat.bulks
+    temperature = np.full(model.grid.elements, 0.5 * (bulk["A"] + bulk["B"]))
+    if start is not None:
+        temperature = heat_of(model, start).temperature["A"]
+    tried: list[np.ndarray] = []
+    found: list[np.ndarray] = []
+    tolerance = 10.0 * model.scene.solver.tolerance
+    cost = None
+    for _ in range(MOST):
+        warmth = Warmth(model.grid.x, model.grid.y, np.interp(temperature, degrees, factors))
+        warm = model.with_friction(replace(model.friction_law, warmth=warmth))
+        contact = solve(warm, start)
+        cost = contact.cost if cost is None else cost + contact.cost
+        heat = heat_of(model, contact)
+        contact = replace(contact, heat=heat, cost=cost)
+        now = heat.temperature["A"]
+        missed = np.abs(now - temperature)[contact.touching].max(initial=0.0)
+        rise = np.abs(now - bulk["A"])[contact.touching].max(initial=0.0)
+        if not contact.converged or missed <= tolerance * max(rise, 1.0):
+            return contact
+        tried, found, start = [*tried[-MEMORY:], temperature], [*found[-MEMORY:], now], contact
+        temperature = _combined(tried, found)
+    cure = "let friction.temperature fall less steeply, or raise solver.tolerance"
+    note = f"not converged: friction and temperature differ by {missed:.1e} K still; {cure}"
+    return replace(contact, status=Status.OUT_OF_ITERATIONS, note=note)
+
+
+def _combined(tried: list[np.ndarray], found: list[np.ndarray]) -> np.ndarray:
+    """Affine combination of what was found whose combined change is least."""
+    changes = [(after - before).ravel() for before, after in zip(tried, found, strict=True)]
+    if len(changes) == 1:
+        return found[-1]
+    differences = np.stack([changes[-1] - one for one in changes[:-1]], axis=1)
+    weights = np.linalg.lstsq(differences, changes[-1], rcond=1e-10)[0]
+    return found[-1] - sum(
+        w * (found[-1] - one) for w, one in zip(weights, found[:-1], strict=True)
+    )

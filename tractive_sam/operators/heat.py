@@ -1,0 +1,131 @@
+"""Temperature of a surface that passes below a heated mesh, by FFT: one operator for each body."""
+
+import numpy as np
+
+from tractive_sam.kernels import heat, spectral
+from tractive_sam.operators.convolution import Convolution
+from tractive_sam.operators.fft import padded_length, spectrum
+from tractive_sam.results import Grid
+
+POINTS = 10
+"""Gauss points of a panel."""
+
+GROWTH = 1.6
+"""Length of a panel over its distance from zero, at most: of a slowly moving source."""
+
+FRONT = 2.0
+"""That in widths of a front, sqrt(kappa)/V in the root of time, of a fast one."""
+
+STEPS_FROM = 3e3
+"""Peclet number V dx/(2 kappa) of an element from which fronts are taken for steps: that is right
+to 1e-8 then, and less of larger ones."""
+
+BEYOND = 6.5
+"""erf of it is one, to rounding."""
+
+
+def _panels(x: float, y: float, dx: float, dy: float, speed: float, kappa: float) -> np.ndarray:
+    """Ends of the panels in s, from where heat has not left its element to where all is lost."""
+    root = np.sqrt(kappa)
+    # The half side is 2 BEYOND diffusion lengths and the way: dx/2 = V s² + 2 BEYOND sqrt(kappa) s.
+    b = BEYOND * root
+    first = min(0.5 * dx / (b + np.sqrt(b * b + 0.5 * speed * dx)), 0.5 * dy / (2.0 * b))
+    far = 1e7 * np.hypot(x, y) / root
+    if speed > 0.0:  # the front of the farthest point behind, and what it trails
+        far = min(far, (b + np.sqrt(b * b + speed * x)) / speed)
+    ends = [first]
+    widest = FRONT * root / speed if speed > 0.0 else np.inf
+    while ends[-1] < far:
+        ends.append(ends[-1] + min((GROWTH - 1.0) * ends[-1], widest))
+    return np.array(ends)
+
+
+def coefficients(
+    x: np.ndarray, y: np.ndarray, dx: float, dy: float, speed: float, kappa: float, lam: float
+) -> np.ndarray:
+    """Temperature at points by a unit flux into an element at the origin.
+
+    Parameters
+    ----------
+    x, y : ndarray, shapes (m,) and (n,)
+        Points on the surface, mm: none on a side of the element.
+    dx, dy : float
+        Its sides, mm; dy = inf of a strip.
+    speed : float
+        V, mm/s; at least 0.
+    kappa : float
+        Diffusivity, mm²/s.
+    lam : float
+        Conductivity, W/(m K).
+
+    Returns
+    -------
+    ndarray, shape (m, n)
+        K mm²/mW.
+    """
+    sides_x = np.concatenate((x + 0.5 * dx, x - 0.5 * dx))
+    table = np.empty((x.size, y.size))
+    line = not np.isfinite(dy)
+    length = float(np.abs(sides_x).max())
+    if speed * dx > STEPS_FROM * 2.0 * kappa:
+        heat.swept(x, y, dx, 1e3 * length if line else dy, speed, kappa, table)
+    else:
+        sides_y = np.zeros(0) if line else np.concatenate((y + 0.5 * dy, y - 0.5 * dy))
+        across = dx if line else dy
+        widest = 0.0 if line else float(np.abs(sides_y).max())
+        ends = _panels(length, widest, dx, across, speed, kappa)
+        # Before the first panel only the element itself is warm, and wholly so.
+        here = np.abs(x)[:, None] < 0.5 * dx
+        table[:] = np.where(here & (line | (np.abs(y)[None, :] < 0.5 * across)), ends[0], 0.0)
+        nodes, weights = np.polynomial.legendre.leggauss(POINTS)
+        for part in np.array_split(np.arange(ends.size - 1), max(1, ends.size // 100)):
+            half = 0.5 * (ends[part + 1] - ends[part])[:, None]
+            at = (ends[part][:, None] + half * (1.0 + nodes)).ravel()
+            along = np.empty((at.size, sides_x.size))
+            heat.passed(at, sides_x, speed, kappa, along)
+            along = (along[:, : x.size] - along[:, x.size :]) * (half * weights).ravel()[:, None]
+            if line:
+                table += along.sum(axis=0)[:, None]
+                continue
+            aside = np.empty((at.size, sides_y.size))
+            heat.passed(at, sides_y, 0.0, kappa, aside)
+            table += along.T @ (aside[:, : y.size] - aside[:, y.size :])
+        if speed == 0.0:  # far away in time, A B is dx dy / (4 pi kappa s²)
+            table += dx * across / (4.0 * np.pi * kappa * ends[-1])
+    # 2 / (rho c sqrt(pi kappa)), with rho c = lambda / kappa
+    return 2.0 * table * np.sqrt(kappa / np.pi) / lam
+
+
+class SurfaceHeat:
+    """Flux into a body -> temperature of its surface above that of its bulk, on a mesh.
+
+    Parameters
+    ----------
+    grid : Grid
+        The mesh; of a line contact one row, endless in y.
+    speed, kappa, lam : float
+        As of `coefficients`.
+    """
+
+    def __init__(self, grid: Grid, speed: float, kappa: float, lam: float):
+        nx, ny = grid.elements
+        dx, dy = grid.dx, np.inf if grid.line else grid.dy
+        self._period = period = padded_length(nx), padded_length(ny)
+        x, y = dx * np.arange(1 - nx, nx), np.zeros(1) if ny == 1 else dy * np.arange(ny)
+        known = coefficients(x, y, dx, dy, speed, kappa, lam)
+        table, i = np.zeros(period), np.arange(1 - nx, nx) % period[0]
+        table[i, :ny] = known
+        if ny > 1:
+            table[i, 1 - ny :] = known[:, :0:-1]
+        self._spectrum = spectrum(table)
+        self._apply = Convolution(self._spectrum[None], spectral.scale, 1, grid.elements, period)
+
+    def __call__(self, flux: np.ndarray) -> np.ndarray:
+        """Temperature, K, of a flux in mW/mm², both of shape (n_x, n_y)."""
+        return self._apply(flux[None])[0]
+
+    def inverse_with(self, other: "SurfaceHeat") -> Convolution:
+        """Circulant inverse of the sum of this and another on the same mesh, a preconditioner."""
+        both = self._spectrum + other._spectrum
+        inverse = 1.0 / (both * np.prod(self._period) ** 2)
+        return Convolution(inverse[None], spectral.scale, 1, self._apply.shape[1:], self._period)

@@ -1,0 +1,126 @@
+"""The [heat] table, and what the bodies conduct heat by."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import ClassVar
+
+from .faults import Fault
+from .quantities import Positive, Real, entry, positive
+from .table import Check, Known, Table
+
+ABSOLUTE_ZERO = -273.15
+
+_DEGREES = f"a number from {ABSOLUTE_ZERO}"
+
+LIKE_STEEL = (180e3, 230e3)
+"""Young's moduli, MPa, of bodies that are taken for steel where nothing else is said."""
+
+
+class Thermal(Table):
+    """What a body conducts heat by.
+
+    Examples
+    --------
+    >>> round(ts.Thermal(conductivity=50.0, density=7850.0, heat_capacity=450.0).diffusivity, 2)
+    14.15
+    """
+
+    conductivity: Positive = positive("heat conductivity, W/(m K)")
+    density: Positive = positive("density, kg/m3", 7850.0)
+    heat_capacity: Positive = positive("heat capacity, J/(kg K)")
+
+    @property
+    def diffusivity(self) -> float:
+        """Conductivity over density and heat capacity, mm2/s."""
+        return 1e6 * self.conductivity / (self.density * self.heat_capacity)
+
+
+STEEL = Thermal(conductivity=50.0, heat_capacity=450.0)
+
+
+class Bulk(Table):
+    """Temperature of each body far from the contact.
+
+    Examples
+    --------
+    >>> ts.Bulk(A=80.0, B=20.0).A
+    80.0
+    """
+
+    A: Real = entry("bulk temperature of body A, degrees C", _DEGREES, 20.0, ge=ABSOLUTE_ZERO)
+    B: Real = entry("bulk temperature of body B, degrees C", _DEGREES, 20.0, ge=ABSOLUTE_ZERO)
+
+
+def _bulk_is_warm_enough(known: Known) -> Iterator[Fault]:
+    bulk = known["bulk"]
+    if not isinstance(bulk, Bulk) and bulk < ABSOLUTE_ZERO:
+        yield Fault("bulk", f"{bulk:g}", f"at least {ABSOLUTE_ZERO}, in degrees C")
+
+
+class Heat(Table):
+    """Flash temperature of the contact; needs `creepage.speed`.
+
+    Examples
+    --------
+    >>> ts.Heat(bulk=60.0).bulks
+    {'A': 60.0, 'B': 60.0}
+    """
+
+    bulk: Real | Bulk = entry(
+        "bulk temperature, degrees C, of both bodies or of each",
+        f"{_DEGREES}, or {{ A = ..., B = ... }}",
+        20.0,
+    )
+    checks: ClassVar[tuple[Check, ...]] = (_bulk_is_warm_enough,)
+
+    @property
+    def bulks(self) -> dict[str, float]:
+        """Bulk temperature of each body, degrees C."""
+        bulk = self.bulk
+        return {"A": bulk.A, "B": bulk.B} if isinstance(bulk, Bulk) else dict.fromkeys("AB", bulk)
+
+
+def _thermal_of_both(known: Known) -> Iterator[Fault]:
+    given = [body for body in "AB" if known[f"body.{body}.thermal"] is not None]
+    if len(given) == 1:
+        (other,) = set("AB") - set(given)
+        cure = f"those of both bodies, or of none: that of {given[0]} is given"
+        yield Fault(f"body.{other}.thermal", "nothing", cure)
+
+
+def _heat_needs_speed(known: Known) -> Iterator[Fault]:
+    if known["heat"] is not None and known["creepage.speed"] is None:
+        cure = "the rolling speed V, mm/s: [heat] is made by sliding, and carried away by rolling"
+        yield Fault("creepage.speed", "nothing", cure)
+
+
+def _heat_is_conducted(known: Known) -> Iterator[Fault]:
+    if known["heat"] is None:
+        return
+    for body in "AB":
+        one = known[f"body.{body}"]
+        E = one.material.young
+        if one.thermal is None and not LIKE_STEEL[0] <= E <= LIKE_STEEL[1]:
+            cure = (
+                "conductivity, density and heat_capacity; steel's are taken only of a Young's "
+                f"modulus from {LIKE_STEEL[0]:g} to {LIKE_STEEL[1]:g} MPa, and it is {E:g}"
+            )
+            yield Fault(f"body.{body}.thermal", "nothing", cure)
+
+
+def _temperature_needs_heat(known: Known) -> Iterator[Fault]:
+    if known["friction"] is None or known["friction.temperature"] is None:
+        return
+    if known["heat"] is None:
+        cure = "only with a [heat] table, which gives the temperature"
+        yield Fault("friction.temperature", "without [heat]", cure)
+
+
+HEAT_CHECKS: tuple[Check, ...] = (
+    _thermal_of_both,
+    _heat_needs_speed,
+    _heat_is_conducted,
+    _temperature_needs_heat,
+)
+"""What [heat] asks of the other tables."""
