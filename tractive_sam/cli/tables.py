@@ -74,7 +74,7 @@ def last_record(history: "History") -> Table:
 
 
 def records(history: "History") -> Table:
-    """Some records from the first to the last, one a row."""
+    """Records about equally far apart along the course, one a row."""
     count = len(history)
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     along = history.coordinate
@@ -83,9 +83,18 @@ def records(history: "History") -> Table:
     course = ((along.name, heading, 1, along.format), *COURSE[:2], *found, *COURSE[2:])
     for _, heading, _, _ in course:
         table.add_column(heading, justify="right", no_wrap=True)
-    shown = sorted({round(k * (count - 1) / (MOST_ROWS - 1)) for k in range(MOST_ROWS)})
+    shown = _apart(history[along.name].tolist())
     for row in shown:
         table.add_row(*(format(history[name][row] * f, form) for name, _, f, form in course))
     if len(shown) < count:
         table.caption = f"{len(shown)} of {count} records; show --json tells all"
     return table
+
+
+def _apart(places: list[float]) -> list[int]:
+    """At most `MOST_ROWS` ascending places, those nearest to equal distances."""
+    if len(places) <= MOST_ROWS:
+        return list(range(len(places)))
+    first, last = places[0], places[-1]
+    aims = (first + k * (last - first) / (MOST_ROWS - 1) for k in range(MOST_ROWS))
+    return sorted({min(range(len(places)), key=lambda n: abs(places[n] - aim)) for aim in aims})
