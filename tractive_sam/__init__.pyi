@@ -38,6 +38,7 @@ from .results import State as State
 from .run.explain import explain as explain
 from .run.export import export_surface as export_surface
 from .run.export import export_volume as export_volume
+from .run.many import solve_many as solve_many
 from .run.pipeline import roll as roll
 from .run.pipeline import solve as solve
 from .scene import Accuracy as Accuracy

@@ -3,6 +3,7 @@
 from tractive_sam.run import explain, memory
 from tractive_sam.run.export import export_surface, export_volume
 from tractive_sam.run.given import measured_gap
+from tractive_sam.run.many import nearby, snake, solve_many, under
 from tractive_sam.run.pipeline import roll, solve
 from tractive_sam.run.progress import progress_shown
 from tractive_sam.run.resume import what_differs
@@ -13,8 +14,12 @@ __all__ = [
     "export_volume",
     "measured_gap",
     "memory",
+    "nearby",
     "progress_shown",
     "roll",
+    "snake",
     "solve",
+    "solve_many",
+    "under",
     "what_differs",
 ]

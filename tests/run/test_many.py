@@ -1,0 +1,95 @@
+"""Many similar contacts: the same as one by one, labelled, and what is not valid."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+import tractive_sam as ts
+from tractive_sam.run.many import snake
+
+pytest.importorskip("xarray", reason="xarray is of the extra study")
+
+XI = "creepage.longitudinal"
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return ts.Scene.builtin("spheres").with_set(["grid.elements=[15, 15]"])
+
+
+def test_is_what_solve_finds_one_by_one(scene):
+    over = {"friction.mu": [0.2, 0.4], XI: [-1e-3, -3e-3], "creepage.spin": [0.0, 1e-3]}
+    found = ts.solve_many(scene, over)
+    assert found["Qx"].dims == tuple(over)
+    assert found["Qx"].attrs["units"] == "N"
+    assert found["converged"].all()
+    assert (found["status"] == "converged").all()
+    for values in itertools.product(*over.values()):
+        case = dict(zip(over, values, strict=True))
+        alone, here = ts.solve(scene.replace(**case)), found.sel(case)
+        for name in ("P", "Qx", "Qy", "Mz", "approach", "xi_x", "spin"):
+            # What the tolerance of the scene, 1e-8, leaves of a solution.
+            assert here[name].item() == pytest.approx(getattr(alone, name), abs=1e-7, rel=1e-6)
+
+
+def test_costs_no_more_than_alone(scene):
+    values = np.linspace(-1e-3, -3e-3, 9)
+    found = ts.solve_many(scene, {XI: values})
+    alone = sum(ts.solve(scene.replace(**{XI: v})).cost.applications for v in values)
+    assert found["operator_applications"].sum() < alone
+
+
+def test_jacobian(scene):
+    found = ts.solve_many(scene, {XI: [-1e-3, -2e-3]}, jacobian=True)["jacobian"]
+    alone = ts.solve(scene.replace(**{XI: -2e-3}), jacobian=True).jacobian
+    here = found.sel({XI: -2e-3}).values
+    # An element on the verge of slip may be told otherwise from another start.
+    np.testing.assert_allclose(here, alone.values, atol=1e-5 * np.abs(alone.values).max())
+
+
+def test_prescribed_force_gives_way_to_a_creepage(scene):
+    forced = scene.with_set(["load.force_x=0.05"])
+    assert np.isfinite(ts.solve_many(forced, {XI: [-1e-3]})["Qx"]).all()
+
+
+def test_a_case_that_fails_is_told_and_no_number(scene):
+    approached = scene.with_set(["load.approach=0.036"])
+    found = ts.solve_many(approached, {"load.force_x": [0.01, 0.4]})  # more than friction carries
+    carried, slid = (found.sel({"load.force_x": q}) for q in (0.01, 0.4))
+    assert carried["converged"]
+    assert not slid["converged"]
+    assert np.isnan(slid["Qx"])
+    assert slid["status"] != "converged"
+    assert str(slid["message"].values)
+
+
+@pytest.mark.parametrize(
+    ("over", "key"),
+    [
+        ({}, "over"),
+        ({"friction.angel": [0.0]}, "friction.angel"),
+        ({XI: []}, XI),
+        ({XI: "-1e-3"}, XI),
+        ({XI: [-1e-3, "fast"]}, XI),
+        ({XI: [float("nan")]}, XI),
+        ({"friction.mu": [-0.2]}, "friction.mu"),
+    ],
+)
+def test_faults_name_the_key(scene, over, key):
+    with pytest.raises(ts.SceneError, match=key):
+        ts.solve_many(scene, over)
+
+
+def test_accuracy_is_refused(scene):
+    accurate = scene.replace(grid=None, accuracy={"tolerance": 0.1})
+    with pytest.raises(ValueError, match="accuracy"):
+        ts.solve_many(accurate, {XI: [-1e-3]})
+
+
+@pytest.mark.parametrize("shape", [(), (1,), (3,), (2, 3), (3, 1, 2), (2, 3, 2, 2)])
+def test_snake_meets_all_and_steps_to_neighbours(shape):
+    places = list(snake(shape))
+    assert sorted(places) == sorted(itertools.product(*map(range, shape)))
+    for here, there in itertools.pairwise(places):
+        assert np.abs(np.subtract(here, there)).sum() == 1

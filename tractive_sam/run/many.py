@@ -1,0 +1,218 @@
+"""Many similar contacts at the cost of their Newton steps."""
+
+import copy
+import math
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tractive_sam import interrupt
+from tractive_sam.contact import Model, check_jacobian, equilibrium, fitted, jacobian_of
+from tractive_sam.operators import one_blas_thread
+from tractive_sam.results import Quantity, State, Status, columns
+from tractive_sam.run import given, memory
+from tractive_sam.run.given import measured_gap
+from tractive_sam.scene import Fault, Scene, SceneError, shown
+
+if TYPE_CHECKING:
+    import xarray
+
+CREEPAGES = ("creepage.longitudinal", "creepage.lateral", "creepage.spin")
+"""What changes nothing but the rigid slip: a scene is checked, and operators are made, once."""
+
+
+@one_blas_thread()
+def solve_many(
+    scene: Scene, over: Mapping[str, Sequence[Any]], *, jacobian: bool = False
+) -> "xarray.Dataset":
+    """Solve one steady state for every combination of some entries of a scene.
+
+    Creepages cost least: a scene under other creepages is not checked again, shares mesh, gap and
+    operators, and starts from the contact solved before it, which is a neighbour. For any other
+    entry, such as ``load.normal``, the scene is checked and set up once for each of its values.
+
+    Parameters
+    ----------
+    scene : Scene
+        What does not vary; its [wear] is not rolled.
+    over : mapping of str to sequence
+        Values by dotted key, ``{"creepage.longitudinal": [-1e-3, -2e-3], "friction.mu": [0.2]}``.
+    jacobian : bool
+        Whether to compute the derivatives too, as ``jacobian``; see `State.jacobian`.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over the keys: forces, creepages and all other recorded numbers of a contact, nan where it
+        was not solved, and ``converged``, ``status`` and ``message`` of each case. Units and
+        descriptions are attributes.
+
+    Raises
+    ------
+    TypeError
+        If `scene` is no Scene.
+    SceneError
+        With the faults of the entries and their values; if no mesh can be chosen, or the memory
+        does not suffice.
+    ValueError
+        If the scene has [accuracy], or a Jacobian is asked for without friction.
+    ImportError
+        Without xarray, which comes with the extra ``study``.
+    GapError
+        If the measured gap cannot be read.
+
+    Examples
+    --------
+    >>> import tractive_sam as ts
+    >>> coarse = ts.Scene.builtin("spheres").with_set(["grid.elements=[23, 23]"])
+    >>> found = ts.solve_many(coarse, {"creepage.longitudinal": [-1e-3, -2e-3, -3e-3]})
+    >>> found["Qx"].dims, bool(found["converged"].all())
+    (('creepage.longitudinal',), True)
+    >>> bool((found["Qx"].diff("creepage.longitudinal") > 0.0).all())
+    True
+    """
+    import xarray  # noqa: PLC0415 - of an extra
+
+    given.check_scene(scene)
+    if scene.accuracy is not None:
+        raise ValueError("solve_many: one mesh is needed; give the scene [grid], not [accuracy]")
+    columns_over = _checked(scene, over)
+    shape = tuple(map(len, columns_over.values()))
+    numbers: dict[str, np.ndarray] = {}
+    described: dict[str, Quantity] = {}
+    told = {name: np.full(shape, "", dtype=object) for name in ("status", "message")}
+    derivatives: dict[tuple[int, ...], Any] = {}
+    for place, model, contact in _solved(scene, columns_over, jacobian):
+        told["status"][place], told["message"][place] = str(contact.status.value), contact.message
+        if not contact.converged:
+            continue
+        for name, one in columns(contact.scene).items():
+            if one.of is None or one.dims:
+                continue
+            if name not in numbers:
+                numbers[name], described[name] = np.full(shape, math.nan), one
+            numbers[name][place] = one.of(contact)
+        if jacobian:
+            derivatives[place] = jacobian_of(model, contact)
+
+    dims = [*columns_over]
+    variables: dict[str, Any] = {
+        name: (dims, values, _attributes(described[name])) for name, values in numbers.items()
+    }
+    solved = told["status"] == Status.CONVERGED.value
+    variables["converged"] = (dims, solved.astype(bool))
+    variables |= {name: (dims, texts.astype(str)) for name, texts in told.items()}
+    coordinates: dict[str, Any] = {
+        key: (key, _as_array(values), {"long_name": Scene.described(key).title or key})
+        for key, values in columns_over.items()
+    }
+    if derivatives:
+        first = next(iter(derivatives.values()))
+        values = np.full((*shape, *first.shape), math.nan)
+        for place, one in derivatives.items():
+            values[place] = one.values
+        variables["jacobian"] = ([*dims, *first.dims], values)
+        coordinates |= {name: first[name].values for name in first.dims}
+    return xarray.Dataset(variables, coordinates, {"title": scene.title})
+
+
+def _attributes(quantity: Quantity) -> dict[str, str]:
+    return {"units": quantity.unit, "long_name": quantity.long_name}
+
+
+def _as_array(values: tuple[Any, ...]) -> np.ndarray:
+    numbers = all(isinstance(one, int | float) and not isinstance(one, bool) for one in values)
+    return np.array(values if numbers else [str(one) for one in values])
+
+
+def _checked(scene: Scene, over: Mapping[str, Sequence[Any]]) -> dict[str, tuple[Any, ...]]:
+    """The values by key, each of them valid in the scene by itself."""
+    allowed = "entries of a scene and a list of values of each"
+    if not isinstance(over, Mapping) or not over:
+        raise SceneError([Fault("over", shown(over), allowed)])
+    faults, found = [], {}
+    for key, values in over.items():
+        if isinstance(values, str | Mapping) or not np.iterable(values) or not list(values):
+            faults.append(Fault(f"over.{key}", shown(values), "a list of at least one value"))
+            continue
+        try:
+            Scene.described(key)
+        except SceneError as error:
+            faults += error.faults
+            continue
+        found[key] = tuple(v.item() if isinstance(v, np.generic) else v for v in values)
+    if faults:
+        raise SceneError(faults)
+    first = {key: values[0] for key, values in found.items()}
+    for key, values in found.items():
+        for value in values:
+            try:
+                with warnings.catch_warnings():  # they come again where the case is made
+                    warnings.simplefilter("ignore")
+                    scene.replace(**first | {key: value})
+            except SceneError as error:
+                faults += [one for one in error.faults if str(one) not in map(str, faults)]
+    if faults:
+        raise SceneError(faults)
+    return found
+
+
+def _solved(
+    scene: Scene, over: dict[str, tuple[Any, ...]], jacobian: bool
+) -> Iterator[tuple[tuple[int, ...], Model, State]]:
+    """Every case by its place, neighbours one after another."""
+    keys = [*over]
+    moving = [key for key in keys if key in CREEPAGES]
+    others = [key for key in keys if key not in CREEPAGES]
+    start = None
+    for outer in snake(tuple(len(over[key]) for key in others)):
+        fixed = {key: over[key][k] for key, k in zip(others, outer, strict=True)}
+        changed = scene.replace(**fixed, **{key: over[key][0] for key in moving})
+        model = Model(changed, measured_gap(changed))
+        memory.check_solve(model)
+        if jacobian:
+            check_jacobian(model)
+        for inner in snake(tuple(len(over[key]) for key in moving)):
+            interrupt.heed()
+            creepages = {key: over[key][k] for key, k in zip(moving, inner, strict=True)}
+            model, contact = nearby(under(model, creepages), start)
+            start = contact if contact.converged else None
+            at = dict(zip(others, outer, strict=True)) | dict(zip(moving, inner, strict=True))
+            yield tuple(at[key] for key in keys), model, contact
+
+
+def under(model: Model, creepages: Mapping[str, float]) -> Model:
+    """A model under other creepages, by their dotted keys; it shares all that they do not change.
+
+    The values are not checked.
+    """
+    if not creepages:
+        return model
+    values = {key.rpartition(".")[2]: float(value) for key, value in creepages.items()}
+    moved = model.scene.creepage.model_copy(update=values)
+    other = copy.copy(model)
+    other.scene = model.scene.model_copy(update={"creepage": moved})
+    for name in ("rigid_slip", "scaled_rigid_slip", "transmits"):
+        other.__dict__.pop(name, None)
+    return other
+
+
+def nearby(model: Model, start: State | None) -> tuple[Model, State]:
+    """Solve from a contact nearby, and from none where that leads nowhere."""
+    if start is not None and start.grid == model.grid:
+        contact = equilibrium(model, model.worn_before, start)
+        if contact.converged:
+            return model, contact
+    return fitted(model)
+
+
+def snake(shape: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
+    """All places of an array, each beside the one before it."""
+    if not shape:
+        yield ()
+        return
+    inner = list(snake(shape[1:]))
+    for k in range(shape[0]):
+        yield from ((k, *rest) for rest in (reversed(inner) if k % 2 else inner))
