@@ -42,6 +42,10 @@ from .run.many import solve_many as solve_many
 from .run.pipeline import roll as roll
 from .run.pipeline import solve as solve
 from .scene import Accuracy as Accuracy
+from .scene import Block as Block
+from .scene import BlockCreepage as BlockCreepage
+from .scene import BlockFriction as BlockFriction
+from .scene import BlockLoad as BlockLoad
 from .scene import Bodies as Bodies
 from .scene import Body as Body
 from .scene import Bulk as Bulk

@@ -86,6 +86,16 @@ class Laws:
         """These laws, with others in place of some."""
         return replace(self, **laws)
 
+    def of_block(self, scene: Scene, block: Scene) -> "Laws":
+        """Those of a block of a scene, but for what is not the scene's."""
+        named, own = Laws.of(scene), Laws.of(block)
+        given = {
+            one.name: getattr(self, one.name)
+            for one in fields(self)
+            if _told(getattr(self, one.name)) != _told(getattr(named, one.name))
+        }
+        return own.replace(**given)
+
     def beside(self, scene: Scene) -> str:
         """Those that are not the scene's, as text: the same for the same laws in any process."""
         named = Laws.of(scene)

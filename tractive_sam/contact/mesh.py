@@ -57,17 +57,21 @@ def choose_grid(scene: Scene, measured=None, finer: float = 1.0) -> Grid:
     if scene.grid is not None:
         return Grid.of(scene.grid.half_length, scene.grid.elements)
     if scene.hertz is not None and math.isinf(scene.hertz.b):
-        elements = 2 * int(0.5 * MARGIN * ACROSS_LINE * finer) + 1
-        return Grid.of((MARGIN * scene.hertz.a,), (elements,))
+        half = [one.hertz.a for one in (scene.spectrum.scenes if scene.spectrum else (scene,))]
+        elements = 2 * int(0.5 * MARGIN * ACROSS_LINE * finer * max(half) / min(half)) + 1
+        return Grid.of((MARGIN * max(half),), (elements,))
     if scene.hertz is None:
         x, y, _ = measured
         half_length = (float(max(-x[0], x[-1])), float(max(-y[0], y[-1])))
         across = 0.5 * min(half_length)
         side = (2.0 * across / (ACROSS * finer),) * 2
     else:
-        a, b = scene.hertz.a, scene.hertz.b
         lateral = MARGIN if scene.wear is None else WORN_MARGIN
-        half_length = (MARGIN * a, lateral * b)
+        shifts = scene.spectrum.shifts if scene.spectrum else (0.0,)
+        contacts = [one.hertz for one in (scene.spectrum.scenes if scene.spectrum else (scene,))]
+        reach = [lateral * c.b + abs(y) for c, y in zip(contacts, shifts, strict=True)]
+        half_length = (MARGIN * max(c.a for c in contacts), max(reach))
+        a, b = (min(getattr(c, axis) for c in contacts) for axis in "ab")
         side = (2.0 * a / (ACROSS * finer), 2.0 * b / (ACROSS * finer))
         side = tuple(min(length, 2.0 * min(side)) for length in side)
     elements = tuple(

@@ -95,19 +95,35 @@ class Model:
             self.profiles,
         )
 
-    @property
+    @cached_property
     def blocks(self) -> tuple["Model", ...]:
-        """What is rolled in turn: the contact itself."""
-        return (self,)
+        """What is rolled in turn: the different blocks of [[duty]], or the contact itself."""
+        spectrum = self.scene.spectrum
+        if spectrum is None:
+            return (self,)
+        return tuple(
+            Model(
+                scene,
+                self.measured,
+                self.grid.shifted(shift),
+                self.laws.of_block(self.scene, scene),
+                self._solver,
+                self.began,
+            )
+            for scene, shift in zip(spectrum.scenes, spectrum.shifts, strict=True)
+        )
 
     @property
     def weights(self) -> tuple[float, ...]:
-        """Share of each block in a cycle."""
-        return (1.0,)
+        """Share of each of them in a cycle."""
+        spectrum = self.scene.spectrum
+        if spectrum is None:
+            return (1.0,)
+        return tuple(n / spectrum.cycle for n in spectrum.revolutions)
 
     def block_at(self, revolution: int) -> int:
-        """Which of the blocks a revolution is of."""
-        return 0
+        """Which of them a revolution is of, where blocks are rolled in their order."""
+        return 0 if self.scene.spectrum is None else self.scene.spectrum.block_at(revolution)
 
     @property
     def worn_before(self) -> np.ndarray | None:

@@ -1,5 +1,7 @@
 """What `results` lets out, for `__init__.py` and for type checkers."""
 
+from .cycle import PREFIX as PREFIX
+from .cycle import cycle_record as cycle_record
 from .fatigue import BodyFatigue as BodyFatigue
 from .grid import Grid as Grid
 from .grid import widened as widened
@@ -23,6 +25,8 @@ from .quantities import FIELDS as FIELDS
 from .quantities import OUTSIDE as OUTSIDE
 from .quantities import PARTS as PARTS
 from .quantities import REVOLUTION as REVOLUTION
+from .quantities import ROLLED as ROLLED
+from .quantities import SHARE as SHARE
 from .quantities import STRESS as STRESS
 from .quantities import Quantity as Quantity
 from .quantities import by_name as by_name

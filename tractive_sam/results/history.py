@@ -2,12 +2,13 @@
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar
 
 import numpy as np
 
+from tractive_sam.results.cycle import PREFIX
 from tractive_sam.results.fatigue import BodyFatigue
 from tractive_sam.results.grid import Grid, widened
 from tractive_sam.results.plane_stress import PlaneStress
@@ -16,6 +17,7 @@ from tractive_sam.results.quantities import (
     COORDINATE,
     FIELDS,
     OUTSIDE,
+    PARTS,
     STRESSES,
     Quantity,
     columns,
@@ -24,7 +26,7 @@ from tractive_sam.results.quantities import (
 from tractive_sam.results.record import Record
 from tractive_sam.results.state import State
 from tractive_sam.results.status import Cost, Status
-from tractive_sam.scene import Scene
+from tractive_sam.scene import Scene, label
 
 if TYPE_CHECKING:
     import pandas
@@ -269,13 +271,15 @@ class History:
         A unit of work wears i1/mu1 along the first tribological axis, and i2/mu2 along the second.
         Where these differ, the section is compared with what is nearest to it between the two:
         unity is within. nan where nothing wears, or no more than the rounding of the wear so far,
-        with the laws of measured regimes, with one of one's own, and with friction that varies.
+        with the laws of measured regimes, with one of one's own, with friction that varies, and of
+        duty cycles, whose blocks have it.
         """
         worn, most = self["worn_area"], self["wear_max"] * 2.0 * self.grid.half_length[1]
         wear, friction = self.scene.wear, self.scene.friction
         if (
             wear is None
             or friction.varies
+            or self.scene.duty
             or any(law.startswith("wear=") for law in self.laws.split(", "))
         ):
             return np.full(len(self), np.nan)
@@ -303,7 +307,7 @@ class History:
         return self.scene.title
 
     def field(self, name: str, at: float | None = None, **named: float | None) -> np.ndarray:
-        """One field of one record, shape (n_x, n_y).
+        """One field of one record, shape (n_x, n_y); of a duty cycle (blocks, n_x, n_y).
 
         Parameters
         ----------
@@ -407,9 +411,49 @@ class History:
         >>> history.state(2).Qx == history["Qx"][2]
         True
         """
+        if self.scene.duty:
+            raise LookupError("a duty cycle has a contact for each block: history.block(k).state()")
         kept = self.row_of(at, **named)
         row = int(np.flatnonzero(self[self.coordinate.name] == self.saved[kept])[-1])
         return self.contact(row, {name: rows[kept] for name, rows in self.fields.items()})
+
+    def block(self, k: int) -> Self:
+        """What was recorded of one block of a duty cycle, as a history of its own.
+
+        Profiles and worn volumes are those of the bodies, which all blocks wear; stress on planes
+        is only kept of the block with the largest pressure, with the history of the cycle.
+
+        Parameters
+        ----------
+        k : int
+            Its place in the [[duty]] of the scene, from 0.
+
+        Raises
+        ------
+        LookupError
+            If there is no such block.
+
+        Examples
+        --------
+        >>> blocks = ({"revolutions": 1}, {"revolutions": 1, "load": {"normal": 200.0}})
+        >>> spectrum = ts.roll(discs.replace(duty=blocks))
+        >>> light = spectrum.block(1)
+        >>> round(float(light["P"][-1])), light.state(2).scene.load.normal
+        (200, 200.0)
+        """
+        blocks = self.scene.blocks if self.scene.duty else ()
+        if not 0 <= k < len(blocks):
+            raise LookupError(f"no block {k}; there are {len(blocks)}, counted from 0")
+        apart = (PREFIX, PARTS.name)
+        columns = {n: one for n, one in self.columns.items() if not n.startswith(apart)}
+        values = {}
+        for name in columns:
+            own = PREFIX + name
+            values[name] = self.values[own][:, k] if own in self.values else self.values[name]
+        fields = {name: _OfBlock(rows, k) for name, rows in self.fields.items()}
+        grid = self.grid.shifted(self.scene.duty[k].shift_y)
+        changes = {"columns": columns, "values": values, "fields": fields, "stresses": {}}
+        return replace(self, scene=blocks[k], grid=grid, **changes)
 
     def contact(self, row: int, fields: Mapping[str, np.ndarray]) -> State:
         """The contact of a record, from its fields by the names of `FIELDS`."""
@@ -473,11 +517,13 @@ class History:
         for name, one in self.columns.items():
             if "y" in one.dims:
                 continue
-            labels = [LABELS[dim] for dim in one.dims]
+            blocks = {"block": [label(self.scene, k) for k in range(len(self.scene.duty))]}
+            of_dims = {**LABELS, **blocks}
+            labels = [of_dims[dim] for dim in one.dims]
             if one.dims[:1] == ("body",):
                 labels[0] = one.bodies(self.scene)
             for place in product(*labels):
-                at = tuple(LABELS[dim].index(k) for dim, k in zip(one.dims, place, strict=True))
+                at = tuple(of_dims[dim].index(k) for dim, k in zip(one.dims, place, strict=True))
                 found[" ".join((name, *place))] = self[name][(..., *at)]
         return found
 
@@ -515,11 +561,15 @@ class History:
             if one is not along
         }
         for name, rows in self.fields.items():
-            values = np.empty((len(rows), *self.grid.elements))
+            blocks = (len(self.scene.duty),) if self.scene.duty else ()
+            values = np.empty((len(rows), *blocks, *self.grid.elements))
             for row in range(len(rows)):
                 values[row] = rows[row]
-            data[name] = (("saved", "x", "y"), values, about(FIELDS[name]))
+            dims = ("saved", *("block" for _ in blocks), "x", "y")
+            data[name] = (dims, values, about(FIELDS[name]))
         labels = {name: list(values) for name, values in LABELS.items()}
+        if self.scene.duty:
+            labels["block"] = [label(self.scene, k) for k in range(len(self.scene.duty))]
         coordinates = labels | {
             along.name: (along.name, self[along.name], about(along)),
             "saved": ("saved", self.saved, about(along)),
@@ -528,6 +578,20 @@ class History:
         }
         told = {"title": self.title, "status": self.status, "message": self.message}
         return xarray.Dataset(data, coordinates, told)
+
+
+@dataclass(frozen=True, eq=False)
+class _OfBlock:
+    """One block of fields that are stored of all."""
+
+    rows: Rows[np.ndarray]
+    block: int
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def __getitem__(self, row: int) -> np.ndarray:
+        return self.rows[row][self.block]
 
 
 def _status(ended: str) -> Status:

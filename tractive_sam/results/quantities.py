@@ -41,7 +41,7 @@ def _measured(scene: Scene) -> bool:
 
 
 def _forced(scene: Scene) -> bool:
-    return any(scene.forced)
+    return any(any(block.forced) for block in scene.blocks)
 
 
 def _transient(scene: Scene) -> bool:
@@ -424,6 +424,21 @@ PARTS = Quantity(
     dims=("block", "body", "y"),
 )
 """Recorded where the bodies wear by laws of their own, or in several blocks."""
+
+SHARE = Quantity(
+    "block_share",
+    "1",
+    "share of each block in the section worn off both bodies since the roll began",
+    dims=("block",),
+)
+ROLLED = Quantity(
+    "rolled_block",
+    "1",
+    "which of the different blocks the revolution is of; -1 where it is the mean of a cycle",
+    format="d",
+    whole=True,
+)
+"""Recorded, as the one before, of duty cycles."""
 
 FIELDS = by_name(
     (

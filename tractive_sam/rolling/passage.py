@@ -92,7 +92,8 @@ class Passage:
             turns = tuple(contact.scene.turns for contact in self.contacts)
             object.__setattr__(self, "turns", turns)
         if not self.course:
-            here = Milestone(self.revolution, self.contacts[0].wear[-1], self.gained)
+            profile = self.contacts[self.rolled or 0].wear[-1]
+            here = Milestone(self.revolution, profile, self.gained)
             object.__setattr__(self, "course", (here,))
 
     @property
@@ -122,9 +123,10 @@ class Passage:
         """Fields that rolling goes on from beside those of the contact: none."""
         return {}
 
-    def told(self) -> tuple[State, Mapping[str, Any], bool]:
+    def told(self, block: int | None = None) -> tuple[State, dict[str, Any], bool]:
         """The contact to record, the columns that only stepping knows, and whether it is kept."""
-        contact = replace(self.contact, revolution=self.revolution)
+        contact = self.contact if block is None else self.contacts[block]
+        contact = replace(contact, revolution=self.revolution)
         # The adaptive stepping has corrected the profile with which the material enters.
         entering = self.course[-1].profile
         shift = entering - contact.wear[-1]
@@ -149,7 +151,7 @@ class Passage:
 
     def on(self, grid: Grid) -> "Passage":
         """The same on a wider mesh of the same elements."""
-        before = self._grid
+        before = self.grid
         course = tuple(milestone.on(grid.elements[1]) for milestone in self.course)
         if self.began is not None:  # it is known beside the mesh, too
             beside = self.began.on(grid).sum(axis=0)
@@ -165,7 +167,7 @@ class Passage:
         return replace(self, contacts=contacts, course=course, turns=turns, parts=parts)
 
     @property
-    def _grid(self) -> Grid:
+    def grid(self) -> Grid:
         """The mesh of all blocks."""
         return self.contacts[0].grid.shifted(0.0)
 
@@ -215,8 +217,18 @@ class Passage:
         """Depth with which the roll began, of one body or of both, mm."""
         if self.began is None:
             return 0.0
-        both = self.began.on(self._grid)
+        both = self.began.on(self.grid)
         return both.sum(axis=0) if body is None else both["AB".index(body)]
+
+    @property
+    def lost(self) -> np.ndarray:
+        """As `parts`, where the turns tell it, too."""
+        if self.parts is not None:
+            return self.parts
+        turns, since = self.turns[0], self.entering - self._before()
+        return np.array(
+            [[turns.share[body] * turns.per_count[body] / turns.gain * since for body in "AB"]]
+        )
 
     def _entering_of(self, body: str) -> np.ndarray:
         """Depth of one body before the contact, shape (n_y,), mm; where parts are known."""

@@ -5,13 +5,26 @@ from dataclasses import replace
 from time import perf_counter
 from typing import Any, Protocol
 
+import numpy as np
+
 from tractive_sam.contact import Gap, Laws, Model, across, grown
-from tractive_sam.results import PARTS, Maximum, Quantity, Record, stress_columns
+from tractive_sam.results import (
+    PARTS,
+    ROLLED,
+    SHARE,
+    Maximum,
+    Quantity,
+    Record,
+    State,
+    cycle_record,
+    stress_columns,
+)
 from tractive_sam.rolling.adaptive import adaptive_passages
 from tractive_sam.rolling.damage import Damage, fatigue_columns
 from tractive_sam.rolling.passage import Passage, next_passage, off_grid, unworn
 from tractive_sam.rolling.saves import Saves
 from tractive_sam.rolling.transient import Moment, Transient
+from tractive_sam.scene import Spectrum
 from tractive_sam.subsurface import stress_maxima, stress_on_planes
 
 GROWTHS = 16
@@ -71,13 +84,15 @@ class Judge(Protocol):
     missed: str
     """Which of them was last too wide, and what to do; or empty."""
 
-    def __call__(self, passage: Passage, maxima: Mapping[str, Maximum]) -> Mapping[str, Any]:
-        """The error bars of `State`, given the largest stresses in the bodies."""
+    def __call__(
+        self, passage: Passage, maxima: Mapping[str, Maximum], block: int = 0
+    ) -> Mapping[str, Any]:
+        """The error bars of `State`, given the largest stresses in the bodies of a block."""
 
 
 def recorded(
     passage: Passage | Moment,
-    laws: Laws,
+    model: Model,
     began: float,
     judge: Judge | None = None,
     own: Iterable[Quantity] = (),
@@ -88,12 +103,13 @@ def recorded(
 
     With its fields, and the stress on the planes of the scene, where the scene saves them or the
     roll ends; the largest stress of each body goes with every record of a scene with [subsurface].
+    Of a duty cycle that of each block, put together (`results.cycle`).
 
     Parameters
     ----------
     passage : Passage or Moment
         What was rolled.
-    laws : Laws
+    model : Model
         What it was rolled with, and what its stress is judged by.
     began : float
         When work on it began, as by `time.perf_counter`.
@@ -106,16 +122,54 @@ def recorded(
     tired : Damage, optional
         What rolling has done to the material by then, of a scene with [fatigue].
     """
-    contact, known, last = passage.told()
-    keep = (last and passage.place in Saves.of(contact.scene)) or not contact.converged
+    spectrum = model.scene.spectrum
+    if spectrum is None:
+        record = _of_contact(passage, passage.told(), model.laws, judge, own, measured, tired=tired)
+        return replace(record, values={**record.values, "seconds": perf_counter() - began})
+    records = [
+        _of_contact(passage, passage.told(k), one.laws, judge, own, measured, k)
+        for k, one in enumerate(model.blocks)
+    ]
+    _, stepped, _ = passage.told()
+    del stepped["wear_max"]
+    lost = np.stack((passage.lost, passage.lost + passage.gained_by))[:, list(spectrum.places)]
+    lost *= _share_of_alike(spectrum)
+    stepped[PARTS.name] = lost[0]
+    sections = lost[1].sum(axis=(1, 2))
+    stepped[SHARE.name] = sections / (sections.sum() or 1.0)
+    stepped[ROLLED.name] = -1 if passage.rolled is None else passage.rolled
+    stepped["seconds"] = perf_counter() - began
+    each = [records[k] for k in spectrum.places]
+    return cycle_record(each, spectrum.each, stepped, model.scene, (*own, PARTS, ROLLED, SHARE))
+
+
+def _share_of_alike(spectrum: Spectrum) -> np.ndarray:
+    """Part of each block in what those that are alike wear together."""
+    each = zip(spectrum.each, spectrum.places, strict=True)
+    share = [n / spectrum.revolutions[k] for n, k in each]
+    return np.reshape(share, (-1, 1, 1))
+
+
+def _of_contact(
+    passage: Passage | Moment,
+    told: tuple[State, dict[str, Any], bool],
+    laws: Laws,
+    judge: Judge | None,
+    own: Iterable[Quantity],
+    measured: Gap | None,
+    block: int = 0,
+    tired: Damage | None = None,
+) -> Record:
+    """The record of one contact, that of a block in a duty cycle."""
+    contact, given, last = told
+    keep = (last and passage.place in Saves.of(contact.scene)) or not passage.converged
     maxima = stress_maxima(contact, laws)
     stress = stress_on_planes(contact, laws=laws) if keep and maxima else ()
     if judge is not None:
-        contact = replace(contact, error_bars=judge(passage, maxima))
-    given = {**known, "seconds": perf_counter() - began}
+        contact = replace(contact, error_bars=judge(passage, maxima, block))
     if measured is not None:
         given["measured_profile"] = across(measured, contact.grid)
-    if PARTS.name in known:
+    if PARTS.name in given:
         own = (*own, PARTS)
     stresses = stress_columns(laws.criterion)
     for one, found in zip(stresses, ("value", "interior", "surface", "at"), strict=False):

@@ -86,7 +86,12 @@ class Moment:
         before = self.contact if self.before is None else self.before
         return {"before_x": before.traction[0], "before_y": before.traction[1]}
 
-    def told(self) -> tuple[State, Mapping[str, Any], bool]:
+    @property
+    def converged(self) -> bool:
+        """Whether its contact was solved."""
+        return self.contact.converged
+
+    def told(self, block: int | None = None) -> tuple[State, dict[str, Any], bool]:
         """The contact to record, the columns that only stepping knows, and whether it is kept."""
         course, contact = Courses(self.contact.scene), self.contact
         way = self.stepped.distance

@@ -26,9 +26,14 @@ def solved(scene: Scene, measured: Gap | None, model_of: Callable[..., Model]) -
 def rolled(run: Recording) -> History:
     """Roll from unworn bodies on."""
     scene = with_tolerances(run.scene)
-    unworn = refined(scene, run.measured, run.model_of)
-    if scene.wear is None or not unworn.contact.converged:
+    blocks = scene.spectrum.scenes if scene.spectrum else (scene,)
+    each = [refined(one, run.measured, run.model_of) for one in blocks]
+    unworn = max(each, key=lambda one: one.level)
+    if scene.wear is None:
         return run.begun(unworn.model, begun(unworn.model, (unworn.contact,)), missed=unworn.missed)
+    if not all(one.contact.converged for one in each):
+        grid = Levels(scene, run.measured).grid(unworn.level)
+        return run.begun(*first_passage(run.model_of(scene, run.measured, grid)))
     return _rolled_from(run, scene, *judge_of(scene, run.measured, unworn.level, run.model_of))
 
 
@@ -47,9 +52,9 @@ def resumed(run: Recording, last: Passage, before: History) -> History:
     """Roll on on the mesh of a file, and from unworn bodies on finer ones where that takes it."""
     scene, measured = with_tolerances(run.scene), run.measured
     levels, missed = Levels(scene, measured), missed_before(before, scene)
-    model = run.model_of(scene, measured, last.contact.grid)
+    model = run.model_of(scene, measured, last.contact.grid.shifted(0.0))
     try:
-        level = levels.of(last.contact.grid)
+        level = levels.of(last.grid)
     except LookupError:
         raise ResultsError(
             f"{run.path} has a mesh that this version does not choose for the scene: resume it "

@@ -79,7 +79,7 @@ def explain(scene: Scene) -> Explanation:
     if scene.accuracy is not None:
         memory.check_solve(model)
         chosen = with_tolerances(scene)
-        found = refined(chosen, measured)
+        found = refined(chosen.alone, measured)
         model = Model(chosen, measured, found.model.grid)
         accuracy = [_accuracy(found)]
     parts = (_bodies, _contact, _wear, _subsurface, _mesh, _work)
@@ -192,6 +192,7 @@ def _wear(model: Model) -> Section:
         ("revolutions", f"{wear.revolutions}, {_stepping(wear)}"),
         ("fields kept at", ", ".join(map(str, wear.save))),
     ]
+    rows += [*told.duty_told(model.scene).items()]
     rows += [
         ("of the depth", told.share_told(model.scene)),
         ("turns", told.turns_told(model.scene)),
@@ -348,10 +349,11 @@ def applications(model: Model) -> int:
         bodies, depths = len(stress.bodies), kept * len(stress.planes) * stress.elements
     jumps = model.scene.wear is not None and model.scene.wear.stepping == "adaptive"
     each = JUMP_APPLICATIONS if jumps else WARM_APPLICATIONS
-    contacts = COLD_APPLICATIONS + (count - 1) * each
+    blocks = len(model.blocks)
+    contacts = blocks * (COLD_APPLICATIONS + (count - 1) * each)
     # Coarser meshes that give the error bars take together about as long as the finest.
     meshes = 1 if model.scene.accuracy is None else 2
-    whole = meshes * (contacts + count * bodies * STRESS_APPLICATIONS)
+    whole = meshes * (contacts + blocks * count * bodies * STRESS_APPLICATIONS)
     return whole + int(depths * DEPTH_APPLICATIONS)
 
 

@@ -29,7 +29,8 @@ def of_contact(model: Model) -> float:
     # precision, tables on the way to them, and a Krylov space in single precision.
     spectra = 1.5 * (9 if fields == 3 else 3)
     padded, elements = math.prod(lattice.padded), math.prod(lattice.shape)
-    return 8.0 * (padded * (spectra + 3.75 * fields + 7) + 25 * fields * elements)
+    one = 8.0 * (padded * (spectra + 3.75 * fields + 7) + 25 * fields * elements)
+    return one * len(model.blocks)
 
 
 def of_stress(model: Model) -> float:
@@ -45,7 +46,8 @@ def of_stress(model: Model) -> float:
 def of_records(model: Model) -> float:
     """Memory that records take where no file does, bytes."""
     kept = len(Saves.of(model.scene))
-    return 8.0 * kept * len(FIELDS) * math.prod(model.grid.elements)
+    blocks = max(1, len(model.scene.duty))
+    return 8.0 * kept * blocks * len(FIELDS) * math.prod(model.grid.elements)
 
 
 def of_scene(model: Model) -> float:

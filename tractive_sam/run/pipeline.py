@@ -41,7 +41,7 @@ def solve(
     Parameters
     ----------
     scene : Scene
-        What is asked; its [wear] is not rolled, see `roll`.
+        What is asked; its [wear] and [[duty]] are not rolled, see `roll`.
     wear : array_like, shape (n_x, n_y), optional
         Depth worn off both bodies together, mm.
     start : State, optional
@@ -90,6 +90,7 @@ def solve(
     True
     """
     given.check_scene(scene)
+    scene = scene.alone
     model_of = given.model_of(laws, solver)
     measured = measured_gap(scene)
     model = model_of(scene, measured)
@@ -210,7 +211,8 @@ def roll(
         model_of, gap = given.model_of(laws, solver, worn), measured_gap(scene)
         model_of = partial(model_of, profiles=given.travelling(scene))
         run = Recording(scene, gap, model_of, path, replaced, called, own, began, started)
-        model = model_of(scene, run.measured, None if last is None else last.contact.grid)
+        grid = None if last is None else last.contact.grid.shifted(0.0)
+        model = model_of(scene, run.measured, grid)
         memory.check_roll(model, in_memory=path is None)
         if last is None or before is None:
             accurate = scene.accuracy is not None

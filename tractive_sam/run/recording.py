@@ -95,18 +95,23 @@ class Recording:
         with keeper:
             for passage in chain(first, passages(model, start)):
                 tired, now = _followed(tired, passage, model.laws)
-                record = recorded(
-                    passage, model.laws, began, judge, self.columns, self.measured, now
-                )
+                told = recorded(passage, model, began, judge, self.columns, self.measured, now)
                 began = perf_counter()
-                state = fields(passage.contact) | passage.beside
-                state |= {} if tired is None else tired.state
-                keeper.append(record, passage.contact.grid, state)
+                state = _state(passage, self.scene) | ({} if tired is None else tired.state)
+                keeper.append(told, passage.contact.grid.shifted(0.0), state)
                 if self.progress is not None:
-                    self.progress(record)
+                    self.progress(told)
                 interrupt.heed()
             keeper.finish(*_ended(passage, missed if judge is None else judge.missed))
         return keeper.history if self.path is None else open_history(self.path)
+
+
+def _state(passage: Passage, scene: Scene) -> dict[str, np.ndarray]:
+    """All that rolling goes on from: the fields of its contact, or of each block."""
+    if scene.spectrum is None:
+        return fields(passage.contact) | passage.beside
+    each = [fields(passage.contacts[k]) for k in scene.spectrum.places]
+    return {name: np.stack([one[name] for one in each]) for name in each[0]}
 
 
 def _warn_beyond_tests(model: Model, start: Passage) -> None:
@@ -159,6 +164,8 @@ def _ended(passage: Passage, missed: str) -> tuple[str, str]:
     if contact.converged and missed:
         return str(Status.INACCURATE), missed
     message = contact.message
+    if isinstance(passage, Passage) and len(passage.contacts) > 1 and not contact.converged:
+        message = f"{contact.scene.title.split(', ')[-1]}: {message}"
     if contact.scene.wear is not None:
         message = f"revolution {passage.place}: {message}"
     if contact.scene.transient is not None:

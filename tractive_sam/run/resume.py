@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from tractive_sam.contact import Laws, Stepped
-from tractive_sam.results import BODIES, PARTS, Cost, Grid, History, Quantity
+from tractive_sam.results import BODIES, PARTS, ROLLED, Cost, Grid, History, Quantity, State
 from tractive_sam.rolling import Damage, Milestone, Moment, Passage
 from tractive_sam.scene import Scene
 from tractive_sam.store import DamagedError, ResultsError, open_history, state_of
@@ -85,7 +85,7 @@ def last_passage(
             "ask for more, or give the run a file of its own"
         )
     _check_sound(history, path, row)
-    contact = replace(history.contact(row, state_of(path, row)), scene=scene, cost=Cost())
+    contacts = _contacts(history, row, state_of(path, row), scene)
     course = tuple(
         Milestone(
             int(history["revolution"][k]),
@@ -95,8 +95,11 @@ def last_passage(
         for k in (row - 1, row)
         if k > 0  # the unworn bodies are not worn yet: the course begins with revolution 1
     )
-    parts = history[PARTS.name][row] if PARTS.name in history.columns else None
-    passage = Passage(revolution, (contact,), 0, int(history["jump"][row]), course, parts=parts)
+    known = {"parts": _parts(history, row, scene), "weights": (1.0,) * len(contacts)}
+    if scene.spectrum is not None and history[ROLLED.name][row] >= 0:
+        rolled = int(history[ROLLED.name][row])
+        known["weights"] = tuple(float(k == rolled) for k in range(len(contacts)))
+    passage = Passage(revolution, contacts, 0, int(history["jump"][row]), course, **known)
     return _on_grid_of(scene, passage, path)
 
 
@@ -149,6 +152,33 @@ def last_damage(path: str | PathLike, passage: Passage) -> Damage | None:
         return Damage.restored(passage, state_of(path, row), columns, earlier)
     except LookupError as error:
         raise DamagedError(f"{path} is damaged: {error} of record {row} is missing") from None
+
+
+def _contacts(
+    history: History, row: int, fields: dict[str, np.ndarray], scene: Scene
+) -> tuple[State, ...]:
+    """The contacts of a record; of a duty cycle those of its different blocks."""
+    spectrum = scene.spectrum
+    if spectrum is None:
+        return (replace(history.contact(row, fields), scene=scene, cost=Cost()),)
+    first = [spectrum.places.index(k) for k in range(len(spectrum.scenes))]
+    of_blocks = {k: {name: field[k] for name, field in fields.items()} for k in first}
+    return tuple(
+        replace(history.block(k).contact(row, of_blocks[k]), scene=one, cost=Cost())
+        for k, one in zip(first, spectrum.scenes, strict=True)
+    )
+
+
+def _parts(history: History, row: int, scene: Scene) -> np.ndarray | None:
+    """What each body lost in each of the different blocks, where that was recorded."""
+    if PARTS.name not in history.columns:
+        return None
+    parts, spectrum = history[PARTS.name][row], scene.spectrum
+    if spectrum is None:
+        return parts
+    together = np.zeros((len(spectrum.scenes), *parts.shape[1:]))
+    np.add.at(together, list(spectrum.places), parts)
+    return together
 
 
 def what_differs(before: Scene, now: Scene) -> str:
@@ -233,7 +263,7 @@ def _shown(entries: dict[str, Any], key: str) -> str:
 
 def _on_grid_of(scene: Scene, passage: Passage, path: str | PathLike) -> Passage:
     """The passage on the scene's [grid], if it gives one."""
-    before = passage.contact.grid
+    before = passage.contact.grid.shifted(0.0)
     if scene.grid is None:
         return passage
     grid = Grid.of(scene.grid.half_length, scene.grid.elements)

@@ -8,6 +8,7 @@ from .bodies import Bodies, Body
 from .catalogue import builtin_names
 from .checks import FEWEST_ELEMENTS
 from .document import Document
+from .duty import Block, BlockCreepage, BlockFriction, BlockLoad, Spectrum, label
 from .fatigue import Fatigue
 from .faults import (
     MOST_TOLD,
@@ -55,6 +56,10 @@ __all__ = [
     "PER_INTENSITY",
     "TEXTS",
     "Accuracy",
+    "Block",
+    "BlockCreepage",
+    "BlockFriction",
+    "BlockLoad",
     "Bodies",
     "Body",
     "Bulk",
@@ -82,6 +87,7 @@ __all__ = [
     "SceneWarning",
     "Sets",
     "Solver",
+    "Spectrum",
     "Subsurface",
     "Table",
     "Thermal",
@@ -92,6 +98,7 @@ __all__ = [
     "entry",
     "files_anywhere",
     "groups",
+    "label",
     "number",
     "parse_settings",
     "shown",

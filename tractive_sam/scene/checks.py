@@ -10,6 +10,7 @@ from tractive_sam.mechanics import HertzContact, HertzLine, full_slip_force, loa
 
 from .alternatives import not_both
 from .bodies import Bodies
+from .duty import duty_fits
 from .faults import Fault, SceneWarning, shown
 from .heat import HEAT_CHECKS
 from .line import LINE_CHECKS, is_line
@@ -197,6 +198,7 @@ SCENE_CHECKS: tuple[Check, ...] = (
     _pressure_is_of_the_radii,
     _one_sharing_of_wear,
     _law_has_what_it_needs,
+    duty_fits,
     *LINE_CHECKS,
     *TRANSIENT_CHECKS,
     *HEAT_CHECKS,

@@ -6,6 +6,7 @@ import hashlib
 import json
 import warnings
 from collections.abc import Iterable
+from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -18,8 +19,9 @@ from .catalogue import builtin_text, names_file
 from .checks import SCENE_CHECKS, warn_if_coarse, warn_if_large, warn_if_unequal
 from .document import Document
 from .doubts import doubts
+from .duty import Block, Spectrum, block_scenes, off_the_mesh
 from .fatigue import Fatigue
-from .faults import PlausibilityWarning
+from .faults import PlausibilityWarning, SceneError
 from .gap import Gap
 from .heat import STEEL, Heat, Thermal
 from .override import override, parse_settings
@@ -67,11 +69,16 @@ class Scene(Document):
     subsurface: Subsurface | None = entry("the subsurface stress", "", None)
     fatigue: Fatigue | None = entry("the fatigue of the material", "", None)
     transient: Transient | None = entry("what changes over the distance rolled", "", None)
+    duty: tuple[Block, ...] = entry(
+        "blocks of a duty cycle", "at least one block, [[duty]]", (), min_length=1
+    )
     solver: Solver = entry("the solver", "", Solver())
     checks: ClassVar[tuple[Check, ...]] = SCENE_CHECKS
 
     def __init__(self, /, **tables: Any) -> None:
         super().__init__(**tables)
+        if self.duty:
+            self._check_blocks()
         for doubt in doubts(self):
             warnings.warn(doubt, PlausibilityWarning, stacklevel=2)
         if self.wear:
@@ -81,6 +88,41 @@ class Scene(Document):
         warn_if_large(self.body, self.hertz, stacklevel=2)
         if self.grid:
             warn_if_coarse(self.grid, self.hertz, stacklevel=2)
+
+    def _check_blocks(self) -> None:
+        """Raise the faults of the blocks, and tell what is doubtful of them alone."""
+        with warnings.catch_warnings(record=True) as notes:
+            warnings.simplefilter("always")
+            faults = [*off_the_mesh(self, self.blocks)]
+        if faults:
+            raise SceneError(faults)
+        own = set(doubts(self))
+        for told in dict.fromkeys(str(note.message) for note in notes):
+            if told not in own and not told.startswith("wear"):
+                warnings.warn(f"duty: {told}", PlausibilityWarning, stacklevel=3)
+        cycle, revolutions = self.spectrum.cycle, self.wear.revolutions
+        if revolutions % cycle:
+            told = f"duty: the last of {revolutions} / {cycle} cycles is not whole"
+            warnings.warn(told, PlausibilityWarning, stacklevel=3)
+
+    @property
+    def blocks(self) -> tuple[Scene, ...]:
+        """The scene of each block of [[duty]], in order; of a scene without, itself."""
+        return self._blocks if self.duty else (self,)
+
+    @cached_property
+    def _blocks(self) -> tuple[Scene, ...]:
+        return block_scenes(self)
+
+    @property
+    def alone(self) -> Scene:
+        """Itself without [[duty]]."""
+        return self.replace(duty=None) if self.duty else self
+
+    @cached_property
+    def spectrum(self) -> Spectrum | None:
+        """Its different blocks; None without [[duty]]."""
+        return Spectrum.of(self.duty, self.blocks) if self.duty else None
 
     @classmethod
     def named(cls, name: str) -> Scene:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from .duty import label
 from .scene import Scene
 from .tables import BY_COEFFICIENT, OF_SETS, PER_INTENSITY, Coefficients
 
@@ -13,7 +14,22 @@ def told(scene: Scene) -> dict[str, str]:
         rows |= {"wear": wear_told(scene), "of the depth": share_told(scene)}
         rows["turns"] = turns_told(scene)
         rows["worn mass"] = density_told(scene)
+    return rows | duty_told(scene)
+
+
+def duty_told(scene: Scene) -> dict[str, str]:
+    """What each block of a duty cycle changes, and its part of the revolutions."""
+    rows = {}
+    for k, block in enumerate(scene.duty):
+        changes = [f"{key} = {_value(value)}" for key, value in block.changes.items()]
+        changes += [f"shift_y = {block.shift_y:g} mm"] if block.shift_y else []
+        share = f"{block.revolutions} of {scene.spectrum.cycle} revolutions"
+        rows[label(scene, k)] = f"{share}: {', '.join(changes) or 'as the scene says'}"
     return rows
+
+
+def _value(value: float | tuple[float, float]) -> str:
+    return _pair(*value) if isinstance(value, tuple) else f"{value:g}"
 
 
 def load_told(scene: Scene) -> str:

@@ -7,7 +7,7 @@
     /history   record, y, axis, body, block, position; a dataset for each column (record, its
                dimensions), one of them the coordinate, revolution; attribute: own (JSON: columns
                that are not the package's)
-    /fields    record, revolution, x, y; fields (record, x, y)
+    /fields    record, revolution, x, y; fields (record, x, y), of duty cycles (record, block, x, y)
     /stress    of scenes with [subsurface]: a group <body>/<plane> with record, revolution and its
                two axes, such as x and depth; components (record, x, depth)
     /fatigue   of scenes with [fatigue]: a group for each body with record, revolution, depth (below
@@ -46,7 +46,7 @@ from tractive_sam.results import (
     of_role,
 )
 from tractive_sam.results import columns as columns_of
-from tractive_sam.scene import Scene
+from tractive_sam.scene import Scene, label
 from tractive_sam.store.texts import create_text, set_text, text_of
 from tractive_sam.store.versions import versions
 
@@ -115,10 +115,14 @@ def create(
         for name, one in columns_of(scene, (coordinate,)).items()
         if one.role in ("", COORDINATE)
     }
-    _create_history(file.create_group("history"), grid, certain)
-    _create_fields(file.create_group("fields"), grid, coordinate)
+    history = file.create_group("history")
+    _create_history(history, grid, certain)
+    if scene.duty:
+        names = [label(scene, k) for k in range(len(scene.duty))]
+        _labels(history, "block", names, "block of the duty cycle")
+    _create_fields(file.create_group("fields"), grid, coordinate, history)
     file.create_group("stress")
-    _create_state(file.create_group("state"), grid, scene)
+    _create_state(file.create_group("state"), grid, history, scene)
 
 
 def set_status(file: h5py.File, status: str, message: str) -> None:
@@ -240,11 +244,20 @@ def add_state(state: h5py.Group, name: str, values: np.ndarray) -> None:
     _describe(state.create_dataset(name, data=values, **about), Quantity(name, "", "to go on from"))
 
 
-def _create_state(state: h5py.Group, grid: h5py.Group, scene: Scene) -> None:
-    state["x"], state["y"] = grid["x"], grid["y"]
+def _axes(group: h5py.Group, grid: h5py.Group, history: h5py.Group) -> tuple[h5py.Dataset, ...]:
+    """The dimensions of a field, linked into its group."""
+    group["x"], group["y"] = grid["x"], grid["y"]
+    if "block" not in history:
+        return group["x"], group["y"]
+    group["block"] = history["block"]
+    return group["block"], group["x"], group["y"]
+
+
+def _create_state(state: h5py.Group, grid: h5py.Group, history: h5py.Group, scene: Scene) -> None:
+    first, *others = _axes(state, grid, history)
     kept = FIELDS if scene.transient is None else FIELDS | BEFORE
     for name, quantity in kept.items():
-        _rows(state, name, quantity, (grid["x"], grid["y"]), rows=len(grid["x"]))
+        _rows(state, name, quantity, (first, *others), rows=len(first))
 
 
 def _create_history(history: h5py.Group, grid: h5py.Group, columns: Mapping[str, Quantity]) -> None:
@@ -253,11 +266,13 @@ def _create_history(history: h5py.Group, grid: h5py.Group, columns: Mapping[str,
     _create_columns(history, columns)
 
 
-def _create_fields(fields: h5py.Group, grid: h5py.Group, coordinate: Quantity) -> None:
+def _create_fields(
+    fields: h5py.Group, grid: h5py.Group, coordinate: Quantity, history: h5py.Group
+) -> None:
     record = _scale(fields, "record", np.empty(0, int), ROW)
-    fields["x"], fields["y"] = grid["x"], grid["y"]
+    axes = _axes(fields, grid, history)
     _rows(fields, coordinate.name, coordinate, (record,), coordinate=coordinate.name)
-    scales = (record, grid["x"], grid["y"])
+    scales = (record, *axes)
     for name, quantity in FIELDS.items():
         _rows(fields, name, quantity, scales, coordinate=coordinate.name, **SQUEEZED)
 

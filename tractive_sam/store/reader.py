@@ -84,10 +84,10 @@ def state_of(path: str | Path, row: int) -> dict[str, np.ndarray]:
             kept = int(file.attribute("state", "record")) if file.records else -1
             if kept != row:
                 raise ResultsError(f"{path} holds no state of record {row}; run its scene again")
-            mesh = (file.length("grid/x"), file.length("grid/y"))
+            mesh = _shape_of_fields(file)
             names = (*FIELDS, *_known("state", BEFORE, file))
             fields = {name: file.numbers(f"state/{name}", mesh) for name in names}
-            more = (name for name in file.names("state") if name not in (*names, "x", "y"))
+            more = (name for name in file.names("state") if name not in (*names, "block", "x", "y"))
             fields |= {name: file.whole(f"state/{name}") for name in more}
     lost = [name for name in fields if name not in OUTSIDE and not np.isfinite(fields[name]).all()]
     if lost:
@@ -104,7 +104,7 @@ def _history(file: Results) -> History:
     known = columns(scene, _own(file))
     coordinate = of_role(known.values(), COORDINATE).name
     for name in _known("fields", FIELDS, file):
-        file.check(f"fields/{name}", (m, *mesh))
+        file.check(f"fields/{name}", (m, *_shape_of_fields(file)))
     return History(
         scene,
         file.text("scene", "status"),
@@ -136,6 +136,12 @@ def _cycles(file: Results, scene: Scene, length: int) -> dict[str, StoredCycles]
                 file.check(f"{group}/{name}", (length, *(axes[axis] for axis in one.dims)))
         found[body] = StoredCycles(file.path, body, math.nan if k is None else k, length)
     return found
+
+
+def _shape_of_fields(file: Results) -> tuple[int, ...]:
+    """Of one record; with a dimension more where blocks are told apart."""
+    blocks = (file.length("fields/block"),) if "fields/block" in file else ()
+    return (*blocks, file.length("grid/x"), file.length("grid/y"))
 
 
 def _column(file: Results, one: Quantity, records: int, mesh: tuple[int, int]) -> np.ndarray:

@@ -22,7 +22,7 @@ from tractive_sam.store import layout
 SCALES = ("y", "axis", "body", "block", "position")
 """What is in /history beside rows of records."""
 
-AXES = ("x", "y", "depth", "zeta")
+AXES = ("block", "x", "y", "depth", "zeta")
 """What is in /fields, in the planes of /stress and in /fatigue beside them."""
 
 
@@ -116,10 +116,11 @@ def widen(file: h5py.File, grid: "Grid") -> None:
         if "y" in dims[len(dims) - 1]:
             _widen(history[name], ("y",), before, after, lead=len(dims) - 2)
     for name in FIELDS:
-        _widen(fields[name], ("x", "y"), before, after, OUTSIDE.get(name, 0.0))
+        lead = fields[name].ndim - 3
+        _widen(fields[name], ("x", "y"), before, after, OUTSIDE.get(name, 0.0), lead)
     for name in FIELDS:
         values = state[name][:]
-        state[name].resize((after["x"], after["y"]))
+        state[name].resize((*values.shape[:-2], after["x"], after["y"]))
         state[name][...] = widened(values, state[name].shape, OUTSIDE.get(name, 0.0))
     for name in (name for name in state if name not in (*FIELDS, *BEFORE, *AXES)):
         if state[name].ndim == 2:  # (y, depth)

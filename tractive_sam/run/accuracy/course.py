@@ -55,38 +55,44 @@ class Course:
         return self._interpolator(at)
 
 
+Courses = tuple[Course, ...]
+
+
 class Judge:
     """Gives the revolutions on one mesh their error bars, by their courses on two coarser ones.
 
     Parameters
     ----------
-    coarse, middle : Course
-        On meshes of a quarter and of half the elements, complete.
+    coarse, middle : tuple of Course
+        Of each block, on meshes of a quarter and of half the elements, complete.
     missed : str
         What was missed of revolutions rolled earlier; or empty.
 
     Attributes
     ----------
-    middle : Course
+    middle : tuple of Course
         As given.
-    course : Course
+    course : tuple of Course
         What was judged.
     missed : str
         Which error bar was last too wide at a saved revolution, and what to do; or empty.
     """
 
-    def __init__(self, coarse: Course, middle: Course, missed: str = "") -> None:
-        self._coarse, self.middle, self.course = coarse, middle, Course()
+    def __init__(self, coarse: Courses, middle: Courses, missed: str = "") -> None:
+        self._coarse, self.middle = coarse, middle
+        self.course = tuple(Course() for _ in middle)
         self.missed = missed
 
-    def __call__(self, passage: Passage, maxima: Mapping[str, Maximum]) -> Mapping[str, Any]:
-        """Error bars of a revolution."""
-        contact, revolution = passage.contact, passage.revolution
+    def __call__(
+        self, passage: Passage, maxima: Mapping[str, Maximum], block: int = 0
+    ) -> Mapping[str, Any]:
+        """Error bars of a revolution, of the contact of a block."""
+        contact, revolution = passage.contacts[block], passage.revolution
         if not contact.converged:
             return {}
         sample = Sample.of(contact, maxima)
-        self.course.add(revolution, sample)
-        samples = (self._coarse.at(revolution), self.middle.at(revolution), sample)
+        self.course[block].add(revolution, sample)
+        samples = (*(one[block].at(revolution) for one in (self._coarse, self.middle)), sample)
         judgement = judge(contact, samples, peak=revolution == 0)
         if judgement.missed and revolution in Saves.of(contact.scene):
             self.missed = f"revolution {revolution}: {judgement.missed}"
@@ -147,9 +153,12 @@ def judge_of(
     levels, last = Levels(scene, measured), scene.wear.revolutions
     coarse, middle = _coarser(scene, measured, level, model_of)
     while levels.allowed(level + 1):
-        before, now = coarse.at(last), middle.at(last)
-        if before is not None and now is not None:
-            least, _ = worst_of(relative_error_bars(before, now, now), peak=False)
+        pairs = [(a.at(last), b.at(last)) for a, b in zip(coarse, middle, strict=True)]
+        if all(before is not None and now is not None for before, now in pairs):
+            least = max(
+                worst_of(relative_error_bars(before, now, now), peak=False)[0]
+                for before, now in pairs
+            )
             if least <= scene.accuracy.tolerance:
                 break
         coarse, middle = middle, _rolled(model_of(scene, measured, levels.grid(level)))
@@ -159,17 +168,18 @@ def judge_of(
 
 def _coarser(
     scene: Scene, measured: Gap | None, level: int, model_of: Callable[..., Model]
-) -> tuple[Course, Course]:
+) -> tuple[Courses, Courses]:
     """The courses on the meshes of a quarter and of half the elements of a level."""
     levels = Levels(scene, measured)
     coarse, middle = (_rolled(model_of(scene, measured, levels.grid(level - k))) for k in (2, 1))
     return coarse, middle
 
 
-def _rolled(model: Model) -> Course:
-    course = Course()
+def _rolled(model: Model) -> Courses:
+    courses = tuple(Course() for _ in model.blocks)
     for passage in passages(*first_passage(model)):
-        if passage.contact.converged:
-            maxima = stress_maxima(passage.contact, model.laws)
-            course.add(passage.revolution, Sample.of(passage.contact, maxima))
-    return course
+        for course, block, contact in zip(courses, model.blocks, passage.contacts, strict=True):
+            if contact.converged:
+                maxima = stress_maxima(contact, block.laws)
+                course.add(passage.revolution, Sample.of(contact, maxima))
+    return courses
