@@ -69,6 +69,7 @@ assert not before and pyfftw.interfaces.cache is cache
 """
 
 
-def test_what_pyfftw_loads_for_others_is_there_when_used():
-    assert not loaded_by("import tractive_sam.operators") & {"dask", "pandas", "xarray"}
+def test_rolling_loads_no_more_of_others_than_it_needs():
+    unused = {"dask", "pandas", "xarray", "scipy.optimize", "scipy.interpolate"}
+    assert not loaded_by("import tractive_sam as ts; ts.roll") & unused
     assert "pyfftw.interfaces.scipy_fft" in loaded_by(INTERFACES)

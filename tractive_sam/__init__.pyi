@@ -86,6 +86,7 @@ from .subsurface import stress_at as stress_at
 from .subsurface import stress_maximum as stress_maximum
 from .subsurface import stress_on_plane as stress_on_plane
 from .subsurface import stress_on_planes as stress_on_planes
+from .subsurface import stress_path as stress_path
 from .subsurface import stress_volume as stress_volume
 
 __version__: str

@@ -14,6 +14,7 @@ from tractive_sam.subsurface import (
     stress_layers,
     stress_on_plane,
     stress_on_planes,
+    stress_path,
     stress_volume,
 )
 
@@ -163,6 +164,28 @@ def test_frictionless_contact_needs_no_traction():
     np.testing.assert_allclose(a, mirror * b, atol=1e-15 * contact.p_max)
 
 
+@pytest.mark.parametrize("body", ["A", "B"])
+def test_path_of_a_material_point_goes_along_the_plane(contact, body):
+    depth = 0.4
+    grid, j = contact.grid, 8
+    cycle = stress_path(contact, grid.y[j], depth, body, x=grid.x[::-1])
+    ((_, layer),) = stress_volume(contact, [depth], body)
+    np.testing.assert_array_equal(cycle["x"], grid.x[::-1])
+    for name, values in zip(COMPONENTS, layer, strict=True):
+        np.testing.assert_allclose(
+            cycle[name], values[::-1, j], rtol=1e-11, atol=ROUNDING * contact.p_max
+        )
+
+
+def test_path_comes_from_afar_and_goes_there(contact):
+    cycle = stress_path(contact, 0.0, 0.5 * contact.scene.hertz.a)
+    assert list(cycle) == ["x", *COMPONENTS]
+    assert (np.diff(cycle["x"]) < 0.0).all()  # it enters on the leading side
+    for name in COMPONENTS:
+        # 4 a away stress has fallen with the square of the distance.
+        assert np.abs(cycle[name][[0, -1]]).max() < 0.04 * contact.p_max
+
+
 @pytest.mark.parametrize(
     ("call", "fault"),
     [
@@ -176,6 +199,9 @@ def test_frictionless_contact_needs_no_traction():
         (lambda c: stress_at(c, [(0.0, 0.0)]), "shape"),
         (lambda c: stress_at(c, (0.0, 0.0, 1.0)), "shape"),
         (lambda c: stress_at(c, [(0.0, 0.0, -1.0)]), "at least 0"),
+        (lambda c: stress_path(c, 0.0, -1.0), "at least 0"),
+        (lambda c: stress_path(c, 0.0, 1.0, x=0.0), "sequence"),
+        (lambda c: stress_path(c, float("inf"), 1.0), "finite"),
     ],
 )
 def test_faults_are_named_at_the_call(contact, call, fault):

@@ -22,7 +22,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
+import scipy  # its parts are loaded when first used
 
 from tractive_sam.contact import Laws
 from tractive_sam.mechanics import Woehler
@@ -322,7 +322,7 @@ def _between(
 
 def _at(depth: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:
     """Values (n_y, n) at depths, in between by monotone cubics, at others (m,) or (n_y, m)."""
-    cubics = PchipInterpolator(depth, values, axis=1).c
+    cubics = scipy.interpolate.PchipInterpolator(depth, values, axis=1).c
     k = np.clip(np.searchsorted(depth, at, side="right") - 1, 0, depth.size - 2)
     row = np.arange(len(values))[:, None]
     k = np.broadcast_to(k, (len(values), k.shape[-1]))

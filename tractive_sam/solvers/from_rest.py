@@ -9,7 +9,7 @@ traction curve is climbed to its top.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import minimize_scalar
+import scipy  # its parts are loaded when first used
 
 from tractive_sam.solvers.outcome import Note, Outcome, Solver, Start
 from tractive_sam.solvers.problem import PrescribedForces, Problem
@@ -105,7 +105,7 @@ class FromRest:
             value = sign * force(here)
         if not np.isfinite(value):
             return outcome.costing(force.spent)
-        found = minimize_scalar(
+        found = scipy.optimize.minimize_scalar(
             lambda creepage: -sign * force(creepage),
             bounds=sorted((before, here)),
             method="bounded",

@@ -12,7 +12,7 @@ from tractive_sam.subsurface.depth import depths
 from tractive_sam.subsurface.layers import stress_layers
 from tractive_sam.subsurface.maximum import stress_maxima, stress_maximum
 from tractive_sam.subsurface.plane import stress_on_plane, stress_on_planes
-from tractive_sam.subsurface.points import stress_at
+from tractive_sam.subsurface.points import stress_at, stress_path
 from tractive_sam.subsurface.volume import stress_volume
 
 __all__ = [
@@ -27,5 +27,6 @@ __all__ = [
     "stress_maximum",
     "stress_on_plane",
     "stress_on_planes",
+    "stress_path",
     "stress_volume",
 ]

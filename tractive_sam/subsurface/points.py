@@ -1,10 +1,11 @@
-"""Stress at arbitrary points."""
+"""Stress at arbitrary points, and along the way of one."""
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from tractive_sam.contact import Laws
-from tractive_sam.results import State
+from tractive_sam.results import COMPONENTS, State
+from tractive_sam.subsurface.depth import semi_axes
 from tractive_sam.subsurface.loaded import LoadedBodies
 
 
@@ -51,3 +52,65 @@ def stress_at(
         raise ValueError("points must be finite, with a depth of at least 0")
     load = LoadedBodies.of(contact, (body,), laws)
     return load.in_contact_axes(load.source.at(points))[0].T
+
+
+WAY = 4.0
+"""How far before and behind the contact the way of a material point begins and ends, over a."""
+
+POINTS = 401
+"""Points along it."""
+
+
+def stress_path(
+    contact: State,
+    y: float,
+    depth: float,
+    body: str = "A",
+    x: ArrayLike | None = None,
+    laws: Laws | None = None,
+) -> dict[str, np.ndarray]:
+    """What a point of the material lives through as it rolls through the contact: its stress cycle.
+
+    Exact for the constant tractions of the elements, as `stress_at`. At the surface take an x
+    within each element: between two of different tangential traction the stress is infinite.
+
+    Parameters
+    ----------
+    contact : State
+        The solved contact.
+    y, depth : float
+        Where the point rolls, mm.
+    body : "A" or "B"
+        The body concerned.
+    x : array_like, shape (n,), optional
+        Where it is looked at, mm; by default `POINTS` times, from `WAY` semi-axes a before the
+        contact, on the leading side x > 0, to as many behind it.
+    laws : Laws, optional
+        Laws that the contact was solved with, where they are not those of its scene.
+
+    Returns
+    -------
+    dict of str to ndarray, shape (n,)
+        x in mm, and xx, yy, zz, xy, xz, yz in MPa, in this order.
+
+    Raises
+    ------
+    ValueError
+        If there is no such body, x is no sequence, or a place is not finite or above the surface.
+
+    Examples
+    --------
+    >>> cycle = ts.stress_path(contact, y=0.0, depth=0.35 * scene.hertz.a)
+    >>> list(cycle)
+    ['x', 'xx', 'yy', 'zz', 'xy', 'xz', 'yz']
+    >>> round(float(np.ptp(cycle["xz"]) / scene.hertz.p0), 1)  # range of the orthogonal shear
+    0.4
+    """
+    if x is None:
+        far = WAY * semi_axes(contact)[0]
+        x = np.linspace(far, -far, POINTS)
+    x = np.asarray(x, dtype=float)
+    if x.ndim != 1:
+        raise ValueError("x must be a sequence of numbers")
+    points = np.stack(np.broadcast_arrays(x, y, depth), axis=-1)
+    return {"x": x} | dict(zip(COMPONENTS, stress_at(contact, points, body, laws).T, strict=True))
