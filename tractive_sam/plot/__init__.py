@@ -22,6 +22,7 @@ from tractive_sam.plot.evolution import (
     wear_over_revolutions,
 )
 from tractive_sam.plot.fields import pressure, stick_slip_map, traction, wear_map
+from tractive_sam.plot.figure import Figure as Figure
 from tractive_sam.plot.gallery import DPI, FORMATS, save_all
 from tractive_sam.plot.line import line_pressure, line_pressures, line_slip, line_traction
 from tractive_sam.plot.profiles import pressure_profiles, wear_profiles, worn_profiles

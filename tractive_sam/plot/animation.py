@@ -7,10 +7,10 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 from matplotlib.animation import PillowWriter
-from matplotlib.figure import Figure
 
 from tractive_sam import interrupt
 from tractive_sam.plot.drawn import Drawn
+from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.frame import Frame
 from tractive_sam.plot.map import BOTTOM, LEFT, RIGHT, Map, paper, placed
 from tractive_sam.plot.profiles import chosen

@@ -2,9 +2,9 @@
 
 from collections.abc import Mapping
 
-from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
+from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.style import GREY, MICRON, WIDTH, along, styled
 from tractive_sam.results import History, Quantity
 

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
+from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.stress import NOTE
 from tractive_sam.plot.style import BLUE, VERMILLION, WIDTH, along, set_title, styled, told_of

@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from itertools import cycle
 
 import numpy as np
-from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
+from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.style import GREY, WIDTH, styled
 from tractive_sam.reference import kalker_simplified, vermeulen_johnson
 

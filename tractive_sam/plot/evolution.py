@@ -3,9 +3,9 @@
 from collections.abc import Callable
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from tractive_sam.plot.drawn import Drawn
+from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.map import Map
 from tractive_sam.plot.profiles import chosen
 from tractive_sam.plot.style import MICRON, PRESSURE, SLIP, WEAR, styled

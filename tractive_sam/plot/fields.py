@@ -5,10 +5,10 @@ name of its coordinate, ``revolution=2`` (the last by default).
 """
 
 import numpy as np
-from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from tractive_sam.plot.drawn import Drawn, Source
+from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.map import Map
 from tractive_sam.plot.style import MICRON, ORANGE, PRESSURE, SKY, TRACTION, WEAR, styled
 

@@ -4,7 +4,6 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from tractive_sam import interrupt
 from tractive_sam.plot.courses import (
@@ -22,6 +21,7 @@ from tractive_sam.plot.evolution import (
     wear_over_revolutions,
 )
 from tractive_sam.plot.fields import pressure, stick_slip_map, traction, wear_map
+from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.line import line_pressure, line_pressures, line_slip, line_traction
 from tractive_sam.plot.profiles import pressure_profiles, wear_profiles, worn_profiles
 from tractive_sam.plot.scale import units as drawn_in

@@ -3,9 +3,9 @@
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from tractive_sam.plot.drawn import Drawn, Source
+from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.profiles import chosen
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.sections import MARGIN, section

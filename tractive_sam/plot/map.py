@@ -6,9 +6,9 @@ from typing import Self
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
-from matplotlib.figure import Figure
 
 from tractive_sam.plot.drawn import Drawn
+from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.frame import Frame
 from tractive_sam.plot.style import WIDTH, friction_told, set_title, wrapped
 from tractive_sam.plot.style import told as titled

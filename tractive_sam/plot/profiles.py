@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
+from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.style import GREY, MICRON, WIDTH, set_title, styled, symbol_of, told_of
 from tractive_sam.results import History

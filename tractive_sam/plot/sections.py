@@ -2,9 +2,9 @@
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from tractive_sam.plot.drawn import Drawn, Source
+from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.style import BLUE, GREY, VERMILLION, WIDTH, set_title, styled
 
 OFF_CENTRE = 0.75

@@ -7,12 +7,12 @@ from typing import TypeAlias
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.contour import ContourSet
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from tractive_sam.mechanics import VON_MISES, StressCriterion
 from tractive_sam.plot.drawn import Drawn
+from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.frame import TICK_ROOM, Frame
 from tractive_sam.plot.map import APART, BOTTOM, LEFT, LINE, RIGHT, bar, paper, placed
 from tractive_sam.plot.scale import Scale

@@ -7,9 +7,9 @@ from textwrap import fill
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.style import GREY, PRESSURE, SIGNED, WIDTH, set_title, styled
 
 MOST_CURVES = 10

@@ -7,10 +7,10 @@ from typing import ParamSpec, TypeVar
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from tractive_sam.plain import plain
+from tractive_sam.plot.figure import Figure
 from tractive_sam.results import History, Quantity
 from tractive_sam.scene import Scene
 

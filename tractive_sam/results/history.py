@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar
 
 import numpy as np
 
+from tractive_sam.plain import text_table
+from tractive_sam.results import summary
 from tractive_sam.results.cycle import PREFIX
 from tractive_sam.results.fatigue import BodyFatigue
 from tractive_sam.results.grid import Grid, widened
@@ -159,6 +161,12 @@ class History:
             started=started,
             cycles=_by_body(kept),
         )
+
+    def __repr__(self) -> str:
+        return text_table("History", summary.of_history(self))
+
+    def _repr_html_(self) -> str:
+        return summary.shown(summary.of_history(self), self)
 
     def __len__(self) -> int:
         return len(self.values[self.coordinate.name])

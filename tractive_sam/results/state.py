@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tractive_sam.mechanics import Frame
+from tractive_sam.plain import text_table
+from tractive_sam.results import summary
 from tractive_sam.results.edges import covered, extent
 from tractive_sam.results.grid import Grid, widened
 from tractive_sam.results.heat import FlashTemperature
@@ -156,6 +158,12 @@ class State:
     volumes: Mapping[str, float] | None = field(default=None, repr=False)
     jacobian: "xarray.DataArray | None" = field(default=None, repr=False)
     heat: FlashTemperature | None = field(default=None, repr=False)
+
+    def __repr__(self) -> str:
+        return text_table("Contact", summary.of_contact(self))
+
+    def _repr_html_(self) -> str:
+        return summary.shown(summary.of_contact(self), self)
 
     def __getstate__(self) -> dict[str, Any]:
         """Without the Jacobian: who reads it may not have xarray."""

@@ -48,16 +48,19 @@ class Forecast:
         self._adaptive = scene.wear is not None and scene.wear.stepping == "adaptive"
         self._wish, self._spent = 0.0, list[tuple[float, float]]()
         self._here, self._settled = 0.0, inf  # until a step was seen to be cut
+        self._step = 1.0
         self.done = self.left = 0.0
 
     def add(self, place: float, jump: float, solves: float, seconds: float) -> None:
         """Take a record: its place, such as revolutions, and its columns of these names."""
         if self._adaptive and self._wish and place > self._here:
             self._learn(place - self._here, self._distance(self._here), self._wish)
+        step = place - self._here
+        self._step = step if step > 0.0 else self._step
         self._here, self._wish = place, jump
         self._spent = [*self._spent[1 - RECENT :], (solves, seconds)]
         self.done += solves
-        self.left = self._foreseen(jump) if self._adaptive else self.end - place
+        self.left = self._foreseen(jump) if self._adaptive else (self.end - place) / self._step
 
     @property
     def seconds_left(self) -> float:

@@ -65,9 +65,8 @@ def progress_shown(
         if progress or perf_counter() - began > AT_FIRST:
             depth = 1e3 * record.values["wear_max"]
             along = record.coordinate
-            text = (
-                f"{along.name} {record.at:{along.format}} of {forecast.end:g}, wear {depth:.3g} µm"
-            )
+            place, end = (format(one, along.format) for one in (record.at, forecast.end))
+            text = f"{along.name} {place} of {end}, wear {depth:.3g} µm"
             left = duration(forecast.seconds_left)
             bar.show(text, forecast.done, forecast.done + forecast.left, left)
 

@@ -86,6 +86,10 @@ class Table(BaseModel):
         """The kind of the tables that a field may hold, one or an array of them."""
         return _table_of(info) or _item_of(info)
 
+    def __dir__(self) -> list[str]:
+        """Names of its own, without those of its library."""
+        return [name for name in super().__dir__() if name[:2] == "__" or name not in _LIBRARY]
+
     def entries(self) -> dict[str, Any]:
         """Return what was given, not the defaults, nested as in TOML."""
         given = {key: getattr(self, key) for key in type(self).model_fields}
@@ -124,6 +128,9 @@ class Table(BaseModel):
             info = table.model_fields[name]
             table = _table_of(info)
         return info
+
+
+_LIBRARY = set(dir(BaseModel))
 
 
 @dataclass

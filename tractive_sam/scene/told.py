@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from .duty import label
-from .scene import Scene
 from .tables import BY_COEFFICIENT, OF_SETS, PER_INTENSITY, Coefficients
+
+if TYPE_CHECKING:
+    from .scene import Scene
 
 
 def told(scene: Scene) -> dict[str, str]:

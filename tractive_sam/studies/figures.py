@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from tractive_sam import interrupt
-from tractive_sam.plot import DPI, Variable, study_curves, study_map, study_samples
+from tractive_sam.plot import DPI, Figure, Variable, study_curves, study_map, study_samples
 from tractive_sam.results import COLUMNS, by_name
 from tractive_sam.studies.axis import SAMPLE
 from tractive_sam.studies.results import StudyResults, title_of
@@ -89,6 +89,17 @@ def save_figures(
             paths.append(directory / f"{stem}.{format}")
             figure.savefig(paths[-1], dpi=DPI)
     return paths
+
+
+def first_figure(results: StudyResults) -> Figure | None:
+    """Of the first quantity that varies, where no axis is to be held; else none."""
+    try:
+        index = _held(results, {})
+        names = [name for name in DRAWN if name in results.quantities and _varies(results, name)]
+        title = results.study.title or results.study.scene.title
+        return next(figure for name in names for _, figure in _figures(results, name, index, title))
+    except (StopIteration, ValueError):  # too few cases as yet, or too many axes
+        return None
 
 
 def _held(results: StudyResults, at: Mapping[str, Any]) -> tuple[int | slice, ...]:

@@ -3,6 +3,7 @@
 import csv
 import math
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from os import PathLike
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tractive_sam import interrupt
+from tractive_sam.plain import html_table, text_table
 from tractive_sam.results import BODIES, COLUMNS, History, Quantity, by_name
 from tractive_sam.scene import Scene
 from tractive_sam.store import ResultsError, is_written, open_history
@@ -25,6 +27,10 @@ if TYPE_CHECKING:
 
 RUNNING, INTERRUPTED, WAITING = "running", "interrupted", "waiting"
 STATUSES = (COMPLETE, RUNNING, INTERRUPTED, FAILED, WAITING)
+
+
+MOST_TOLD = 8
+"""Entries that vary of which a notebook is told."""
 
 
 @dataclass(frozen=True)
@@ -99,6 +105,30 @@ class StudyResults:
 
     def __len__(self) -> int:
         return len(self.rows)
+
+    def __repr__(self) -> str:
+        return text_table("Study", self._told())
+
+    def _repr_html_(self) -> str:
+        return html_table(self._told(), self._picture())
+
+    def _told(self) -> dict[str, str]:
+        """What was asked, and how far it is."""
+        counts = ", ".join(f"{n} {status}" for status, n in self.counts.items() if n)
+        told = {"study": self.study.title or self.study.scene.title or "no title"}
+        told |= {"folder": str(self.path), "cases": f"{len(self)}: {counts}"}
+        columns = [pair for one in self.study.dimensions for pair in one.columns.items()]
+        for key, column in columns[:MOST_TOLD]:
+            first, last = (f"{k:.4g}" if isinstance(k, float) else str(k) for k in _ends(column))
+            told[key] = f"{len(column)} values, {first} to {last}"
+        return told
+
+    def _picture(self) -> str:
+        """Curves of the first quantity that varies over one or two axes; else none."""
+        from tractive_sam.studies.figures import first_figure  # which reads results
+
+        figure = first_figure(self)
+        return "" if figure is None else figure.in_html(380)
 
     @property
     def complete(self) -> bool:
@@ -275,6 +305,12 @@ def open_study(directory: str | PathLike[str]) -> StudyResults:
         else:
             rows.append(_row(case, file, failures.get(case.digest, "")))
     return StudyResults(folder.path, study, tuple(rows))
+
+
+def _ends(column: Sequence[Any]) -> tuple[Any, Any]:
+    """The first and the last value, by size where they are numbers."""
+    numbers = all(isinstance(one, int | float) for one in column)
+    return (min(column), max(column)) if numbers else (column[0], column[-1])
 
 
 def title_of(key: str) -> str:
