@@ -16,8 +16,8 @@ import pytest
 
 from tests.store.sample_records import SCENE, make_record, mesh
 from tractive_sam.store import HistoryWriter, open_history, results_writer
+from tractive_sam.store.atomic import atomic_rewrite
 from tractive_sam.store.checkpoints import Checkpoints
-from tractive_sam.store.replacement import replacement
 
 pytestmark = pytest.mark.slow  # writers are killed, again and again
 
@@ -99,9 +99,9 @@ def test_copies_left_behind_are_removed(path, finished):
 
 def test_two_replacements_at_once_do_not_mix(path, finished):
     """Each ends with a whole file, that of the one that ends last."""
-    with replacement(path) as one:
+    with atomic_rewrite(path) as one:
         one.attrs["run"] = "one"
-        with replacement(path) as two:
+        with atomic_rewrite(path) as two:
             two.attrs["run"] = "two"
         with h5py.File(path) as file:
             assert file.attrs["run"] == "two"

@@ -5,9 +5,9 @@ from tractive_sam.store.gap import read_gap
 from tractive_sam.store.layout import FORMAT_VERSION
 from tractive_sam.store.lock import locked
 from tractive_sam.store.reader import open_history, state_of
-from tractive_sam.store.room import is_written, lock_of
 from tractive_sam.store.versions import versions
 from tractive_sam.store.volume import Image, check_volume, write_surface, write_volume
+from tractive_sam.store.writable import is_written, lock_of
 from tractive_sam.store.writer import HistoryWriter, check_results, results_writer
 
 __all__ = [

@@ -26,11 +26,11 @@ import numpy as np
 from tractive_sam.mechanics import CRITERIA, VON_MISES
 from tractive_sam.results import FIELDS, Quantity
 from tractive_sam.scene import Scene
+from tractive_sam.store.atomic import atomic_rewrite
 from tractive_sam.store.errors import ResultsError
-from tractive_sam.store.replacement import replacement
-from tractive_sam.store.room import make_room, sole_writer
 from tractive_sam.store.texts import create_text, set_text, text_of
 from tractive_sam.store.versions import versions
+from tractive_sam.store.writable import check_writable, sole_writer
 
 SUFFIX = ".vtkhdf"
 """By which ParaView knows the format."""
@@ -172,7 +172,7 @@ def _written(
 ) -> Iterator[h5py.File]:
     """A file that tells what it is of, and appears when all is written."""
     _check_suffix(path)
-    with sole_writer(path, overwrite, _check_kind), replacement(path, empty=True) as file:
+    with sole_writer(path, overwrite, _check_kind), atomic_rewrite(path, empty=True) as file:
         create_text(file, "scene", scene.to_toml())
         set_text(file, "format", FORMAT)
         file.attrs.update({"format_version": FORMAT_VERSION, **about})
@@ -186,10 +186,10 @@ def check_volume(path: Path, overwrite: bool = False) -> None:
     Raises
     ------
     ResultsError
-        If the name has not the suffix, or as by `make_room`.
+        If the name has not the suffix, or as by `check_writable`.
     """
     _check_suffix(path)
-    make_room(path, overwrite, _check_kind)
+    check_writable(path, overwrite, _check_kind)
 
 
 def _check_suffix(path: Path) -> None:

@@ -1,6 +1,6 @@
 """Streams records into a results file that is whole at every moment.
 
-The file changes only by copies that take its place (`replacement`), with all records since the
+The file changes only by copies that take its place (`atomic_rewrite`), with all records since the
 last one and the state from which rolling goes on. So whenever the process is killed, the file
 opens, holds a history up to some record, and goes on from there; and it can be read meanwhile. When
 a copy is made `Checkpoints` tells; one is at each record with fields, and at the end, also where
@@ -19,12 +19,12 @@ from h5py import File
 
 from tractive_sam.results import Grid, Quantity, Record, widened
 from tractive_sam.scene import Scene
-from tractive_sam.store import former, layout, room, rows
+from tractive_sam.store import former, layout, rows, writable
+from tractive_sam.store.atomic import atomic_rewrite
 from tractive_sam.store.checkpoints import Checkpoints
 from tractive_sam.store.errors import ResultsError
 from tractive_sam.store.opening import results_file
 from tractive_sam.store.reader import open_history, state_of
-from tractive_sam.store.replacement import replacement
 from tractive_sam.store.texts import set_text
 
 RUN = "run"
@@ -70,7 +70,7 @@ class HistoryWriter:
     ) -> None:
         check_results(Path(path), overwrite)
         self._begin(path, (len(grid.x), len(grid.y)), checkpoints)
-        with replacement(self.path, empty=True) as file:
+        with atomic_rewrite(self.path, empty=True) as file:
             layout.create(file, scene, grid, laws, coordinate)
             set_text(file["scene"], "started", started)
             set_text(file, RUN, self._run)
@@ -114,7 +114,7 @@ class HistoryWriter:
         writer = cls.__new__(cls)
         writer._begin(path, (len(history.x), len(history.y)), checkpoints)
         scene = history.scene if scene is None else scene
-        with replacement(writer.path, empty=version == 1) as file:
+        with atomic_rewrite(writer.path, empty=version == 1) as file:
             if version == 1:
                 solved = np.flatnonzero(history["converged"] > 0.0)
                 count = int(solved[-1]) + 1 if solved.size else 0
@@ -212,7 +212,7 @@ class HistoryWriter:
 
     def _write(self, ended: tuple[str, str] | None = None) -> None:
         """Have a copy with all that is pending take the place of the file."""
-        with replacement(self.path) as file:
+        with atomic_rewrite(self.path) as file:
             self._check_own(file)
             if self._grid is not None:
                 rows.widen(file, self._grid)
@@ -257,7 +257,7 @@ def results_writer(path: Path, overwrite: bool = False) -> Iterator[None]:
     ResultsError
         As by `check_results`.
     """
-    with room.sole_writer(path, overwrite, _check_kind):
+    with writable.sole_writer(path, overwrite, _check_kind):
         yield
 
 
@@ -267,9 +267,9 @@ def check_results(path: Path, overwrite: bool = False) -> None:
     Raises
     ------
     ResultsError
-        As by `make_room`.
+        As by `check_writable`.
     """
-    room.make_room(path, overwrite, _check_kind)
+    writable.check_writable(path, overwrite, _check_kind)
 
 
 def _check_kind(path: Path) -> None:

@@ -21,14 +21,14 @@ NEW = ".new"
 
 @contextmanager
 def sole_writer(path: Path, overwrite: bool, check_kind: Callable[[Path], None]) -> Iterator[None]:
-    """Be the only one who writes a file; arguments and errors as of `make_room`.
+    """Be the only one who writes a file; arguments and errors as of `check_writable`.
 
     Raises
     ------
     HeldError
         If another process writes it.
     """
-    make_room(path, overwrite, check_kind)
+    check_writable(path, overwrite, check_kind)
     with ExitStack() as held:
         try:
             held.enter_context(locked(lock_of(path)))
@@ -57,7 +57,7 @@ def copy_of(path: Path) -> Path:
     return _hidden(path, f".{uuid4().hex[:12]}{NEW}")
 
 
-def make_room(path: Path, overwrite: bool, check_kind: Callable[[Path], None]) -> None:
+def check_writable(path: Path, overwrite: bool, check_kind: Callable[[Path], None]) -> None:
     """See that a file can be written; its folder is tried.
 
     Parameters

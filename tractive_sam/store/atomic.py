@@ -9,14 +9,14 @@ from pathlib import Path
 import h5py
 
 from tractive_sam.store.errors import StorageError, reason
-from tractive_sam.store.room import copy_of, real
+from tractive_sam.store.writable import copy_of, real
 
 LIBVER = ("v110", "v110")
 """File format: the first whose metadata all have checksums."""
 
 
 @contextmanager
-def replacement(path: Path, *, empty: bool = False) -> Iterator[h5py.File]:
+def atomic_rewrite(path: Path, *, empty: bool = False) -> Iterator[h5py.File]:
     """Work on a copy of a file, or on an empty one, that takes the place of the file at the end.
 
     If the block fails, or the process is killed in it, the file remains as it was. Every copy has a
