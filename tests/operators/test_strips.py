@@ -1,4 +1,4 @@
-"""Operators of line contact: strips endless in y."""
+"""Operators of line contact: strips infinitely long in y."""
 
 from dataclasses import replace
 

@@ -64,7 +64,7 @@ def test_both_maxima_are_marked_where_they_are(contact):
     assert axes.get_title(loc="left") == "body A, $y = 0$"
 
 
-def test_summits_are_no_maxima_of_the_edges_of_elements():
+def test_marked_maxima_are_no_maxima_of_the_edges_of_elements():
     along, depth = np.arange(9.0), np.array([0.0, 0.1, 0.5, 2.0, 3.0, 4.0])
     values = np.ones((9, 6))
     values[4, 1] = values[0, 3] = values[2, 5] = 9.0  # too shallow; at the ends of the plane

@@ -31,7 +31,7 @@ def message(status: Status, outcome: Outcome, model: Model) -> str:
             f"(now {_half_length(model.grid)} mm) and "
             "grid.elements with it"
         )
-        if model.scene.body.endless and model.measured is not None:
+        if model.scene.body.infinitely_long and model.measured is not None:
             text += "; with radius_y = inf only a [gap] that rises towards its sides ends it in y"
         return text
     reached = (

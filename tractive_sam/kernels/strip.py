@@ -1,4 +1,4 @@
-"""Point kernels of the half-plane surface integrated over a strip that is endless in y.
+"""Point kernels of the half-plane surface integrated over a strip that is infinitely long in y.
 
 The strip is centred at the origin with the width ``dx``; ``x`` is observer minus centre. Integrated
 over y, the kernels of :mod:`tractive_sam.kernels.rectangle` become
@@ -11,9 +11,10 @@ y²/r³     -2 ln(abs(x)/d)       even
 x/r²      pi sign(x)            odd
 ========  ====================  ==========
 
-and those of x²/r³, x y/r³ and y/r² contribute nothing. An endless load moves the whole half-plane
-endlessly far, so that only displacements relative to some other point have a meaning: here the
-points of the surface at the distance d from each load, of which the mean is taken.
+and those of x²/r³, x y/r³ and y/r² contribute nothing. An infinitely long load moves the
+whole half-plane infinitely far, so that only displacements relative to some other point have a
+meaning: here the points of the surface at the distance d from each load, of which the mean is
+taken.
 
 Source: Johnson, Contact Mechanics (1985), sections 2.2, 2.3 and 2.5, which take derivatives in x
 instead of a datum.

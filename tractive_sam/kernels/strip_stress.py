@@ -1,4 +1,4 @@
-"""Stress inside a half-space under uniform traction on strips of its surface, endless in y.
+"""Stress inside a half-space under uniform traction on strips of its surface, infinitely long in y.
 
 The half-space is z >= 0, z points into the body; loads and signs are those of
 :mod:`tractive_sam.kernels.stress`. The stress of a strip is the difference between its two edges of

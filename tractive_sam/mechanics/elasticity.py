@@ -216,7 +216,7 @@ class HalfSpaces(Elasticity):
 
 @dataclass(frozen=True)
 class Strips(HalfSpaces):
-    """Two isotropic half-spaces under strips of traction, endless in y: line contact, plane strain.
+    """Two half-spaces under infinitely long strips of traction: line contact, plane strain.
 
     Parameters
     ----------

@@ -43,7 +43,7 @@ class HertzLine:
 
     @property
     def b(self) -> float:
-        """Half-width in y: inf, the contact being endless."""
+        """Half-width in y: inf, the contact being infinitely long."""
         return math.inf
 
     @property

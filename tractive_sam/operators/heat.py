@@ -102,7 +102,7 @@ class SurfaceHeat:
     Parameters
     ----------
     grid : Grid
-        The mesh; of a line contact one row, endless in y.
+        The mesh; of a line contact one row, infinitely long in y.
     speed, kappa, lam : float
         As of `coefficients`.
     """

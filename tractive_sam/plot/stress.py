@@ -227,9 +227,9 @@ def _panels(
 ) -> tuple[Figure, list[Axes]]:
     """A figure of panels side by side, and below them a legend of what is marked in them."""
     handles = [
-        _entry(section, summit, several=len(sections) > 1)
+        _entry(section, maximum, several=len(sections) > 1)
         for section in sections
-        for summit in section.stress_maxima
+        for maximum in section.stress_maxima
     ]
     if any(section.mesh_dependent for section in sections):
         handles.append(Line2D([], [], linestyle="none", label=NOTE))
@@ -243,30 +243,30 @@ def _panels(
     return figure, [placed(figure, at, bottom, frame.width, frame.height) for at in places]
 
 
-def _entry(section: Section, summit: StressMaximum, *, several: bool) -> Line2D:
+def _entry(section: Section, maximum: StressMaximum, *, several: bool) -> Line2D:
     """What the legend tells of a maximum."""
     where = ", ".join(
         section.coordinate(r"\mathrm{depth}" if name == "depth" else name, value)
-        for name, value in zip(section.names, summit.at, strict=True)
+        for name, value in zip(section.names, maximum.at, strict=True)
         if (name, value) != ("depth", 0.0)
     )
-    which = f"{section.body}, {summit.kind}" if several else summit.kind
-    label = f"{which}: {section.amount(summit.value)} at {where}"
-    return Line2D([], [], linestyle="none", label=label, **_marker(section, summit))
+    which = f"{section.body}, {maximum.kind}" if several else maximum.kind
+    label = f"{which}: {section.amount(maximum.value)} at {where}"
+    return Line2D([], [], linestyle="none", label=label, **_marker(section, maximum))
 
 
 def _mark(axes: Axes, section: Section, upwards: bool = True) -> None:
-    for summit in section.stress_maxima:
-        first, second = summit.at
+    for maximum in section.stress_maxima:
+        first, second = maximum.at
         second = second if upwards else -second
-        axes.plot(first, second, clip_on=False, zorder=5, **_marker(section, summit))
+        axes.plot(first, second, clip_on=False, zorder=5, **_marker(section, maximum))
 
 
-def _marker(section: Section, summit: StressMaximum) -> dict[str, object]:
+def _marker(section: Section, maximum: StressMaximum) -> dict[str, object]:
     """A circle; at the surface a triangle, upright in A and upside down in B."""
     triangle = "^" if section.body == "A" else "v"
     return {
-        "marker": triangle if summit.kind == "surface" else "o",
+        "marker": triangle if maximum.kind == "surface" else "o",
         "markersize": 6.5,
         "markerfacecolor": "white",
         "markeredgecolor": "black",

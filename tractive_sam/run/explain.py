@@ -129,8 +129,8 @@ def _bodies(model: Model) -> Section:
 def _plane_strain(model: Model) -> str:
     return (
         f"plane strain, solved on {model.grid.elements[0]} elements: both bodies are straight and "
-        "endless in y (radius_y = inf), so nothing changes along it; forces are per length, N/mm, "
-        "and the approach is relative to the surface one R_x away"
+        "infinitely long in y (radius_y = inf), so nothing changes along it; forces are per "
+        "length, N/mm, and the approach is relative to the surface one R_x away"
     )
 
 
@@ -262,7 +262,7 @@ def _fatigue(model: Model) -> Section:
     else:
         line = laws.life
         life = f"{line.cycles:g} cycles at {asked.limit:g} MPa, to the power -{line.exponent:g}"
-        life += ", endless below" if line.knee else ""
+        life += ", infinite below" if line.knee else ""
         rows += [("criterion", laws.fatigue.long_name), ("life", life)]
     rows += [
         (

@@ -109,20 +109,20 @@ class Bodies(Table):
         return {"A": self.B.hardness / total, "B": self.A.hardness / total}
 
     @property
-    def endless(self) -> bool:
+    def infinitely_long(self) -> bool:
         """Whether both have ``radius_y = inf``: without a [gap] they touch along a line."""
         return self.A.radius_y == self.B.radius_y == math.inf
 
     def hertz(self, load: Load) -> HertzContact | HertzLine | None:
         """The unworn contact under a load; None unless the radii close on each other.
 
-        Of endless bodies, that of a line, under a load per length.
+        Of infinitely long bodies, that of a line, under a load per length.
         """
         radius_x, radius_y = self.radii
         e_star = self.material.plane_strain_modulus
         if not 0 < radius_x < math.inf:
             return None
-        if self.endless and load.approach is None:
+        if self.infinitely_long and load.approach is None:
             return hertz_line(e_star, radius_x, load.normal, pressure=load.pressure)
         if not 0 < radius_y < math.inf:
             return None

@@ -225,7 +225,7 @@ def duty_fits(known: Known) -> Iterator[Fault]:
     elif (cycle := sum(block.revolutions for block in duty)) > wear.revolutions:
         given = f"a cycle of {cycle} revolutions"
         yield Fault("duty", given, f"at most the {wear.revolutions} of wear.revolutions")
-    gap, line = known["gap"], known["body"].endless
+    gap, line = known["gap"], known["body"].infinitely_long
     for k, block in enumerate(duty):
         if block.shift_y and (gap is not None or line):
             what = "with a [gap], which is that of one place" if gap else "in a line contact"

@@ -94,7 +94,7 @@ class Fatigue(Table):
         10.0,
         le=MOST_EXPONENT,
     )
-    knee: bool = entry("whether life is endless below a utilisation of 1", "true or false", False)
+    knee: bool = entry("whether life is infinite below a utilisation of 1", "true or false", False)
     depth: Positive = positive("depth, in units of the semi-axis a", 1.5)
     elements: int = entry(
         "points over the depth", "a whole number from 8 to 1e4", 24, ge=8, le=10**4

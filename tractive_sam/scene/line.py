@@ -1,4 +1,4 @@
-"""Checks of line contacts: bodies endless across the rolling direction, in plane strain."""
+"""Checks of line contacts: bodies infinitely long across the rolling direction, in plane strain."""
 
 from __future__ import annotations
 

@@ -245,7 +245,7 @@ class Scene(Document):
 
         So it is where both bodies have ``radius_y = inf`` and no [gap] gives the contact a width.
         """
-        return self.body.endless and self.gap is None
+        return self.body.infinitely_long and self.gap is None
 
     @property
     def hertz(self) -> HertzContact | HertzLine | None:
@@ -253,7 +253,7 @@ class Scene(Document):
 
         They have to close in x and y, but for a line contact.
         """
-        if self.body.endless and self.gap is not None:
+        if self.body.infinitely_long and self.gap is not None:
             return None
         return self.body.hertz(self.load)
 

@@ -19,7 +19,7 @@ class Anderson(Projection):
 
     Attributes
     ----------
-    boldness : float
+    step_factor : float
         Step of the slip over its bound; acceleration tolerates and profits from longer ones than
         Uzawa's method.
     memory : int
@@ -28,7 +28,7 @@ class Anderson(Projection):
         Most iterations.
     """
 
-    boldness: float = 16.0
+    step_factor: float = 16.0
     memory: int = 12
     iterations: int = 5_000
 

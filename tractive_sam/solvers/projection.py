@@ -76,9 +76,9 @@ class ProjectedMap:
     steps: Array
 
     @classmethod
-    def of(cls, problem: Problem, contact: Array, boldness: float) -> "ProjectedMap":
+    def of(cls, problem: Problem, contact: Array, step_factor: float) -> "ProjectedMap":
         """With steps that are right for a contact area, that of the slip over its bound given."""
-        slip = boldness * slip_step(problem.operators, contact)
+        slip = step_factor * slip_step(problem.operators, contact)
         gap = [] if problem.held else [gap_step(problem.operators, contact)]
         return cls(problem, np.array([*gap, slip, slip])[:, None, None])
 
@@ -141,7 +141,7 @@ class Projection(ABC):
     beginning: float = 1e-3
 
     name = ""
-    boldness = 1.0
+    step_factor = 1.0
     iterations = 0
 
     @abstractmethod
@@ -195,14 +195,14 @@ class Projection(ABC):
         if traction is None or not np.isfinite(traction).all():
             traction = np.zeros_like(problem.rigid)
         if problem.held:
-            mapping = ProjectedMap.of(problem, problem.normal.pressure > 0.0, self.boldness)
+            mapping = ProjectedMap.of(problem, problem.normal.pressure > 0.0, self.step_factor)
             outcome, _ = self._iterated(mapping, tolerance, traction)
         else:
             pressure, approach = start.pressure, start.approach
             if pressure is None:
                 normal = Nested(ConjugateGradients()).solve(problem.normal, self.beginning)
                 pressure, approach, cost = normal.pressure, normal.approach, normal.cost
-            mapping = ProjectedMap.of(problem, pressure > 0.0, self.boldness)
+            mapping = ProjectedMap.of(problem, pressure > 0.0, self.step_factor)
             state = np.concatenate((pressure[None], traction))
             if problem.load is None:
                 outcome, _ = self._iterated(mapping, tolerance, state)

@@ -20,7 +20,7 @@ class Uzawa(Projection):
 
     Attributes
     ----------
-    boldness : float
+    step_factor : float
         Step of the slip over its bound: fastest at 31 x 31 and at 91 x 91 on the scene `spheres`,
         where 8 and 10 times the bound diverge.
     iterations : int
@@ -31,7 +31,7 @@ class Uzawa(Projection):
         What it is multiplied by then.
     """
 
-    boldness: float = 5.5
+    step_factor: float = 5.5
     iterations: int = 100_000
     patience: int = 400
     shorter: float = 0.7
