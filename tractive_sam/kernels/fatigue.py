@@ -267,8 +267,7 @@ def shakedown_layer(out, paths):
     """
     count, n = paths.shape[:2]
     p, q, w = np.empty((count, n, 1)), np.empty((count, n)), np.empty((count, n))
-    deviator, offsets, centre = np.empty((n, 5)), np.empty(n), np.empty(1)
-    support, weights = np.empty(3, np.int64), np.empty(3)
+    deviator = np.empty((n, 5))
     for k in range(count):
         deviators(deviator, paths[k])
         for i in range(n):
@@ -276,32 +275,46 @@ def shakedown_layer(out, paths):
             p[k, i, 0] = 0.5 * (ROOT3 * e[0] + e[1])
             q[k, i] = 0.5 * (ROOT3 * e[1] - e[0])
             w[k, i] = e[2] ** 2 + e[3] ** 2 + e[4] ** 2
-    fits, best_fits = np.empty(count), np.empty(count)
-    r, best, best_r = 0.0, math.inf, 0.0
+    fits, at = np.full(count, math.inf), np.zeros(count)
+    r, best, best_r, bound = 0.0, math.inf, 0.0, 0.0
     # A and B of the last bounds whose minimum is to the right, and to the left.
     cuts = np.full((2, 2), math.nan)
     for _ in range(MOST):
         worst, b = -1.0, 0.0
         for k in range(count):
-            for i in range(n):
-                offsets[i] = (q[k, i] + r) ** 2 + w[k, i]
-            held, fits[k] = enclosing(centre, support, weights, p[k], offsets)
+            # A radius changes by no more than r: this one will not be the largest.
+            if math.sqrt(fits[k]) + abs(r - at[k]) < math.sqrt(bound):
+                continue
+            fits[k], mean = _fitted(p[k], q[k], w[k], r)
+            at[k] = r
             if fits[k] > worst:
-                worst, b = fits[k], 0.0
-                for j in range(held):
-                    b += weights[j] * q[k, support[j]]
+                worst, b = fits[k], mean
         if worst < best:
             best, best_r = worst, r
-            best_fits[:] = fits
         side = 0 if b + r < 0.0 else 1
         cuts[side, 0], cuts[side, 1] = worst - 2.0 * b * r - r * r, b
         before = r
         r, bound = _lowest(cuts[side], cuts[1 - side])
+        bound = max(bound, 0.0)
         if best - bound <= 1e-12 * best or r == before:
             break
     for k in range(count):
-        out[k] = math.sqrt(best_fits[k])
+        if at[k] != best_r:
+            fits[k], _ = _fitted(p[k], q[k], w[k], best_r)
+        out[k] = math.sqrt(fits[k])
     return 2.0 * best_r
+
+
+@compiled
+def _fitted(p, q, w, r):
+    """Squared radius of the ball of one path at r, and the mean q of the points that hold it."""
+    offsets, centre = (q + r) ** 2 + w, np.empty(1)
+    support, weights = np.empty(3, np.int64), np.empty(3)
+    held, radius2 = enclosing(centre, support, weights, p, offsets)
+    mean = 0.0
+    for j in range(held):
+        mean += weights[j] * q[support[j]]
+    return radius2, mean
 
 
 @compiled

@@ -21,6 +21,13 @@ from tractive_sam.plot.evolution import (
     slip_over_revolutions,
     wear_over_revolutions,
 )
+from tractive_sam.plot.fatigue import (
+    damage,
+    fatigue_course,
+    shakedown_map,
+    utilisation,
+    wear_against_fatigue,
+)
 from tractive_sam.plot.fields import pressure, stick_slip_map, traction, wear_map
 from tractive_sam.plot.figure import Figure as Figure
 from tractive_sam.plot.gallery import DPI, FORMATS, save_all
@@ -46,6 +53,8 @@ __all__ = [
     "compared",
     "creep_force_curve",
     "creepages",
+    "damage",
+    "fatigue_course",
     "forces",
     "line_pressure",
     "line_pressures",
@@ -55,6 +64,7 @@ __all__ = [
     "pressure_over_revolutions",
     "pressure_profiles",
     "save_all",
+    "shakedown_map",
     "slip_over_revolutions",
     "stick_slip_map",
     "stress_course",
@@ -64,8 +74,10 @@ __all__ = [
     "traction",
     "traction_sections",
     "units",
+    "utilisation",
     "von_mises",
     "von_mises_sections",
+    "wear_against_fatigue",
     "wear_depth",
     "wear_map",
     "wear_over_revolutions",

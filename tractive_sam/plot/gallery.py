@@ -20,6 +20,13 @@ from tractive_sam.plot.evolution import (
     slip_over_revolutions,
     wear_over_revolutions,
 )
+from tractive_sam.plot.fatigue import (
+    damage,
+    fatigue_course,
+    shakedown_map,
+    utilisation,
+    wear_against_fatigue,
+)
 from tractive_sam.plot.fields import pressure, stick_slip_map, traction, wear_map
 from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.line import line_pressure, line_pressures, line_slip, line_traction
@@ -103,11 +110,26 @@ def _figures(history: History) -> Iterator[tuple[str, Figure]]:
             yield "creepages", creepages(history)
         if history.bodies:
             yield history.of_role("stress_max").name.replace("_", "-"), stress_course(history)
+    yield from _of_fatigue(history)
     if len(stored) > 1:
         for name, draw in (_LINE_EVOLUTIONS if history.line else _EVOLUTIONS).items():
             yield name, draw(history)
         if not history.line and np.any(history["wear_profile"]):
             yield "worn-profiles", worn_profiles(history)
+
+
+def _of_fatigue(history: History) -> Iterator[tuple[str, Figure]]:
+    """Figures of what rolling does to the material."""
+    if "shakedown_lower" in history.columns:
+        yield "shakedown-map", shakedown_map(history)
+    if history.scene.fatigue is not None and len(history) > 1:
+        yield "fatigue-course", fatigue_course(history)
+    for body in history.cycles if "damage" in history.columns else ():
+        yield f"utilisation-{body}", utilisation(history, body)
+        if history.fatigue(body).damage_max[0] > 0.0:
+            yield f"damage-{body}", damage(history, body)
+        if history.scene.wear is not None and not history.line:
+            yield f"wear-against-fatigue-{body}", wear_against_fatigue(history, body)
 
 
 def _planes(history: History) -> dict[str, tuple[str, ...]]:

@@ -64,16 +64,16 @@ class Followed:
         In a revolution; 0 of a flat body, whose material comes but once.
     initiation : float
         Revolution at which the damage reached 1; nan before.
-    error : float
-        Of the largest damage.
+    error : ndarray, shape (n_y, m)
+        Of the damage.
     """
 
     now: BodyFatigue
     before: np.ndarray
     rate: np.ndarray
     passes: float
+    error: np.ndarray
     initiation: float = math.nan
-    error: float = 0.0
 
     def columns(self, life: Woehler | None) -> dict[str, Any]:
         """Numbers of a record, by the names of its columns without those of the body."""
@@ -92,7 +92,7 @@ class Followed:
         return {
             "damage": top,
             "damage_at": at,
-            "damage_error": self.error,
+            "damage_error": float(self.error[_left(self.now)].max(initial=0.0)),
             "initiation": self.initiation,
             "fatigue_life": 1.0 / most if most > 0.0 else math.inf,
             "wear_margin": float(margin) if self.passes else math.nan,
@@ -128,7 +128,7 @@ class Damage:
             none = np.zeros((found.y.size, zeta.size))
             worn, rate = passage.off(body)
             now = found.with_damage(zeta, none, worn)
-            bodies[body] = Followed(now, now.utilisation, rate, turns.per_count[body])
+            bodies[body] = Followed(now, now.utilisation, rate, turns.per_count[body], none)
         return cls(passage.revolution, passage.revolution, bodies)
 
     def after(self, passage: Passage, laws: Laws) -> "Damage":
@@ -161,6 +161,7 @@ class Damage:
                 ("damage", one.now.damage),
                 ("utilisation", one.now.utilisation),
                 ("utilisation_before", one.before),
+                ("damage_error", one.error),
             )
         }
 
@@ -169,7 +170,7 @@ class Damage:
         cls,
         passage: Passage,
         state: Mapping[str, np.ndarray],
-        columns: Mapping[str, Mapping[str, float]],
+        initiation: Mapping[str, float],
         earlier: int,
     ) -> "Damage":
         """As it was after a record.
@@ -180,8 +181,8 @@ class Damage:
             The last one.
         state : mapping of str to ndarray
             As of `state`.
-        columns : mapping of str to mapping of str to float
-            "initiation" and "damage_error" of each body.
+        initiation : mapping of str to float
+            As of `Followed`, of each body.
         earlier : int
             Revolution of the record before.
 
@@ -193,12 +194,12 @@ class Damage:
         scene, grid = passage.contact.scene, passage.contact.grid
         bodies, k = {}, scene.fatigue.shear_yield_stress
         for body in scene.fatigue.bodies:
-            depth, zeta, damage, used, before = (
-                state[f"{name}_{body}"]
-                for name in ("depth", "zeta", "damage", "utilisation", "utilisation_before")
+            depth, zeta = (state[f"{name}_{body}"] for name in ("depth", "zeta"))
+            damage, error, used, before = (
+                _wider(state[f"{name}_{body}"], grid.elements[1])
+                for name in ("damage", "damage_error", "utilisation", "utilisation_before")
             )
             worn, rate = passage.off(body)
-            damage, used, before = (_wider(one, grid.elements[1]) for one in (damage, used, before))
             unknown = np.full(used.shape, np.nan)
             now = BodyFatigue(
                 body, grid.y, depth, used, unknown, unknown, None, math.nan if k is None else k
@@ -208,8 +209,8 @@ class Damage:
                 before,
                 rate,
                 passage.turns[0].per_count[body],
-                float(columns["initiation"][body]),
-                float(columns["damage_error"][body]),
+                error,
+                float(initiation[body]),
             )
         return cls(passage.revolution, earlier, bodies)
 
@@ -234,9 +235,8 @@ def _on(one: Followed, elements: int) -> Followed:
     """The same on a mesh with more rows; nothing has happened there."""
     names = ("damage", "worn", "utilisation")
     now = replace(one.now, **{name: _wider(getattr(one.now, name), elements) for name in names})
-    return replace(
-        one, now=now, before=_wider(one.before, elements), rate=_wider(one.rate, elements)
-    )
+    names = ("before", "rate", "error")
+    return replace(one, now=now, **{k: _wider(getattr(one, k), elements) for k in names})
 
 
 def _rolled(
@@ -259,7 +259,7 @@ def _rolled(
         return replace(one, now=flat, before=before.utilisation, rate=rate)
     added, straight = _added(one, now, rate, jump, life)
     now = now.with_damage(zeta, before.damage + one.passes * added, worn)
-    error = one.error + one.passes * float(np.abs(added - straight)[_left(now)].max(initial=0.0))
+    error = one.error + one.passes * np.abs(added - straight)
     initiation, (top, _), (was, _) = one.initiation, now.damage_max, before.damage_max
     if math.isnan(initiation) and top >= 1.0:
         initiation = revolution + jump[0] * (1.0 - was) / (top - was)

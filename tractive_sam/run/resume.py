@@ -142,14 +142,13 @@ def last_damage(path: str | PathLike, passage: Passage) -> Damage | None:
         return None
     history = open_history(path)
     row = int(np.flatnonzero(history["converged"])[-1])
-    unknown = np.full((len(history), len(BODIES)), np.nan)
-    columns = {
-        name: dict(zip(BODIES, history.values.get(name, unknown)[row], strict=True))
-        for name in ("initiation", "damage_error")
-    }
+    unknown = np.full((len(history), len(BODIES)), np.nan)  # without a limit
+    initiation = history.values.get("initiation", unknown)[row]
     earlier = int(history["revolution"][max(row - 1, 0)])
     try:
-        return Damage.restored(passage, state_of(path, row), columns, earlier)
+        return Damage.restored(
+            passage, state_of(path, row), dict(zip(BODIES, initiation, strict=True)), earlier
+        )
     except LookupError as error:
         raise DamagedError(f"{path} is damaged: {error} of record {row} is missing") from None
 

@@ -1,0 +1,99 @@
+"""Figures of what rolling does to the material."""
+
+import io
+
+import numpy as np
+import pytest
+
+import tractive_sam as ts
+from tractive_sam import plot
+from tractive_sam.mechanics import residual_shear, von_mises
+from tractive_sam.plot.fatigue import LINE_CONTACT
+from tractive_sam.reference import line_pressure_stress, line_shear_stress
+
+ASKED = {"shear_yield": 300.0, "sensitivity": 0.333, "limit": 250.0, "elements": 12}
+
+
+def drawn(figure):
+    figure.savefig(io.BytesIO(), dpi=40)
+    return figure
+
+
+@pytest.fixture(scope="module")
+def tired():
+    settings = ["grid.elements=[15, 31]", "wear.revolutions=20", "wear.save=[0, 5, 20]"]
+    scene = ts.Scene.builtin("twin-discs").with_set(settings)
+    return ts.roll(scene.replace(subsurface=None, fatigue=ASKED))
+
+
+@pytest.mark.parametrize(
+    "draw",
+    [
+        plot.shakedown_map,
+        plot.utilisation,
+        plot.damage,
+        plot.fatigue_course,
+        plot.wear_against_fatigue,
+    ],
+)
+def test_figures(draw, tired):
+    figure = drawn(draw(tired))
+    assert figure.get_suptitle().startswith("Twin discs")
+    box = figure.get_tightbbox()
+    width, height = figure.get_size_inches()
+    assert -0.01 < box.x0 < box.x1 < width + 0.01
+    assert -0.01 < box.y0 < box.y1 < height + 0.01
+
+
+def test_the_classic_curves_are_those_of_the_closed_form():
+    x = np.linspace(-4.0, 4.0, 801)[:, None]
+    for mu, first, inside, surface in LINE_CONTACT[::4]:
+
+        def cycle(depths, mu=mu):
+            arguments = (x, np.asarray(depths), 1.0, 1.0)
+            stress = line_pressure_stress(*arguments, 0.3)
+            stress = stress + mu * line_shear_stress(*arguments, 0.3)
+            return np.concatenate((stress, np.zeros_like(stress[:, :1])), axis=1)
+
+        depths = np.linspace(0.3, 0.6, 31)
+        below, top = cycle(depths), cycle([0.0])
+        left = max(residual_shear(below[..., k : k + 1])[0] for k in range(depths.size))
+        deep = cycle(np.linspace(0.4, 0.9, 26))
+        yields = max(von_mises(deep).max(), von_mises(top).max()) / 3.0**0.5
+        # Points are .01 apart, depths .01 and .02.
+        assert 1.0 / left == pytest.approx(inside, rel=2e-3)
+        assert 1.0 / residual_shear(top)[0] == pytest.approx(surface, rel=2e-3)
+        assert 1.0 / yields == pytest.approx(first, rel=2e-3)
+
+
+def test_the_map_shows_the_place_of_the_roll(tired):
+    (axes,) = plot.shakedown_map(tired).axes
+    (course,) = [line for line in axes.lines if line.get_color() == "black"][:1]
+    np.testing.assert_allclose(course.get_ydata(), tired["p_max"] / 300.0)
+
+
+def test_what_lacks_is_told():
+    plain = ts.roll(ts.Scene.builtin("spheres").with_set(["grid.elements=[15, 15]"]))
+    for draw in (plot.shakedown_map, plot.damage, plot.utilisation, plot.wear_against_fatigue):
+        with pytest.raises((ValueError, LookupError), match="fatigue"):
+            draw(plain)
+    with pytest.raises(ValueError, match="fatigue"):
+        plot.fatigue_course(plain)
+
+
+def test_a_history_has_them_among_its_figures(tired, tmp_path):
+    names = {path.stem for path in plot.save_all(tired, tmp_path, dpi=30)}
+    assert names >= {
+        "shakedown-map",
+        "fatigue-course",
+        "utilisation-A",
+        "damage-A",
+        "damage-B",
+        "wear-against-fatigue-B",
+    }
+
+
+def test_a_line_contact_has_them_too(tmp_path):
+    scene = ts.Scene.builtin("cylinders").replace(subsurface=None, fatigue=ASKED)
+    names = {path.stem for path in plot.save_all(ts.roll(scene), tmp_path, dpi=30)}
+    assert names >= {"shakedown-map", "utilisation-A"}
