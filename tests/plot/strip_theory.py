@@ -12,6 +12,7 @@ from tractive_sam.results.quantities import columns
 from tractive_sam.results.record import Record, fields
 from tractive_sam.results.state import State
 from tractive_sam.results.status import Cost, Status
+from tractive_sam.scene import Scene
 
 HERTZ = HertzContact(a=0.5, b=0.8, p0=900.0, approach=0.01, load=754.0)
 SLIPPING = 0.2
@@ -21,23 +22,26 @@ GRID = Grid((0.62, 1.03125), (31, 33))
 X, Y = GRID.x, GRID.y
 
 
+class _Strips:
+    """A scene but for what the theory takes in its place."""
+
+    def __init__(self, **own):
+        vars(self).update(own)
+
+    def __getattr__(self, name):
+        return getattr(PLAIN, name)
+
+
+PLAIN = Scene.builtin("spheres").replace(grid=None, subsurface=None)
+
+
 def scene(title="Strips", mu=(0.3, 0.3), angle=0.0, hertz=HERTZ):
     """What figures need to know of a scene; mu is None without friction."""
-    return SimpleNamespace(
+    return _Strips(
         title=title,
         friction=None if mu is None else SimpleNamespace(mu=mu, angle=angle),
         hertz=hertz,
         body=SimpleNamespace(A=SimpleNamespace(radius_y=50.0), B=SimpleNamespace(radius_y=np.inf)),
-        line=False,
-        subsurface=None,
-        accuracy=None,
-        load=SimpleNamespace(force_x=None, force_y=None),
-        wear=None,
-        fatigue=None,
-        duty=None,
-        heat=None,
-        transient=None,
-        gap=None,
     )
 
 
