@@ -54,7 +54,7 @@ def gated(scene, path, **options):
             while not Path({go!r}).exists():
                 time.sleep(0.01)
 
-    return roll(scene, path, progress=wait, **options)
+    return roll(scene, path, **{**options, "progress": wait})
 
 
 worker.roll = gated
