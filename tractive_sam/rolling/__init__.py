@@ -3,25 +3,25 @@
 from tractive_sam.rolling.damage import Damage
 from tractive_sam.rolling.forecast import Forecast
 from tractive_sam.rolling.passage import (
-    Milestone,
     Passage,
+    ProfilePoint,
     begun,
     first_passage,
     next_passage,
     resumed,
     unworn,
 )
-from tractive_sam.rolling.revolutions import Judge, passages, recorded
+from tractive_sam.rolling.revolutions import ErrorEstimator, passages, recorded
 from tractive_sam.rolling.saves import Saves
 from tractive_sam.rolling.transient import Moment, Transient
 
 __all__ = [
     "Damage",
+    "ErrorEstimator",
     "Forecast",
-    "Judge",
-    "Milestone",
     "Moment",
     "Passage",
+    "ProfilePoint",
     "Saves",
     "Transient",
     "begun",

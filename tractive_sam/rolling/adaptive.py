@@ -36,7 +36,7 @@ import numpy as np
 
 from tractive_sam.contact import Model
 from tractive_sam.rolling.control import ErrorControl, Stops
-from tractive_sam.rolling.passage import Milestone, Passage, credited, off_grid, passage_at
+from tractive_sam.rolling.passage import Passage, ProfilePoint, credited, off_grid, passage_at
 from tractive_sam.rolling.response import cycle_response
 from tractive_sam.rolling.saves import Saves
 
@@ -109,13 +109,13 @@ def _next_jump(model: Model, last: Passage, control: Stops) -> Passage:
 
 @dataclass(frozen=True, eq=False)
 class _Formula:
-    """The two-step formula of a jump; with one milestone, that of Euler.
+    """The two-step formula of a jump; from one revolution, that of Euler.
 
     A row of elements that comes into contact during the jump has a formula of its own.
     """
 
     jump: int
-    here: Milestone
+    here: ProfilePoint
     """Where the jump starts."""
     known: np.ndarray
     """c_1 F_(n-1) + c_2 F_(n-2), per revolution."""
@@ -126,12 +126,12 @@ class _Formula:
     leading: np.ndarray
     """c_0 of each row, 1/revolution."""
     worn_before: np.ndarray
-    """Rows that have a course to extrapolate: those that were worn two milestones ago."""
+    """Rows that have a course to extrapolate: those that were worn two solved revolutions ago."""
     third: float
     """What the formula misses of dF/dn, over what the rate differs from R*."""
 
     @classmethod
-    def of(cls, course: tuple[Milestone, ...], jump: int) -> "_Formula":
+    def of(cls, course: tuple[ProfilePoint, ...], jump: int) -> "_Formula":
         last, worn_before = course[-1], course[0].rate > 0.0
         if len(course) == 1:
             leading = np.full(last.profile.size, 1.0 / jump)
@@ -209,7 +209,7 @@ def _one(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple[
         return now, np.inf
     rate = now.gained + response @ (predicted - profile)
     error = _error(model, formula.correction(response, predicted, rate), profile)
-    # The unworn bodies are no milestone: nothing is worn in their contact.
+    # Nothing is extrapolated from the unworn bodies: nothing is worn in their contact.
     course = (here, *now.course) if last.revolution else now.course
     return replace(now, course=course), error
 
@@ -239,7 +239,7 @@ def _many(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple
         profile, expected = corrected, np.maximum(now.gained + change, 0.0)
         now = passage_at(model, revolution, profile, now.contacts, lag, _grown(expected, now))
         response = cycle_response(model, now)
-    reached = Milestone(revolution, corrected, now.gained + change)
+    reached = ProfilePoint(revolution, corrected, now.gained + change)
     return replace(now, solves=solves, course=(here, reached)), error
 
 
@@ -262,9 +262,9 @@ def _predicted(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The profile by the formula, the rate expected there, and the response of rows in contact.
 
-    Rows that were not worn two milestones ago have no course to extrapolate. They start from the
-    last milestone, and carry no pressure before their gap has closed; those whose gap does not
-    close stay out of contact.
+    Rows that were not worn two solved revolutions ago have no course to extrapolate. They
+    start from the last one, and carry no pressure before their gap has closed; those whose gap
+    does not close stay out of contact.
     """
     here, new, open_ = formula.here, ~formula.worn_before, _open(last, response)
     offset = np.where(

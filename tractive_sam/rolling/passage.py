@@ -20,7 +20,7 @@ CORRECTIONS = 20
 
 
 @dataclass(frozen=True, eq=False)
-class Milestone:
+class ProfilePoint:
     """A revolution that later ones extrapolate from.
 
     Attributes
@@ -42,10 +42,10 @@ class Milestone:
         """Profile in the middle of the revolution, shape (n_y,), mm."""
         return self.profile + 0.5 * self.rate
 
-    def on(self, elements: int) -> "Milestone":
+    def on(self, elements: int) -> "ProfilePoint":
         """The same on a mesh of more elements in y."""
         more = (elements - self.profile.size) // 2
-        return Milestone(self.revolution, np.pad(self.profile, more), np.pad(self.rate, more))
+        return ProfilePoint(self.revolution, np.pad(self.profile, more), np.pad(self.rate, more))
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +63,7 @@ class Passage:
         Contacts solved since the passage before.
     jump : int
         Revolutions that adaptive stepping takes next.
-    course : tuple of Milestone
+    course : tuple of ProfilePoint
         The last two revolutions of adaptive stepping, this one last; one only where it begins.
     weights : tuple of float
         Share of each block in this revolution: that in a cycle, or one for the block that is
@@ -81,7 +81,7 @@ class Passage:
     contacts: tuple[State, ...]
     solves: int
     jump: int = 1
-    course: tuple[Milestone, ...] = ()
+    course: tuple[ProfilePoint, ...] = ()
     weights: tuple[float, ...] = (1.0,)
     turns: tuple[Turns, ...] = ()
     began: Worn | None = None
@@ -93,7 +93,7 @@ class Passage:
             object.__setattr__(self, "turns", turns)
         if not self.course:
             profile = self.contacts[self.rolled or 0].wear[-1]
-            here = Milestone(self.revolution, profile, self.gained)
+            here = ProfilePoint(self.revolution, profile, self.gained)
             object.__setattr__(self, "course", (here,))
 
     @property
@@ -152,7 +152,7 @@ class Passage:
     def on(self, grid: Grid) -> "Passage":
         """The same on a wider mesh of the same elements."""
         before = self.grid
-        course = tuple(milestone.on(grid.elements[1]) for milestone in self.course)
+        course = tuple(point.on(grid.elements[1]) for point in self.course)
         if self.began is not None:  # it is known beside the mesh, too
             beside = self.began.on(grid).sum(axis=0)
             beside[np.isin(np.arange(len(grid.y)), _middle(before, grid))] = 0.0

@@ -78,7 +78,7 @@ def every_passage(model: Model, start: Passage, saves: Saves) -> Iterator[Passag
         yield last
 
 
-class Judge(Protocol):
+class ErrorEstimator(Protocol):
     """Gives passages their error bars."""
 
     missed: str
@@ -94,7 +94,7 @@ def recorded(
     passage: Passage | Moment,
     model: Model,
     began: float,
-    judge: Judge | None = None,
+    estimator: ErrorEstimator | None = None,
     own: Iterable[Quantity] = (),
     measured: Gap | None = None,
     tired: Damage | None = None,
@@ -113,7 +113,7 @@ def recorded(
         What it was rolled with, and what its stress is judged by.
     began : float
         When work on it began, as by `time.perf_counter`.
-    judge : Judge, optional
+    estimator : ErrorEstimator, optional
         Where its error bars come from; by default they are those of the contact.
     own : iterable of Quantity
         Columns beside the package's.
@@ -124,10 +124,12 @@ def recorded(
     """
     spectrum = model.scene.spectrum
     if spectrum is None:
-        record = _of_contact(passage, passage.told(), model.laws, judge, own, measured, tired=tired)
+        record = _of_contact(
+            passage, passage.told(), model.laws, estimator, own, measured, tired=tired
+        )
         return replace(record, values={**record.values, "seconds": perf_counter() - began})
     records = [
-        _of_contact(passage, passage.told(k), one.laws, judge, own, measured, k)
+        _of_contact(passage, passage.told(k), one.laws, estimator, own, measured, k)
         for k, one in enumerate(model.blocks)
     ]
     _, stepped, _ = passage.told()
@@ -154,7 +156,7 @@ def _of_contact(
     passage: Passage | Moment,
     told: tuple[State, dict[str, Any], bool],
     laws: Laws,
-    judge: Judge | None,
+    estimator: ErrorEstimator | None,
     own: Iterable[Quantity],
     measured: Gap | None,
     block: int = 0,
@@ -165,8 +167,8 @@ def _of_contact(
     keep = (last and passage.place in Saves.of(contact.scene)) or not passage.converged
     maxima = stress_maxima(contact, laws)
     stress = stress_on_planes(contact, laws=laws) if keep and maxima else ()
-    if judge is not None:
-        contact = replace(contact, error_bars=judge(passage, maxima, block))
+    if estimator is not None:
+        contact = replace(contact, error_bars=estimator(passage, maxima, block))
     if measured is not None:
         given["measured_profile"] = across(measured, contact.grid)
     if PARTS.name in given:

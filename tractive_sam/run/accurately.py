@@ -6,8 +6,8 @@ from dataclasses import replace
 from tractive_sam.contact import Gap, Model
 from tractive_sam.results import History, State, Status
 from tractive_sam.rolling import Passage, begun, first_passage
-from tractive_sam.run.accuracy.course import Judge, judge_of, judge_on
-from tractive_sam.run.accuracy.judgement import missed_before
+from tractive_sam.run.accuracy.assessment import missed_before
+from tractive_sam.run.accuracy.coarse_run import ErrorEstimator, choose_level, from_level
 from tractive_sam.run.accuracy.levels import Levels, with_tolerances
 from tractive_sam.run.accuracy.steady import refined
 from tractive_sam.run.recording import Recording
@@ -34,18 +34,18 @@ def rolled(run: Recording) -> History:
     if not all(one.contact.converged for one in each):
         grid = Levels(scene, run.measured).grid(unworn.level)
         return run.begun(*first_passage(run.model_of(scene, run.measured, grid)))
-    return _rolled_from(run, scene, *judge_of(scene, run.measured, unworn.level, run.model_of))
+    return _rolled_from(run, scene, *choose_level(scene, run.measured, unworn.level, run.model_of))
 
 
-def _rolled_from(run: Recording, scene: Scene, judge: Judge, level: int) -> History:
+def _rolled_from(run: Recording, scene: Scene, estimator: ErrorEstimator, level: int) -> History:
     """Roll on the mesh of a level, and on finer ones while its error bars are too wide."""
     levels = Levels(scene, run.measured)
     while True:
         model = run.model_of(scene, run.measured, levels.grid(level))
-        history = run.begun(*first_passage(model), judge)
+        history = run.begun(*first_passage(model), estimator)
         if history.status != Status.INACCURATE or not levels.allowed(level + 1):
             return history
-        run, judge, level = replace(run, overwrite=True), judge.followed(), level + 1
+        run, estimator, level = replace(run, overwrite=True), estimator.refined(), level + 1
 
 
 def resumed(run: Recording, last: Passage, before: History) -> History:
@@ -61,10 +61,10 @@ def resumed(run: Recording, last: Passage, before: History) -> History:
             "with the version that wrote it, or give the run a file of its own"
         ) from None
     complete = scene.wear is None or last.revolution == scene.wear.revolutions
-    judge = None if complete else judge_on(scene, measured, level, missed, run.model_of)
-    history = run.resumed(model, last, len(before), judge, missed)
+    estimator = None if complete else from_level(scene, measured, level, missed, run.model_of)
+    history = run.resumed(model, last, len(before), estimator, missed)
     finer = scene.wear is not None and levels.allowed(level + 1)
     if history.status != Status.INACCURATE or not finer:
         return history
-    judge = judge_on(scene, measured, level + 1, model_of=run.model_of)
-    return _rolled_from(run, scene, judge, level + 1)
+    estimator = from_level(scene, measured, level + 1, model_of=run.model_of)
+    return _rolled_from(run, scene, estimator, level + 1)

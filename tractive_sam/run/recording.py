@@ -14,7 +14,7 @@ import numpy as np
 from tractive_sam import interrupt
 from tractive_sam.contact import Gap, Laws, Model
 from tractive_sam.results import Grid, History, Quantity, Record, Status, fields
-from tractive_sam.rolling import Damage, Judge, Passage, passages, recorded
+from tractive_sam.rolling import Damage, ErrorEstimator, Passage, passages, recorded
 from tractive_sam.run.resume import last_damage
 from tractive_sam.scene import PlausibilityWarning, Scene
 from tractive_sam.store import HistoryWriter, open_history
@@ -57,7 +57,11 @@ class Recording:
     started: str = ""
 
     def begun(
-        self, model: Model, start: Passage, judge: Judge | None = None, missed: str = ""
+        self,
+        model: Model,
+        start: Passage,
+        estimator: ErrorEstimator | None = None,
+        missed: str = "",
     ) -> History:
         """Roll from the unworn bodies on; `missed` tells what is wrong with their accuracy."""
         laws = model.laws.beside(model.scene)
@@ -66,20 +70,20 @@ class Recording:
         if self.path is not None:
             about = {"laws": laws, "started": self.started}
             keeper = HistoryWriter(self.path, self.scene, model.grid, self.overwrite, **about)
-        return self._kept(keeper, model, start, (start,), None, judge, missed)
+        return self._kept(keeper, model, start, (start,), None, estimator, missed)
 
     def resumed(
         self,
         model: Model,
         last: Passage,
         records: int,
-        judge: Judge | None = None,
+        estimator: ErrorEstimator | None = None,
         missed: str = "",
     ) -> History:
         """Roll on from the last of a number of records in the file; arguments as of `begun`."""
         keeper = HistoryWriter.reopen(self.path, self.scene, records)
         tired = last_damage(self.path, last)
-        return self._kept(keeper, model, last, (), tired, judge, missed)
+        return self._kept(keeper, model, last, (), tired, estimator, missed)
 
     def _kept(
         self,
@@ -88,21 +92,21 @@ class Recording:
         start: Passage,
         first: Iterable[Passage],
         tired: Damage | None,
-        judge: Judge | None,
+        estimator: ErrorEstimator | None,
         missed: str,
     ) -> History:
         passage, began = start, self.began
         with keeper:
             for passage in chain(first, passages(model, start)):
                 tired, now = _followed(tired, passage, model.laws)
-                told = recorded(passage, model, began, judge, self.columns, self.measured, now)
+                told = recorded(passage, model, began, estimator, self.columns, self.measured, now)
                 began = perf_counter()
                 state = _state(passage, self.scene) | ({} if tired is None else tired.state)
                 keeper.append(told, passage.contact.grid.shifted(0.0), state)
                 if self.progress is not None:
                     self.progress(told)
                 interrupt.heed()
-            keeper.finish(*_ended(passage, missed if judge is None else judge.missed))
+            keeper.finish(*_ended(passage, missed if estimator is None else estimator.missed))
         return keeper.history if self.path is None else open_history(self.path)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from tractive_sam.contact import Laws, Stepped
 from tractive_sam.results import BODIES, PARTS, ROLLED, Cost, Grid, History, Quantity, State
-from tractive_sam.rolling import Damage, Milestone, Moment, Passage
+from tractive_sam.rolling import Damage, Moment, Passage, ProfilePoint
 from tractive_sam.scene import Scene
 from tractive_sam.store import DamagedError, ResultsError, open_history, state_of
 
@@ -87,7 +87,7 @@ def last_passage(
     _check_sound(history, path, row)
     contacts = _contacts(history, row, state_of(path, row), scene)
     course = tuple(
-        Milestone(
+        ProfilePoint(
             int(history["revolution"][k]),
             history["entering_profile"][k],
             history["wear_per_revolution"][k],

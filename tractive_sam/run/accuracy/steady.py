@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 from tractive_sam.contact import Gap, Model, fitted
 from tractive_sam.results import Cost, State
+from tractive_sam.run.accuracy.assessment import assess
 from tractive_sam.run.accuracy.error_bars import Sample
-from tractive_sam.run.accuracy.judgement import judge
 from tractive_sam.run.accuracy.levels import FIRST, Levels
 from tractive_sam.scene import Scene
 from tractive_sam.subsurface import stress_maxima
@@ -57,8 +57,8 @@ def refined(scene: Scene, measured: Gap | None, model_of: Callable[..., Model] =
         # A contact of a few elements may fail where a finer one does not.
         solved = contact.converged
         samples.append(Sample.of(contact, stress_maxima(contact, model.laws)) if solved else None)
-        judgement = judge(contact, samples, peak=True)
-        if not judgement.missed or not levels.allowed(level + 1):
-            contact = replace(contact, cost=cost, error_bars=judgement.error_bars)
-            return Refined(model, contact, level, judgement.missed)
+        assessment = assess(contact, samples, peak=True)
+        if not assessment.missed or not levels.allowed(level + 1):
+            contact = replace(contact, cost=cost, error_bars=assessment.error_bars)
+            return Refined(model, contact, level, assessment.missed)
         level += 1

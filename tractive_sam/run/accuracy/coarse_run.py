@@ -9,14 +9,14 @@ import scipy  # its parts are loaded when first used
 from tractive_sam.contact import Gap, Model
 from tractive_sam.results import Maximum
 from tractive_sam.rolling import Passage, Saves, first_passage, passages
+from tractive_sam.run.accuracy.assessment import assess, worst_of
 from tractive_sam.run.accuracy.error_bars import Sample, relative_error_bars
-from tractive_sam.run.accuracy.judgement import judge, worst_of
 from tractive_sam.run.accuracy.levels import Levels
 from tractive_sam.scene import Scene
 from tractive_sam.subsurface import stress_maxima
 
 
-class Course:
+class CoarseRun:
     """Samples of a scene over its revolutions on one mesh."""
 
     def __init__(self) -> None:
@@ -55,32 +55,32 @@ class Course:
         return self._interpolator(at)
 
 
-Courses = tuple[Course, ...]
+CoarseRuns = tuple[CoarseRun, ...]
 
 
-class Judge:
+class ErrorEstimator:
     """Gives the revolutions on one mesh their error bars, by their courses on two coarser ones.
 
     Parameters
     ----------
-    coarse, middle : tuple of Course
+    coarse, middle : tuple of CoarseRun
         Of each block, on meshes of a quarter and of half the elements, complete.
     missed : str
         What was missed of revolutions rolled earlier; or empty.
 
     Attributes
     ----------
-    middle : tuple of Course
+    middle : tuple of CoarseRun
         As given.
-    course : tuple of Course
+    fine : tuple of CoarseRun
         What was judged.
     missed : str
         Which error bar was last too wide at a saved revolution, and what to do; or empty.
     """
 
-    def __init__(self, coarse: Courses, middle: Courses, missed: str = "") -> None:
+    def __init__(self, coarse: CoarseRuns, middle: CoarseRuns, missed: str = "") -> None:
         self._coarse, self.middle = coarse, middle
-        self.course = tuple(Course() for _ in middle)
+        self.fine = tuple(CoarseRun() for _ in middle)
         self.missed = missed
 
     def __call__(
@@ -91,25 +91,25 @@ class Judge:
         if not contact.converged:
             return {}
         sample = Sample.of(contact, maxima)
-        self.course[block].add(revolution, sample)
+        self.fine[block].add(revolution, sample)
         samples = (*(one[block].at(revolution) for one in (self._coarse, self.middle)), sample)
-        judgement = judge(contact, samples, peak=revolution == 0)
-        if judgement.missed and revolution in Saves.of(contact.scene):
-            self.missed = f"revolution {revolution}: {judgement.missed}"
-        return judgement.error_bars
+        assessment = assess(contact, samples, peak=revolution == 0)
+        if assessment.missed and revolution in Saves.of(contact.scene):
+            self.missed = f"revolution {revolution}: {assessment.missed}"
+        return assessment.error_bars
 
-    def followed(self) -> "Judge":
-        """The judge of the next finer mesh."""
-        return Judge(self.middle, self.course)
+    def refined(self) -> "ErrorEstimator":
+        """The estimator of the next finer mesh."""
+        return ErrorEstimator(self.middle, self.fine)
 
 
-def judge_on(
+def from_level(
     scene: Scene,
     measured: Gap | None,
     level: int,
     missed: str = "",
     model_of: Callable[..., Model] = Model,
-) -> Judge:
+) -> ErrorEstimator:
     """Roll a scene on the two meshes that are coarser than that of a level.
 
     Parameters
@@ -119,18 +119,18 @@ def judge_on(
     measured : Gap, optional
         Its measured separation.
     level : int
-        The level to judge.
+        The level to assess.
     missed : str
-        As of `Judge`.
+        As of `ErrorEstimator`.
     model_of : callable
         As of `refined`.
     """
-    return Judge(*_coarser(scene, measured, level, model_of), missed)
+    return ErrorEstimator(*_coarser(scene, measured, level, model_of), missed)
 
 
-def judge_of(
+def choose_level(
     scene: Scene, measured: Gap | None, level: int, model_of: Callable[..., Model] = Model
-) -> tuple[Judge, int]:
+) -> tuple[ErrorEstimator, int]:
     """Roll a scene on coarser meshes than the one that its accuracy takes.
 
     Parameters
@@ -146,8 +146,8 @@ def judge_of(
 
     Returns
     -------
-    Judge, int
-        And the level of the mesh to judge: the first whose error bars may be narrow enough, by
+    ErrorEstimator, int
+        And the level of the mesh to assess: the first whose error bars may be narrow enough, by
         the difference between the two before it.
     """
     levels, last = Levels(scene, measured), scene.wear.revolutions
@@ -163,23 +163,23 @@ def judge_of(
                 break
         coarse, middle = middle, _rolled(model_of(scene, measured, levels.grid(level)))
         level += 1
-    return Judge(coarse, middle), level
+    return ErrorEstimator(coarse, middle), level
 
 
 def _coarser(
     scene: Scene, measured: Gap | None, level: int, model_of: Callable[..., Model]
-) -> tuple[Courses, Courses]:
+) -> tuple[CoarseRuns, CoarseRuns]:
     """The courses on the meshes of a quarter and of half the elements of a level."""
     levels = Levels(scene, measured)
     coarse, middle = (_rolled(model_of(scene, measured, levels.grid(level - k))) for k in (2, 1))
     return coarse, middle
 
 
-def _rolled(model: Model) -> Courses:
-    courses = tuple(Course() for _ in model.blocks)
+def _rolled(model: Model) -> CoarseRuns:
+    runs = tuple(CoarseRun() for _ in model.blocks)
     for passage in passages(*first_passage(model)):
-        for course, block, contact in zip(courses, model.blocks, passage.contacts, strict=True):
+        for run, block, contact in zip(runs, model.blocks, passage.contacts, strict=True):
             if contact.converged:
                 maxima = stress_maxima(contact, block.laws)
-                course.add(passage.revolution, Sample.of(contact, maxima))
-    return courses
+                run.add(passage.revolution, Sample.of(contact, maxima))
+    return runs

@@ -2,7 +2,7 @@
 
 import pytest
 
-from tractive_sam.run.accuracy.course import Course
+from tractive_sam.run.accuracy.coarse_run import CoarseRun
 from tractive_sam.run.accuracy.error_bars import Sample
 
 
@@ -11,14 +11,14 @@ def sample(value):
 
 
 def test_what_is_added_after_a_reading_counts():
-    course = Course()
+    run = CoarseRun()
     for revolution in (0, 10, 20):
-        course.add(revolution, sample(float(revolution)))
-    course.at(15)
-    course.add(100, sample(7.0))
-    again = Course()
+        run.add(revolution, sample(float(revolution)))
+    run.at(15)
+    run.add(100, sample(7.0))
+    again = CoarseRun()
     for revolution, value in ((0, 0.0), (10, 10.0), (20, 20.0), (100, 7.0)):
         again.add(revolution, sample(value))
-    assert course.at(50).values["Qx"] == again.at(50).values["Qx"]
-    assert course.at(101) is None
-    assert course.at(100).values["Qx"] == pytest.approx(7.0)
+    assert run.at(50).values["Qx"] == again.at(50).values["Qx"]
+    assert run.at(101) is None
+    assert run.at(100).values["Qx"] == pytest.approx(7.0)

@@ -22,7 +22,7 @@ GOVERNING = ("P", "Qx", "Qy", "Mz", "xi_x", "xi_y", "wear_max")
 
 
 @dataclass(frozen=True)
-class Judgement:
+class Assessment:
     """Error bars of a contact, and what is wrong with them.
 
     Attributes
@@ -37,8 +37,8 @@ class Judgement:
     missed: str
 
 
-def judge(contact: State, samples: Sequence[Sample | None], peak: bool) -> Judgement:
-    """Judge a contact by coarser ones.
+def assess(contact: State, samples: Sequence[Sample | None], peak: bool) -> Assessment:
+    """Assess a contact by coarser ones.
 
     Parameters
     ----------
@@ -52,17 +52,17 @@ def judge(contact: State, samples: Sequence[Sample | None], peak: bool) -> Judge
     solved = [sample for sample in samples[-NEEDED:] if sample is not None]
     if len(solved) < NEEDED:
         told = f"error bars take {NEEDED} meshes, of which {len(solved)} could be solved"
-        return Judgement({}, _advised(contact.scene, told))
+        return Assessment({}, _advised(contact.scene, told))
     relative = relative_error_bars(*solved)
     worst, name = worst_of(relative, peak)
     bars = error_bars(relative, solved[-1]) | off_given(contact) | {"relative": worst}
     if worst <= contact.scene.accuracy.tolerance:
-        return Judgement(bars, "")
+        return Assessment(bars, "")
     if math.isinf(worst):
         told = f"{name} grows with every finer mesh and may have no limit: round what is sharp"
-        return Judgement(bars, told)
+        return Assessment(bars, told)
     told = f"{name} has a relative error bar of {worst:.1e}"
-    return Judgement(bars, _advised(contact.scene, told))
+    return Assessment(bars, _advised(contact.scene, told))
 
 
 def worst_of(relative: Mapping[Name, float], peak: bool) -> tuple[float, str]:
