@@ -103,6 +103,18 @@ def test_stress_is_that_of_the_planes(history):
     assert one["axes"] == ["y", "depth"]
 
 
+def test_of_a_duty_cycle_every_block_is_a_place(tmp_path):
+    blocks = ({"revolutions": 5, "load": {"normal": 450.0}}, {"revolutions": 5, "shift_y": 0.1})
+    scene = ts.Scene.builtin("twin-discs").with_set(SMALL)
+    history = ts.roll(scene.replace(duty=blocks, subsurface=None))
+    found = data.of_history(history)
+    assert len(found["places"]) == len(found["numbers"]) == 2 * len(history.saved)
+    area = history.grid.element_area
+    loads = unpacked(found["surface"]["fields"]["pressure"]).sum(axis=(1, 2)) * area
+    assert loads == pytest.approx([450.0, 300.0] * len(history.saved), rel=1e-6)
+    ts.report(history, tmp_path / "page.html")
+
+
 def test_titles_do_not_break_the_page(tmp_path):
     bad = "</script><img src=x onerror=alert(1)> $scene <!--"
     scene = ts.Scene.builtin("spheres").with_set(["grid.elements=[21, 21]"]).replace(title=bad)

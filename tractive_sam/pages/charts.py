@@ -9,6 +9,7 @@ import numpy as np
 from tractive_sam.pages import text
 from tractive_sam.pages.arrays import packed
 from tractive_sam.results import BODIES, COORDINATE, LABELS, History, Quantity
+from tractive_sam.scene import label
 
 TOGETHER = (
     ("Forces over the normal load", ("Qx_over_P", "Qy_over_P")),
@@ -76,10 +77,11 @@ def _chart(history: History, title: str, group: list[Quantity]) -> dict[str, Any
 
 def _lines(history: History, one: Quantity, several: int) -> Iterator[dict[str, Any]]:
     """The numbers of a column that change, a line for each body and axis."""
-    values = history[one.name]
-    for place in product(*(LABELS[dim] for dim in one.dims)):
+    values, duty = history[one.name], history.scene.duty or ()
+    labels = {**LABELS, "block": [label(history.scene, k) for k in range(len(duty))]}
+    for place in product(*(labels[dim] for dim in one.dims)):
         place_of = zip(one.dims, place, strict=True)
-        at: Any = (..., *(LABELS[dim].index(k) for dim, k in place_of))
+        at: Any = (..., *(labels[dim].index(k) for dim, k in place_of))
         line = values[at].astype(float)
         known = line[np.isfinite(line)]
         if known.size < 2 or np.ptp(known) <= ROUNDING * np.abs(known).max():

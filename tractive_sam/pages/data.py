@@ -12,6 +12,7 @@ from tractive_sam.pages.arrays import packed
 from tractive_sam.pages.charts import charts
 from tractive_sam.plot import Drawn, Scale, continued, edge_level, stick_level
 from tractive_sam.results import COMPONENTS, History, numbers
+from tractive_sam.scene import label
 
 MOST_SAVED = 40
 """Records whose fields are on the page; of more some are left out."""
@@ -31,15 +32,22 @@ PROFILES = ("wear_profile_A", "wear_profile_B", "wear_profile")
 def of_history(history: History) -> dict[str, Any]:
     """All that the page draws, and what is left out of it."""
     saved = _chosen(history.saved, MOST_SAVED)
-    states = [Drawn.of(history, at) for at in saved]
-    surface = _Window.around(states, BESIDE, MOST_NUMBERS / (10 * max(len(saved), 1)))
+    blocks = _blocks(history)
+    states = [Drawn.of(block, at) for at in saved for _, block in blocks]
+    surface = _Window.around(states, BESIDE, MOST_NUMBERS / (10 * max(len(states), 1)))
     left_out = []
     if len(saved) < len(history.saved):
         left_out.append(f"{len(saved)} of {len(history.saved)} stored records are shown here")
     if surface is not None and surface.every > 1:
         left_out.append(f"of the surface every {surface.every}. element is drawn")
+    if len(blocks) > 1:
+        left_out.append(
+            "a duty cycle: each place of the slider is one of its blocks; y counts from the middle "
+            "of the band that it rolls on, stress is that of the block with the largest pressure"
+        )
     along = history.coordinate
     rows = [int(np.flatnonzero(history[along.name] == at)[-1]) for at in saved]
+    each = [row for row in rows for _ in blocks]
     return {
         "line": history.line,
         "along": {
@@ -47,17 +55,33 @@ def of_history(history: History) -> dict[str, Any]:
             "symbol": text.symbol(along.symbol),
             "unit": text.unit(along.unit),
         },
-        "places": [format(at, along.format) for at in saved.tolist()],
-        "at": packed(saved),
+        "places": [
+            format(at, along.format) + text.told(name)
+            for at in saved.tolist()
+            for name, _ in blocks
+        ],
+        "at": packed(np.repeat(saved, len(blocks))),
         "scale": _scale(history) if len(history) else None,
         "surface": None if surface is None else surface.fields(states),
-        "profiles": _profiles(history, rows),
-        "stress": _stress(history, saved, states),
-        "numbers": [_numbers(history, row) for row in (rows or [-1] * bool(len(history)))],
+        "profiles": _profiles(history, each),
+        "stress": _stress(history, np.repeat(saved, len(blocks)), states),
+        "numbers": [
+            _numbers(block, row)
+            for row in (rows or [-1] * bool(len(history)))
+            for _, block in blocks
+        ],
         "course": packed(history[along.name]),
         "charts": charts(history),
         "leftOut": left_out,
     }
+
+
+def _blocks(history: History) -> list[tuple[str, History]]:
+    """Names and histories of the blocks of a duty cycle; else of the whole, which has no name."""
+    duty = history.scene.duty
+    if not duty:
+        return [("", history)]
+    return [(f", {label(history.scene, k)}", history.block(k)) for k in range(len(duty))]
 
 
 def _chosen(saved: np.ndarray, most: int) -> np.ndarray:
@@ -104,7 +128,8 @@ class _Window:
 
     def axes(self, state: Drawn) -> tuple[np.ndarray, np.ndarray]:
         """Centres of the elements, mm."""
-        return state.x[self.x][:: self.every], state.y[self.y][:: self.every]
+        y = state.y - 0.5 * (state.y[0] + state.y[-1])  # a band of a duty cycle lies aside
+        return state.x[self.x][:: self.every], y[self.y][:: self.every]
 
     def fields(self, states: Sequence[Drawn]) -> dict[str, Any]:
         """Fields of all records, shape (records, y, x)."""

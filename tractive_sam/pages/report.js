@@ -170,8 +170,8 @@ function map(name, k, {stick = false, vectors = null} = {}) {
   const scaled = $("to-scale").checked;
   const rule = {color: "rgba(90,90,90,.55)", width: 1, dash: "dot"};
   const shapes = [
-    {type: "line", xref: "paper", x0: 0, x1: 1, y0: cut.y.value, y1: cut.y.value, line: rule},
-    {type: "line", yref: "paper", y0: 0, y1: 1, x0: cut.x.value, x1: cut.x.value, line: rule},
+    {type: "line", xref: "x domain", x0: 0, x1: 1, y0: cut.y.value, y1: cut.y.value, line: rule},
+    {type: "line", yref: "y domain", y0: 0, y1: 1, x0: cut.x.value, x1: cut.x.value, line: rule},
   ];
   return {traces, layout: layout({shapes, uirevision: String(scaled),
     xaxis: axis("x (mm)", {range: shown, showgrid: false, nticks: 5, constrain: "domain"}),
