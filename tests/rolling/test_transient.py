@@ -1,6 +1,8 @@
 """Courses over the distance rolled: what is stepped through, recorded, and gone on from."""
 
 import math
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -157,3 +159,84 @@ def test_a_loop_of_shifts_takes_mindlins_work():
     assert history["step_friction"][cycle].sum() == pytest.approx(exact, rel=0.02)
     first, last = (history["shift_x"][history["distance"] == at][0] for at in (1.0, 3.0))
     assert last == pytest.approx(first, rel=1e-4)  # the loop is closed
+
+
+def test_carters_cylinder_from_rest():
+    # The exact solution is approached slowly: after 12 a it is still some per cent low.
+    cylinders = ts.Scene.builtin("cylinders")
+    a, drive = cylinders.hertz.a, cylinders.creepage.longitudinal
+    transient = {"distance": [0, 3 * a, 12 * a], "creepage.longitudinal": [drive] * 3}
+    grid = {"half_length": 1.2 * a, "elements": 65}
+    history = ts.roll(cylinders.replace(transient=transient, grid=grid, creepage=None))
+    steady = ts.solve(cylinders.replace(grid=grid)).Qx
+    share = history["Qx"] / steady
+    assert history.status == "done"
+    assert (np.diff(share) > 0.0).all()
+    assert share[0] == 0.0
+    assert 0.9 < share[-1] < 0.995
+
+
+@pytest.mark.parametrize(("length", "expected"), [(40.0, "low"), (0.02, "high")])
+def test_a_small_oscillation_of_creepage(length, expected):
+    # Waves long against the contact: the steady slope; short ones: a shift that oscillates, held by
+    # 4 a G/(2 - nu) for both bodies together (8 a G/(2 - nu) of each).
+    a, G, nu, small = SPHERES.hertz.a, 1.0, 0.28, 2e-6
+    n = 31
+    wave = length * a
+    knots = np.linspace(0.0, 2.0 * wave, 49)
+    creepage = small * np.sin(2.0 * np.pi * knots / wave)
+    transient = {"distance": knots.tolist(), "creepage.longitudinal": creepage.tolist()}
+    transient |= {"step": min(wave / 24.0, 0.9)}
+    history = ts.roll(scene(transient, n))
+    at, force = history["distance"], history["Qx"]
+    last = at >= wave
+    if expected == "low":
+        slope = ts.solve(scene(None, n, creepage={"longitudinal": -small})).Qx / small
+        found = -(force[last] / small)[np.argmax(np.interp(at, knots, creepage)[last])]
+        assert found == pytest.approx(slope, rel=0.1)  # a wave of 40 a lags by some per cent
+    else:
+        shift = np.ptp(history["shift_x"][last])
+        # The mesh's edge makes the contact a little larger or smaller.
+        assert np.ptp(force[last]) / shift == pytest.approx(4.0 * a * G / (2.0 - nu), rel=0.02)
+
+
+def test_random_courses_converge():
+    """A few of those in `benchmarks/transient.py`, dissimilar and orthotropic ones among them."""
+    sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
+    try:
+        from transient import random_scene  # noqa: PLC0415 - a script beside the package
+    finally:
+        sys.path.pop(0)
+    for seed in (1, 5, 8):
+        assert ts.roll(random_scene(seed, 13)).status == "done"
+
+
+def test_friction_may_change_on_the_way():
+    transient = {
+        "distance": [0, 8, 8, 10],
+        "creepage.longitudinal": [-0.02] * 4,
+        "friction.mu": [0.4, 0.4, 0.2, 0.2],
+    }
+    history = ts.roll(scene(transient, 15))
+    before, after = (np.flatnonzero(history["distance"] == 8.0)[k] for k in (0, 1))
+    np.testing.assert_allclose(history["Qx_over_P"][before], 0.4, rtol=1e-3)  # slides throughout
+    np.testing.assert_allclose(history["Qx_over_P"][after:], 0.2, rtol=1e-3)
+
+
+def test_what_friction_cannot_carry_ends_with_a_message():
+    history = ts.roll(scene({"distance": [0, 2], "load.force_x": [0, 1.5 * MU * P]}, 15))
+    assert history.status == "diverged"
+    assert "force_x" in history.message
+    assert "mm" in history.message
+
+
+def test_figures_of_a_transient(tmp_path):
+    transient = {"distance": [0, 1, 2], "load.force_x": [0, 0.05, -0.05], "start": "shift"}
+    history = ts.roll(scene(transient, 15))
+    drawn = {path.stem for path in ts.plot.save_all(history, tmp_path)}
+    assert {"hysteresis", "energies", "stick", "pressure-over-distance", "forces"} <= drawn
+    assert not any("wear" in name for name in drawn)
+    assert ts.plot.animate(history, tmp_path / "moving.gif").stat().st_size > 0
+    for draw in (ts.plot.hysteresis, ts.plot.energies, ts.plot.stick_course):
+        with pytest.raises(ValueError, match="transient"):
+            draw(ts.roll(SPHERES.replace(**{"grid.elements": (15, 15)})))

@@ -105,11 +105,14 @@ def _kept(path: Path, scene: "Scene") -> str:
         return f"{path} would be overwritten, but {error}; {own}"
     if told := what_differs(history.scene, scene):
         return f"{path} holds another scene ({told}); {own}, --overwrite replaces it"
-    rolled = history["revolution"][-1] if len(history) else 0
-    asked = scene.wear.revolutions if scene.wear is not None else 0
+    rolled = history[history.coordinate.name][-1] if len(history) else 0
+    asked: float = scene.wear.revolutions if scene.wear is not None else 0
+    if scene.transient is not None:
+        asked = scene.transient.distance[-1]
     if history.finished and rolled >= asked:
         return f"{path} holds this scene, computed to its end; --overwrite computes it anew, {own}"
-    how_far = f"up to revolution {rolled} of {asked}" if asked else "not to its end"
+    at = history.coordinate.name
+    how_far = f"up to {at} {rolled:g} of {asked:g}" if asked else "not to its end"
     return (
         f"{path} holds this scene, computed {how_far}; --resume goes on from there, --overwrite "
         "starts anew"

@@ -38,8 +38,10 @@ def message(status: Status, outcome: Outcome, model: Model) -> str:
         f"not converged: residual {outcome.residual:.1e} after {outcome.iterations} iterations "
         f"({', '.join(map(str, outcome.trace))}), asked for {solver.tolerance:.1e}; "
     )
-    load = model.scene.load
-    forces = [f"load.{key}" for key in ("force_x", "force_y") if getattr(load, key)]
+    scene = model.scene
+    courses = {} if scene.transient is None else scene.transient.courses
+    forces = [f"load.{key}" for key in ("force_x", "force_y") if getattr(scene.load, key)]
+    forces += [f"transient.{key}" for key in courses if key.startswith("load.force")]
     if outcome.top is not None:
         return reached + _beyond_the_top(outcome.top, forces[0], model)
     if forces and outcome.status is Status.DIVERGED:

@@ -16,6 +16,8 @@ from tractive_sam.operators import Lattice, StepOperators, Way
 from tractive_sam.results import State, Status
 from tractive_sam.solvers import (
     ALONE,
+    METHODS,
+    STEPS,
     NormalProblem,
     Note,
     Outcome,
@@ -176,7 +178,8 @@ class Stepper:
             entering=way.before(ahead, held),
             ahead=way.length,
         )
-        solver = model.method.dissimilar if model.elasticity.coupled else model.method.alike
+        method = STEPS if model.method is METHODS["auto"] else model.method
+        solver = method.dissimilar if model.elasticity.coupled else method.alike
         start: Start | None = self._start(guess or past, way, asked)
         normal = problem.normal
         if normal.load is None and normal.gap.min() >= normal.approach:

@@ -38,6 +38,7 @@ from tractive_sam.plot.sections import traction_sections
 from tractive_sam.plot.stress import von_mises, von_mises_sections
 from tractive_sam.plot.stress_maxima import stress_maxima as stress_maxima
 from tractive_sam.plot.study import Variable, study_curves, study_map, study_samples
+from tractive_sam.plot.transient import energies, hysteresis, stick_course
 from tractive_sam.plot.zones import continued as continued
 from tractive_sam.plot.zones import edge_level as edge_level
 from tractive_sam.plot.zones import stick_level as stick_level
@@ -54,8 +55,10 @@ __all__ = [
     "creep_force_curve",
     "creepages",
     "damage",
+    "energies",
     "fatigue_course",
     "forces",
+    "hysteresis",
     "line_pressure",
     "line_pressures",
     "line_slip",
@@ -66,6 +69,7 @@ __all__ = [
     "save_all",
     "shakedown_map",
     "slip_over_revolutions",
+    "stick_course",
     "stick_slip_map",
     "stress_course",
     "study_curves",

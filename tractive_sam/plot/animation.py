@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.animation import PillowWriter
 
 from tractive_sam import interrupt
+from tractive_sam.plot import transient
 from tractive_sam.plot.drawn import Drawn
 from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.frame import Frame
@@ -30,6 +31,8 @@ RESOLUTION = 110
 @styled
 def animate(history: History, path: str | Path, rate: float = 2.0) -> Path:
     """Draw the pressure and the profile worn so far at the stored revolutions, as a moving GIF.
+
+    Of a [transient] the traction and the edge of stick at the stored distances.
 
     Parameters
     ----------
@@ -62,19 +65,23 @@ def animate(history: History, path: str | Path, rate: float = 2.0) -> Path:
     if history.line:
         raise ValueError("an animation shows a map, and a line contact has none")
     if len(history.saved) < 2:
+        kept = "wear.save" if history.scene.transient is None else "transient.save"
         raise ValueError(
-            "an animation needs at least two stored revolutions, there is "
-            f"{len(history.saved)}: list more in wear.save"
+            "an animation needs at least two stored records, there is "
+            f"{len(history.saved)}: list more in {kept}"
         )
     envelope = _envelope(history)
     frame = Frame.around(envelope, width=0.6 * WIDTH)
-    figure = paper(LEFT + frame.width + RIGHT + TRACK + 0.2, frame, f"{history.title}\n")
+    beside, draw = TRACK, _picture
+    if history.scene.transient is not None:
+        beside, draw = 0.0, transient.picture
+    figure = paper(LEFT + frame.width + RIGHT + beside + 0.2, frame, f"{history.title}\n")
     writer = PillowWriter(fps=rate)
     # Once saved, a figure without a layout takes that of the settings.
     unplaced = mpl.rc_context({"figure.constrained_layout.use": False})
     with unplaced, writer.saving(figure, str(path), RESOLUTION):
         for state in _states(history):
-            _picture(figure, frame, state, envelope)
+            draw(figure, frame, state, envelope)
             writer.grab_frame()
     return path
 

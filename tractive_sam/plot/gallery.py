@@ -34,6 +34,7 @@ from tractive_sam.plot.profiles import pressure_profiles, wear_profiles, worn_pr
 from tractive_sam.plot.scale import units as drawn_in
 from tractive_sam.plot.sections import traction_sections
 from tractive_sam.plot.stress import von_mises_sections
+from tractive_sam.plot.transient import energies, hysteresis, stick_course
 from tractive_sam.results import History
 
 FORMATS = ("png", "pdf", "svg")
@@ -101,8 +102,9 @@ def _figures(history: History) -> Iterator[tuple[str, Figure]]:
         for plane, bodies in _planes(history).items():
             name = f"von-mises-{plane.replace('=', '')}{ending}"
             yield name, von_mises_sections(history, plane, bodies, at)
+    transient = history.scene.transient is not None
     if len(history) > 1:
-        for name, draw in _COURSES.items():
+        for name, draw in (_TRANSIENTS if transient else _COURSES).items():
             yield name, draw(history)
         if "worn_volume" in history.columns and np.isfinite(history["worn_volume"]).any():
             yield "worn-mass", worn_mass(history)
@@ -112,7 +114,8 @@ def _figures(history: History) -> Iterator[tuple[str, Figure]]:
             yield history.of_role("stress_max").name.replace("_", "-"), stress_course(history)
     yield from _of_fatigue(history)
     if len(stored) > 1:
-        for name, draw in (_LINE_EVOLUTIONS if history.line else _EVOLUTIONS).items():
+        evolutions = _LINE_EVOLUTIONS if history.line else _EVOLUTIONS
+        for name, draw in (_MOVING if transient and not history.line else evolutions).items():
             yield name, draw(history)
         if not history.line and np.any(history["wear_profile"]):
             yield "worn-profiles", worn_profiles(history)
@@ -144,12 +147,26 @@ def _planes(history: History) -> dict[str, tuple[str, ...]]:
 
 _COURSES = {"forces": forces, "widths": widths, "wear-depth": wear_depth}
 
+_TRANSIENTS = {
+    "forces": forces,
+    "widths": widths,
+    "stick": stick_course,
+    "hysteresis": hysteresis,
+    "energies": energies,
+}
+
 _EVOLUTIONS = {
     "wear-profiles": wear_profiles,
     "pressure-profiles": pressure_profiles,
     "pressure-over-revolutions": pressure_over_revolutions,
     "slip-over-revolutions": slip_over_revolutions,
     "wear-over-revolutions": wear_over_revolutions,
+}
+
+_MOVING = {
+    "pressure-profiles": pressure_profiles,
+    "pressure-over-distance": pressure_over_revolutions,
+    "slip-over-distance": slip_over_revolutions,
 }
 
 _LINE_EVOLUTIONS = {"pressure-profiles": line_pressures}

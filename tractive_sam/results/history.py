@@ -265,8 +265,12 @@ class History:
         Unity, whatever the friction law, the profile and the mesh. The paper's upwind slip misses
         some per cent, at small creepage most of it, and the wear misses as much. nan where nothing
         is driven, or no more than the rounding of what the pressure does on the slopes of the
-        bodies; and without friction.
+        bodies; and without friction. Of a transient with what is stored as elastic energy.
         """
+        if self.scene.transient is not None:
+            gained = np.diff(self["elastic_energy"], prepend=np.nan)
+            supplied, size = self["step_work"], np.abs(self["elastic_energy"])
+            return _ratio(self["step_friction"] + gained, supplied, np.abs(supplied) > 1e-9 * size)
         supplied = self["work_supplied"]
         rounding = ROUNDING * self["P"] * np.abs(self["approach"]) / self.grid.half_length[0]
         driven = (np.abs(supplied) > rounding) & (self.scene.friction is not None)

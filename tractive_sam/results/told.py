@@ -64,9 +64,12 @@ def rolled_on_by(history: "History") -> str:
 def balances(history: "History", only_if_open: bool = False) -> dict[str, str]:
     """How the balances of "energy" and "wear" are met where they are met worst.
 
-    Without those of nothing that is driven, or wears.
+    Without those of nothing that is driven, or wears; and of transients, whose steps of parts of an
+    element balance to second order only.
     """
-    told = {}
+    told: dict[str, str] = {}
+    if history.scene.transient is not None:
+        return told
     for name, balance, tell in (
         ("energy", history.energy_balance, _energy),
         ("wear", history.wear_balance, _wear),

@@ -13,7 +13,7 @@ from tractive_sam.rolling.passage import (
 )
 from tractive_sam.rolling.revolutions import ErrorEstimator, passages, recorded
 from tractive_sam.rolling.saves import Saves
-from tractive_sam.rolling.transient import Moment, Transient
+from tractive_sam.rolling.transient import Moment, Transient, expected_steps
 
 __all__ = [
     "Damage",
@@ -25,6 +25,7 @@ __all__ = [
     "Saves",
     "Transient",
     "begun",
+    "expected_steps",
     "first_passage",
     "next_passage",
     "passages",

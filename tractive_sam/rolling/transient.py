@@ -11,7 +11,8 @@ its search from, and, of adaptive steps, how far it missed is what tells their e
 from bisect import bisect_left
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from itertools import pairwise
+from math import ceil
 from typing import Any
 
 import numpy as np
@@ -188,14 +189,9 @@ class Courses:
 
     def jump(self, stretch: int) -> tuple[float, ...]:
         """By how much the shifts jump over a stretch."""
-        none = (0.0, 0.0)
-        ends = (self._courses.get(key, none)[stretch : stretch + 2] for key in _CREEPAGES)
-        return tuple(last - first for first, last in (end or none for end in ends))
-
-    @cached_property
-    def default_step(self) -> float | None:
-        """That of the scene, where it gives one."""
-        return self.table.step
+        none = (0.0,) * len(self.knots)
+        courses = (self._courses.get(key, none) for key in _CREEPAGES)
+        return tuple(values[stretch + 1] - values[stretch] for values in courses)
 
     def scene_at(self, asked: Mapping[str, float | None]) -> Scene:
         """The steady scene of what is asked for at a moment."""
@@ -214,6 +210,19 @@ class Courses:
 
 
 _CREEPAGES = ("creepage.longitudinal", "creepage.lateral", "creepage.spin")
+
+
+def expected_steps(scene: Scene, dx: float) -> int:
+    """Steps that a scene with a [transient] takes on elements so long; of adaptive ones, about."""
+    courses, count = Courses(scene), 0
+    for stretch, (first, end) in enumerate(pairwise(courses.knots)):
+        if first == end:
+            count += courses.shifted(stretch)
+            continue
+        stops = [first, *(s for s in scene.transient.save if first < s < end), end]
+        step = scene.transient.step or (dx if courses.rolls else (end - first) / PARTS)
+        count += sum(ceil((b - a) / step - CLOSE) for a, b in pairwise(stops))
+    return count
 
 
 class Transient:
@@ -274,8 +283,7 @@ class Transient:
             if last.distance == courses.knots[last.stretch + 1]:
                 if last.stretch + 1 == courses.stretches:
                     return
-                fresh = {"length": 0.0, "wish": 0.0, "before": None}
-                last = replace(last, stretch=last.stretch + 1, **fresh)
+                last = replace(last, stretch=last.stretch + 1, wish=0.0)
                 if courses.shifted(last.stretch):
                     last = self._jump(last)
                     yield last
@@ -301,7 +309,7 @@ class Transient:
         adaptive = table.stepping == "adaptive"
         unit = self.model.grid.dx if courses.rolls else (end - first) / (PARTS * 100)
         control = Stops(ErrorControl(order=2, unit=unit), stops)
-        longest = courses.default_step or self._longest(adaptive, end - first)
+        longest = table.step or self._longest(adaptive, end - first)
         usual = longest if not adaptive else min(longest, unit * (1 if courses.rolls else 100))
         while last.contact.converged and last.distance < end:
             wish = min(last.wish or usual, longest)
@@ -362,7 +370,9 @@ class Transient:
         stepped = self.stepper.step(last.stepped, asked, guess)
         moment = self._moment(last, stepped, at, stretch, length)
         error = 0.0
-        if control is not None and expected is not None and moment.contact.converged:
+        # What was foreseen before a knot tells no error beyond it.
+        judged = control is not None and last.wish > 0.0
+        if judged and expected is not None and moment.contact.converged:
             missed = np.linalg.norm(moment.contact.traction - expected)
             size = np.linalg.norm(moment.contact.traction)
             error = float(missed / size / courses.table.tolerance) if size > 0.0 else 0.0

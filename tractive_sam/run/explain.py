@@ -5,10 +5,10 @@ from time import perf_counter
 
 import numpy as np
 
-from tractive_sam.contact import Model
+from tractive_sam.contact import Model, choose_grid
 from tractive_sam.operators import STEPS_FROM, available
 from tractive_sam.results import columns
-from tractive_sam.rolling import Saves
+from tractive_sam.rolling import Saves, expected_steps
 from tractive_sam.run import memory
 from tractive_sam.run.accuracy.levels import with_tolerances
 from tractive_sam.run.accuracy.steady import Refined, refined
@@ -21,6 +21,7 @@ from tractive_sam.scene import Scene, told
 COLD_APPLICATIONS = 50
 WARM_APPLICATIONS = 40
 JUMP_APPLICATIONS = 50
+STEP_APPLICATIONS = 30  # of a transient (benchmarks/transient.py)
 JUMPS = 14  # while the revolutions rolled grow e-fold
 STRESS_APPLICATIONS = 75  # as long as the largest stress of one body takes
 DEPTH_APPLICATIONS = 0.5  # as long as a depth of a plane takes, of both bodies
@@ -86,7 +87,8 @@ def explain(scene: Scene) -> Explanation:
     told = [part(model) for part in parts]
     warm = [] if scene.heat is None else [_heat(model)]
     tired = [] if scene.fatigue is None else [_fatigue(model)]
-    return Explanation((*told[:4], *warm, *tired, *accuracy, *told[4:]))
+    changing = _transient(model)
+    return Explanation((*told[:4], *changing, *warm, *tired, *accuracy, *told[4:]))
 
 
 def _accuracy(found: Refined) -> Section:
@@ -170,6 +172,8 @@ def _contact(model: Model) -> Section:
 def _drive(model: Model) -> str:
     creepage, load = model.scene.creepage, model.scene.load
     unit = "N/mm" if model.grid.line else "N"
+    if model.scene.transient is not None:
+        return "what changes over the distance (Transient, below)"
     parts = [
         f"Q_x = {load.force_x:g} {unit} (creepage found)"
         if model.free[0]
@@ -327,8 +331,42 @@ def _work(model: Model) -> Section:
     return Section("Work", [("memory", room), ("time", time)])
 
 
-def records(scene: Scene) -> int:
-    """Records that a scene is expected to have."""
+def _transient(model: Model) -> list[Section]:
+    """What changes over the distance, and in which steps; nothing of steady scenes."""
+    table = model.scene.transient
+    if table is None:
+        return []
+    start = {
+        "rest": "the bodies pressed together, without traction",
+        "steady": "steady rolling as the first knot says",
+        "shift": "the bodies pressed together; they do not roll but shift, by the courses of "
+        "[creepage] in mm and radians",
+    }
+    unit = "mm" if table.rolls else "of the parameter"
+    usual = "of one element" if table.rolls else "of a tenth of a stretch"
+    steps = f"{usual if table.step is None else f'of {table.step:g} {unit}'}, shorter to a knot"
+    if table.stepping == "adaptive":
+        steps = f"as long as tractions are foreseen to {table.tolerance:g}"
+    taken = records(model.scene, model.grid.dx) - 1
+    order = "second" if model.stencil.staggered else "first"
+    rows = [
+        ("starts from", start[table.start]),
+        ("goes", f"from {table.distance[0]:g} to {table.distance[-1]:g} {unit}"),
+        ("courses", ", ".join(table.courses) or "none: everything stays as the tables say"),
+        ("steps", f"{steps}: about {taken}, each from the two before"),
+        ("order", f"{order} in the mesh"),
+        ("fields kept at", ", ".join(f"{at:g}" for at in table.save)),
+    ]
+    return [Section("Transient", rows)]
+
+
+def records(scene: Scene, dx: float | None = None) -> int:
+    """Records that a scene is expected to have, on elements so long."""
+    if scene.transient is not None:
+        if dx is None:
+            known = scene.grid is not None or scene.hertz is not None
+            dx = choose_grid(scene).dx if known else 0.1
+        return 1 + expected_steps(scene, dx)
     wear = scene.wear
     if wear is None:
         return 1
@@ -342,13 +380,15 @@ def records(scene: Scene) -> int:
 
 def applications(model: Model) -> int:
     """Transform pairs that a scene is expected to take, or what takes as long."""
-    count, stress = records(model.scene), model.scene.subsurface
+    count, stress = records(model.scene, model.grid.dx), model.scene.subsurface
     bodies = depths = 0
     if stress is not None:
         kept = len(Saves.of(model.scene))
         bodies, depths = len(stress.bodies), kept * len(stress.planes) * stress.elements
     jumps = model.scene.wear is not None and model.scene.wear.stepping == "adaptive"
     each = JUMP_APPLICATIONS if jumps else WARM_APPLICATIONS
+    if model.scene.transient is not None:
+        each = STEP_APPLICATIONS
     blocks = len(model.blocks)
     contacts = blocks * (COLD_APPLICATIONS + (count - 1) * each)
     # Coarser meshes that give the error bars take together about as long as the finest.

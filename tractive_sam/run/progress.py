@@ -66,7 +66,9 @@ def progress_shown(
             depth = 1e3 * record.values["wear_max"]
             along = record.coordinate
             place, end = (format(one, along.format) for one in (record.at, forecast.end))
-            text = f"{along.name} {place} of {end}, wear {depth:.3g} µm"
+            text = f"{along.name} {place} of {end}"
+            if scene.wear is not None:
+                text += f", wear {depth:.3g} µm"
             left = duration(forecast.seconds_left)
             bar.show(text, forecast.done, forecast.done + forecast.left, left)
 

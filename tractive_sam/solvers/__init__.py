@@ -21,6 +21,7 @@ from tractive_sam.solvers.gmres import gmres as gmres
 from tractive_sam.solvers.in_sequence import InSequence, OneAfterTheOther
 from tractive_sam.solvers.ladder import ALONE as ALONE
 from tractive_sam.solvers.ladder import METHODS as METHODS
+from tractive_sam.solvers.ladder import STEPS as STEPS
 from tractive_sam.solvers.ladder import Ladder
 from tractive_sam.solvers.ladder import Method as Method
 from tractive_sam.solvers.nested import Nested

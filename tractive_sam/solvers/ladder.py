@@ -97,6 +97,9 @@ COUPLED_NEWTON = Nested(COUPLED, begin=ONE_AFTER_THE_OTHER)
 
 _NOT_AUTO = 'try solver.method = "auto"'
 
+SHARP = {"loosest": 0.1, "sharpest": 1e-6}
+"""Of steps, which start close to their solution: few linear systems, solved well."""
+
 METHODS = {
     "auto": Method(
         alike=InSequence(
@@ -116,3 +119,23 @@ METHODS = {
     "uzawa": Method(Uzawa(), Uzawa(), "uzawa", _NOT_AUTO, wears_in_pass=True, predictable=False),
 }
 """By the names that ``solver.method`` may have."""
+
+_HELD, _COUPLED = Newton(krylov=120, **SHARP), Newton(krylov=150, **SHARP)
+
+STEPS = Method(
+    alike=InSequence(
+        NORMAL,
+        Ladder((Nested(_HELD), Bracketing(_HELD, Continuation(_HELD)), Anderson()), with_forces=2),
+    ),
+    dissimilar=Ladder(
+        (
+            Nested(_COUPLED, begin=ONE_AFTER_THE_OTHER),
+            Bracketing(_COUPLED, Continuation(_COUPLED)),
+            Anderson(),
+        ),
+        with_forces=2,
+        begin=ONE_AFTER_THE_OTHER,
+    ),
+    told="newton, from the two steps before; where that fails as auto",
+)
+"""That of a step of a transient."""

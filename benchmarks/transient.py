@@ -1,0 +1,206 @@
+"""Transient rolling: does every step converge, what does it cost, how accurate is it?
+
+- `courses`: 200 random courses on a small mesh, of load or approach, creepages or forces, spin,
+  friction and profiles, with jumps, bodies that part, shifts, dissimilar and orthotropic: statuses,
+  applications of operators per step;
+- `killed`: 40 of them stopped after a random record and resumed: how far the two histories differ,
+  over the largest value;
+- `steps`: applications per step on 91 x 91 elements, of three courses;
+- `order`: error of Q_x after a step of creepage, over the mesh and over the step, against the
+  extrapolated finest one.
+
+    python benchmarks/transient.py [courses killed steps order]
+"""
+
+import sys
+import tempfile
+import warnings
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+from timing import show, write
+
+import tractive_sam as ts
+
+SPHERES = ts.Scene.builtin("spheres").replace(subsurface=None, creepage=None)
+P, MU, A = SPHERES.normal_load, SPHERES.friction.mu[0], SPHERES.hertz.a
+COURSES, KILLED = 200, 40
+
+
+def random_scene(seed: int, n: int = 19) -> ts.Scene:  # noqa: PLR0912 - each may be or not
+    """A scene with random courses."""
+    draw = np.random.default_rng(seed)
+    changes: dict = {"grid.elements": (n, n), "grid.half_length": (5.0, 5.0)}
+    if draw.random() < 0.3:
+        changes |= {"friction.mu": (0.4, draw.uniform(0.1, 0.4))}
+        changes |= {"friction.angle": draw.uniform(-90.0, 90.0)}
+    if draw.random() < 0.3:
+        changes["body.B.shear"] = draw.uniform(1.5, 10.0)
+    changes["solver.slip"] = "upwind" if draw.random() < 0.2 else "auto"
+    table: dict = {"start": str(draw.choice(["rest", "rest", "steady", "shift"]))}
+    count = int(draw.integers(2, 5))
+    knots = np.cumsum(np.append(0.0, draw.uniform(0.1, 4.0, count - 1)))
+    if count > 2 and draw.random() < 0.3:
+        knots[2] = knots[1]
+        knots[3:] += 0.5
+    knots = np.sort(knots)
+    if knots[-1] == knots[0]:
+        knots[-1] += 1.0
+    table["distance"] = knots.tolist()
+
+    def course(low: float, high: float) -> list[float]:
+        return draw.uniform(low, high, count).tolist()
+
+    weakest, lightest = min(changes.get("friction.mu", (MU,))), 0.7 * P
+    unit = 3e-3 if table["start"] != "shift" else 2e-2
+    parts = draw.random() < 0.15
+    if parts:
+        changes["load"] = {"approach": 0.07}
+        table["load.approach"] = [0.07, *draw.uniform(-0.02, 0.09, count - 1).tolist()]
+    elif draw.random() < 0.4:
+        table["load.normal"] = course(lightest, 1.3 * P)
+    if draw.random() < 0.4 and not parts:
+        most = 0.6 * 0.7 * weakest * lightest
+        table["load.force_x"] = course(-most, most)
+    else:
+        table["creepage.longitudinal"] = course(-unit, unit)
+    if draw.random() < 0.5:
+        table["creepage.lateral"] = course(-unit, unit)
+    if draw.random() < 0.3 and "load.force_x" not in table:
+        table["creepage.spin"] = course(-unit / A, unit / A)
+    if draw.random() < 0.3:
+        table["friction.mu"] = (
+            course(0.7 * 0.4, 0.4) if "friction.mu" in changes else course(0.7 * MU, MU)
+        )
+    if draw.random() < 0.2:
+        x = np.linspace(-6.0, 20.0, 131)
+        wave = 1e-3 * np.sin(2.0 * np.pi * x / draw.uniform(3.0, 8.0))
+        separation = np.stack((wave, wave), axis=1)
+        table["profile.B"] = {"x": x, "y": [-9.0, 9.0], "separation": separation}
+    if draw.random() < 0.4:
+        table["stepping"] = "adaptive"
+    elif draw.random() < 0.4 and table["start"] != "shift":
+        table["step"] = draw.uniform(0.2, 1.5)
+    return SPHERES.replace(**changes, transient=table)
+
+
+def courses() -> None:
+    """Random courses."""
+    rows = []
+    for seed in range(COURSES):
+        history = ts.roll(random_scene(seed))
+        rows.append(
+            {
+                "seed": seed,
+                "status": history.status,
+                "steps": len(history),
+                "applications": float(np.median(history["operator_applications"])),
+                "message": "" if history.status == "done" else history.message,
+            }
+        )
+    write("transient_courses", rows)
+    done = [row for row in rows if row["status"] == "done"]
+    print(f"{len(done)} of {len(rows)} converged, {sum(row['steps'] for row in rows)} steps")
+    if bad := [row for row in rows if row["status"] != "done"]:
+        show("not converged", bad)
+
+
+class KilledError(Exception):
+    """Stops a run."""
+
+
+def killed() -> None:
+    """Random courses stopped and resumed."""
+    rows = []
+    for seed in range(KILLED):
+        scene = random_scene(seed)
+        whole = ts.roll(scene)
+        last = int(np.random.default_rng(1000 + seed).integers(1, len(whole) + 1))
+        done = []
+
+        def stop(record: object, done: list = done, last: int = last) -> None:
+            done.append(record)
+            if len(done) == last:
+                raise KilledError
+
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "killed.h5"
+            with suppress(KilledError):
+                ts.roll(scene, path, progress=stop)
+            history = ts.roll(scene, path, resume=True)
+        apart = 0.0
+        same = len(history) == len(whole)
+        for name in ("distance", "P", "Qx", "Qy", "approach", "elastic_energy") if same else ():
+            size = np.abs(whole[name]).max() or 1.0
+            if name == "Qy":
+                size = max(size, np.abs(whole["Qx"]).max())
+            apart = max(apart, float(np.abs(history[name] - whole[name]).max() / size))
+        rows.append(
+            {"seed": seed, "stopped": last, "steps": len(whole), "same": same, "apart": apart}
+        )
+    write("transient_killed", rows)
+    print(
+        f"{sum(row['same'] for row in rows)} of {len(rows)} the same, "
+        f"apart by {max(row['apart'] for row in rows):.1e} at most"
+    )
+    if bad := [row for row in rows if not row["same"] or row["apart"] > 1e-6]:
+        show("not the same", bad)
+
+
+def steps() -> None:
+    """Applications per step at 91 x 91 elements."""
+    dx, rows = 2.0 * 4.08 / 91, []
+    wave = 0.5 * MU * P * np.sin(0.1 * np.pi * np.arange(41))
+    tables = {
+        "creepage, from rest": {"creepage.longitudinal": [-0.003] * 2},
+        "force held after a shift": {"load.force_x": [0.657 * MU * P] * 2},
+        "oscillating force": {"load.force_x": wave.tolist()},
+    }
+    for slip in ("auto", "upwind"):
+        for name, table in tables.items():
+            count = len(next(iter(table.values())))
+            knots = np.linspace(0.0, 40.0 * dx, count).tolist()
+            scene = SPHERES.replace(
+                transient=table | {"distance": knots},
+                **{"grid.elements": (91, 91), "solver.slip": slip},
+            )
+            taken = ts.roll(scene)["operator_applications"][1:]
+            rows.append(
+                {
+                    "course": name,
+                    "slip": slip,
+                    "steps": len(taken),
+                    "median": float(np.median(taken)),
+                    "most": float(taken.max()),
+                }
+            )
+    write("transient_steps", rows)
+    show("applications per step", rows)
+
+
+def order() -> None:
+    """Errors over the mesh and over the step."""
+
+    def force(n: int, step: float | None, slip: str) -> float:
+        table = {"distance": [0, 3.0], "creepage.longitudinal": [0, -0.004], "start": "rest"}
+        if step is not None:
+            table["step"] = step
+        scene = SPHERES.replace(transient=table, **{"grid.elements": (n, n), "solver.slip": slip})
+        return ts.roll(scene)["Qx"][-1] / (MU * P)
+
+    cases = [("mesh", slip, n, None) for slip in ("auto", "upwind") for n in (17, 34, 68, 136)]
+    cases += [("step", "auto", 85, 3.0 / 2**k) for k in range(6)]
+    rows = [
+        {"over": over, "slip": slip, "n": n, "step": step or "", "Qx": force(n, step, slip)}
+        for over, slip, n, step in cases
+    ]
+    write("transient_order", rows)
+    show("Q_x/(mu P) after 3 mm", rows)
+
+
+if __name__ == "__main__":
+    warnings.simplefilter("ignore", ts.SceneWarning)
+    parts = {"courses": courses, "killed": killed, "steps": steps, "order": order}
+    for name in sys.argv[1:] or parts:
+        parts[name]()

@@ -1,0 +1,131 @@
+"""Figures of transients: the loop of force and shift, energy, and the course of stick and slip."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from tractive_sam.plot.drawn import Drawn
+from tractive_sam.plot.frame import Frame
+from tractive_sam.plot.map import LEFT, Map
+from tractive_sam.plot.style import (
+    BLUE,
+    TRACTION,
+    VERMILLION,
+    WIDTH,
+    along,
+    set_title,
+    styled,
+    told_of,
+)
+from tractive_sam.results import History
+
+
+@styled
+def hysteresis(history: History) -> Figure:
+    """Force on body A over the shift of A over B, along the axis of the larger shift.
+
+    The area of a closed loop is the work of friction.
+
+    Raises
+    ------
+    ValueError
+        If the history is not of a [transient].
+
+    Examples
+    --------
+    >>> plot.hysteresis(ts.roll(ts.Scene.builtin("fretting")))
+    <Figure size ...>
+    """
+    _check(history)
+    axis = max("xy", key=lambda one: np.ptp(history[f"shift_{one}"]))
+    shift = history.columns[f"shift_{axis}"]
+    figure, axes = _figure(history, "force over shift of A over B")
+    axes.plot(1e3 * history[shift.name], history[f"Q{axis}_over_P"], color=BLUE)
+    axes.plot(1e3 * history[shift.name][:1], history[f"Q{axis}_over_P"][:1], "o", color=BLUE)
+    axes.set_xlabel(rf"shift ${shift.symbol}$ ($\mathrm{{\mu m}}$)")
+    axes.set_ylabel(f"${history.columns[f'Q{axis}_over_P'].symbol}$")
+    return figure
+
+
+@styled
+def energies(history: History) -> Figure:
+    """Work supplied and taken by friction since the start, and the elastic energy, over the course.
+
+    Raises
+    ------
+    ValueError
+        If the history is not of a [transient].
+
+    Examples
+    --------
+    >>> plot.energies(ts.roll(ts.Scene.builtin("fretting")))
+    <Figure size ...>
+    """
+    _check(history)
+    figure, axes = _figure(history, "work since the start, and elastic energy")
+    along(axes, history)
+    at, stored = history[history.coordinate.name], history["elastic_energy"]
+    work = np.cumsum(np.append(0.0, history["step_work"][1:]))
+    friction = np.cumsum(np.append(0.0, history["step_friction"][1:]))
+    for values, label, style in (
+        (work, "work supplied", {"color": BLUE}),
+        (friction, "friction", {"color": VERMILLION}),
+        (stored - stored[0], "elastic energy gained", {"color": "black", "linestyle": "--"}),
+    ):
+        axes.plot(at, values, label=label, **style)
+    axes.set_ylabel(f"energy ({history.columns['step_work'].unit})")
+    axes.legend(loc="best")
+    return figure
+
+
+@styled
+def stick_course(history: History) -> Figure:
+    """Share of the contact that sticks, over the course.
+
+    Raises
+    ------
+    ValueError
+        If the history is not of a [transient].
+
+    Examples
+    --------
+    >>> plot.stick_course(ts.roll(ts.Scene.builtin("fretting")))
+    <Figure size ...>
+    """
+    _check(history)
+    figure, axes = _figure(history, "share of the contact that sticks")
+    along(axes, history)
+    axes.plot(history[history.coordinate.name], history["stick_fraction"], color=BLUE)
+    axes.set(ylim=(-0.02, 1.02), ylabel="share that sticks")
+    return figure
+
+
+def picture(figure: Figure, frame: Frame, state: Drawn, envelope: Drawn) -> None:
+    """One picture of an animation: the traction and the moving edge of stick.
+
+    The colours end at the largest pressure at any time: there friction carries no more.
+    """
+    for axes in list(figure.axes):
+        axes.remove()
+    chart = Map(figure, LEFT, state, frame)
+    chart.axes.set_title(state.place, loc="center")
+    shares = state.contact.utilisation / state.scale.pressure
+    highest = envelope.contact.pressure.max() / state.scale.pressure
+    mesh = chart.fill(shares, cmap=TRACTION, vmin=0.0, vmax=highest)
+    if state.contact.touching.any():
+        chart.stick_edge(colors="white", linewidths=1.2, linestyles="--")
+        chart.arrows(state.contact.traction, state.contact.touching, color="white")
+    symbol = r"|p_t|/\mu" if state.isotropic else r"\|p_t\|_\mu"
+    chart.colour_bar(mesh, f"traction over friction {state.scale.of_pressure(symbol)}")
+
+
+def _check(history: History) -> None:
+    if history.scene.transient is None:
+        raise ValueError("a history of a [transient] is needed; this one is of revolutions")
+
+
+def _figure(history: History, told: str) -> tuple[Figure, Axes]:
+    figure = Figure(figsize=(WIDTH, 0.66 * WIDTH))
+    axes = figure.add_subplot()
+    set_title(figure, told_of(history, told))
+    return figure, axes
