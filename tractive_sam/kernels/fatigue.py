@@ -406,7 +406,7 @@ def critical_plane(out, paths, sum_k, product_k, normals):
     for k in range(paths.shape[0]):
         out[k], count = _looked_around(chosen, paths[k], sum_k, product_k, normals, room)
         for c in range(count):
-            out[k] = max(out[k], _climbed(chosen[c], paths[k], sum_k, product_k, room))
+            out[k] = max(out[k], _maximised(chosen[c], paths[k], sum_k, product_k, room))
 
 
 @compiled
@@ -432,7 +432,7 @@ def _looked_around(chosen, path, sum_k, product_k, normals, room):
 
 
 @compiled
-def _climbed(normal, path, sum_k, product_k, room):
+def _maximised(normal, path, sum_k, product_k, room):
     """The local maximum that Newton's steps lead to from a normal."""
     trial, e, f, v = np.empty(3), np.empty(3), np.empty(3), np.empty(8)
     here = _plane(path, normal, sum_k, product_k, room, -1.0)

@@ -43,7 +43,7 @@ def of_history(history: History) -> dict[str, Any]:
     if len(blocks) > 1:
         left_out.append(
             "a duty cycle: each place of the slider is one of its blocks; y counts from the middle "
-            "of the band that it rolls on, stress is that of the block with the largest pressure"
+            "of the band that it rolls on, stress is that of the block with the highest pressure"
         )
     along = history.coordinate
     rows = [int(np.flatnonzero(history[along.name] == at)[-1]) for at in saved]

@@ -11,7 +11,7 @@ from tractive_sam.paper.scenes import ANGLES, ANGLES_TOLD, discs
 from tractive_sam.results import History
 
 SIMILAR = 0.2
-"""Relative spread of largest pressures that are very similar."""
+"""Relative spread of peak contact pressures that are very similar."""
 
 AT_EDGE = 0.9
 """Share of the half width b beyond which a place is at the edge."""

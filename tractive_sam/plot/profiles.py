@@ -108,7 +108,7 @@ def pressure_profiles(history: History) -> Figure:
     >>> plot.pressure_profiles(history)
     <Figure size ...>
     """
-    figure, axes = _across(history, "largest pressure in each row")
+    figure, axes = _across(history, "peak pressure in each row")
     scale = Scale.of_history(history)
     _lines(axes, history, lambda N: history.field("pressure", N).max(axis=0) / scale.pressure)
     axes.set_ylim(bottom=0.0)

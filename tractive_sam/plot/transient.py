@@ -103,7 +103,7 @@ def stick_course(history: History) -> Figure:
 def picture(figure: Figure, frame: Frame, state: Drawn, envelope: Drawn) -> None:
     """One picture of an animation: the traction and the moving edge of stick.
 
-    The colours end at the largest pressure at any time: there friction carries no more.
+    The colours end at the peak contact pressure at any time: there friction carries no more.
     """
     for axes in list(figure.axes):
         axes.remove()

@@ -433,7 +433,8 @@ class History:
         """What was recorded of one block of a duty cycle, as a history of its own.
 
         Profiles and worn volumes are those of the bodies, which all blocks wear; stress on planes
-        is only kept of the block with the largest pressure, with the history of the cycle.
+        is only kept of the block with the highest peak contact pressure, with the history of the
+        cycle.
 
         Parameters
         ----------

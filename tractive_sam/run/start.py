@@ -85,7 +85,7 @@ def started_as(history: History, path: str | PathLike, asked: str) -> Worn | Non
     """
     if asked not in ("", history.started):
         raise ResultsError(
-            f"{path} began with {history.started or 'new bodies'}, and is to go on as if with "
+            f"{path} began with {history.started or 'unworn bodies'}, and is to go on as if with "
             f"{asked}: resume it without a start, or give this run a file of its own"
         )
     return before(history)

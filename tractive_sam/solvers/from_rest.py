@@ -3,7 +3,7 @@
 A falling law may have several solutions. The way begins with friction at rest (or at great speed),
 which has one, and Newton's method leads from there; where it does not, by way of slower (or faster)
 rolling, each problem started from the one before. Of prescribed forces that are not found the
-traction curve is climbed to its top.
+traction curve is followed up to its top.
 """
 
 from dataclasses import dataclass, replace

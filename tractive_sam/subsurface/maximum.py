@@ -7,9 +7,9 @@ import numpy as np
 
 from tractive_sam.contact import Laws
 from tractive_sam.results import Maximum, Point, State
-from tractive_sam.subsurface.climb import climb
 from tractive_sam.subsurface.loaded import LoadedBodies
-from tractive_sam.subsurface.pyramid import Layer, Pyramid
+from tractive_sam.subsurface.maximise import maximise
+from tractive_sam.subsurface.multilevel import Layer, MultiLevel
 from tractive_sam.subsurface.strips import StripLevels
 
 GROWTH = 1.5
@@ -35,7 +35,7 @@ def stress_maximum(contact: State, body: str = "A", laws: Laws | None = None) ->
     """Find the largest stress in a body, by von Mises or another criterion.
 
     Layers at depths that grow by `GROWTH` show where to look; below the first few, elements are
-    taken together in blocks of at most half the depth. The best local maxima are climbed with
+    taken together in blocks of at most half the depth. The best local maxima are refined with
     blocks that grow with their distance; the value is exact for the tractions on the elements, the
     place off by so little of its depth that the value there is the largest to 1e-4.
 
@@ -113,13 +113,13 @@ def _search_depths(contact: State, side: float) -> np.ndarray:
 
 
 def _interior(
-    levels: Pyramid | StripLevels,
+    levels: MultiLevel | StripLevels,
     body: int,
     layers: list[Layer],
     starts: list[tuple[int, int, int]],
     surface: float,
 ) -> tuple[float, Point]:
-    """Climb from the largest local maxima of the layers below the surface."""
+    """Go on from the largest local maxima of the layers below the surface."""
     floor = layers[1].depth
     near, exact = partial(levels.around, body), partial(levels.at, body)
     tops = []
@@ -128,7 +128,7 @@ def _interior(
         layer = layers[k]
         if layer.values[body, i, j] * BETWEEN < best:
             break  # the others are lower still
-        at = climb(near, np.array([layer.x[i], layer.y[j], layer.depth]), floor)
+        at = maximise(near, np.array([layer.x[i], layer.y[j], layer.depth]), floor)
         value = near(at[None], at)[0]
         # A way that ends at the floor leads on to the surface, unless that is lower.
         if at[2] <= floor and exact(at[None])[0] <= surface:
@@ -149,9 +149,9 @@ def _local_maxima(
     """Layer and place in it, (k, i, j), of the largest local maxima of each body inside it."""
     # Of every layer the largest value in each of the coarsest blocks, (body, layer, block, block).
     tops = np.stack([_split(layer.values, blocks).max(axis=(2, 4)) for layer in layers], axis=1)
-    summits = tops == _largest_around(tops)
-    summits[:, 0] = False  # at the surface
-    for body, (values, found) in enumerate(zip(tops, summits, strict=True)):
+    peaks = tops == _largest_around(tops)
+    peaks[:, 0] = False  # at the surface
+    for body, (values, found) in enumerate(zip(tops, peaks, strict=True)):
         places = np.argwhere(found)
         best = np.argsort(-values[found])[:CANDIDATES]
         yield [

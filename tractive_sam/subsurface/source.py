@@ -9,8 +9,8 @@ import numpy as np
 from tractive_sam.mechanics import Elasticity, HalfSpaces, StressCriterion, Strips
 from tractive_sam.operators import Lattice, StressLayers, StressPlane
 from tractive_sam.results import Grid
+from tractive_sam.subsurface.multilevel import MultiLevel
 from tractive_sam.subsurface.patches import Patches
-from tractive_sam.subsurface.pyramid import Pyramid
 from tractive_sam.subsurface.strips import StripLevels, StripLoads
 
 
@@ -34,7 +34,7 @@ class StressSource(Protocol):
     def at(self, points: np.ndarray) -> np.ndarray:
         """Stresses (bodies, 6, n) at points (n, 3)."""
 
-    def levels(self, criterion: StressCriterion) -> Pyramid | StripLevels:
+    def levels(self, criterion: StressCriterion) -> MultiLevel | StripLevels:
         """What the largest equivalent stresses are sought in."""
 
 
@@ -92,9 +92,9 @@ class PatchStress:
         patches = [Patches.on_mesh(grid.x, grid.y, sides, own, nu) for own, nu in each]
         return np.stack([one.stress(points).T for one in patches])
 
-    def levels(self, criterion: StressCriterion) -> Pyramid:
+    def levels(self, criterion: StressCriterion) -> MultiLevel:
         """See `StressSource`."""
-        return Pyramid(self._grid, self._tractions, self._bodies, criterion)
+        return MultiLevel(self._grid, self._tractions, self._bodies, criterion)
 
 
 class StripStress:

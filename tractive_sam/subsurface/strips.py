@@ -9,7 +9,7 @@ from tractive_sam.kernels import strip_stress
 from tractive_sam.mechanics import StressCriterion, Strips
 from tractive_sam.operators import Lattice
 from tractive_sam.results import Grid, Point
-from tractive_sam.subsurface.pyramid import Layer
+from tractive_sam.subsurface.multilevel import Layer
 from tractive_sam.subsurface.surface import corner_stress, largest_at_surface
 
 
@@ -51,7 +51,7 @@ class StripLoads:
 
 
 class StripLevels:
-    """The loaded strips in place of a `Pyramid`: they are few, and need no blocks.
+    """The loaded strips in place of a `MultiLevel`: they are few, and need no blocks.
 
     Parameters
     ----------
@@ -86,15 +86,15 @@ class StripLevels:
         return Layer(depth, self._x, self._y, np.stack(values))
 
     def around(self, body: int, points: np.ndarray, around: np.ndarray) -> np.ndarray:
-        """See `Pyramid`; exact."""
+        """See `MultiLevel`; exact."""
         return self.at(body, points)
 
     def at(self, body: int, points: np.ndarray) -> np.ndarray:
-        """See `Pyramid`."""
+        """See `MultiLevel`."""
         return self._criterion(self._strips[body].stress(points).T)
 
     def surface(self, sliding: np.ndarray) -> tuple[Layer, list[tuple[float, Point]]]:
-        """See `Pyramid`; at the edges of strips."""
+        """See `MultiLevel`; at the edges of strips."""
         lattice = Lattice(self.blocks, self.side, 1.0)
         stress = corner_stress(lattice, self._bodies, self._tractions)
         values = np.zeros((len(self._bodies), *self.blocks))

@@ -1,4 +1,4 @@
-"""New bodies on finer and finer meshes."""
+"""Unworn bodies on finer and finer meshes."""
 
 import math
 from collections.abc import Callable
@@ -15,7 +15,7 @@ from tractive_sam.subsurface import stress_maxima
 
 @dataclass(frozen=True)
 class Refined:
-    """New bodies on the mesh that their accuracy takes.
+    """Unworn bodies on the mesh that their accuracy takes.
 
     Attributes
     ----------

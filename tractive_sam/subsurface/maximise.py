@@ -1,4 +1,4 @@
-"""The way to the top of a smooth function of three coordinates."""
+"""The local maximum of a smooth function of three coordinates."""
 
 from collections.abc import Callable
 from itertools import combinations
@@ -9,7 +9,7 @@ Function = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """Points (n, 3) and what they are near, (3,) -> values (n,)."""
 
 STEPS = 6
-"""Largest number of Newton steps: a way that is longer swings between elements near the surface."""
+"""Largest number of Newton steps: a longer search swings between elements near the surface."""
 
 FLATTEST = 1e-3
 """Least curvature over the largest one."""
@@ -22,8 +22,8 @@ _PAIRS = np.array([e + s * f for e, f in combinations(np.eye(3), 2) for s in (1.
 _STENCIL = np.concatenate((np.zeros((1, 3)), _AXES, _PAIRS, -_PAIRS))
 
 
-def climb(function: Function, start: np.ndarray, floor: float) -> np.ndarray:
-    """Climb to a local maximum by Newton steps on differences.
+def maximise(function: Function, start: np.ndarray, floor: float) -> np.ndarray:
+    """Find a local maximum by Newton steps on differences.
 
     Lengths go with the depth, over which fields below a surface change.
 

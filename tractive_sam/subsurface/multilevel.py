@@ -94,7 +94,7 @@ class _Side:
         return self.origin + self.step * elements.reshape(-1, block).mean(axis=1)
 
 
-class Pyramid:
+class MultiLevel:
     """The tractions of bodies under one contact, and the stress that they cause.
 
     Parameters
