@@ -54,7 +54,8 @@ def gated(scene, path, **options):
             while not Path({go!r}).exists():
                 time.sleep(0.01)
 
-    return roll(scene, path, **{**options, "progress": wait})
+    options["progress"] = wait
+    return roll(scene, path, **options)
 
 
 worker.roll = gated
