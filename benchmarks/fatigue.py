@@ -28,6 +28,7 @@ CASES = (
     (45, (81, 241), 1e-3),
     *((beta, (41, 121), 1e-4) for beta in (45, 0, 90)),
     *((beta, (81, 241), 1e-3) for beta in (0, 90)),
+    *((beta, (81, 241), 1e-4) for beta in (0, 45, 90)),
 )
 MESHES = (51, 101, 201, 401)
 
@@ -59,6 +60,7 @@ def row(beta: float, mesh: tuple[int, int], tolerance: float) -> dict:
             unworn = REVOLUTIONS / history["fatigue_life"][0, k]
             inside = REVOLUTIONS * _inside(history, body)
             told |= {
+                f"most {body}": np.nanmax(history["damage"][:, k]),
                 f"damage {body}": history["damage"][-1, k],
                 f"error {body}": history["damage_error"][-1, k],
                 f"depth {body}": history["damage_at"][-1, k, 2],

@@ -187,6 +187,14 @@ def test_without_wear_there_is_a_life_and_no_damage():
     assert (history["wear_margin"] == 0.0).all()
 
 
+def test_stress_above_the_shakedown_limit_is_told(whole):
+    assert whole["shakedown_lower"][-1].min() < 1.0
+    assert "shakedown" in whole.message
+    bears = ts.roll(discs(shear_yield=3000.0, limit=None).replace(wear=None))
+    assert (bears["shakedown_lower"] > 1.0).all()
+    assert "shakedown" not in bears.message
+
+
 def test_what_is_not_asked_is_not_there():
     history = ts.roll(discs("wear.revolutions=1", "wear.save=[0, 1]", limit=None))
     assert "damage" not in history.columns

@@ -3,6 +3,7 @@
 import pytest
 
 import tractive_sam as ts
+from tractive_sam.scene import PlausibilityWarning
 
 WHOLE = {"shear_yield": 300.0, "criterion": "dang-van", "sensitivity": 0.333, "limit": 250.0}
 
@@ -34,6 +35,22 @@ def test_a_fault(changes, key):
     with pytest.raises(ts.SceneError) as error:
         ts.Fatigue(**given)
     assert key in [fault.key for fault in error.value.faults]
+
+
+def test_it_is_of_steady_rolling_under_one_load():
+    scene = ts.Scene.builtin("spheres").replace(fatigue=WHOLE)
+    block = {"revolutions": 5, "load": {"normal": 0.3}}
+    transient = {"distance": [0.0, 1.0], "creepage.longitudinal": [0.0, -0.001]}
+    for other in ({"duty": [block]}, {"transient": transient}):
+        with pytest.raises(ts.SceneError) as error:
+            scene.replace(**other)
+        assert "fatigue" in [fault.key for fault in error.value.faults]
+
+
+def test_pressure_beyond_all_shakedown_is_doubtful():
+    discs = ts.Scene.builtin("twin-discs")
+    with pytest.warns(PlausibilityWarning, match="fatigue"):
+        discs.replace(fatigue={"shear_yield": 200.0})
 
 
 def test_one_yield_stress_stands_for_both():

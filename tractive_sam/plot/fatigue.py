@@ -145,6 +145,7 @@ def utilisation(history: History, body: str = "A", at: float | None = None, **na
         where = found.y / scale.across, found.depth / scale.length, values.T
         axes.contour(*where, levels=[1.0], colors="white", linewidths=1.0)
     figure.colorbar(mesh, ax=axes, label="equivalent stress / limit")
+    _note(figure, history, body)
     return figure
 
 
@@ -193,6 +194,7 @@ def damage(history: History, body: str = "A") -> Figure:
         axes.set_ylabel("")
         axes.tick_params(labelleft=False)
     figure.colorbar(mesh, ax=charts, label=r"$\log_{10} D$", extend="min")
+    _note(figure, history, body)
     return figure
 
 
@@ -287,6 +289,15 @@ _MARK = {"markerfacecolor": "white", "markeredgecolor": "black", "markersize": 5
 def _check_limit(history: History) -> None:
     if "damage" not in history.columns:
         raise ValueError("no utilisation was computed: add fatigue.limit to the scene")
+
+
+def _note(figure: Figure, history: History, body: str) -> None:
+    """Tell of stress that the material cannot see."""
+    if "shakedown_lower" not in history.columns:
+        return
+    if np.nanmin(history["shakedown_lower"][:, BODIES.index(body)]) < 1.0:
+        text = "Above the shakedown limit: elastic stress is not what the material sees."
+        figure.supxlabel(text, fontsize=9)
 
 
 def _wear_rate(history: History, body: str) -> np.ndarray:

@@ -44,7 +44,7 @@ NODES, WEIGHTS = (
 )
 """Quadrature of Gauss on a part."""
 
-WORKS = 1e-3
+WORKS = 0.1
 """Share of the largest balancing wear from which a row counts where wear is compared with it."""
 
 
@@ -143,6 +143,18 @@ class Damage:
             worn, rate = passage.off(body)
             bodies[body] = _rolled(one, found[body], worn, rate, jump, laws.life, self.revolution)
         return Damage(passage.revolution, self.revolution, bodies)
+
+    @property
+    def warning(self) -> str:
+        """Where stress is above the shakedown limit, that it is; else empty."""
+        factors = {body: one.now.shakedown_lower for body, one in self.bodies.items()}
+        above = [f"{body} {factor:.2f}" for body, factor in factors.items() if factor < 1.0]
+        if not above:
+            return ""
+        return (
+            f"; stress is above the shakedown limit (load factor of body {', of '.join(above)}): "
+            "elastic as it is, it is not what the material sees"
+        )
 
     @property
     def fields(self) -> tuple[BodyFatigue, ...]:

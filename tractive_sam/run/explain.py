@@ -261,6 +261,9 @@ def _fatigue(model: Model) -> Section:
     if k is not None:
         shakedown = f"k = {k:.6g} MPa: certain by Melan (rho_xx and rho_yy), impossible by Koiter"
     rows = [("bodies", ", ".join(asked.bodies)), ("shakedown", shakedown)]
+    if k is not None and model.scene.hertz is not None:
+        ratio = model.scene.hertz.p0 / k
+        rows.append(("p0/k", f"{ratio:.3g} unworn; without friction a line shakes down up to 4"))
     if laws.fatigue is None or laws.life is None:
         rows.append(("utilisation and damage", "left out: there is no limit"))
     else:

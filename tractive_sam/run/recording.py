@@ -106,7 +106,8 @@ class Recording:
                 if self.progress is not None:
                     self.progress(told)
                 interrupt.heed()
-            keeper.finish(*_ended(passage, missed if estimator is None else estimator.missed))
+            status, message = _ended(passage, missed if estimator is None else estimator.missed)
+            keeper.finish(status, message + ("" if tired is None else tired.warning))
         return keeper.history if self.path is None else open_history(self.path)
 
 

@@ -34,6 +34,9 @@ MOST_WEAR = 2.0
 """Wear intensity times E*: a thousand times that of dry steel, of k = 2e-5 mm3/(N m)."""
 
 
+MOST_SHAKEN = 4.7
+"""p0/k up to which a circular contact without friction shakes down; a line up to 4."""
+
 _STEEL = "Steel has 2.1e5 MPa"
 
 
@@ -49,6 +52,13 @@ def doubts(scene: Scene) -> Iterator[str]:
         yield (
             f"load: p0 = {scene.hertz.p0:.4g} MPa by Hertz, and nothing bears {HARDEST:g} MPa; "
             "units are mm, N and MPa"
+        )
+    k = None if scene.fatigue is None else scene.fatigue.shear_yield_stress
+    if k is not None and scene.hertz is not None and scene.hertz.p0 > MOST_SHAKEN * k:
+        yield (
+            f"fatigue: p0 = {scene.hertz.p0:.4g} MPa is {scene.hertz.p0 / k:.3g} times the yield "
+            f"stress in shear, and above {MOST_SHAKEN:g} nothing shakes down: material flows in "
+            "every pass, and elastic stress is not what it sees"
         )
     for key in ("longitudinal", "lateral"):
         creepage = getattr(scene.creepage, key)
