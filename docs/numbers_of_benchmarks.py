@@ -274,6 +274,31 @@ def study_scaling() -> str:
     return of_columns(rows_of("study_scaling.csv"), columns)
 
 
+def transient_order() -> str:
+    """Force after a ramp of creepage, over the mesh and over the step."""
+    rows = rows_of("transient_order.csv")
+    meshes = dict.fromkeys(row["n"] for row in rows if row["over"] == "mesh")
+    forces = {(row["slip"], row["n"]): row["Qx"] for row in rows if row["over"] == "mesh"}
+    head = ("elements", *(f"{n} x {n}" for n in meshes))
+    force = number(".5f")
+    body = [
+        (told, *(force(forces[slip, n]) for n in meshes))
+        for told, slip in (("Q_x/(mu P), second order", "auto"), ("first order", "upwind"))
+    ]
+    steps = [row for row in rows if row["over"] == "step"]
+    length = number(".3g")
+    over_steps = markdown(
+        ("step, mm", *(length(row["step"]) for row in steps)),
+        [("Q_x/(mu P)", *(force(row["Qx"]) for row in steps))],
+    )
+    told = (
+        "From rest, after a ramp of creepage to -0.004 over 3 mm (spheres, a = 3.5 mm); over the "
+        "mesh, in steps of one element,"
+    )
+    also = "and, on 85 x 85 elements, over the step:"
+    return f"{told}\n\n{markdown(head, body)}\n{also}\n\n{over_steps}"
+
+
 TABLES = {
     one.__name__: one
     for one in (
@@ -297,5 +322,6 @@ TABLES = {
         jacobian,
         jacobian_carter,
         study_scaling,
+        transient_order,
     )
 }

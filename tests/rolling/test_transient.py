@@ -31,6 +31,7 @@ def test_a_force_held_after_a_shift_takes_the_creepage_of_an_independent_program
     found = -1e3 * history["creepage_found"][[1, 7, 12, 14, 17, 29, 56], 0]
     printed = [1.824, 2.334, 2.968, 3.403, 3.241, 3.093, 3.101]
     np.testing.assert_allclose(found, printed, atol=6e-4)  # four digits
+    assert np.isnan(history["creepage_found"][0]).all()  # a shift is no creepage
     assert -history["shift_x"][0] == pytest.approx(1.774e-2, rel=5e-4)
     np.testing.assert_allclose(history["Qx"], 0.657 * MU * P, rtol=1e-6)  # the solver's tolerance
 

@@ -108,7 +108,7 @@ def _figures(history: History) -> Iterator[tuple[str, Figure]]:
             yield name, draw(history)
         if "worn_volume" in history.columns and np.isfinite(history["worn_volume"]).any():
             yield "worn-mass", worn_mass(history)
-        if "creepage_found" in history.columns:
+        if np.isfinite(history.values.get("creepage_found", np.nan)).any():
             yield "creepages", creepages(history)
         if history.bodies:
             yield history.of_role("stress_max").name.replace("_", "-"), stress_course(history)

@@ -96,19 +96,15 @@ class Moment:
         """The contact to record, the columns that only stepping knows, and whether it is kept."""
         course, contact = Courses(self.contact.scene), self.contact
         way = self.stepped.distance
-        per_distance = {}
-        if course.rolls:
-            rolled = way > 0.0
-            per_distance = {
-                "work_supplied": self.stepped.supplied / way if rolled else np.nan,
-                "dissipation": self.stepped.friction / way if rolled else np.nan,
-            }
-            if not rolled and self.stepped.shifted:
-                per_distance |= dict.fromkeys(("xi_x", "xi_y", "spin", "t_gamma"), np.nan)
-        else:
-            per_distance = dict.fromkeys(
-                ("xi_x", "xi_y", "spin", "t_gamma", "work_supplied", "dissipation"), np.nan
-            )
+        per_distance: dict[str, Any] = {}
+        if course.rolls and way > 0.0:
+            per_distance["work_supplied"] = self.stepped.supplied / way
+            per_distance["dissipation"] = self.stepped.friction / way
+        elif self.stepped.shifted or not course.rolls:
+            # A shift has no creepage, and its work is not per distance.
+            of_rolling = ("xi_x", "xi_y", "spin", "t_gamma", "work_supplied", "dissipation")
+            per_distance = dict.fromkeys((*of_rolling, "t_gamma_over_area"), np.nan)
+            per_distance["creepage_found"] = np.full(2, np.nan)
         given = {
             "distance": self.distance,
             "stretch": self.stretch,
