@@ -15,6 +15,10 @@ TELL = """addEventListener("load", () => parent.postMessage({
   images: document.images.length,
   beyond: [...document.querySelectorAll("main > *, figure, .statements td")]
     .filter(e => e.getBoundingClientRect().right > innerWidth + 1).length,
+  narrow: [...document.querySelectorAll("figure img")]
+    .filter(e => e.clientWidth < 0.75 * Math.min(e.naturalWidth, innerWidth)).map(e => e.alt),
+  contents: [...document.querySelectorAll("#contents a, .up")]
+    .filter(e => !document.querySelector(e.getAttribute("href"))).length,
   small: [...document.querySelectorAll("td, p, figcaption")]
     .filter(e => parseFloat(getComputedStyle(e).fontSize) < 12).length,
 }, "*"));"""
@@ -29,6 +33,8 @@ def test_it_is_readable_on(reproduced, tmp_path, width):
     assert told["blank"] == []
     assert told["beyond"] == 0
     assert told["small"] == 0
+    assert told["narrow"] == []  # text of figures, made with 13 pixels, has 10 and more
+    assert told["contents"] == 0
 
 
 def test_it_prints(reproduced, tmp_path):

@@ -1,5 +1,12 @@
 """Pages of HTML that need no other file and no network; plotly only here, and only its script."""
 
+from importlib.resources import files
+
 from tractive_sam.pages.report import report
 
-__all__ = ["report"]
+__all__ = ["report", "style"]
+
+
+def style() -> str:
+    """The look that all pages share, as CSS."""
+    return files(__name__).joinpath("style.css").read_text("utf-8")

@@ -11,6 +11,7 @@ from itertools import groupby
 from platform import python_version
 from string import Template
 
+from tractive_sam.pages import style
 from tractive_sam.paper.finding import Chapter, Finding, Picture, Statement, Table, Verdict
 from tractive_sam.paper.size import FULL, Size
 
@@ -27,7 +28,9 @@ PROGRAMS = ("tractive-sam", "numpy", "scipy", "pyfftw", "numba")
 
 def chapter(number: int, about: Chapter, findings: Iterable[Finding]) -> str:
     """Render a chapter; findings are taken one by one as they are rendered."""
-    head = f'<h2 id="chapter-{number}">{text(about.title)}<small>{text(about.figures)}</small></h2>'
+    up = '<a class="up" href="#contents">contents</a>'
+    title = f"{up}{text(about.title)}<small>{text(about.figures)}</small>"
+    head = f'<h2 id="chapter-{number}">{title}</h2>'
     return "\n".join([head, *_blocks(findings)])
 
 
@@ -52,11 +55,13 @@ def page(
     """
     counts = Counter(statement.verdict for statement in statements)
     contents = (
-        f'<li><a href="#chapter-{number}">{text(about.title)}</a> ({text(about.figures)})</li>'
+        f'<li><a href="#chapter-{number}">{text(about.title)}</a><br>'
+        f"<small>{text(about.figures)}</small></li>"
         for number, (about, _) in enumerate(chapters)
     )
     versions = ", ".join(f"{name} {version(name)}" for name in PROGRAMS)
     return Template(files(__package__).joinpath("page.html").read_text("utf-8")).substitute(
+        style=style(),
         seconds=f"{seconds:.0f}",
         size=text(size.name),
         notice="" if size == FULL else f'<p class="notice">{text(COARSE)}</p>',
@@ -111,7 +116,8 @@ def _picture(one: Picture) -> str:
     data = b64encode(one.svg).decode()
     wide = ' class="wide"' if one.figure.get_figwidth() > WIDE else ""
     return (
-        f'<figure{wide}><img alt="{escape(one.caption)}" src="data:image/svg+xml;base64,{data}">'
+        f'<figure{wide}><label title="enlarge"><input type="checkbox" aria-label="enlarge">'
+        f'<img alt="{escape(one.caption)}" src="data:image/svg+xml;base64,{data}"></label>'
         f"<figcaption>{text(one.caption)}</figcaption></figure>"
     )
 
