@@ -214,6 +214,24 @@ def hard_scenes() -> str:
     return markdown(("family", "method", "scenes", "solved", "median of applications"), lines)
 
 
+def falling() -> str:
+    """How random scenes with falling friction end, and at what cost beside the constant law."""
+    rows = rows_of("falling.csv")
+    ended = [row["ended"] for row in rows]
+    ratios = sorted(
+        float(row["ratio"]) for row in rows if row["ended"] == row["constant_ended"] == "converged"
+    )
+    head = ("scenes", "converged", "refused", "applications over the constant law, median", "90 %")
+    cells = (
+        len(rows),
+        ended.count("converged"),
+        ended.count("refused"),
+        f"{statistics.median(ratios):.2f}",
+        f"{ratios[int(0.9 * len(ratios))]:.2f}",
+    )
+    return markdown(head, [cells])
+
+
 def error_bars() -> str:
     """How often error bars hold, by quantity."""
     found = defaultdict(list)
@@ -317,6 +335,7 @@ TABLES = {
         balance,
         peaks,
         hard_scenes,
+        falling,
         error_bars,
         subsurface,
         jacobian,

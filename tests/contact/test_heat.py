@@ -142,3 +142,35 @@ def test_explained(discs):
     rows = dict(heat.rows)
     assert "Peclet" in rows["body A"]
     assert rows["shared"].startswith("half")
+
+
+def test_fields_are_kept_and_read(discs, tmp_path):
+    glass = discs.replace(**{"body.B.thermal": GLASS, "heat.bulk": {"A": 80.0, "B": 20.0}})
+    ts.roll(glass, tmp_path / "hot.h5")
+    state = ts.open_history(tmp_path / "hot.h5").state(0)
+    heat = ts.solve(glass).heat
+    for body in "AB":
+        np.testing.assert_allclose(state.heat.temperature[body], heat.temperature[body], rtol=1e-6)
+        np.testing.assert_allclose(state.heat.flux[body], heat.flux[body], rtol=1e-4, atol=1e-3)
+    # (two solves of the coupling, which agree to its tolerance)
+    assert state.heat.share == pytest.approx(heat.share, rel=1e-6)
+
+
+def test_wears_and_resumes(discs, tmp_path):
+    wear = {"intensity": 1e-9, "revolutions": 3, "save": [0, 3], "stepping": "every-revolution"}
+    scene = discs.replace(wear=wear)
+    whole = ts.roll(scene)
+    assert (np.diff(whole["wear_max"]) > 0.0).all()
+    assert np.isfinite(whole["temperature_max"]).all()
+    shorter = scene.with_set(["wear.revolutions=1"])
+    ts.roll(shorter, tmp_path / "hot.h5")
+    resumed = ts.roll(scene, tmp_path / "hot.h5", resume=True)
+    np.testing.assert_allclose(resumed["temperature_max"], whole["temperature_max"], rtol=1e-12)
+
+
+def test_drawn(discs):
+    contact = ts.solve(discs)
+    for draw in (ts.plot.temperature, ts.plot.friction):
+        assert len(draw(contact).axes) == 2  # map and colour bar
+    with pytest.raises(LookupError, match="heat"):
+        ts.plot.temperature(ts.solve(discs.replace(heat=None, **{"friction.temperature": None})))

@@ -31,6 +31,7 @@ from tractive_sam.plot.fatigue import (
 from tractive_sam.plot.fields import pressure, stick_slip_map, traction, wear_map
 from tractive_sam.plot.figure import Figure as Figure
 from tractive_sam.plot.gallery import DPI, FORMATS, save_all
+from tractive_sam.plot.heat import friction, temperature, traction_curve
 from tractive_sam.plot.line import line_pressure, line_pressures, line_slip, line_traction
 from tractive_sam.plot.profiles import pressure_profiles, wear_profiles, worn_profiles
 from tractive_sam.plot.scale import UNITS, Scale, units
@@ -58,6 +59,7 @@ __all__ = [
     "energies",
     "fatigue_course",
     "forces",
+    "friction",
     "hysteresis",
     "line_pressure",
     "line_pressures",
@@ -75,7 +77,9 @@ __all__ = [
     "study_curves",
     "study_map",
     "study_samples",
+    "temperature",
     "traction",
+    "traction_curve",
     "traction_sections",
     "units",
     "utilisation",

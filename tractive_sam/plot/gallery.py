@@ -29,6 +29,7 @@ from tractive_sam.plot.fatigue import (
 )
 from tractive_sam.plot.fields import pressure, stick_slip_map, traction, wear_map
 from tractive_sam.plot.figure import Figure
+from tractive_sam.plot.heat import friction, temperature
 from tractive_sam.plot.line import line_pressure, line_pressures, line_slip, line_traction
 from tractive_sam.plot.profiles import pressure_profiles, wear_profiles, worn_profiles
 from tractive_sam.plot.scale import units as drawn_in
@@ -174,15 +175,20 @@ _LINE_EVOLUTIONS = {"pressure-profiles": line_pressures}
 
 def _of_state(state: Drawn) -> dict[str, Callable[[Drawn], Figure]]:
     """Names and functions of the figures of a state that would not be empty."""
+    law, warm = state.contact.scene.friction, {}
+    if law is not None and law.varies:
+        warm = {"friction": friction}
+    if state.contact.heat is not None:
+        warm |= {"temperature": temperature}
     if state.line:
         figures = {"pressure": line_pressure}
         if np.any(state.contact.traction):
             figures |= {"traction": line_traction, "slip": line_slip}
-        return figures
+        return figures | warm
     figures = {"pressure": pressure}
     if np.any(state.contact.traction):
         figures |= {"traction": traction, "traction-sections": traction_sections}
         figures |= {"stick-slip": stick_slip_map}
     if np.any(state.contact.wear):
         figures |= {"wear": wear_map}
-    return figures
+    return figures | warm

@@ -33,7 +33,7 @@ def line_pressure(source: Source, at: float | None = None, **named: float) -> Fi
     <Figure size ...>
     """
     state = Drawn.of(source, at, **named)
-    figure, axes = _over_x("contact pressure", state)
+    figure, axes = over_x("contact pressure", state)
     x, scale = state.x_over_a, state.scale
     if scale.hertz:
         depth = 1.0 - (state.x / scale.a) ** 2
@@ -56,7 +56,7 @@ def line_traction(source: Source, at: float | None = None, **named: float) -> Fi
     <Figure size ...>
     """
     state = Drawn.of(source, at, **named)
-    figure, axes = _over_x("tractions on A", state)
+    figure, axes = over_x("tractions on A", state)
     section(axes, state, 0.0)
     axes.set_ylabel(state.scale.of_pressure("p"))
     figure.legend(loc="outside right center")
@@ -73,7 +73,7 @@ def line_slip(source: Source, at: float | None = None, **named: float) -> Figure
     <Figure size ...>
     """
     state = Drawn.of(source, at, **named)
-    figure, axes = _over_x("slip of A over B", state)
+    figure, axes = over_x("slip of A over B", state)
     axes.axhline(0.0, color=GREY, linewidth=0.6)
     inside = state.contact.touching[:, 0]
     for name, slip, color in zip("xy", state.contact.slip[..., 0], (BLUE, VERMILLION), strict=True):
@@ -94,7 +94,7 @@ def line_pressures(history: History) -> Figure:
     <Figure size ...>
     """
     scale = Scale.of_history(history)
-    figure, axes = _over_x("", *(Drawn.of(history, at) for at in history.saved))
+    figure, axes = over_x("", *(Drawn.of(history, at) for at in history.saved))
     places = chosen(history.saved)
     shades = colormaps["viridis_r"](np.linspace(0.08, 1.0, len(places)))
     for at, shade in zip(places, shades, strict=True):
@@ -108,7 +108,7 @@ def line_pressures(history: History) -> Figure:
     return figure
 
 
-def _over_x(told: str, *states: Drawn) -> tuple[Figure, Axes]:
+def over_x(told: str, *states: Drawn) -> tuple[Figure, Axes]:
     """Axes over the contacts of all states."""
     if not all(state.line for state in states):
         maps = "pressure, traction, stick_slip_map and their likes draw it"

@@ -28,9 +28,11 @@ from .quantities import REVOLUTION as REVOLUTION
 from .quantities import ROLLED as ROLLED
 from .quantities import SHARE as SHARE
 from .quantities import STRESS as STRESS
+from .quantities import WARM as WARM
 from .quantities import Quantity as Quantity
 from .quantities import by_name as by_name
 from .quantities import columns as columns
+from .quantities import kept_fields as kept_fields
 from .quantities import of_role as of_role
 from .quantities import stress_columns as stress_columns
 from .record import Record as Record

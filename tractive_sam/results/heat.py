@@ -36,6 +36,21 @@ class FlashTemperature:
     temperature: Mapping[str, np.ndarray]
     flux: Mapping[str, np.ndarray]
 
+    @property
+    def temperature_A(self) -> np.ndarray:
+        """Of the surface of A, degrees C."""
+        return self.temperature["A"]
+
+    @property
+    def temperature_B(self) -> np.ndarray:
+        """Of the surface of B, degrees C."""
+        return self.temperature["B"]
+
+    @property
+    def into_A(self) -> np.ndarray:
+        """Heat that goes into A, mW/mm²."""
+        return self.flux["A"]
+
     @cached_property
     def _inside(self) -> np.ndarray:
         return np.where(self.touching, self.temperature["A"], -np.inf)

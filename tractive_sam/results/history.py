@@ -13,6 +13,7 @@ from tractive_sam.results import summary
 from tractive_sam.results.cycle import PREFIX
 from tractive_sam.results.fatigue import BodyFatigue
 from tractive_sam.results.grid import Grid, widened
+from tractive_sam.results.heat import FlashTemperature
 from tractive_sam.results.plane_stress import PlaneStress
 from tractive_sam.results.quantities import (
     BODIES,
@@ -21,8 +22,10 @@ from tractive_sam.results.quantities import (
     OUTSIDE,
     PARTS,
     STRESSES,
+    WARM,
     Quantity,
     columns,
+    kept_fields,
     of_role,
 )
 from tractive_sam.results.record import Record
@@ -153,7 +156,7 @@ class History:
                     widened(record.fields[name], grid.elements, OUTSIDE.get(name, 0.0))
                     for record in kept
                 ]
-                for name in FIELDS
+                for name in (kept[0].fields if kept else FIELDS)
             },
             np.array([record.at for record in kept], int if coordinate.whole else float),
             _by_plane(kept),
@@ -497,6 +500,12 @@ class History:
             revolution=int(number.get("revolution", 0)),
             volumes=self._volumes(row),
         )
+        if all(name in fields for name in WARM):
+            into_A = fields["heat_into_A"]
+            made = -self.scene.creepage.speed * (found.traction * found.slip).sum(axis=0)
+            warm = {"A": fields["temperature_A"], "B": fields["temperature_B"]}
+            flux = {"A": into_A, "B": made - into_A}
+            found = replace(found, heat=FlashTemperature(self.grid, found.touching, warm, flux))
         return found if "sliding" in fields else found.with_sliding_by_traction()
 
     def _volumes(self, row: int) -> dict[str, float] | None:
@@ -579,7 +588,7 @@ class History:
             for row in range(len(rows)):
                 values[row] = rows[row]
             dims = ("saved", *("block" for _ in blocks), "x", "y")
-            data[name] = (dims, values, about(FIELDS[name]))
+            data[name] = (dims, values, about(kept_fields(self.scene)[name]))
         labels = {name: list(values) for name, values in LABELS.items()}
         if self.scene.duty:
             labels["block"] = [label(self.scene, k) for k in range(len(self.scene.duty))]

@@ -474,9 +474,26 @@ BEFORE = by_name(
 )
 """What a transient goes on from beside `FIELDS`: kept of the last contact only."""
 
-OUTSIDE = {"gap": math.inf}
-"""What a field is beside the mesh, where that is not zero: nothing touches there, and how wide the
-gap is only the next contact tells."""
+WARM = by_name(
+    (
+        Quantity("temperature_A", "degC", "temperature of the surface of body A",
+                 _of_heat("temperature_A")),
+        Quantity("temperature_B", "degC", "temperature of the surface of body B",
+                 _of_heat("temperature_B")),
+        Quantity("heat_into_A", "mW/mm2", "heat that goes into body A", _of_heat("into_A")),
+    )
+)  # fmt: skip
+"""What is kept beside `FIELDS` of scenes with [heat]; rolling goes on without."""
+
+
+def kept_fields(scene: Scene) -> dict[str, Quantity]:
+    """The functions of x and y that are kept of a scene."""
+    return FIELDS | WARM if scene.heat is not None else FIELDS
+
+
+OUTSIDE = {"gap": math.inf} | dict.fromkeys(WARM, math.nan)
+"""What a field is beside the mesh, where that is not zero: nothing touches there, how wide the
+gap is only the next contact tells, and how warm it is there nobody asked."""
 
 STRESS = by_name(
     (

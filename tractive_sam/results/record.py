@@ -8,7 +8,7 @@ import numpy as np
 
 from tractive_sam.results.fatigue import BodyFatigue
 from tractive_sam.results.plane_stress import PlaneStress
-from tractive_sam.results.quantities import COORDINATE, FIELDS, Quantity, columns, of_role
+from tractive_sam.results.quantities import COORDINATE, FIELDS, WARM, Quantity, columns, of_role
 from tractive_sam.results.state import State
 
 
@@ -69,7 +69,8 @@ class Record:
             name: given[name] if name in given else _read(one, contact)
             for name, one in names.items()
         }
-        kept = (fields(contact), tuple(stress), tuple(cycles)) if with_fields else ({}, ())
+        warm = {} if contact.heat is None else {k: one.of(contact) for k, one in WARM.items()}
+        kept = (fields(contact) | warm, tuple(stress), tuple(cycles)) if with_fields else ({}, ())
         return cls(values, names, *kept)
 
     @property

@@ -13,6 +13,7 @@ from tractive_sam.results import (
     DIMS,
     FIELDS,
     LABELS,
+    WARM,
     Grid,
     Quantity,
     State,
@@ -48,7 +49,7 @@ def model_of(
 
 def columns_of(columns: Iterable[Quantity], laws: Laws | None = None) -> tuple[Quantity, ...]:
     """Columns of one's own, beside the package's and those of a criterion."""
-    taken = {"status", "message", "record", "saved", "x", "y", *FIELDS, *LABELS, *BESIDE}
+    taken = {"status", "message", "record", "saved", "x", "y", *FIELDS, *WARM, *LABELS, *BESIDE}
     judged = () if laws is None else stress_columns(laws.criterion)
     taken |= {one.name for one in (*COLUMNS, *judged)}
     own = tuple(columns)

@@ -43,6 +43,7 @@ from tractive_sam.results import (
     PlaneStress,
     Quantity,
     Record,
+    kept_fields,
     of_role,
 )
 from tractive_sam.results import columns as columns_of
@@ -120,7 +121,7 @@ def create(
     if scene.duty:
         names = [label(scene, k) for k in range(len(scene.duty))]
         _labels(history, "block", names, "block of the duty cycle")
-    _create_fields(file.create_group("fields"), grid, coordinate, history)
+    _create_fields(file.create_group("fields"), grid, history, coordinate, kept_fields(scene))
     file.create_group("stress")
     _create_state(file.create_group("state"), grid, history, scene)
 
@@ -267,13 +268,17 @@ def _create_history(history: h5py.Group, grid: h5py.Group, columns: Mapping[str,
 
 
 def _create_fields(
-    fields: h5py.Group, grid: h5py.Group, coordinate: Quantity, history: h5py.Group
+    fields: h5py.Group,
+    grid: h5py.Group,
+    history: h5py.Group,
+    coordinate: Quantity,
+    kept: Mapping[str, Quantity],
 ) -> None:
     record = _scale(fields, "record", np.empty(0, int), ROW)
     axes = _axes(fields, grid, history)
     _rows(fields, coordinate.name, coordinate, (record,), coordinate=coordinate.name)
     scales = (record, *axes)
-    for name, quantity in FIELDS.items():
+    for name, quantity in kept.items():
         _rows(fields, name, quantity, scales, coordinate=coordinate.name, **SQUEEZED)
 
 

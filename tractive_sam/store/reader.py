@@ -21,6 +21,7 @@ from tractive_sam.results import (
     History,
     Quantity,
     columns,
+    kept_fields,
     of_role,
 )
 from tractive_sam.scene import Scene, SceneError, SceneWarning, files_anywhere
@@ -103,7 +104,8 @@ def _history(file: Results) -> History:
     scene = _scene(file)
     known = columns(scene, _own(file))
     coordinate = of_role(known.values(), COORDINATE).name
-    for name in _known("fields", FIELDS, file):
+    kept = _known("fields", kept_fields(scene), file)
+    for name in kept:
         file.check(f"fields/{name}", (m, *_shape_of_fields(file)))
     return History(
         scene,
@@ -112,7 +114,7 @@ def _history(file: Results) -> History:
         Grid(half_length, mesh),
         known,
         {name: _column(file, one, n, mesh) for name, one in known.items()},
-        {name: StoredField(file.path, name, m) for name in _known("fields", FIELDS, file)},
+        {name: StoredField(file.path, name, m) for name in kept},
         file.numbers(f"fields/{coordinate}", (m,)),
         _stresses(file, m, coordinate),
         _versions(file),

@@ -12,6 +12,7 @@ from tractive_sam.results import (
     FIELDS,
     OUTSIDE,
     STRESS,
+    WARM,
     Grid,
     Record,
     stacked,
@@ -115,7 +116,7 @@ def widen(file: h5py.File, grid: "Grid") -> None:
         dims = history[name].dims
         if "y" in dims[len(dims) - 1]:
             _widen(history[name], ("y",), before, after, lead=len(dims) - 2)
-    for name in FIELDS:
+    for name in (name for name in (*FIELDS, *WARM) if name in fields):
         lead = fields[name].ndim - 3
         _widen(fields[name], ("x", "y"), before, after, OUTSIDE.get(name, 0.0), lead)
     for name in FIELDS:

@@ -1,0 +1,140 @@
+"""Random scenes whose friction falls with sliding: which are solved, and at what cost.
+
+Each is solved as it is and with friction that stays as at rest, on the same mesh, from nothing to
+1e-8. A scene is refused where a prescribed force is beyond the top of its traction curve, or what
+friction can carry; it is told. Costs are applications of operators, coarser meshes by their share.
+
+    python benchmarks/falling.py [--scenes 200] [--first 0]
+"""
+
+import argparse
+import math
+import warnings
+
+import numpy as np
+from timing import show, write
+
+from tractive_sam.contact import Model, equilibrium
+from tractive_sam.scene import Scene
+
+ELEMENTS = 31
+LAW = ("law", "kinetic", "half_speed", "memory")
+
+
+def falling_scene(seed: int) -> Scene:
+    """A scene with a falling law, the same for the same seed.
+
+    Aspect ratios 0.2-5, mu 0.1-0.6 that falls to 0.2-0.95 of it at sliding speeds of 10 mm/s to
+    10 m/s, V 0.1-100 m/s, creepage 0.03-30 times full slip, half with spin, orthotropic, a layer or
+    a memory, a third with a strength or dissimilar bodies, a tenth with a prescribed force.
+    """
+    rng = np.random.default_rng(seed)
+
+    def log_uniform(low: float, high: float) -> float:
+        return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+    steel = {"young": 208e3, "poisson": 0.3, "radius_x": 200.0, "radius_y": 200.0}
+    other = {"young": 208e3, "poisson": 0.3, "radius_x": math.inf}
+    other["radius_y"] = 200.0 * log_uniform(0.1, 10.0) if rng.random() < 0.7 else math.inf
+    if rng.random() < 1 / 3:
+        other["young"] *= log_uniform(0.1, 1.0)
+    mu = log_uniform(0.1, 0.6)
+    static = (mu, mu * (log_uniform(0.3, 1.0) if rng.random() < 0.5 else 1.0))
+    share = rng.uniform(0.2, 0.95)
+    friction = {
+        "law": "exponential" if rng.random() < 0.7 else "rational",
+        "static": static,
+        "kinetic": tuple(share * one for one in static),
+        "half_speed": log_uniform(10.0, 1e4),
+        "angle": float(rng.uniform(0.0, 90.0)),
+    }
+    if rng.random() < 0.5:
+        friction["memory"] = log_uniform(1e-4, 1e-1)
+    scene = Scene(
+        body={"A": steel, "B": other},
+        load={"normal": log_uniform(100.0, 1e4)},
+        creepage={"speed": log_uniform(100.0, 1e5)},
+        friction={"mu": mu},
+    )
+    a, b, p0 = scene.hertz.a, scene.hertz.b, scene.hertz.p0
+    full = 4.0 * mu * p0 / 80e3
+    if rng.random() < 0.5:
+        friction["layer"] = log_uniform(1e-3, 1.0) * a / 80e3
+        full *= 1.0 + 80e3 * friction["layer"] / a
+    if rng.random() < 1 / 3:
+        friction["strength"] = rng.uniform(0.3, 1.0) * mu * p0
+    size, way = full * log_uniform(0.03, 30.0), rng.uniform(0.0, 2.0 * math.pi)
+    creepage = {"longitudinal": size * math.cos(way), "lateral": size * math.sin(way)}
+    if rng.random() < 0.5:
+        creepage["spin"] = full * rng.uniform(-1.0, 1.0) / math.sqrt(a * b)
+    changes = {f"creepage.{key}": min(max(value, -0.1), 0.1) for key, value in creepage.items()}
+    if rng.random() < 0.1:
+        del changes["creepage.longitudinal"]
+        changes["load.force_x"] = rng.uniform(0.1, 0.9) * min(static) * scene.load.normal
+    margin = 1.3
+    grid = {"half_length": (margin * a, margin * b), "elements": (ELEMENTS, ELEMENTS)}
+    return scene.replace(friction=friction, grid=grid, **changes)
+
+
+def constant(scene: Scene) -> Scene:
+    """The same with friction as at rest."""
+    changes = {f"friction.{key}": None for key in LAW}
+    return scene.replace(**changes | {"friction.mu": scene.friction.mu, "friction.static": None})
+
+
+def solved(scene: Scene) -> tuple[str, float, str]:
+    """How a solve ended, its applications, and what was said."""
+    contact = equilibrium(Model(scene))
+    told = "converged" if contact.converged else "not converged"
+    if any(why in contact.note for why in ("top of the traction curve", "what friction can carry")):
+        told = "refused"
+    return told, contact.cost.applications, contact.note
+
+
+def main() -> None:
+    """Solve all, tell how they ended and what they cost."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--scenes", type=int, default=200)
+    parser.add_argument("--first", type=int, default=0)
+    asked = parser.parse_args()
+    rows = []
+    for seed in range(asked.first, asked.first + asked.scenes):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            scene = falling_scene(seed)
+            told, cost, note = solved(scene)
+            told_rest, cost_rest, _ = solved(constant(scene))
+        steep = any("friction.law" in str(one.message) for one in caught)
+        rows.append(
+            {
+                "seed": seed,
+                "ended": told,
+                "constant_ended": told_rest,
+                "too_steep": steep,
+                "applications": round(cost, 1),
+                "constant": round(cost_rest, 1),
+                "ratio": round(cost / cost_rest, 3),
+            }
+        )
+        if told == "not converged":
+            print(seed, note)
+    write("falling", rows)
+    ended = [row["ended"] for row in rows]
+    both = [row for row in rows if row["ended"] == row["constant_ended"] == "converged"]
+    ratios = np.array([row["ratio"] for row in both])
+    gentle = np.array([row["ratio"] for row in both if not row["too_steep"]])
+    summary = {
+        "scenes": len(rows),
+        "converged": ended.count("converged"),
+        "refused": ended.count("refused"),
+        "not converged": ended.count("not converged"),
+        "too steep": sum(row["too_steep"] for row in rows),
+        "median ratio": float(np.median(ratios)),
+        "90 %": float(np.quantile(ratios, 0.9)),
+        "median of gentle": float(np.median(gentle)),
+    }
+    show("Applications with a falling law over those with the constant one", [summary])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,118 @@
+"""Figures of heat and of friction that varies: temperature, local friction, the traction curve."""
+
+from collections.abc import Mapping
+from itertools import cycle
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.patches import PathPatch
+from numpy.typing import ArrayLike
+
+from tractive_sam.plot.creep_force import MARKERS
+from tractive_sam.plot.drawn import Drawn, Source
+from tractive_sam.plot.line import over_x
+from tractive_sam.plot.map import Map
+from tractive_sam.plot.style import GREY, SLIP, VERMILLION, WIDTH, styled
+
+Points = tuple[ArrayLike, ArrayLike]
+
+
+@styled
+def temperature(source: Source, at: float | None = None, **named: float) -> Figure:
+    """Map of the temperature of the surfaces, that of A beside the contact; of a line its course.
+
+    Raises
+    ------
+    LookupError
+        If the scene has no [heat].
+
+    Examples
+    --------
+    >>> plot.temperature(ts.solve(ts.Scene.builtin("hot-discs")))
+    <Figure size ...>
+    """
+    state = Drawn.of(source, at, **named)
+    heat = state.contact.heat
+    if heat is None:
+        raise LookupError("no temperature is known: the scene has no [heat], or kept no fields")
+    label = r"temperature $T$ ($^\circ$C)"
+    if state.line:
+        figure, axes = over_x("surface temperature", state)
+        for body, style in (("A", "-"), ("B", "--")):
+            axes.plot(state.x_over_a, heat.temperature[body][:, 0], style, label=f"body {body}")
+        axes.set_ylabel(label)
+        axes.legend()
+        return figure
+    figure, chart = Map.single(state, "surface temperature of A")
+    mesh = chart.axes.pcolormesh(
+        state.x_over_a, state.y_over_a, heat.temperature["A"].T, cmap=SLIP, shading="gouraud"
+    )
+    # It is cold, and dark, around.
+    chart.axes.add_patch(PathPatch(chart.contact, fill=False, edgecolor="white", linewidth=0.9))
+    chart.colour_bar(mesh, label)
+    return figure
+
+
+@styled
+def friction(source: Source, at: float | None = None, **named: float) -> Figure:
+    """Map of the local coefficient of friction in use over that at rest, ||p_t||_mu/p_n.
+
+    Where the contact slips it is what speed, temperature and strength leave of friction.
+
+    Examples
+    --------
+    >>> plot.friction(ts.solve(ts.Scene.builtin("hot-discs")))
+    <Figure size ...>
+    """
+    state = Drawn.of(source, at, **named)
+    contact = state.contact
+    used = np.divide(contact.utilisation, np.where(contact.touching, contact.pressure, 1.0))
+    label = r"$|p_t|/(\mu p_n)$" if state.isotropic else r"$\|p_t\|_\mu/p_n$"
+    if state.line:
+        figure, axes = over_x("friction in use", state)
+        axes.plot(state.x_over_a, np.where(contact.touching, used, np.nan)[:, 0])
+        axes.set_ylabel(label)
+        axes.set_ylim(0.0, 1.05)
+        return figure
+    figure, chart = Map.single(state, "friction in use, dashed: end of stick")
+    mesh = chart.fill_up_to_edge(used, cmap=SLIP, vmin=0.0, vmax=1.0)
+    chart.stick_edge(colors="white", linewidths=1.2, linestyles="--")
+    chart.colour_bar(mesh, f"friction {label}")
+    return figure
+
+
+@styled
+def traction_curve(computed: Mapping[str, Points], printed: Points | None = None) -> Figure:
+    """Force over load against creepage, each curve with its top marked.
+
+    Parameters
+    ----------
+    computed : mapping of str to pair of array_like
+        Name of a curve, its creepages and its Q_x/P.
+    printed : pair of array_like, optional
+        Points of another program.
+
+    Examples
+    --------
+    >>> curve = ([0.0, 0.01, 0.016, 0.05], [0.0, 0.301, 0.312, 0.285])
+    >>> plot.traction_curve({"falling": curve})
+    <Figure size ...>
+    """
+    figure = Figure(figsize=(WIDTH, 0.72 * WIDTH))
+    axes = figure.add_subplot()
+    for marker, (name, (xi, force)) in zip(cycle(MARKERS), computed.items(), strict=False):
+        percent, share = 100.0 * np.asarray(xi), np.asarray(force)
+        (line,) = axes.plot(percent, share, marker + "-", ms=3, label=name)
+        top = int(np.argmax(share))
+        if share[top] > 1.001 * share[-1]:
+            told = f"top {share[top]:.3f} at {percent[top]:.2g} %"
+            spot = {"xytext": (6, 6), "textcoords": "offset points", "color": line.get_color()}
+            axes.annotate(told, (percent[top], share[top]), **spot)
+    if printed is not None:
+        style = {"color": GREY, "mec": VERMILLION, "ms": 6, "label": "CONTACT 25.1, printed"}
+        axes.plot(100.0 * np.asarray(printed[0]), printed[1], "x", **style)
+    axes.set(xlabel=r"creepage $|\xi_x|$ (%)", ylabel=r"$Q_x/P$")
+    axes.set_xlim(left=0.0)
+    axes.set_ylim(bottom=0.0, top=1.12 * max(np.max(force) for _, force in computed.values()))
+    axes.legend(loc="lower right")
+    return figure
