@@ -48,7 +48,8 @@ def temperature(source: Source, at: float | None = None, **named: float) -> Figu
         state.x_over_a, state.y_over_a, heat.temperature["A"].T, cmap=SLIP, shading="gouraud"
     )
     # It is cold, and dark, around.
-    chart.axes.add_patch(PathPatch(chart.contact, fill=False, edgecolor="white", linewidth=0.9))
+    white = {"fill": False, "edgecolor": "white", "linewidth": 1.0, "zorder": 5}
+    chart.axes.add_patch(PathPatch(chart.contact, **white))
     chart.colour_bar(mesh, label)
     return figure
 
@@ -106,7 +107,7 @@ def traction_curve(computed: Mapping[str, Points], printed: Points | None = None
         top = int(np.argmax(share))
         if share[top] > 1.001 * share[-1]:
             told = f"top {share[top]:.3f} at {percent[top]:.2g} %"
-            spot = {"xytext": (6, 6), "textcoords": "offset points", "color": line.get_color()}
+            spot = {"xytext": (8, -18), "textcoords": "offset points", "color": line.get_color()}
             axes.annotate(told, (percent[top], share[top]), **spot)
     if printed is not None:
         style = {"color": GREY, "mec": VERMILLION, "ms": 6, "label": "CONTACT 25.1, printed"}
