@@ -39,7 +39,7 @@ def scene(title="Strips", mu=(0.3, 0.3), angle=0.0, hertz=HERTZ):
     """What figures need to know of a scene; mu is None without friction."""
     return _Strips(
         title=title,
-        friction=None if mu is None else SimpleNamespace(mu=mu, angle=angle),
+        friction=None if mu is None else SimpleNamespace(mu=mu, angle=angle, varies=False),
         hertz=hertz,
         body=SimpleNamespace(A=SimpleNamespace(radius_y=50.0), B=SimpleNamespace(radius_y=np.inf)),
     )

@@ -107,7 +107,7 @@ def traction_curve(computed: Mapping[str, Points], printed: Points | None = None
         top = int(np.argmax(share))
         if share[top] > 1.001 * share[-1]:
             told = f"top {share[top]:.3f} at {percent[top]:.2g} %"
-            spot = {"xytext": (8, -18), "textcoords": "offset points", "color": line.get_color()}
+            spot = {"xytext": (8, -34), "textcoords": "offset points", "color": line.get_color()}
             axes.annotate(told, (percent[top], share[top]), **spot)
     if printed is not None:
         style = {"color": GREY, "mec": VERMILLION, "ms": 6, "label": "CONTACT 25.1, printed"}
