@@ -229,7 +229,6 @@ def _transient_is_alone(known: Known) -> Iterator[Fault]:
     for table, why in (
         ("wear", "one of both: the wear of a transient is not modelled"),
         ("heat", "one of both: the temperature of a transient is not modelled"),
-        ("heat", "one of both: the heat is that of steady rolling"),
         ("accuracy", "a [grid] in place of it: the error bars are those of steady states"),
     ):
         if known[table] is not None:
