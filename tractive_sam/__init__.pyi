@@ -42,6 +42,7 @@ from .run.many import solve_many as solve_many
 from .run.pipeline import roll as roll
 from .run.pipeline import solve as solve
 from .scene import Accuracy as Accuracy
+from .scene import Binned as Binned
 from .scene import Block as Block
 from .scene import BlockCreepage as BlockCreepage
 from .scene import BlockFriction as BlockFriction
@@ -71,6 +72,7 @@ from .scene import Thermal as Thermal
 from .scene import Transient as Transient
 from .scene import Wear as Wear
 from .scene import WearLaws as WearLaws
+from .scene import blocks_of as blocks_of
 from .scene import builtin_names as builtin_names
 from .store import GapError as GapError
 from .store import ResultsError as ResultsError

@@ -16,6 +16,7 @@ from tractive_sam.plot.courses import (
 )
 from tractive_sam.plot.creep_force import creep_force_curve
 from tractive_sam.plot.drawn import Drawn
+from tractive_sam.plot.duty import block_shares, wear_regimes, worn_by_block
 from tractive_sam.plot.evolution import (
     pressure_over_revolutions,
     slip_over_revolutions,
@@ -52,6 +53,7 @@ __all__ = [
     "Scale",
     "Variable",
     "animate",
+    "block_shares",
     "compared",
     "creep_force_curve",
     "creepages",
@@ -90,7 +92,9 @@ __all__ = [
     "wear_map",
     "wear_over_revolutions",
     "wear_profiles",
+    "wear_regimes",
     "widths",
+    "worn_by_block",
     "worn_mass",
     "worn_profiles",
 ]

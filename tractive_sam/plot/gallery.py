@@ -15,6 +15,7 @@ from tractive_sam.plot.courses import (
     worn_mass,
 )
 from tractive_sam.plot.drawn import Drawn
+from tractive_sam.plot.duty import block_shares, wear_regimes, worn_by_block
 from tractive_sam.plot.evolution import (
     pressure_over_revolutions,
     slip_over_revolutions,
@@ -36,7 +37,7 @@ from tractive_sam.plot.scale import units as drawn_in
 from tractive_sam.plot.sections import traction_sections
 from tractive_sam.plot.stress import von_mises_sections
 from tractive_sam.plot.transient import energies, hysteresis, stick_course
-from tractive_sam.results import History
+from tractive_sam.results import PARTS, History
 
 FORMATS = ("png", "pdf", "svg")
 
@@ -85,11 +86,22 @@ def save_all(
     directory.mkdir(parents=True, exist_ok=True)
     paths = []
     with drawn_in(units):
-        for name, figure in _figures(history):
+        for name, figure in _all(history):
             interrupt.heed()
             paths.append(directory / f"{name}.{format}")
             figure.savefig(paths[-1], dpi=dpi or DPI)
     return paths
+
+
+def _all(history: History) -> Iterator[tuple[str, Figure]]:
+    """Names of figures, and the figures; of a duty cycle those of its blocks, too."""
+    if history.scene.duty:
+        yield from _of_cycle(history)
+        return
+    yield from _figures(history)
+    wear = history.scene.wear
+    if wear is not None and not wear.together and np.any(history["wear_profile"]):
+        yield "wear-regimes", wear_regimes(history)
 
 
 def _figures(history: History) -> Iterator[tuple[str, Figure]]:
@@ -136,6 +148,19 @@ def _of_fatigue(history: History) -> Iterator[tuple[str, Figure]]:
             yield f"wear-against-fatigue-{body}", wear_against_fatigue(history, body)
 
 
+def _of_cycle(history: History) -> Iterator[tuple[str, Figure]]:
+    """Those of a duty cycle, and of each of its blocks."""
+    wears = bool(np.any(history[PARTS.name]))
+    for name, draw in _CYCLES.items() if wears else ():
+        yield name, draw(history)
+    if len(history) > 1 and np.isfinite(history["worn_volume"]).any():
+        yield "worn-mass", worn_mass(history)
+    for k in range(len(history.scene.duty)):
+        for name, figure in _figures(history.block(k)):
+            if name not in _OF_BODIES:
+                yield f"block-{k}-{name}", figure
+
+
 def _planes(history: History) -> dict[str, tuple[str, ...]]:
     """Planes whose stress was kept, each with its bodies."""
     planes: dict[str, tuple[str, ...]] = {}
@@ -145,6 +170,18 @@ def _planes(history: History) -> dict[str, tuple[str, ...]]:
             planes[plane] = (*planes.get(plane, ()), body)
     return planes
 
+
+_CYCLES = {
+    "worn-by-block": worn_by_block,
+    "block-shares": block_shares,
+    "wear-regimes": wear_regimes,
+    "wear-profiles": wear_profiles,
+    "worn-profiles": worn_profiles,
+    "wear-depth": wear_depth,
+}
+
+_OF_BODIES = ("worn-mass", "wear-profiles", "worn-profiles", "wear-depth")
+"""Figures that are the same of all blocks."""
 
 _COURSES = {"forces": forces, "widths": widths, "wear-depth": wear_depth}
 

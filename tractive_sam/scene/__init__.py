@@ -8,7 +8,16 @@ from .bodies import Bodies, Body
 from .catalogue import builtin_names
 from .checks import FEWEST_ELEMENTS
 from .document import Document
-from .duty import Block, BlockCreepage, BlockFriction, BlockLoad, Spectrum, label
+from .duty import (
+    Binned,
+    Block,
+    BlockCreepage,
+    BlockFriction,
+    BlockLoad,
+    Spectrum,
+    blocks_of,
+    label,
+)
 from .fatigue import Fatigue
 from .faults import (
     MOST_TOLD,
@@ -56,6 +65,7 @@ __all__ = [
     "PER_INTENSITY",
     "TEXTS",
     "Accuracy",
+    "Binned",
     "Block",
     "BlockCreepage",
     "BlockFriction",
@@ -94,6 +104,7 @@ __all__ = [
     "Transient",
     "Wear",
     "WearLaws",
+    "blocks_of",
     "builtin_names",
     "entry",
     "files_anywhere",

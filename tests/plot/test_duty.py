@@ -1,0 +1,62 @@
+"""Figures of duty cycles and of wear laws."""
+
+import numpy as np
+import pytest
+
+import tractive_sam as ts
+from tractive_sam import plot
+
+DISCS = ts.Scene.builtin("twin-discs").replace(subsurface=None)
+DISCS = DISCS.with_set(
+    ["grid.half_length=[0.42, 0.9]", "grid.elements=[15, 25]", "wear.revolutions=20"]
+)
+BLOCKS = (
+    {"name": "heavy", "revolutions": 1, "load": {"normal": 450.0}},
+    {"revolutions": 1, "shift_y": 0.1},
+)
+
+
+@pytest.fixture(scope="module")
+def spectrum():
+    return ts.roll(DISCS.replace(duty=BLOCKS))
+
+
+def labels(figure):
+    return [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+
+
+def test_blocks_are_named_and_add_up(spectrum):
+    figure = plot.worn_by_block(spectrum)
+    assert labels(figure) == ["heavy", "duty[1]"]
+    (line,) = figure.axes[0].lines
+    np.testing.assert_allclose(line.get_ydata(), 1e3 * spectrum["entering_profile"][-1], rtol=1e-9)
+    assert labels(plot.block_shares(spectrum)) == ["heavy", "duty[1]"]
+
+
+def test_elements_lie_on_the_law():
+    history = ts.roll(DISCS.with_set(["wear.law=usfd"]))
+    axes = plot.wear_regimes(history).axes[0]
+    dots, law = axes.lines[:2]
+    work, rate = dots.get_data()
+    assert work.size > 20
+    np.testing.assert_allclose(rate, np.where(work < 10.4, 5.3 * work, 55.0), rtol=1e-9)
+    assert law.get_label() == "law"
+
+
+def test_each_body_has_its_dots():
+    settings = ['wear.law={A="usfd", B="archard"}', "wear.coefficient.B=1e-3"]
+    figure = plot.wear_regimes(ts.roll(DISCS.with_set(settings)))
+    assert labels(figure) == ["A", "B", "law"]
+
+
+def test_every_figure_of_a_cycle_is_saved(spectrum, tmp_path):
+    names = {path.name for path in plot.save_all(spectrum, tmp_path, dpi=30)}
+    assert {"worn-by-block.png", "block-shares.png", "wear-regimes.png"} <= names
+    assert {"block-0-forces.png", "block-1-pressure-20.png"} <= names
+
+
+def test_nothing_to_draw():
+    with pytest.raises(ValueError, match="duty"):
+        plot.worn_by_block(ts.roll(DISCS))
+    with pytest.raises(ValueError, match="no element"):
+        plot.wear_regimes(ts.solve(DISCS.with_set(["creepage.longitudinal=0"])))

@@ -1,0 +1,199 @@
+"""Duty cycles and wear laws: what each block wore, and in which regime."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from tractive_sam.contact import Laws
+from tractive_sam.plot.scale import Scale
+from tractive_sam.plot.style import (
+    GREY,
+    MICRON,
+    WIDTH,
+    along,
+    set_title,
+    styled,
+    told,
+    told_of,
+)
+from tractive_sam.results import PARTS, History, State
+from tractive_sam.scene import label
+
+PER_DEPTH = 1e3
+"""µg/(m mm²) of a body of 1 kg/m³ that wears as deep as it is rolled."""
+
+DECADES = 4.0
+"""Decades of frictional work that a map of regimes shows below its largest."""
+
+
+@styled
+def worn_by_block(history: History) -> Figure:
+    """Wear depth across the track at the end, as the blocks of a duty cycle made it.
+
+    Raises
+    ------
+    ValueError
+        If there are no blocks, or nothing is worn.
+
+    Examples
+    --------
+    >>> spectrum = discs.replace(duty=({"revolutions": 1}, {"revolutions": 1, "shift_y": 0.2}))
+    >>> plot.worn_by_block(ts.roll(spectrum))
+    <Figure size ...>
+    """
+    _check_blocks(history)
+    figure = Figure(figsize=(1.25 * WIDTH, 0.7 * WIDTH))
+    axes = figure.add_subplot()
+    scale = Scale.of_history(history)
+    y, depth = history.y / scale.across, np.zeros(len(history.y))
+    for k, part in enumerate(history[PARTS.name][-1].sum(axis=1)):
+        below = depth + MICRON * part
+        axes.fill_between(y, depth, below, label=label(history.scene, k), alpha=0.8, linewidth=0.4)
+        depth = below
+    axes.plot(y, depth, color="black", linewidth=0.8)
+    axes.invert_yaxis()
+    axes.set(xlim=(y.min(), y.max()), ylabel=r"wear depth $w$ ($\mathrm{\mu m}$)")
+    axes.set_xlabel(scale.of_length("y", across=True))
+    set_title(figure, told_of(history, "wear of both bodies by block", scale.told))
+    figure.legend(loc="outside right center")
+    return figure
+
+
+@styled
+def block_shares(history: History) -> Figure:
+    """Share of each block of a duty cycle in the worn section, over the revolutions.
+
+    Raises
+    ------
+    ValueError
+        If there are no blocks, or nothing is worn.
+
+    Examples
+    --------
+    >>> spectrum = discs.replace(duty=({"revolutions": 1}, {"revolutions": 1, "shift_y": 0.2}))
+    >>> plot.block_shares(ts.roll(spectrum))
+    <Figure size ...>
+    """
+    _check_blocks(history)
+    figure = Figure(figsize=(1.25 * WIDTH, 0.66 * WIDTH))
+    axes = figure.add_subplot()
+    worn = history["block_share"].sum(axis=1) > 0.0
+    places, shares = history[history.coordinate.name][worn], history["block_share"][worn]
+    names = [label(history.scene, k) for k in range(shares.shape[1])]
+    along(axes, history)
+    axes.stackplot(places, 100.0 * shares.T, labels=names, alpha=0.8)
+    axes.set(ylim=(0.0, 100.0), ylabel="share of the worn section (%)")
+    set_title(figure, told_of(history, "wear of both bodies by block"))
+    figure.legend(loc="outside right center")
+    return figure
+
+
+@styled
+def wear_regimes(source: History | State, laws: Laws | None = None) -> Figure:
+    """Rate of wear of the elements over their frictional work, T-gamma/A.
+
+    Of a history the last stored contact, of a duty cycle those of all blocks. A dot is an element
+    that wears, at its own work; a line the law, where it has regimes by work.
+
+    Parameters
+    ----------
+    source : History or State
+        What was solved.
+    laws : Laws, optional
+        What it was rolled with, where those are not the scene's.
+
+    Raises
+    ------
+    ValueError
+        If nothing wears.
+
+    Examples
+    --------
+    >>> contact = ts.roll(discs.with_set(["wear.law=usfd"])).state(2)
+    >>> plot.wear_regimes(contact)
+    <Figure size ...>
+    """
+    figure = Figure(figsize=(1.25 * WIDTH, 0.8 * WIDTH))
+    axes = figure.add_subplot()
+    contacts = _contacts(source)
+    most = max(float(_work(one).max()) for one in contacts.values())
+    drawn = [_dots(axes, name, one, laws, most) for name, one in contacts.items()]
+    if not any(drawn):
+        raise ValueError("nothing to draw: no element wears")
+    axes.set(xscale="log", yscale="log", xlim=(most * 10.0**-DECADES, 2.0 * most))
+    _laws_of(axes, next(iter(contacts.values())), laws, most)
+    axes.set_xlabel(r"frictional work $T\gamma/A$ (N/mm$^2$)")
+    axes.set_ylabel(r"wear rate ($\mathrm{\mu g}$/(m mm$^2$))")
+    scene = source.scene
+    set_title(figure, told(scene.title, "wear of each body over the work of each element"))
+    figure.legend(loc="outside right center")
+    return figure
+
+
+def _check_blocks(history: History) -> None:
+    if not history.scene.duty:
+        raise ValueError("nothing to draw: the scene has no [[duty]]")
+    if not np.any(history[PARTS.name]):
+        raise ValueError("nothing to draw: the bodies are not worn")
+
+
+def _contacts(source: History | State) -> dict[str, State]:
+    if isinstance(source, State):
+        return {"": source}
+    if not source.scene.duty:
+        return {"": source.state()}
+    return {label(source.scene, k): source.block(k).state() for k in range(len(source.scene.duty))}
+
+
+def _of_bodies(contact: State, laws: Laws | None) -> dict[str, np.ndarray]:
+    """Wear rate of the elements of each body, µg/(m mm²)."""
+    law = (laws or Laws.of(contact.scene)).wear
+    fields = contact.pressure, contact.traction, contact.slip
+    if law is None or not contact.touching.any():
+        return {}
+    law = law.on(contact.grid.element_area)
+    shares = law.shares(*fields)
+    if shares is None:
+        shares = [contact.scene.wear_share[body] for body in "AB"]
+    rate = law.rate(*fields)
+    return {
+        body: PER_DEPTH * getattr(contact.scene.body, body).density * share * rate
+        for body, share in zip("AB", shares, strict=True)
+    }
+
+
+def _work(contact: State) -> np.ndarray:
+    """Frictional work of the elements over their area, N/mm²."""
+    return np.maximum(-(contact.traction * contact.slip).sum(axis=0), 0.0)
+
+
+def _dots(axes: Axes, name: str, contact: State, laws: Laws | None, most: float) -> bool:
+    """Draw the elements of a contact, those with hardly any work aside; whether there are any."""
+    work, rates = _work(contact), _of_bodies(contact, laws)
+    alike = len(rates) == 2 and np.allclose(rates["A"], rates["B"], rtol=1e-9)
+    drawn = False
+    for body, marker in (("A", "o"), ("B", "^")):
+        rate = rates.get(body, np.zeros_like(work))
+        wears = (rate > 0.0) & (work > most * 10.0**-DECADES)
+        if wears.any() and not (alike and body == "B"):
+            bodies = "A and B" if alike else body
+            named = ", ".join(filter(None, (name, bodies)))
+            axes.plot(work[wears], rate[wears], marker, markersize=3, alpha=0.6, label=named)
+            drawn = True
+    return drawn
+
+
+def _laws_of(axes: Axes, contact: State, laws: Laws | None, most: float) -> None:
+    """Draw the regimes of the bodies' laws by work, and where they begin."""
+    law = (laws or Laws.of(contact.scene)).wear
+    seen: list[object] = []
+    for body in "AB":
+        regimes = getattr(getattr(law, body, None), "regimes", None)
+        if regimes is None or getattr(getattr(law, body), "element_area", None) or regimes in seen:
+            continue
+        seen.append(regimes)
+        work = np.geomspace(most * 10.0**-DECADES, 2.0 * most, 400)
+        axes.plot(work, regimes(work)[0], color=GREY, linewidth=1.0, zorder=0, label="law")
+        for start in regimes.starts[1:]:
+            if start < 2.0 * most:
+                axes.axvline(start, color=GREY, linewidth=0.6, linestyle=":", zorder=0)
