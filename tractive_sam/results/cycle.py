@@ -28,6 +28,7 @@ LARGEST = (
     "residual",
     "relative_error",
     "fi_surf",
+    "temperature_max",
     "utilisation",
     "utilisation_interior",
     "utilisation_surface",
