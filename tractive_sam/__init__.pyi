@@ -23,6 +23,7 @@ from .mechanics import OrthogonalShear as OrthogonalShear
 from .mechanics import SlidingShare as SlidingShare
 from .mechanics import Slope as Slope
 from .mechanics import StressCriterion as StressCriterion
+from .mechanics import VolumeLife as VolumeLife
 from .mechanics import WearLaw as WearLaw
 from .mechanics import Woehler as Woehler
 from .pages import report as report

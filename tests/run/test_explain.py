@@ -131,3 +131,20 @@ def test_a_transform_is_timed():
 def test_durations_are_said_in_growing_units():
     assert [duration(s).split()[-1] for s in (30.0, 600.0, 9000.0)] == ["s", "min", "h"]
     assert duration(0.1) == duration(0.9) != duration(1.1)
+
+
+def test_fatigue_is_told_and_takes_time():
+    asked = {"shear_yield": 300.0, "sensitivity": 0.3, "limit": 250.0}
+    plain = spheres()
+    tired = plain.replace(fatigue=asked)
+    section = told(tired)["Fatigue"]
+    assert "300" in section["shakedown"]
+    assert "Dang Van" in section["criterion"]
+    assert (
+        "limit"
+        in told(plain.replace(fatigue={"shear_yield": 300.0}))["Fatigue"]["utilisation and damage"]
+    )
+    planes = tired.replace(**{"fatigue.criterion": "findley"})
+    counts = [applications(Model(scene)) for scene in (plain, tired, planes)]
+    assert counts == sorted(counts)
+    assert memory.of_scene(Model(tired)) > memory.of_scene(Model(plain))

@@ -129,3 +129,38 @@ def test_every_record_has_its_columns():
     assert set(told["utilisation"]) == {"A", "B"}
     assert told["utilisation_at"]["A"][0][0] is None  # all x count
     assert "utilisation" not in ts.roll(scene.replace(fatigue=None, wear=None)).columns
+
+
+def volume_life(scene, life, elements):
+    """By the orthogonal shear, on a mesh that goes with the contact."""
+    hertz = scene.hertz
+    half = 1.1 * hertz.a if scene.line else [1.1 * hertz.a, 1.1 * hertz.b]
+    grid = {"half_length": half, "elements": elements}
+    cycled = ts.fatigue(ts.solve(scene.replace(grid=grid)))["A"]
+    volume = life.volume(cycled.y, cycled.depth, 250.0 * cycled.utilisation, around=100.0)
+    return life.life(volume)
+
+
+@pytest.mark.parametrize(
+    ("name", "slope", "exponent", "elements"),
+    [("spheres", 10.0 / 9.0, 3.0, [21, 21]), ("cylinders", 9.0 / 8.0, 4.0, 41)],
+)
+def test_the_load_life_exponents_of_lundberg_and_palmgren(name, slope, exponent, elements):
+    scene = ts.Scene.builtin(name).replace(friction=None, creepage=None, grid=None, subsurface=None)
+    scene = scene.replace(fatigue=ASKED | {"bodies": ["A"]})
+    life = ts.VolumeLife(slope=slope)
+    light = volume_life(scene, life, elements)
+    heavy = scene.replace(**{"load.normal": 2.0 * scene.load.normal})
+    # The same numbers on a mesh that is as much larger: of the solver's tolerance.
+    assert light / volume_life(heavy, life, elements) == pytest.approx(2.0**exponent, rel=1e-5)
+
+
+def test_survival_is_that_of_weibull():
+    life = ts.VolumeLife(constant=1e-3, limit=100.0)
+    y, depth = np.linspace(-1.0, 1.0, 5), np.linspace(0.0, 1.0, 9)
+    stress = np.full((5, 9), 90.0)
+    assert life.volume(y, depth, stress) == 0.0  # below the limit
+    assert life.life(0.0) == math.inf
+    volume = life.volume(y, depth, stress + 11.0, around=2.0)
+    assert volume > 0.0
+    assert life.survival(volume, life.life(volume, 0.9)) == pytest.approx(0.9, rel=1e-12)

@@ -17,6 +17,7 @@ from .fatigue import DangVan as DangVan
 from .fatigue import FatemiSocie as FatemiSocie
 from .fatigue import Findley as Findley
 from .fatigue import OrthogonalShear as OrthogonalShear
+from .fatigue import VolumeLife as VolumeLife
 from .fatigue import Woehler as Woehler
 from .fatigue import enclosing_radius as enclosing_radius
 from .fatigue import residual_shear as residual_shear

@@ -24,6 +24,8 @@ JUMP_APPLICATIONS = 50
 STEP_APPLICATIONS = 30  # of a transient (benchmarks/transient.py)
 JUMPS = 14  # while the revolutions rolled grow e-fold
 STRESS_APPLICATIONS = 75  # as long as the largest stress of one body takes
+FATIGUE_APPLICATIONS = 10  # as long as a depth of [fatigue] takes, of one body
+PLANES = 12  # as many times as long with a critical plane (benchmarks/fatigue.py)
 DEPTH_APPLICATIONS = 0.5  # as long as a depth of a plane takes, of both bodies
 
 OF_PROGRAMS = 250
@@ -278,7 +280,11 @@ def _fatigue(model: Model) -> Section:
             "below it nothing is known but both ends",
         ),
         ("stress", "elastic: where it is above the shakedown limit the material does not see it"),
-        ("missing", "bending, residual stress from making the bodies, hardness over the depth"),
+        ("records", "every one; fields over (y, depth) with the fields that are kept"),
+        (
+            "missing",
+            "error bars, bending, residual stress from making the bodies, hardness over the depth",
+        ),
     ]
     return Section("Fatigue", rows)
 
@@ -397,7 +403,16 @@ def applications(model: Model) -> int:
     # Coarser meshes that give the error bars take together about as long as the finest.
     meshes = 1 if model.scene.accuracy is None else 2
     whole = meshes * (contacts + blocks * count * bodies * STRESS_APPLICATIONS)
-    return whole + int(depths * DEPTH_APPLICATIONS)
+    return whole + int(depths * DEPTH_APPLICATIONS) + count * _of_fatigue(model)
+
+
+def _of_fatigue(model: Model) -> int:
+    """What takes as long as following the material in one record."""
+    asked = model.scene.fatigue
+    if asked is None:
+        return 0
+    planes = PLANES if asked.limit and asked.criterion in ("findley", "fatemi-socie") else 1
+    return len(asked.bodies) * asked.elements * FATIGUE_APPLICATIONS * planes
 
 
 def seconds_per_application(model: Model) -> float:

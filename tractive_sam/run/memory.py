@@ -43,6 +43,16 @@ def of_stress(model: Model) -> float:
     return 8.0 * len(COMPONENTS) * len(asked.bodies) * (sum(planes) + BESIDE * max(planes))
 
 
+def of_fatigue(model: Model) -> float:
+    """Memory that the layers of [fatigue] take, and what it keeps of each body, bytes."""
+    asked, (nx, ny) = model.scene.fatigue, model.grid.elements
+    if asked is None:
+        return 0.0
+    # Layers go on beyond the mesh; a few of both bodies are held at a time.
+    layers = 3 * len(COMPONENTS) * 4 * nx * ny
+    return 8.0 * len(asked.bodies) * (layers + BESIDE * 20 * asked.elements * ny)
+
+
 def of_records(model: Model) -> float:
     """Memory that records take where no file does, bytes."""
     kept = len(Saves.of(model.scene))
@@ -52,7 +62,7 @@ def of_records(model: Model) -> float:
 
 def of_scene(model: Model) -> float:
     """Memory that a scene takes that is rolled into a file, bytes."""
-    return of_contact(model) + of_stress(model)
+    return of_contact(model) + of_stress(model) + of_fatigue(model)
 
 
 def check_solve(model: Model) -> None:
