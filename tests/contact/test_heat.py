@@ -174,3 +174,10 @@ def test_drawn(discs):
         assert len(draw(contact).axes) == 2  # map and colour bar
     with pytest.raises(LookupError, match="heat"):
         ts.plot.temperature(ts.solve(discs.replace(heat=None, **{"friction.temperature": None})))
+
+
+def test_wears_by_the_way_slid_however_hot(discs, cold):
+    """Archard's depth is p_n |s|: of the same pressure and slip, whatever is left of friction."""
+    wear = {"intensity": 1e-9, "revolutions": 1}
+    hot, plain = (ts.roll(one.replace(wear=wear))["worn_area"] for one in (discs, cold))
+    assert hot[0] == pytest.approx(plain[0], rel=5e-3)  # elastic slip; friction is 13 % less

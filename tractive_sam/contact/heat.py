@@ -15,7 +15,7 @@ from functools import lru_cache
 import numpy as np
 
 from tractive_sam.contact.model import Model
-from tractive_sam.mechanics import Warmth
+from tractive_sam.mechanics import ArchardByWork, FallingCoulomb, Warmth, WearLaw
 from tractive_sam.operators import SurfaceHeat
 from tractive_sam.results import FlashTemperature, Grid, State, Status
 from tractive_sam.solvers import gmres
@@ -99,6 +99,21 @@ def _shared(
     return spread(found)
 
 
+def wear_law_in(model: Model, contact: State) -> WearLaw | None:
+    """The law of wear in a contact: where friction answers to heat, by what is left of it there."""
+    law, table = model.wear_law, model.scene.friction and model.scene.friction.temperature
+    if table and contact.heat is not None and isinstance(law, ArchardByWork) and law.friction:
+        return replace(law, friction=_in_warmth(model, contact.heat.temperature["A"]))
+    return law
+
+
+def _in_warmth(model: Model, temperature: np.ndarray) -> FallingCoulomb:
+    """The law of friction at temperatures of the surface, shape (n_x, n_y)."""
+    degrees, factors = np.array(model.scene.friction.temperature).T
+    warmth = Warmth(model.grid.x, model.grid.y, np.interp(temperature, degrees, factors))
+    return replace(model.friction_law, warmth=warmth)
+
+
 def warmed(
     model: Model, solve: Callable[[Model, State | None], State], start: State | None
 ) -> State:
@@ -120,7 +135,6 @@ def warmed(
     if not table:
         contact = solve(model, start)
         return replace(contact, heat=heat_of(model, contact))
-    degrees, factors = np.array(table).T
     bulk = model.scene.heat.bulks
     temperature = np.full(model.grid.elements, 0.5 * (bulk["A"] + bulk["B"]))
     if start is not None:
@@ -130,8 +144,7 @@ def warmed(
     tolerance = 10.0 * model.scene.solver.tolerance
     cost = None
     for _ in range(MOST):
-        warmth = Warmth(model.grid.x, model.grid.y, np.interp(temperature, degrees, factors))
-        warm = model.with_friction(replace(model.friction_law, warmth=warmth))
+        warm = model.with_friction(_in_warmth(model, temperature))
         contact = solve(warm, start)
         cost = contact.cost if cost is None else cost + contact.cost
         heat = heat_of(model, contact)

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from tractive_sam.contact import Model, Worn, equilibrium, fitted_blocks
+from tractive_sam.contact import Model, Worn, equilibrium, fitted_blocks, wear_law_in
 from tractive_sam.mechanics import Turns
 from tractive_sam.results import PARTS, Cost, Grid, State, Status
 from tractive_sam.rolling.transient import Moment, Transient
@@ -426,6 +426,7 @@ def _pass(
         contact = equilibrium(model, wear, contact)
         solves += 1
         cost = cost + contact.cost
+        law = wear_law_in(model, contact)
         corrected = depth(contact.pressure, contact.traction, contact.slip)
         missed = _residual(model, contact, corrected - wear)
         contact = _with_lag(replace(contact, wear=corrected), missed)
