@@ -7,7 +7,7 @@ the work supplied is the section worn, whatever the mesh.
 - by work: `ArchardByWork`, the package's;
 - by pressure: Archard's law p_n |s|_i with the same slip, in which elements that stick beside one
   that slips wear as if they slipped;
-- by traction: with what an element bears in place of its pressure, ||p_t||_mu |s|_i;
+- by traction: with what an element carries in place of its pressure, ||p_t||_mu |s|_i;
 - upwind: the paper's slip and law. Its slip misses some of the work, and with it of the wear.
 
 Then the error of the section where i/mu differs, and there is no law to hold it against: beside

@@ -54,6 +54,7 @@ def heat_of(model: Model, contact: State) -> FlashTemperature:
     }
     made = -V * (contact.traction * contact.slip).sum(axis=0)
     touching = contact.touching
+    # The operators are the same one then, and half the heat solves it to the last digit.
     if thermal["A"] == thermal["B"] and bulk["A"] == bulk["B"]:
         into_A = 0.5 * made
     else:
@@ -149,11 +150,13 @@ def warmed(
         cost = contact.cost if cost is None else cost + contact.cost
         heat = heat_of(model, contact)
         contact = replace(contact, heat=heat, cost=cost)
-        now = heat.temperature["A"]
+        now = heat.temperature["A"]  # where they touch, that of B too
         missed = np.abs(now - temperature)[contact.touching].max(initial=0.0)
         rise = np.abs(now - bulk["A"])[contact.touching].max(initial=0.0)
         if not contact.converged or missed <= tolerance * max(rise, 1.0):
             return contact
+        # Warmer surfaces have less friction and make less heat: in turn alone the two may swing for
+        # ever, where friction falls steeply.
         tried, found, start = [*tried[-MEMORY:], temperature], [*found[-MEMORY:], now], contact
         temperature = _combined(tried, found)
     cure = "let friction.temperature fall less steeply, or raise solver.tolerance"

@@ -57,7 +57,7 @@ class Laws:
     fatigue : CycleCriterion or None
         What the cycles of stress are judged by; None without a limit.
     life : Woehler or None
-        How many cycles the material bears at a utilisation.
+        How many cycles the material endures at a utilisation.
 
     Examples
     --------

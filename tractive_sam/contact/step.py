@@ -185,7 +185,7 @@ class Stepper:
         if normal.load is None and normal.gap.min() >= normal.approach:
             solver, start = ALONE, None  # they do not touch: nothing to solve
         elif model.elasticity.coupled and not past.touching.any():
-            start = None
+            start = None  # Newton's method has no contact area to begin with
         outcome = solver.solve(problem, model.scene.solver.tolerance, start)
         if len(problem.forces) and outcome.creepage is None:
             outcome = _without_contact(problem, outcome)
@@ -244,6 +244,7 @@ class Stepper:
             for one, force in zip(asked.creepages, (*asked.forces, None), strict=True)
         ]
         m, f, d = way.elements, way.part, max(way.length, 1e-300)
+        # Spin makes the rigid slip linear over the way, so that its mean is that in the middle.
         # Where the way is interpolated by a straight line, so is the rigid slip on it.
         middle = np.where(held, 0.5 * d, (0.5 * m * m + f * (m + 0.5)) / d)
         if not model.stencil.staggered and way.length:

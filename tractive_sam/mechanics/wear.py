@@ -166,7 +166,7 @@ class ArchardByWork(WearLaw):
 
         sqrt((w_1 + w_2) ((i1/mu1)^2 w_1 + (i2/mu2)^2 w_2)).
 
-    Where it sticks beside one that slips, it shows slip of that one (`State.slip`) but bears
+    Where it sticks beside one that slips, it shows slip of that one (`State.slip`) but carries
     less than the bound: by its pressure it would wear many times too much where only a narrow edge
     slips, by its work it does not. With i1/mu1 = i2/mu2 the contact wears that times its
     frictional work, on any mesh; otherwise between the smaller and the larger of them.

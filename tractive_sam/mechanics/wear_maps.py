@@ -104,7 +104,7 @@ class ByTotal(WearLaw):
 class ByChart(WearLaw):
     """Archard's law with a coefficient that depends on sliding speed and pressure.
 
-    Where an element sticks beside one that slips it bears less than the bound, and wears in that
+    Where an element sticks beside one that slips it carries less than the bound, and wears in that
     proportion, as in `ArchardByWork`.
 
     Parameters

@@ -120,6 +120,7 @@ def edge_turning(
     squares = pressure**2
     falls = squares[1] > 1.1 * squares[0]
     aside, fall = aside_and_fall(*squares)
+    # d(p²) = 2 p dp, d arctan2(a, f) = (f da - a df)/(f² + a²).
     moving, falling = aside_and_fall(*(2.0 * pressure * _around(change, i, j)))
     return (fall * moving - aside * falling) / (fall**2 + aside**2)
 
@@ -130,6 +131,7 @@ def entry_beyond(bound: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
     The edge is where the squared pressure, linear from the element behind on, is zero.
     """
     here, behind, _, _ = _around(bound, i, j) ** 2
+    # Zero lies t = here/(behind - here) elements ahead of the centre, so that it is (1 - t)/t.
     return np.clip(behind / here - 2.0, 0.0, FARTHEST)
 
 
@@ -179,7 +181,7 @@ class FrictionSlip:
         self._aspect, self._opening_at = aspect, opening
         self._angle = edge_angles(bound, leading[0], leading[1], aspect)
         self._opening = opening(self._angle)
-        # A thousandth of a billionth of the pressure bears no traction that matters.
+        # Divided by: elements below 1e-12 of the peak pressure carry no traction that matters.
         self._bound = np.maximum(bound[self._here], 1e-12 * bound.max(initial=0.0))
         self._gap = gap[self._ahead]
         self._opened = np.trace(self._opening, axis1=1, axis2=2) * self._gap / self._bound
@@ -199,7 +201,7 @@ class FrictionSlip:
 
         The slip of the leading face, less what the opening ahead of a leading element accounts
         for. There it is divided by 1 + `stiffness`, so that it answers the traction no more than
-        one to one, however little the element bears.
+        one to one, however little the element carries.
 
         Parameters
         ----------

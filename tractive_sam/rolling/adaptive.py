@@ -181,6 +181,8 @@ class _Formula:
 
     def of_third_order(self, response: np.ndarray, rate: np.ndarray) -> np.ndarray:
         """What the formula itself misses of the profile where it has this rate."""
+        # (c_0 - J)^-1 makes a correction of the profile of what the rate misses; c_0 (c_0 - J)^-1
+        # once more leaves it to long waves, whose rate has a smooth course.
         known = self.worn_before & (rate > 0.0)
         missed = np.where(known, self.third * (self.rate - rate), 0.0)
         return self.leading * self._solved(response, self._solved(response, missed))
@@ -207,6 +209,8 @@ def _one(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple[
     now = passage_at(model, revolution, profile, last.contacts, _lag(model), grown)
     if not now.converged:
         return now, np.inf
+    # A single pass needs no formula: it only tells what the next, longer jump would miss. The rate
+    # found at the true profile is moved to the one that the formula predicts.
     rate = now.gained + response @ (predicted - profile)
     error = _error(model, formula.correction(response, predicted, rate), profile)
     # Nothing is extrapolated from the unworn bodies: nothing is worn in their contact.
@@ -231,7 +235,9 @@ def _many(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple
         if repeats == 0:
             error = _error(model, correction, profile)
         correction += fitting.of_third_order(response, now.gained + response @ correction)
-        corrected = np.maximum(profile + correction, here.profile)
+        corrected = np.maximum(profile + correction, here.profile)  # nothing grows back
+        # The contact is not solved again after the correction, unless it changes a rate by much:
+        # then the response of the contact before does not tell what it does.
         change = response @ correction
         smooth = np.abs(change).max() <= ROUGHNESS * now.gained.max()
         if error > 1.0 or smooth or repeats == REPEATS:
@@ -267,6 +273,8 @@ def _predicted(
     does not close stay out of contact.
     """
     here, new, open_ = formula.here, ~formula.worn_before, _open(last, response)
+    # R = offset + J E: linear about the extrapolated state, of new rows about the last one, where
+    # what is left of the gap counts like a pressure below zero.
     offset = np.where(
         new,
         here.rate - response @ here.profile - open_,
@@ -279,6 +287,8 @@ def _predicted(
             profile = fitting.predicted(response, offset)
             expected = offset + response @ profile
             fitting = formula.with_new_rows(response, open_, profile, expected)
+        # A row out of contact neither wears nor answers. Without it the others carry more, so they
+        # are asked again; rows only leave, so this ends.
         apart = new & (expected < 0.0)
         if not apart.any():
             return np.maximum(profile, here.profile), np.maximum(expected, 0.0), response

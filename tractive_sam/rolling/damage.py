@@ -271,6 +271,7 @@ def _rolled(
         return replace(one, now=flat, before=before.utilisation, rate=rate)
     added, straight = _added(one, now, rate, jump, life)
     now = now.with_damage(zeta, before.damage + one.passes * added, worn)
+    # Parabola and straight line differ by what the next order would: an estimate, added up.
     error = one.error + one.passes * np.abs(added - straight)
     initiation, (top, _), (was, _) = one.initiation, now.damage_max, before.damage_max
     if math.isnan(initiation) and top >= 1.0:
@@ -300,10 +301,13 @@ def _added(
     if length == 1:
         return end, end
     first, second = before.utilisation, now.utilisation
+    # Newton's second difference: u = straight line + t (t - 1) bend goes through the record before.
     bend = np.zeros_like(first)
     if last:
         bend = (second - first) * last - (first - one.before) * length
         bend *= length / (last * (length + last))
+    # In pieces that each wear off no more than one step of the material: the damage of a place ends
+    # where wear takes it away, and no Gauss rule holds across that.
     worn_off = float((now.worn - before.worn).max(initial=0.0))
     parts = int(min(max(1, math.ceil(worn_off * FINE / now.depth[1])), FARTHEST))
     total, straight = np.zeros_like(end), np.zeros_like(end)
@@ -316,6 +320,8 @@ def _added(
             total += weight * length / parts * damage(bent, worn)
             if last:
                 straight += weight * length / parts * damage(even, worn)
+    # By Euler and Maclaurin the sum over the passes is the integral and half the difference of the
+    # ends.
     ends = 0.5 * (end - damage(first, before.worn))
     # By neither may the sum be less than nothing, where the course is rough.
     total, straight = np.maximum(total + ends, 0.0), np.maximum(straight + ends, 0.0)

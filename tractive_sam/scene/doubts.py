@@ -22,7 +22,7 @@ LIKE_PA = (1e9, 2e12)
 """Young's moduli in MPa that are those of plastics to diamond in Pa."""
 
 HARDEST = 1e4
-"""Peak pressure that no engineering material bears, MPa."""
+"""Peak pressure that no engineering material withstands, MPa."""
 
 MOST_CREEPAGE = 0.1
 """Creepage beyond which bodies rather slide than roll; 1 is one body at rest."""
@@ -50,8 +50,8 @@ def doubts(scene: Scene) -> Iterator[str]:
             yield f"body.{name}: E = {E:g} MPa is beyond any material; in Pa? {_STEEL}"
     if scene.hertz is not None and scene.hertz.p0 > HARDEST:
         yield (
-            f"load: p0 = {scene.hertz.p0:.4g} MPa by Hertz, and nothing bears {HARDEST:g} MPa; "
-            "units are mm, N and MPa"
+            f"load: p0 = {scene.hertz.p0:.4g} MPa by Hertz, and no material withstands "
+            f"{HARDEST:g} MPa; units are mm, N and MPa"
         )
     k = None if scene.fatigue is None else scene.fatigue.shear_yield_stress
     if k is not None and scene.hertz is not None and scene.hertz.p0 > MOST_SHAKEN * k:

@@ -90,10 +90,10 @@ class ConjugateGradients:
                     # Those of the former area must not change the load on this one.
                     direction -= response * (direction.sum() / response.sum())
             change = apply(direction)
-            if (
-                not (curvature := np.vdot(direction, change)) > 0.0
-            ):  # of gaps so wide that rounding leaves no way to go
+            # Positive for any direction, but for gaps so wide that rounding leaves nothing of it.
+            if not (curvature := np.vdot(direction, change)) > 0.0:
                 break
+            # To the least energy along the direction.
             length = np.vdot(gap, direction) / curvature
             p = p - length * direction
             if p.min() < 0.0:

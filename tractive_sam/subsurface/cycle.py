@@ -78,7 +78,7 @@ def fatigue(
     asked = contact.scene.fatigue
     if asked is None:
         raise ValueError(
-            "a scene with a [fatigue] table is needed: it says what the material bears"
+            "a scene with a [fatigue] table is needed: it says what the material endures"
         )
     laws = laws or Laws.of(contact.scene)
     depths = cycle_depths(contact) if depths is None else checked(depths)
