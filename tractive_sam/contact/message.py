@@ -70,9 +70,9 @@ def too_steep(steepness: float) -> str:
 
 def _beyond_the_top(top: tuple[float, float], key: str, model: Model) -> str:
     force = top[0] * model.units.pressure * model.grid.element_area
-    unit = "N/mm" if model.grid.line else "N"
+    top_force = f"{force:.5g} {model.scene.force_unit}"
     return (
-        f"{key} is beyond the top of the traction curve, {force:.5g} {unit} at a creepage of "
+        f"{key} is beyond the top of the traction curve, {top_force} at a creepage of "
         f"{top[1] * model.units.slip:.3g}: friction falls with sliding, and no creepage gives "
         f"more; lower {key}, or give the creepage"
     )

@@ -173,7 +173,7 @@ def _contact(model: Model) -> Section:
 
 def _drive(model: Model) -> str:
     creepage, load = model.scene.creepage, model.scene.load
-    unit = "N/mm" if model.grid.line else "N"
+    unit = model.scene.force_unit
     if model.scene.transient is not None:
         return "what changes over the distance (Transient, below)"
     parts = [

@@ -248,6 +248,11 @@ class Scene(Document):
         return self.body.infinitely_long and self.gap is None
 
     @property
+    def force_unit(self) -> str:
+        """Unit of forces: "N", of a line contact "N/mm"."""
+        return "N/mm" if self.line else "N"
+
+    @property
     def hertz(self) -> HertzContact | HertzLine | None:
         """The Hertz contact of the radii, without any gap; None unless they close.
 

@@ -38,7 +38,7 @@ def _value(value: float | tuple[float, float]) -> str:
 
 def load_told(scene: Scene) -> str:
     """The load and the peak pressure that it makes, whichever of them is given."""
-    hertz, load, unit = scene.hertz, scene.normal_load, "N/mm" if scene.line else "N"
+    hertz, load, unit = scene.hertz, scene.normal_load, scene.force_unit
     if hertz is None:
         if load is None:
             return f"approach = {scene.load.approach:g} mm"
