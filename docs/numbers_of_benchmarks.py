@@ -317,6 +317,19 @@ def transient_order() -> str:
     return f"{told}\n\n{markdown(head, body)}\n{also}\n\n{over_steps}"
 
 
+def duty() -> str:
+    """Jumps of duty cycles against every revolution."""
+    columns = {
+        "blocks": ("blocks", str),
+        "error of the profile, % of the depth": ("error", PER_CENT),
+        "wear of a cycle, %": ("cycle", PER_CENT),
+        "contacts": ("contacts", str),
+        "over those of a single load": ("over single", number(".2f")),
+        "one by one": ("one by one", str),
+    }
+    return of_columns(rows_of("duty.csv"), columns)
+
+
 TABLES = {
     one.__name__: one
     for one in (
@@ -342,5 +355,6 @@ TABLES = {
         jacobian_carter,
         study_scaling,
         transient_order,
+        duty,
     )
 }
