@@ -276,7 +276,7 @@ def test_without_dask_the_cure_is_told(tmp_path, monkeypatch):
     with pytest.raises(
         ResultsError, match=r"pip install '\.\[study\]' in .*; or ask for 0 workers"
     ):
-        study(small(), tmp_path)
+        study(small(), tmp_path, workers=2)
 
 
 def test_study_whose_file_was_spoilt(tmp_path):
@@ -304,7 +304,7 @@ def test_more_processes_than_the_memory_holds_are_refused(tmp_path, monkeypatch)
 def test_long_cases_first(tmp_path):
     revolutions = {"key": "wear.revolutions", "values": [1, 100, 10]}
     asked = Study(scene="twin-discs", set=["grid.elements=[15, 41]"], axis=[revolutions])
-    tasks, done = run._left(Folder(tmp_path), cases(asked))
+    tasks, done = run._left(Folder(tmp_path), cases(asked), asked)
     assert [task.case.changes["wear.revolutions"] for task in tasks] == [100, 10, 1]
     assert done == 0
 

@@ -3,12 +3,13 @@
 from tractive_sam.run import explain, memory
 from tractive_sam.run.export import export_surface, export_volume
 from tractive_sam.run.given import measured_gap
-from tractive_sam.run.many import nearby, snake, solve_many, under
+from tractive_sam.run.many import InTurn, nearby, snake, solve_many, under
 from tractive_sam.run.pipeline import roll, solve
 from tractive_sam.run.progress import progress_shown
 from tractive_sam.run.resume import what_differs
 
 __all__ = [
+    "InTurn",
     "explain",
     "export_surface",
     "export_volume",

@@ -4,6 +4,7 @@ import copy
 import math
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
+from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,9 +12,12 @@ import numpy as np
 from tractive_sam import interrupt
 from tractive_sam.contact import Model, check_jacobian, equilibrium, fitted, jacobian_of
 from tractive_sam.operators import one_blas_thread
-from tractive_sam.results import Quantity, State, Status, columns
+from tractive_sam.results import History, Quantity, State, Status, columns
+from tractive_sam.rolling import begun
 from tractive_sam.run import given, memory
 from tractive_sam.run.given import measured_gap
+from tractive_sam.run.pipeline import roll
+from tractive_sam.run.recording import Recording
 from tractive_sam.scene import Fault, Scene, SceneError, shown
 
 if TYPE_CHECKING:
@@ -192,8 +196,13 @@ def under(model: Model, creepages: Mapping[str, float]) -> Model:
         return model
     values = {key.rpartition(".")[2]: float(value) for key, value in creepages.items()}
     moved = model.scene.creepage.model_copy(update=values)
+    return _of_scene(model, model.scene.model_copy(update={"creepage": moved}))
+
+
+def _of_scene(model: Model, scene: Scene) -> Model:
+    """A model of a scene that differs from its own by creepages alone."""
     other = copy.copy(model)
-    other.scene = model.scene.model_copy(update={"creepage": moved})
+    other.scene = scene
     for name in ("rigid_slip", "scaled_rigid_slip", "transmits"):
         other.__dict__.pop(name, None)
     return other
@@ -216,3 +225,44 @@ def snake(shape: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
     inner = list(snake(shape[1:]))
     for k in range(shape[0]):
         yield from ((k, *rest) for rest in (reversed(inner) if k % 2 else inner))
+
+
+class InTurn:
+    """Rolls scenes in memory, one after another, each from the contact before it.
+
+    Scenes that differ by creepages alone share mesh, gap and operators. Where the mesh is the same,
+    the contact solved before is the first guess. What is found is that of `roll` to the tolerance
+    of the solver: the mesh is always the one that the scene has by itself, and a scene whose
+    solution might hang on its first guess, or that is rolled on, begins from none.
+    """
+
+    def __init__(self) -> None:
+        self._model: Model | None = None
+        self._contact: State | None = None
+
+    @one_blas_thread()
+    def roll(self, scene: Scene) -> History:
+        """The history of a scene, as of `roll` without a file."""
+        if not _is_one_contact(scene):
+            return roll(scene, progress=False)
+        began = perf_counter()
+        chosen = self._model_of(scene)
+        memory.check_roll(chosen, in_memory=True)
+        several = scene.heat is not None or chosen.friction_law.falls  # solutions
+        model, contact = nearby(chosen, None if several else self._contact)
+        self._model, self._contact = chosen, contact if contact.converged else None
+        run = Recording(scene, chosen.measured, Model, None, False, None, (), began)
+        return run.begun(model, begun(model, (contact,)))
+
+    def _model_of(self, scene: Scene) -> Model:
+        if self._model is not None:
+            before = self._model.scene
+            if scene == before.model_copy(update={"creepage": scene.creepage}):
+                return _of_scene(self._model, scene)
+        return Model(scene, measured_gap(scene))
+
+
+def _is_one_contact(scene: Scene) -> bool:
+    """Whether nothing is rolled or refined."""
+    asked = scene.wear, scene.accuracy, scene.transient, scene.spectrum
+    return all(one is None for one in asked)

@@ -21,6 +21,7 @@ The file of a study
     scene = "spheres-orthotropic"          # a built-in name, a file, or [scene] with its tables
     without = ["subsurface"]               # optional: what to leave out of it
     set = ["solver.tolerance=1e-9"]        # optional: settings
+    keep = "scalars"                       # optional: numbers of last records alone, in one file
 
     [[axis]]                               # every combination of the axes is a case
     key = "friction.angle"

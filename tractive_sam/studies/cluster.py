@@ -5,17 +5,18 @@ the files: a case that was cut off is handed out again and goes on from its last
 """
 
 import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from time import monotonic, sleep
 from traceback import format_exception
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 from uuid import uuid4
 
 from tractive_sam import interrupt
 from tractive_sam.store import ResultsError
+from tractive_sam.studies.chain import Chain, chained
 from tractive_sam.studies.task import FAILED, HELD, Outcome, Task
-from tractive_sam.studies.worker import ONE_THREAD, run_case
+from tractive_sam.studies.worker import ONE_THREAD, run_case, run_chain
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -160,7 +161,11 @@ def on_cluster(
             with _client(address, patience, say, security) as client:
                 patience = PATIENCE
                 _look_at_workers(client, say)
-                for task, outcome in _handed_out(client, list(left.values())):
+                chains = chained(left.values(), alone=killed)
+                for task, together, outcome in _handed_out(client, chains):
+                    if outcome is None and together > 1:
+                        killed[task.case.digest] = 0  # which of them it was is seen alone
+                        continue
                     ended = outcome or _after_deaths(task, reached(task), killed)
                     if ended is not None and ended.status != HELD:
                         del left[task.case.digest]
@@ -223,21 +228,24 @@ def _client(
             client.close(timeout=5)
 
 
-def _handed_out(client: "Client", tasks: list[Task]) -> Iterator[tuple[Task, Outcome | None]]:
-    """Hand out every task once; yields each with its outcome, None if its workers died."""
+def _handed_out(
+    client: "Client", chains: list[Chain]
+) -> Iterator[tuple[Task, int, Outcome | None]]:
+    """Hand out every chain once.
+
+    Yields each task with the length of its chain and its outcome, None if its workers died.
+    """
     from distributed import as_completed  # of an extra
 
     round_of = uuid4().hex  # so that the scheduler takes it for nothing that it was asked before
     futures = {
         client.submit(
-            run_case,
-            task.case.scene,
-            str(task.file),
-            key=f"case-{task.case.number}-{round_of}",
-            priority=task.seconds,
+            *_work(chain),
+            key=f"case-{chain[0].case.number}-{round_of}",
+            priority=chain[0].seconds,
             pure=False,
-        ): task
-        for task in tasks
+        ): chain
+        for chain in chains
     }
     try:
         ended = as_completed(futures, loop=client.loop)
@@ -247,8 +255,9 @@ def _handed_out(client: "Client", tasks: list[Task]) -> Iterator[tuple[Task, Out
                 sleep(GLANCE)
                 continue
             future = next(ended)
-            task = futures.pop(future)
-            yield task, _outcome(future)
+            chain = futures.pop(future)
+            for task, outcome in zip(chain, _outcomes(future, len(chain)), strict=True):
+                yield task, len(chain), outcome
             future.release()
     finally:
         # Where the client goes before its cases are done, those not begun yet are forgotten.
@@ -257,15 +266,25 @@ def _handed_out(client: "Client", tasks: list[Task]) -> Iterator[tuple[Task, Out
                 future.release()
 
 
-def _outcome(future: "Future") -> Outcome | None:
+def _work(chain: Chain) -> tuple[Any, ...]:
+    """What a worker calls, and with what."""
+    first = chain[0]
+    if first.file is not None:
+        return run_case, first.case.scene, str(first.file)
+    return run_chain, [task.case.scene for task in chain]
+
+
+def _outcomes(future: "Future", number: int) -> Sequence[Outcome | None]:
+    """What became of the cases of a chain."""
     from distributed.scheduler import KilledWorker  # of an extra
 
     if future.status == "finished":
-        return future.result()
+        found = future.result()
+        return found if isinstance(found, list) else [found]
     if future.status != "error":
         raise _CutOffError
     error = future.exception()
     if isinstance(error, KilledWorker):
-        return None
+        return [None] * number
     where = "".join(format_exception(error))
-    return Outcome(FAILED, f"{type(error).__name__}: {error}", traceback=where)
+    return [Outcome(FAILED, f"{type(error).__name__}: {error}", traceback=where)] * number

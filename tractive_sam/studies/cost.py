@@ -18,6 +18,9 @@ from tractive_sam.studies.design import Study, StudyError
 EMPTY_FILE = 2e5
 """Size of a results file without anything in it, bytes."""
 
+OF_A_LINE = 2e3
+"""Size of the last record of a case, bytes."""
+
 OF_A_FILE = 0.1
 """Time that a results file takes, whatever is in it, s (benchmarks/study.py)."""
 
@@ -53,8 +56,9 @@ def explain_study(study: Study, workers: int) -> list[explain.Section]:
     """
     found = cases(study)
     models = _models(found)
-    seconds = np.array(_times(models))
-    volume = sum(map(_bytes, models))
+    files = study.keep == "all"
+    seconds = np.array(_times(models, files))
+    volume = sum(map(_bytes, models)) if files else OF_A_LINE * len(found)
     room = f"about {max(map(memory.of_scene, models)) / 2**20:.0f} MiB"
     whole = max(seconds.sum() / workers, seconds.max())
     duration = explain.duration
@@ -67,15 +71,21 @@ def explain_study(study: Study, workers: int) -> list[explain.Section]:
                 ("all cases", f"about {duration(seconds.sum())} of one core"),
                 (f"with {workers} workers", f"about {duration(whole)}; --workers N for others"),
                 ("memory", f"{room} a worker, and {explain.OF_PROGRAMS} MiB for programs"),
-                ("results", f"at most about {volume / 1e6:.0f} MB in {len(found)} files"),
+                ("results", _room(volume, len(found) if files else 1)),
             ],
         ),
     ]
 
 
-def estimates(found: list[Case]) -> list[float]:
+def _room(volume: float, files: int) -> str:
+    """Room on the disk, bytes."""
+    size = f"{volume / 1e6:.0f} MB" if volume > 1e6 else f"{volume / 1e3:.0f} kB"
+    return f"at most about {size} in {'one file' if files == 1 else f'{files} files'}"
+
+
+def estimates(found: list[Case], with_files: bool = True) -> list[float]:
     """Time that each case is expected to take on a core like this one, s."""
-    return _times(_models(found))
+    return _times(_models(found), with_files)
 
 
 def check_memory(found: list[Case], workers: int) -> None:
@@ -120,14 +130,14 @@ def _models(found: list[Case]) -> list[Model]:
     return models
 
 
-def _times(models: list[Model]) -> list[float]:
+def _times(models: list[Model], with_files: bool) -> list[float]:
     """Seconds of each; one mesh of a kind is timed, for others it follows from their size."""
     kinds = defaultdict(list)
     for model in models:
         kinds[memory.fields_together(model), type(model.elasticity)].append(model)
     pace = {kind: _pace(alike) for kind, alike in kinds.items()}
     return [
-        OF_A_FILE
+        OF_A_FILE * with_files
         + pace[memory.fields_together(model), type(model.elasticity)]
         * _size(model)
         * explain.applications(model)

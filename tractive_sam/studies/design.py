@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Literal, Self
 
 from tractive_sam.scene import (
     Check,
@@ -78,6 +78,9 @@ class Study(Document):
         Settings of the scene, as ``solver.tolerance=1e-9``.
     without : iterable of str
         Entries and tables of the scene to leave out, as ``subsurface``.
+    keep : str
+        "all", a results file for each case, or "scalars", the numbers of its last record alone: all
+        cases in one file.
     title : str
         What is studied.
 
@@ -105,6 +108,11 @@ class Study(Document):
     scene: Scene = entry("the scene", "a built-in name, a scene file, or the tables of a scene")
     axis: tuple[Axis, ...] = entry("the axes", "a list of tables", ())
     latin: Latin | None = entry("the Latin hypercube", "", None)
+    keep: Literal["all", "scalars"] = entry(
+        "what is kept of each case: a results file, or the numbers of its last record",
+        '"all" or "scalars"',
+        "all",
+    )
     checks: ClassVar[tuple[Check, ...]] = (_something_varies, _each_entry_once, _not_too_many)
 
     def __init__(

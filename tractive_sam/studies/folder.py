@@ -10,6 +10,9 @@
 
 Results files are written by workers, everything else by the one client that runs the study. There
 is no other state: what is complete is what these files say. Other files are let alone.
+
+A study that keeps scalars has no results files: complete.jsonl is all there is, a line for each
+case that ended. A line is written before the case is told complete, and is whole or ignored.
 """
 
 import json
@@ -111,10 +114,10 @@ class Folder:
         return {one["digest"]: one for one in map(_kept, lines) if one is not None}
 
     def keep(self, task: Task, outcome: Outcome) -> None:
-        """Remember the last record of a complete case."""
+        """Remember the last record of a complete case; its size is 0 where it has no file."""
         kept = {
             "digest": task.case.digest,
-            "size": task.file.stat().st_size,
+            "size": 0 if task.file is None else task.file.stat().st_size,
             "version": outcome.version,
             "message": outcome.message,
             "row": outcome.row,

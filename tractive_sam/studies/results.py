@@ -183,6 +183,9 @@ class StudyResults:
         if not -len(self) <= number < len(self):
             raise IndexError(f"no case {number}; they are numbered from 0 to {len(self) - 1}")
         row = self.rows[number]
+        if row.file is None and row.status == COMPLETE:
+            cure = 'run it with keep = "all"'
+            raise ResultsError(f"{row.case}: the study keeps scalars, no histories; {cure}")
         if row.file is None:
             raise ResultsError(f"{row.case} is {row.status}: it has no results yet")
         return open_history(row.file)
@@ -195,7 +198,8 @@ class StudyResults:
         name : str
             One of `quantities`.
         revolution : int, optional
-            Of the record of this revolution, in place of the last one.
+            Of the record of this revolution, in place of the last one; where the study keeps
+            scalars, only the last one is known.
 
         Raises
         ------
@@ -299,7 +303,9 @@ def open_study(directory: str | PathLike[str]) -> StudyResults:
     for case in cases(study):
         interrupt.heed()
         file, kept = folder.file_of(case, files), complete.get(case.digest)
-        if kept and case.digest in files and file.stat().st_size == kept["size"]:
+        if kept and study.keep == "scalars" and not kept["size"]:
+            rows.append(Row(case, COMPLETE, kept["message"], None, kept["row"], kept["version"]))
+        elif kept and case.digest in files and file.stat().st_size == kept["size"]:
             told = kept["message"], file, kept["row"], kept["version"]
             rows.append(Row(case, COMPLETE, *told))
         else:
@@ -341,7 +347,8 @@ def _row(case: Case, file: Path, failure: str) -> Row:
 def _at(row: Row, name: str, revolution: int) -> float:
     """A quantity of one revolution."""
     if row.file is None:
-        return math.nan
+        known = row.last if row.last.get("revolution") == revolution else {}
+        return known.get(name, math.nan)
     history = open_history(row.file)
     found = np.flatnonzero(history["revolution"] == revolution)
     return float(summary(history, found[-1]).get(name, math.nan)) if found.size else math.nan

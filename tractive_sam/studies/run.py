@@ -10,20 +10,26 @@ from time import sleep
 
 from tractive_sam import interrupt
 from tractive_sam.operators import cores
+from tractive_sam.run import InTurn
 from tractive_sam.store import ResultsError, open_history
 from tractive_sam.studies import cluster
 from tractive_sam.studies.case import Case, cases
+from tractive_sam.studies.chain import in_turn
 from tractive_sam.studies.cost import check_memory, estimates
 from tractive_sam.studies.design import Study
 from tractive_sam.studies.folder import Folder
 from tractive_sam.studies.results import StudyResults, open_study
 from tractive_sam.studies.task import COMPLETE, HELD, Outcome, Task
-from tractive_sam.studies.worker import run_case
+from tractive_sam.studies.worker import run_case, run_neighbour
 
 SCHEDULER_ENCRYPTS = (
     "a scheduler has its own encryption, of which dask's configuration tells; its address then "
     "begins with tls://"
 )
+
+
+STARTING = 10.0
+"""Work that is done in this process unless others are asked for, s: they take seconds to start."""
 
 
 @dataclass(frozen=True)
@@ -75,6 +81,10 @@ def study(
 ) -> StudyResults:
     """Run the cases of a study that are not complete, long ones first.
 
+    Where it keeps scalars, neighbours are computed in turn and start from each other: numbers hang
+    on where that was cut, as by another number of workers or by going on later, by no more than the
+    tolerance of the solver.
+
     A script that calls it without a scheduler of its own must do so under ``if __name__ ==
     "__main__":``, as the workers are processes that import the script.
 
@@ -89,8 +99,9 @@ def study(
         Address of a scheduler of dask.distributed whose workers are to do it; they have to see the
         folder under the same name.
     workers : int, optional
-        Without a scheduler: number of processes on this machine, by default its cores. With 0, the
-        cases are computed in this process, one after another.
+        Without a scheduler: number of processes on this machine. With 0, the cases are computed in
+        this process, one after another. By default as many as cores, or 0 where the work is done
+        sooner than they would have started.
     encrypted : bool
         Whether the processes of this machine speak TLS among each other, so that no other user of
         it can hand them work; needs the package cryptography.
@@ -134,7 +145,7 @@ def study(
     asked = asked if isinstance(asked, Study) else Study.from_toml(asked)
     found, folder = cases(asked), Folder(directory)
     with folder.taken(asked):
-        tasks, done = _left(folder, found)
+        tasks, done = _left(folder, found, asked)
         # Cases that are complete already are of no interest to the bar: it shows the work left.
         total = sum(task.seconds for task in tasks) or 1.0
         ended, failed, share = done, 0, 0.0
@@ -154,21 +165,32 @@ def study(
     return open_study(directory)
 
 
-def _left(folder: Folder, found: list[Case]) -> tuple[list[Task], int]:
-    """What is to be done, long cases first, and the number of those that are complete."""
+def _left(folder: Folder, found: list[Case], asked: Study) -> tuple[list[Task], int]:
+    """What is to be done, and the number of cases that are complete.
+
+    Long cases come first; where scalars are kept, neighbours come one after another.
+    """
     files, complete = folder.results(), folder.complete()
+    scalars = asked.keep == "scalars"
     left = []
     for case in found:
         interrupt.heed()
-        kept = case.digest in complete and case.digest in files
-        if not (kept and _is_complete(files[case.digest])):
+        kept = complete.get(case.digest)
+        if kept and scalars and not kept["size"]:
+            continue
+        if not (kept and case.digest in files and _is_complete(files[case.digest])):
             left.append(case)
-    seconds = estimates(left)
+    seconds = estimates(left, with_files=not scalars)
     tasks = [
-        Task(case, folder.file_of(case, files), time)
+        Task(case, None if scalars else folder.file_of(case, files), time)
         for case, time in zip(left, seconds, strict=True)
     ]
-    return sorted(tasks, key=lambda task: -task.seconds), len(found) - len(left)
+    if scalars:
+        turn = in_turn(asked.shape)
+        tasks.sort(key=lambda task: turn[task.case.number])
+    else:
+        tasks.sort(key=lambda task: -task.seconds)
+    return tasks, len(found) - len(left)
 
 
 def _ended(
@@ -180,6 +202,8 @@ def _ended(
 ) -> Iterator[tuple[Task, Outcome]]:
     if not tasks:
         return
+    if scheduler is None and workers is None and sum(task.seconds for task in tasks) < STARTING:
+        workers = 0
     if workers == 0 and scheduler is None:
         yield from _one_after_another(tasks, say)
         return
@@ -198,7 +222,12 @@ def _ended(
 def _one_after_another(
     tasks: list[Task], say: Callable[[str], None]
 ) -> Iterator[tuple[Task, Outcome]]:
+    neighbours = InTurn()
     for task in tasks:
+        if task.file is None:
+            interrupt.heed()
+            yield task, run_neighbour(task.case.scene, neighbours)
+            continue
         told = False
         while (outcome := run_case(task.case.scene, str(task.file))).status == HELD:
             if not told:
@@ -219,6 +248,8 @@ def _is_complete(file: Path) -> bool:
 
 def _reached(task: Task) -> int:
     """Records in the results file of a task."""
+    if task.file is None:
+        return 0
     try:
         return len(open_history(task.file))
     except ResultsError:

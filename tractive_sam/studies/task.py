@@ -18,14 +18,14 @@ class Task:
     ----------
     case : Case
         The case.
-    file : Path
-        Its results file.
+    file : Path or None
+        Its results file; None where the study keeps scalars.
     seconds : float
         Time that it is expected to take; long ones go first.
     """
 
     case: Case
-    file: Path
+    file: Path | None
     seconds: float
 
 
