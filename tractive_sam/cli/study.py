@@ -41,9 +41,9 @@ def study(
         typer.Option(
             min=0,
             metavar="N",
-            help="Without a scheduler: processes on this machine; 0 computes one case after another "
-            "in this one. By default as many as cores, or 0 where they would start longer than that "
-            "takes.",
+            help="Without a scheduler: processes on this machine; 0 computes one case after "
+            "another in this one. By default as many as cores, or 0 where the work takes no longer "
+            "than their start.",
         ),
     ] = None,
     encrypted: Annotated[

@@ -92,6 +92,8 @@ def mixed_versions(results: "StudyResults") -> None:
     if len(results.versions) > 1:
         found = ", ".join(f"{count} by {version}" for version, count in results.versions.items())
         cure = "remove the files of one (study-show --csv names them) to have them computed again"
+        if results.study.keep == "scalars":
+            cure = "a new folder has all of them computed by this one"
         told = f"not all cases were computed by one version: {found}; {cure}"
         say(("note: ", "bold yellow"), told)
 
