@@ -20,6 +20,8 @@ from error_bars import random_scenes
 from timing import show, write
 
 import tractive_sam as ts
+from tractive_sam.mechanics import residual_shear
+from tractive_sam.reference import line_pressure_stress, line_shear_stress
 
 MATERIAL = {"shear_yield": 300.0, "sensitivity": 1.0 / 3.0, "limit": 250.0}
 REVOLUTIONS = 15_000
@@ -129,7 +131,26 @@ def laws() -> None:
                 found["error of the surface"] = found["surface 0.3"] / 2.99702 - 1.0
         rows.append({"elements": elements} | found)
     write("fatigue_laws", rows)
+    write("fatigue_closed_forms", closed_forms())
     show("p0/k up to which a line contact in full slip is certain to shake down", rows)
+
+
+def closed_forms() -> list[dict]:
+    """p0/k up to which lines in full slip shake down, inside and at the surface."""
+    rows = []
+    x, depths = np.linspace(-4.0, 4.0, 1601)[:, None], np.linspace(0.3, 0.6, 61)
+    for mu in (0.0, 0.1, 0.2, 0.3, 0.31, 0.315, 0.32, 0.33, 0.367):
+
+        def cycles(z, mu=mu):
+            pressed = line_pressure_stress(x, z, 1.0, 1.0, 0.3)
+            stress = pressed + mu * line_shear_stress(x, z, 1.0, 1.0, 0.3)
+            return np.concatenate((stress, np.zeros_like(stress[:, :1])), axis=1)
+
+        inside = max(residual_shear(cycles(np.array([z])))[0] for z in depths)
+        surface = residual_shear(cycles(np.zeros(1)))[0]
+        rows.append({"mu": mu, "inside": 1.0 / inside, "surface": 1.0 / surface})
+    show("The same by the closed form", rows)
+    return rows
 
 
 def main() -> None:

@@ -272,6 +272,25 @@ def jacobian() -> str:
     return of_columns(rows_of("jacobian.csv"), columns)
 
 
+def fatigue() -> str:
+    """Damage of the twin discs' body A with and without wear."""
+    three = number(".3g")
+    columns = {
+        "beta": ("beta", str),
+        "mesh": ("mesh", str),
+        "tolerance": ("tolerance", number("g")),
+        "D without wear": ("without wear A", three),
+        "largest D": ("most A", three),
+        "D at the end": ("damage A", three),
+        "its error": ("error A", number(".1g")),
+        "crack at": ("crack at A", lambda text: "none" if text == "nan" else three(text)),
+        "removed, %": ("removed A", number(".1f", 100.0)),
+        "s": ("seconds", number(".0f")),
+        "s without fatigue": ("without", number(".1f")),
+    }
+    return of_columns(rows_of("fatigue.csv"), columns)
+
+
 def jacobian_carter() -> str:
     """Errors of the slope of Carter's curve over the mesh."""
     columns = {
@@ -344,6 +363,7 @@ TABLES = {
         twin_discs_mesh,
         giwm,
         wear,
+        fatigue,
         stepping,
         balance,
         peaks,

@@ -346,7 +346,8 @@ def _limits(axes: Axes, history: History, one: BodyFatigue, scale: Scale) -> Non
     """The stressed part of the section, depth downwards."""
     if not history.line:
         stressed = one.utilisation.max(axis=1) > 0.05 * one.utilisation.max()
-        reach = 1.15 * np.abs(one.y[stressed]).max() / scale.across
+        reach = 1.15 * np.abs(one.y[stressed]).max()
+        reach = min(reach, one.y[-1]) / scale.across
         axes.set_xlim(-reach, reach)
     axes.set_ylim(one.depth[-1] / scale.length, 0.0)
 
