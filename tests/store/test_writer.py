@@ -105,7 +105,7 @@ def test_error_in_the_computation_is_told_in_the_file(path):
     with pytest.raises(KeyboardInterrupt):
         interrupted()
     history = open_history(path)
-    assert (history.status, history.message) == ("stopped early", "KeyboardInterrupt")
+    assert (history.status, history.message) == ("stopped early", "interrupted")
     assert len(history) == 1
 
 

@@ -152,7 +152,7 @@ class HistoryWriter:
         if error is not None:
             # A full disk may be what stopped it; then the error at hand says more than the next.
             with suppress(ResultsError):
-                self.finish("stopped early", f"{kind.__name__}: {error}".removesuffix(": "))
+                self.finish("stopped early", _told(error))
 
     def append(
         self,
@@ -275,3 +275,10 @@ def check_results(path: Path, overwrite: bool = False) -> None:
 def _check_kind(path: Path) -> None:
     with results_file(path):
         pass
+
+
+def _told(error: BaseException) -> str:
+    """What stopped a computation, for people."""
+    if isinstance(error, KeyboardInterrupt):
+        return f"interrupted by {error}" if str(error) else "interrupted"
+    return f"{type(error).__name__}: {error}".removesuffix(": ")
