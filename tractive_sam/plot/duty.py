@@ -1,10 +1,11 @@
 """Duty cycles and wear laws: what each block wore, and in which regime."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from tractive_sam.contact import Laws
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.style import (
     GREY,
@@ -18,6 +19,10 @@ from tractive_sam.plot.style import (
 )
 from tractive_sam.results import PARTS, History, State
 from tractive_sam.scene import label
+
+if TYPE_CHECKING:
+    from tractive_sam.contact import Laws
+    from tractive_sam.mechanics import WearLaw
 
 PER_DEPTH = 1e3
 """µg/(m mm²) of a body of 1 kg/m³ that wears as deep as it is rolled."""
@@ -89,7 +94,7 @@ def block_shares(history: History) -> Figure:
 
 
 @styled
-def wear_regimes(source: History | State, laws: Laws | None = None) -> Figure:
+def wear_regimes(source: History | State, laws: "Laws | None" = None) -> Figure:
     """Rate of wear of the elements over their frictional work, T-gamma/A.
 
     Of a history the last stored contact, of a duty cycle those of all blocks. A dot is an element
@@ -145,9 +150,17 @@ def _contacts(source: History | State) -> dict[str, State]:
     return {label(source.scene, k): source.block(k).state() for k in range(len(source.scene.duty))}
 
 
-def _of_bodies(contact: State, laws: Laws | None) -> dict[str, np.ndarray]:
+def _wear_law(contact: State, laws: "Laws | None") -> "WearLaw | None":
+    """The law of wear given, or that of the scene."""
+    # Loads compilers, which no other figure needs.
+    from tractive_sam.contact import Laws  # noqa: PLC0415
+
+    return (laws or Laws.of(contact.scene)).wear
+
+
+def _of_bodies(contact: State, laws: "Laws | None") -> dict[str, np.ndarray]:
     """Wear rate of the elements of each body, µg/(m mm²)."""
-    law = (laws or Laws.of(contact.scene)).wear
+    law = _wear_law(contact, laws)
     fields = contact.pressure, contact.traction, contact.slip
     if law is None or not contact.touching.any():
         return {}
@@ -167,7 +180,7 @@ def _work(contact: State) -> np.ndarray:
     return np.maximum(-(contact.traction * contact.slip).sum(axis=0), 0.0)
 
 
-def _dots(axes: Axes, name: str, contact: State, laws: Laws | None, most: float) -> bool:
+def _dots(axes: Axes, name: str, contact: State, laws: "Laws | None", most: float) -> bool:
     """Draw the elements of a contact, those with hardly any work aside; whether there are any."""
     work, rates = _work(contact), _of_bodies(contact, laws)
     alike = len(rates) == 2 and np.allclose(rates["A"], rates["B"], rtol=1e-9)
@@ -183,9 +196,9 @@ def _dots(axes: Axes, name: str, contact: State, laws: Laws | None, most: float)
     return drawn
 
 
-def _laws_of(axes: Axes, contact: State, laws: Laws | None, most: float) -> None:
+def _laws_of(axes: Axes, contact: State, laws: "Laws | None", most: float) -> None:
     """Draw the regimes of the bodies' laws by work, and where they begin."""
-    law = (laws or Laws.of(contact.scene)).wear
+    law = _wear_law(contact, laws)
     seen: list[object] = []
     for body in "AB":
         regimes = getattr(getattr(law, body, None), "regimes", None)
