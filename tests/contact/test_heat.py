@@ -181,3 +181,12 @@ def test_wears_by_the_way_slid_however_hot(discs, cold):
     wear = {"intensity": 1e-9, "revolutions": 1}
     hot, plain = (ts.roll(one.replace(wear=wear))["worn_area"] for one in (discs, cold))
     assert hot[0] == pytest.approx(plain[0], rel=5e-3)  # elastic slip; friction is 13 % less
+
+
+def test_study_over_the_speed(discs, tmp_path):
+    fast = {"key": "creepage.speed", "values": [5e3, 20e3]}
+    results = ts.study(ts.Study(scene=discs, axis=[fast]), tmp_path / "speeds", workers=0)
+    warm = results.dataset()["temperature_max"].values
+    force = results.dataset()["Qx_over_P"].values
+    assert warm[0] < warm[1]
+    assert force[0] > force[1]
