@@ -77,6 +77,15 @@ def test_forces_beyond_the_top_of_the_traction_curve_are_told_it():
         ts.solve(locomotive(**{"load.force_x": 33.5e3}))
 
 
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_the_top_is_told_of_either_sign(sign):
+    scene = locomotive(**{"load.force_x": sign * 33.9e3, "grid.elements": (25, 23)})
+    with pytest.raises(ts.NotConverged) as caught:
+        ts.solve(scene)
+    force = float(caught.value.contact.note.split("traction curve, ")[1].split(" N")[0])
+    assert force == pytest.approx(sign * 33.49e3, rel=1e-3)  # on this mesh
+
+
 @pytest.mark.parametrize(
     ("elements", "half_length", "printed"),
     [(30, 1.2, 0.5959), (55, 1.1, 0.5896), (105, 1.05, 0.5864)],

@@ -135,9 +135,11 @@ class _Curve:
         )
         start = replace(self._now, creepage=self._now.creepage[1:])
         found = self._solver.solve(problem, self._tolerance, start)
+        if not found.converged:  # too far from it: from nothing
+            found = self._solver.solve(problem, self._tolerance).costing(found)
         self.spent = self.spent.costing(found)
         if not found.converged:
-            return -np.inf
+            return np.nan  # ends the way up
         self._now = replace(found, creepage=np.append(creepage, found.creepage))
         return float(self._vector @ found.traction.sum(axis=(1, 2)))
 
