@@ -301,6 +301,24 @@ def jacobian_carter() -> str:
     return of_columns(rows_of("jacobian_carter.csv"), columns)
 
 
+def tables() -> str:
+    """Creep forces by a table and by other ways."""
+    columns = {
+        "by": ("way", str),
+        "time of one, µs": ("s", number(".2g", 1e6)),
+        "median error over µP": ("median", number(".1e")),
+        "largest": ("worst", number(".1e")),
+        "median of the moment over µPc": ("moment", number(".1e")),
+    }
+    about = rows_of("tables_about.csv")[0]
+    told = (
+        f"{about['points']} points; {float(about['inside']):.1%} of them are within the error that "
+        f"the table tells. It has {about['nodes']} nodes for a tolerance of "
+        f"{float(about['tolerance']):g} and took {float(about['cpu_seconds']):.0f} s of one core."
+    )
+    return told + "\n\n" + of_columns(rows_of("tables.csv"), columns)
+
+
 def study_scaling() -> str:
     """A study on one and two workers."""
     columns = {
@@ -373,6 +391,7 @@ TABLES = {
         subsurface,
         jacobian,
         jacobian_carter,
+        tables,
         study_scaling,
         transient_order,
         duty,

@@ -22,6 +22,11 @@ except SystemExit:
     pass
 """
 
+TABLE = """
+import tractive_sam as ts
+ts.open_table("steel")(1e-3, 0.0, 0.0, a=1.0, b=1.0, load=1.0, mu=0.3, shear=1.0).gradient
+"""
+
 
 def loaded_by(code):
     """Names of the modules that a fresh process has after it ran `code`."""
@@ -40,8 +45,9 @@ def loaded_by(code):
         ("import tractive_sam as ts; ts.open_study", COMPILERS | FIGURES),
         ("import tractive_sam as ts; ts.plot", COMPILERS | {"h5py"}),
         ("import tractive_sam.studies.worker", FIGURES),
+        (TABLE, COMPILERS | FIGURES | {"xarray", "tractive_sam.contact"}),
     ],
-    ids=["package", "help", "scene", "history", "study", "plot", "worker"],
+    ids=["package", "help", "scene", "history", "study", "plot", "worker", "table"],
 )
 def test_loads_no_more_than_it_needs(code, without):
     assert not loaded_by(code) & without

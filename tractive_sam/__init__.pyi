@@ -6,6 +6,7 @@ from . import solvers as solvers
 from . import studies as studies
 from . import subsurface as subsurface
 from .contact.laws import Laws as Laws
+from .lookup import CreepTable as CreepTable
 from .mechanics import Bound as Bound
 from .mechanics import Coulomb as Coulomb
 from .mechanics import Crossland as Crossland
@@ -91,5 +92,9 @@ from .subsurface import stress_on_plane as stress_on_plane
 from .subsurface import stress_on_planes as stress_on_planes
 from .subsurface import stress_path as stress_path
 from .subsurface import stress_volume as stress_volume
+from .tables import TableDesign as TableDesign
+from .tables import TableError as TableError
+from .tables import build_table as build_table
+from .tables import open_table as open_table
 
 __version__: str

@@ -21,6 +21,7 @@ from tractive_sam.cli.scenes import scenes
 from tractive_sam.cli.show import show
 from tractive_sam.cli.study import study
 from tractive_sam.cli.study_show import study_show
+from tractive_sam.cli.table import table
 from tractive_sam.plain import plain
 
 
@@ -77,6 +78,7 @@ for command in (
     reproduce,
     study,
     study_show,
+    table,
 ):
     app.command()(command)
 

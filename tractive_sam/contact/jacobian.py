@@ -26,6 +26,8 @@ alone, so that every other column is solved under a pressure that is held.
 """
 
 import warnings
+from collections.abc import Container
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -74,7 +76,9 @@ def check_jacobian(model: Model) -> None:
         )
 
 
-def jacobian_of(model: Model, contact: State) -> "xarray.DataArray":
+def jacobian_of(
+    model: Model, contact: State, only: Container[str] | None = None
+) -> "xarray.DataArray":
     """Derivatives at a solved contact, on its mesh; see `State.jacobian`.
 
     Parameters
@@ -83,6 +87,8 @@ def jacobian_of(model: Model, contact: State) -> "xarray.DataArray":
         What was solved.
     contact : State
         Its solution.
+    only : container of str, optional
+        Columns that are wanted; by default all.
     """
     import xarray  # noqa: PLC0415 - of an extra
 
@@ -90,24 +96,25 @@ def jacobian_of(model: Model, contact: State) -> "xarray.DataArray":
     whole = tangential = _Linearised(model, model.problem(gap), start_of(model, contact))
     if not model.elasticity.coupled:
         tangential = whole.with_pressure_held()
-    rows, columns = [], {}
+    rows, asked = [], {}
     for k, (force, creepage) in enumerate((("Qx", "xi_x"), ("Qy", "xi_y"))):
         if model.free[k]:
             rows.append(creepage)
-            columns[force] = tangential.by_force(k)
+            asked[force] = partial(tangential.by_force, k)
         else:
             rows.append(force)
-            columns[creepage] = tangential.by_creepages(*np.eye(3)[k])
+            asked[creepage] = partial(tangential.by_creepages, *np.eye(3)[k])
     if not model.grid.line:
-        columns["spin"] = tangential.by_creepages(0.0, 0.0, 1.0)
+        asked["spin"] = partial(tangential.by_creepages, 0.0, 0.0, 1.0)
     if model.load is None:
         rows += ["Mz", "P"]
-        columns["approach"] = whole.by_approach()
+        asked["approach"] = whole.by_approach
     else:
         rows += ["Mz", "approach"]
-        columns["P"] = whole.by_load()
+        asked["P"] = whole.by_load
     if type(model.laws.friction) is Coulomb:  # of another law the bound may hang on mu as well
-        columns |= {f"mu{k + 1}": tangential.by_mu(k) for k in (0, 1)}
+        asked |= {f"mu{k + 1}": partial(tangential.by_mu, k) for k in (0, 1)}
+    columns = {name: of() for name, of in asked.items() if only is None or name in only}
 
     unsolved = [name for name, column in columns.items() if np.isnan(column).any()]
     if unsolved:

@@ -28,10 +28,12 @@ from .creep_force import (
     vermeulen_johnson,
     vermeulen_johnson_inverse,
 )
+from .fastsim import fastsim
 from .giwm import GlobalWear, giwm
 from .hertz_stress import circle_pressure_stress, circle_shear_stress, hertz_axis_stress
 from .kalker import CreepCoefficients, CreepForces, creep_coefficients, linear_creep_forces
 from .line_stress import line_pressure_stress, line_shear_stress
+from .spinning import full_slip_with_spin
 
 __all__ = [
     "Carter",
@@ -49,7 +51,9 @@ __all__ = [
     "combined_radius",
     "creep_coefficients",
     "creep_parameter",
+    "fastsim",
     "full_slip_force",
+    "full_slip_with_spin",
     "giwm",
     "hertz",
     "hertz_axis_stress",

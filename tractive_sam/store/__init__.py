@@ -1,5 +1,6 @@
 """Results and measured gaps on disk; the only room that opens HDF5 files."""
 
+from tractive_sam.store.creep_table import TABLE_FORMAT, StoredTable, read_creep_table
 from tractive_sam.store.errors import DamagedError, GapError, HeldError, ResultsError, StorageError
 from tractive_sam.store.gap import read_gap
 from tractive_sam.store.layout import FORMAT_VERSION
@@ -12,6 +13,7 @@ from tractive_sam.store.writer import HistoryWriter, check_results, results_writ
 
 __all__ = [
     "FORMAT_VERSION",
+    "TABLE_FORMAT",
     "DamagedError",
     "GapError",
     "HeldError",
@@ -19,12 +21,14 @@ __all__ = [
     "Image",
     "ResultsError",
     "StorageError",
+    "StoredTable",
     "check_results",
     "check_volume",
     "is_written",
     "lock_of",
     "locked",
     "open_history",
+    "read_creep_table",
     "read_gap",
     "results_writer",
     "state_of",

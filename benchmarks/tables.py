@@ -1,0 +1,217 @@
+"""Creep forces by a table, by approximate theories and by contacts: error against time.
+
+A thousand points that no table has seen: a/b between those of the built-in table of steel, scaled
+creepages of normal distribution up to full slip, spin as well. The reference is a contact of twice
+to three times the elements of any node of the table. Errors are those of (Q_x, Q_y) over mu P, the
+larger one, and of the moment over mu P c where a way tells one. Times are those of one evaluation
+on one core, of the table also for many points at once and in C.
+
+    python benchmarks/tables.py [POINTS]
+"""
+
+import math
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from time import process_time
+
+import matplotlib.pyplot as plt
+import numpy as np
+from timing import RESULTS, seconds, show, write
+
+import tractive_sam as ts
+from tractive_sam.lookup import c_header
+from tractive_sam.reference import fastsim, linear_creep_forces, vermeulen_johnson
+from tractive_sam.tables.contacts import MU, Contacts, scene_of
+
+NU, FINE = 0.3, 47
+SPREAD = np.array([0.4, 0.4, 0.8])
+"""Of the scaled creepages."""
+
+FEW = 40
+"""a/b among the points: of each one the operators are made once."""
+
+
+def points(table: ts.CreepTable, count: int) -> list[tuple[float, np.ndarray]]:
+    """Random a/b and scaled creepages, those of one a/b one after another."""
+    random = np.random.default_rng(20)
+    ratios = np.exp(random.uniform(*np.log(table.ellipticity), FEW))
+    return [(float(ratios[k * FEW // count]), random.normal(size=3) * SPREAD)
+            for k in range(count)]  # fmt: skip
+
+
+def contact_of(ratio: float) -> dict:
+    """A contact in which scaled creepages are creepages: G = mu P = c = 1."""
+    root = math.sqrt(ratio)
+    return {"a": root, "b": 1.0 / root, "load": 1.0, "mu": 1.0, "shear": 1.0}
+
+
+def linear(ratio: float, w: np.ndarray) -> np.ndarray:
+    """Kalker's linear theory, cut off at mu P."""
+    here = contact_of(ratio)
+    creepages = dict(zip(("xi_x", "xi_y", "spin"), w, strict=True))
+    found = np.array(linear_creep_forces(here["a"], here["b"], 1.0, NU, **creepages))
+    return found * [*[1.0 / max(1.0, math.hypot(*found[:2]))] * 2, 1.0]
+
+
+def by_vermeulen_johnson(ratio: float, w: np.ndarray) -> np.ndarray:
+    """Vermeulen & Johnson's curve of the size of the force of linear theory (Shen et al. 1983)."""
+    here = contact_of(ratio)
+    creepages = dict(zip(("xi_x", "xi_y", "spin"), w, strict=True))
+    force = np.array(linear_creep_forces(here["a"], here["b"], 1.0, NU, **creepages)[:2])
+    size = math.hypot(*force)
+    return np.array([*(float(vermeulen_johnson(size / 3.0)) / size * force), math.nan])
+
+
+def by_fastsim(ratio: float, w: np.ndarray) -> np.ndarray:
+    """FASTSIM with 30 x 30 elements."""
+    here = contact_of(ratio)
+    creepages = dict(zip(("xi_x", "xi_y", "spin"), w, strict=True))
+    return np.array(fastsim(**here, poisson=NU, **creepages, elements=(30, 30)))
+
+
+def at_once(found: list[tuple[float, np.ndarray]]) -> tuple[np.ndarray, dict]:
+    """All points as arrays: creepages, and the contacts."""
+    root = np.sqrt([ratio for ratio, _ in found])
+    contact = {"a": root, "b": 1.0 / root, "load": 1.0, "mu": 1.0, "shear": 1.0}
+    return np.array([w for _, w in found]).T, contact
+
+
+def within(table: ts.CreepTable, found: list, errors: np.ndarray) -> float:
+    """Share of the points whose errors are within those told."""
+    w, contact = at_once(found)
+    return float((errors <= table(*w, **contact).error.T).all(axis=1).mean())
+
+
+class FirstOrder:
+    """Contacts of first order on 12 x 12 elements, the usual nodes of tables."""
+
+    def __init__(self):
+        self.scenes = {}
+
+    def __call__(self, ratio: float, w: np.ndarray) -> np.ndarray:
+        """Solve one."""
+        if ratio not in self.scenes:
+            scene = scene_of(ratio, NU, 21)
+            grid = {"half_length": (scene.hertz.a, scene.hertz.b), "elements": (12, 12)}
+            self.scenes[ratio] = scene.replace(grid=grid, **{"solver.slip": "upwind"})
+        scene = self.scenes[ratio]
+        c, bound = scene.hertz.mean_semi_axis, MU * scene.normal_load
+        xi = w * bound / (scene.material.shear * c**2) / np.array([1.0, 1.0, c])
+        creepage = dict(zip(("longitudinal", "lateral", "spin"), xi, strict=True))
+        contact = ts.solve(scene.replace(creepage=creepage), throw=False)
+        return np.array([contact.Qx, contact.Qy, contact.Mz / c]) / bound
+
+
+def seconds_in_c(table: ts.CreepTable) -> float:
+    """Time of an evaluation with its gradient in C; nan without a compiler."""
+    if shutil.which("cc") is None:
+        return math.nan
+    program = """
+#include "steel.h"
+#include <stdio.h>
+#include <time.h>
+int main(void) {
+    double f[3], sum = 0.0;
+    int k, n = 200000;
+    clock_t began = clock();
+    for (k = 0; k < n; k++) {
+        double t = k / (double)n;
+        steel(t - 0.5, 0.3 * t, 1.0 - t, 1.0 + t, 1.0, 1.0, 1.0, 1.0, 0.3, f, 0);
+        sum += f[0];
+    }
+    fprintf(stderr, "%g", sum);
+    printf("%.9g", (clock() - began) / (double)CLOCKS_PER_SEC / n);
+    return 0;
+}
+"""
+    with tempfile.TemporaryDirectory() as folder:
+        Path(folder, "steel.h").write_text(c_header(table, "steel"))
+        Path(folder, "main.c").write_text(program)
+        subprocess.run(["cc", "-O2", "main.c", "-o", "main", "-lm"], cwd=folder, check=True)
+        told = subprocess.run(["./main"], cwd=folder, capture_output=True, text=True, check=True)
+    return float(told.stdout)
+
+
+def main() -> None:
+    """Print, write and draw the comparison."""
+    table = ts.open_table("steel")
+    count = int(sys.argv[1]) if len(sys.argv) > 1 else 1000
+    found = points(table, count)
+    contacts: dict[float, Contacts] = {}
+    exact = []
+    for ratio, w in found:
+        if ratio not in contacts:
+            contacts = {ratio: Contacts(ratio, NU)}
+        exact.append(contacts[ratio].forces(w, FINE))
+    exact = np.array(exact)
+
+    def looked_up(ratio: float, w: np.ndarray) -> np.ndarray:
+        f = table(*w, **contact_of(ratio))
+        return np.array([f.Qx, f.Qy, f.Mz])
+
+    ways = {
+        "table of steel": looked_up,
+        "Kalker's linear theory": linear,
+        "Vermeulen-Johnson": by_vermeulen_johnson,
+        "FASTSIM, 30 x 30": by_fastsim,
+        "first order, 12 x 12": FirstOrder(),
+    }
+    rows = []
+    for name, way in ways.items():
+        way(*found[0])
+        began = process_time()
+        values = np.array([way(*one) for one in found])
+        spent = (process_time() - began) / count
+        errors = np.abs(values - exact)
+        force = errors[:, :2].max(axis=1)
+        rows.append(
+            {
+                "way": name,
+                "s": spent,
+                "median": float(np.median(force)),
+                "worst": float(force.max()),
+                "moment": float(np.median(errors[:, 2])),
+            }
+        )
+        if name == "table of steel":
+            inside = within(table, found, errors)
+    table_row = rows[0]
+    w, contact = at_once(found * max(1, 100_000 // count))
+    many = seconds(lambda: table(*w, **contact)) / w.shape[1]
+    rows.append(table_row | {"way": f"the same, {w.shape[1]:.0e} at once", "s": many})
+    in_c = seconds_in_c(table)
+    if math.isfinite(in_c):
+        rows.append(table_row | {"way": "the same in C", "s": in_c})
+    title = f"{count} points: errors over mu P, and time of one; {inside:.1%} are inside the error"
+    made = f"{table.nodes} nodes, {table.about['cpu_seconds']:.0f} s to make"
+    show(f"{title} that the table tells; {made}", rows)
+    print(write("tables", rows))
+    about = {"points": count, "inside": inside, "nodes": table.nodes,
+             "tolerance": float(table.about["tolerance"]),
+             "cpu_seconds": float(table.about["cpu_seconds"])}  # fmt: skip
+    print(write("tables_about", [about]))
+    print(draw(rows))
+
+
+def draw(rows: list[dict]) -> Path:
+    """Median and worst error over the time of an evaluation."""
+    figure, axes = plt.subplots(figsize=(6.4, 4.0), layout="constrained")
+    for row in rows:
+        (line,) = axes.plot([row["s"]] * 2, [row["median"], row["worst"]], "-", alpha=0.6)
+        axes.plot(row["s"], row["median"], "o", color=line.get_color(), label=row["way"])
+        axes.plot(row["s"], row["worst"], "_", markersize=12, color=line.get_color())
+    axes.set(xscale="log", yscale="log", xlabel="time of an evaluation, s",
+             ylabel=r"error of $Q_x$, $Q_y$ over $\mu P$",
+             title="Median (points) and largest errors (bars)")  # fmt: skip
+    axes.grid(alpha=0.3)
+    axes.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    path = RESULTS / "tables.png"
+    figure.savefig(path, dpi=150)
+    return path
+
+
+if __name__ == "__main__":
+    main()

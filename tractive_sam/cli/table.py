@@ -1,0 +1,107 @@
+"""``tractive-sam table``: creep forces for vehicle, gear and bearing models."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from tractive_sam.cli.output import Status, bad_input_told, progress_bar, say, stop, warnings_told
+
+if TYPE_CHECKING:
+    from tractive_sam.tables import Progress
+
+
+def table(
+    file: Annotated[
+        str,
+        typer.Argument(
+            metavar="TABLE.toml|FILE.nc|NAME",
+            help="A file (TOML) that says what the table is to hold; or a table, to write it anew "
+            "as a header or as text: a file, or the built-in steel.",
+        ),
+    ],
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="FILE.nc", help="The table (netCDF)."),
+    ] = None,
+    header: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.h", help="Write it as a C header too; its function has the file's name."
+        ),
+    ] = None,
+    text: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.txt", help="Write its nodes as columns of text too."),
+    ] = None,
+) -> None:
+    """Make a table of creep forces with gradients and error bars."""
+    from tractive_sam.tables import build_table, builtin_tables, open_table
+
+    made = file.endswith(".nc") or file in builtin_tables()
+    if made == (output is not None) or (made and not (header or text)):
+        needed = "--header or --text" if made else "--output FILE.nc"
+        raise stop(Status.INVALID, f"{file}: {needed} is needed, and for a table nothing else")
+    with bad_input_told():
+        if made:
+            found = open_table(file)
+        else:
+            _check_folder(output)
+            try:
+                with _progress() as progress, warnings_told():
+                    found = build_table(file, output, progress)
+            except RuntimeError as error:
+                raise stop(Status.INCOMPLETE, f"a contact was not solved: {error}") from None
+            except ImportError as error:
+                cure = "pip install 'tractive_sam[study]'"
+                raise stop(Status.INVALID, f"table: {error.name} is needed: {cure}") from None
+        for path, write in ((header, _header), (text, _text)):
+            if path is not None:
+                write(found, path)
+    about = found.about
+    say(
+        f"{output or file}: {found.nodes} nodes, {about['contacts']} contacts, "
+        f"{about['cpu_seconds']:.3g} s of one core; {about['held_out']} points held out are off by "
+        f"{about['held_out_median']:.1e} of mu P in the median, {about['held_out_worst']:.1e} at "
+        f"most, {about['held_out_inside']:.0%} within what the table tells"
+    )
+
+
+def _check_folder(output: Path | None) -> None:
+    if output is not None and not output.absolute().parent.is_dir():
+        raise stop(Status.INVALID, f"{output}: there is no folder {output.parent}; make it first")
+
+
+def _header(found, path: Path) -> None:
+    from tractive_sam.lookup import c_header
+
+    try:
+        path.write_text(c_header(found, path.stem), encoding="ascii")
+    except ValueError as error:
+        raise stop(Status.INVALID, str(error)) from None
+
+
+def _text(found, path: Path) -> None:
+    from tractive_sam.lookup import columns_of
+
+    path.write_text(columns_of(found), encoding="ascii")
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[["Progress"], None] | None]:
+    """Show how far the table is, on a terminal; elsewhere, a line whenever nodes are added."""
+    with progress_bar() as bar:
+        told = [-1]
+        task = None if bar is None else bar.add_task("starting", total=1.0)
+
+        def tell(now: "Progress") -> None:
+            if bar is not None and task is not None:
+                about = f"{now.nodes} nodes"
+                bar.update(task, completed=now.done, total=now.nodes, description=about)
+            elif now.round != told[0]:
+                told[0] = now.round
+                say(f"{now.nodes} nodes")
+
+        yield tell

@@ -1,0 +1,217 @@
+"""A table as a C header: one function, C99, no library but math."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from tractive_sam.lookup.coordinates import LEAST, POLE, SPIN
+
+if TYPE_CHECKING:
+    from tractive_sam.lookup.creep_table import CreepTable
+
+HEAD = """\
+/* @TITLE@: creep forces of Hertzian contacts of alike bodies, written by tractive_sam.
+
+   int @NAME@(xi_x, xi_y, spin, a, b, load, mu, shear, poisson, force, gradient)
+
+   Creepages and spin (1/mm; one of the three may be infinite), semi-axes in rolling and in lateral
+   direction (mm), normal load (N), coefficient of friction, combined shear modulus (MPa), Poisson's
+   ratio. It fills force[3] with Qx, Qy (N) and Mz (N mm) on body A and, unless it is null,
+   gradient[9] with their derivatives by xi_x, xi_y, spin, those of Qx first. Returns 0; 1 if a
+   creepage is no number or several are infinite, 2 if a property is not positive and finite, 3 if
+   a/b is not from @LOW@ to @HIGH@, 4 if Poisson's ratio is not from @NU_LOW@ to @NU_HIGH@; arrays
+   are left as they are then. Tolerance over mu P: @TOLERANCE@. */
+#ifndef @GUARD@
+#define @GUARD@
+#include <math.h>
+#include <stddef.h>
+
+"""
+
+BODY = """\
+/* Weights of value and slope at both ends, or their derivatives: [end][value, slope]. */
+static void @NAME@_cubics(double t, double h, int slope, double w[2][2]) {
+    double s = 1.0 - t, r = 6.0 * t * s / h;
+    w[0][0] = slope ? -r : s * s * (1.0 + 2.0 * t);
+    w[0][1] = slope ? s * (1.0 - 3.0 * t) : h * t * s * s;
+    w[1][0] = slope ? r : t * t * (3.0 - 2.0 * t);
+    w[1][1] = slope ? t * (3.0 * t - 2.0) : -h * t * t * s;
+}
+
+/* Interpolated values, or their derivatives by one of the axes (by >= 0). */
+static void @NAME@_law(const double *at, int by, double f[3]) {
+    double w[@N@][2][2];
+    int cell[@N@], k, m, corner, d;
+    for (k = 0; k < @N@; k++) {
+        const double *x = @NAME@_nodes[k];
+        double h, t;
+        int i = 0;
+        while (i < @NAME@_count[k] - 2 && at[k] >= x[i + 1]) i++;
+        h = x[i + 1] - x[i];
+        t = (at[k] - x[i]) / h;
+        t = t < 0.0 ? 0.0 : t > 1.0 ? 1.0 : t;
+        cell[k] = i;
+        @NAME@_cubics(t, h, k == by, w[k]);
+    }
+    f[0] = f[1] = f[2] = 0.0;
+    for (corner = 0; corner < (1 << @N@); corner++) {
+        long place = 0;
+        for (k = 0; k < @N@; k++)
+            place = place * @NAME@_count[k] + cell[k] + (corner >> (@N@ - 1 - k) & 1);
+        for (d = 0; d < (1 << @N@); d++) {
+            double weight = 1.0;
+            for (k = 0; k < @N@; k++)
+                weight *= w[k][corner >> (@N@ - 1 - k) & 1][d >> (@N@ - 1 - k) & 1];
+            for (m = 0; m < 3; m++)
+                f[m] += weight * @NAME@_data[(place * (1 << @N@) + d) * 3 + m];
+        }
+    }
+}
+
+static int @NAME@(double xi_x, double xi_y, double spin, double a, double b, double load,
+                  double mu, double shear, double poisson, double force[3], double *gradient) {
+    const double given[5] = {a, b, load, mu, shear};
+    double w[3] = {xi_x, xi_y, spin}, sign[3] = {1.0, 1.0, 1.0}, scale[3], unit[3], at[5], f[3];
+    double c, x, y, kappa, t, r, r0, u, heading, tilt, every[5];
+    int k, m, n, endless = 0;
+    for (k = 0; k < 3; k++) {
+        if (isnan(w[k])) return 1;
+        endless += isinf(w[k]) != 0;
+    }
+    if (endless > 1) return 1;
+    for (k = 0; k < 5; k++)
+        if (!(given[k] > 0.0) || isinf(given[k])) return 2;
+    every[0] = log(a / b);
+    every[1] = poisson;
+    if (!(every[0] >= @LOG_LOW@ - 1e-9 && every[0] <= @LOG_HIGH@ + 1e-9)) return 3;
+    if (!(poisson >= @NU_LOW@ - 1e-9 && poisson <= @NU_HIGH@ + 1e-9)) return 4;
+    c = sqrt(a * b);
+    unit[0] = unit[1] = mu * load;
+    unit[2] = mu * load * c;
+    scale[0] = scale[1] = shear * (c * c) / (mu * load);
+    scale[2] = scale[0] * c;
+    for (k = 0; k < 3; k++) {
+        w[k] *= scale[k];
+        if (endless) w[k] = isinf(w[k]) ? (w[k] > 0.0 ? 1.0 : -1.0) : 0.0;
+    }
+    if (w[2] < 0.0) sign[1] = sign[2] = -1.0;
+    if (w[0] < 0.0) sign[0] = -1.0;
+    x = sign[0] * w[0];
+    y = sign[1] * w[1];
+    kappa = sign[2] * w[2] * @SPIN@;
+    r0 = 2.0 / (3.2 + 0.9 * (a / b));
+    t = hypot(x, y);
+    r = hypot(t, kappa);
+    u = endless ? 1.0 : r / (r + r0);
+    heading = atan2(y, x);
+    tilt = atan2(kappa, t);
+    every[2] = heading;
+    every[3] = tilt;
+    every[4] = u;
+    for (k = 0; k < @N@; k++) at[k] = every[@NAME@_axis[k]];
+    @NAME@_law(at, -1, f);
+    for (k = 0; k < 3; k++) force[k] = unit[k] * sign[k] * f[k];
+    if (gradient) {
+        double ch = cos(heading), sh = sin(heading), ct = cos(tilt), st = sin(tilt), stretch;
+        double by[3][3], slope[3][3] = {{0.0}};
+        if (t < @POLE@ * r) t = @POLE@ * r;
+        if (r <= @LEAST@ * r0) r = t = @LEAST@ * r0;
+        stretch = r0 / (r + r0) / (r + r0);
+        by[0][0] = -sh / t;
+        by[0][1] = ch / t;
+        by[0][2] = 0.0;
+        by[1][0] = -st * ch / r;
+        by[1][1] = -st * sh / r;
+        by[1][2] = @SPIN@ * ct / r;
+        by[2][0] = stretch * ct * ch;
+        by[2][1] = stretch * ct * sh;
+        by[2][2] = @SPIN@ * stretch * st;
+        for (k = 0; k < @N@; k++) {
+            if (@NAME@_axis[k] < 2) continue;
+            @NAME@_law(at, k, f);
+            for (m = 0; m < 3; m++) slope[m][@NAME@_axis[k] - 2] = f[m];
+        }
+        for (m = 0; m < 3; m++)
+            for (n = 0; n < 3; n++) {
+                double sum = 0.0;
+                for (k = 0; k < 3; k++) sum += slope[m][k] * by[k][n];
+                gradient[3 * m + n] = endless ? 0.0 : unit[m] * sign[m] * sum * sign[n] * scale[n];
+            }
+    }
+    return 0;
+}
+#endif
+"""
+
+
+def c_header(table: CreepTable, name: str = "creep_forces") -> str:
+    """The text of a header that gives the same forces and gradients as the table.
+
+    Parameters
+    ----------
+    table : CreepTable
+        The table.
+    name : str
+        Of the function.
+
+    Raises
+    ------
+    ValueError
+        If it is no name of C.
+    """
+    if not re.fullmatch(r"[A-Za-z]\w*", name, re.ASCII):
+        raise ValueError(f"header: a name of letters, digits and _ is needed, not {name!r}")
+    axes, data = table.law.axes, table.law.coefficients
+    varies = [k for k, nodes in enumerate(axes) if len(nodes) > 1]
+    kept = [
+        d
+        for d in range(2 ** len(axes))
+        if all(k in varies or not d >> (len(axes) - 1 - k) & 1 for k in range(len(axes)))
+    ]
+    low, high = table.ellipticity
+    about = {
+        "TITLE": re.sub(r"[^\w ,.;:()-]", " ", str(table.about.get("title", "")), flags=re.ASCII)
+        or "A table",
+        "TOLERANCE": f"{float(table.about.get('tolerance', np.nan)):g}",
+        "LOG_LOW": _number(axes[0][0]),
+        "LOG_HIGH": _number(axes[0][-1]),
+        "LOW": f"{low:.6g}",
+        "HIGH": f"{high:.6g}",
+        "NU_LOW": _number(axes[1][0]),
+        "NU_HIGH": _number(axes[1][-1]),
+        "SPIN": _number(SPIN),
+        "LEAST": _number(LEAST),
+        "POLE": _number(POLE),
+        "N": str(len(varies)),
+        "GUARD": f"{name.upper()}_H",
+        "NAME": name,
+    }
+    parts = [HEAD]
+    parts += [
+        f"static const double @NAME@_nodes_{k}[] = {{{_numbers(axes[k])}}};\n" for k in varies
+    ]
+    listed = ", ".join(f"@NAME@_nodes_{k}" for k in varies)
+    parts += [
+        f"static const double *const @NAME@_nodes[] = {{{listed}}};\n",
+        f"static const int @NAME@_count[] = {{{', '.join(str(len(axes[k])) for k in varies)}}};\n",
+        f"static const int @NAME@_axis[] = {{{', '.join(map(str, varies))}}};\n",
+        f"static const double @NAME@_data[] = {{{_numbers(data[..., kept, :])}}};\n\n",
+        BODY,
+    ]
+    text = "".join(parts)
+    for key, value in about.items():
+        text = text.replace(f"@{key}@", value)
+    return text
+
+
+def _number(value: float) -> str:
+    return repr(float(value))
+
+
+def _numbers(values: np.ndarray) -> str:
+    flat = [repr(one) for one in values.ravel().tolist()]
+    lines = (", ".join(flat[k : k + 6]) for k in range(0, len(flat), 6))
+    return "\n" + ",\n".join(lines) + "\n"

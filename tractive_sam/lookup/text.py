@@ -1,0 +1,42 @@
+"""A table as columns of text."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from tractive_sam.lookup.coordinates import creepages_at
+
+if TYPE_CHECKING:
+    from tractive_sam.lookup.creep_table import CreepTable
+
+COLUMNS = ("a/b", "poisson", "w1", "w2", "w3", "qx", "qy", "mz", "bar_qx", "bar_qy", "bar_mz")
+
+
+def columns_of(table: CreepTable) -> str:
+    """The nodes of a table, one a line, the last creepage coordinate fastest.
+
+    After lines that begin with # and tell the scaling, the columns are `COLUMNS`: a/b, Poisson's
+    ratio, scaled creepages G c² / (mu P) (xi_x, xi_y, c spin), forces (Q_x, Q_y, M_z / c) / (mu P)
+    and their error bars. In full slip the creepages are infinite, and the columns tell their
+    direction; a last column, ``full``, is 1 there, else 0.
+    """
+    lines = [
+        "# creep forces of Hertzian contacts of alike bodies, by tractive_sam",
+        "# w = G c^2 / (mu P) (xi_x, xi_y, c spin), c = sqrt(a b); q = (Qx, Qy, Mz/c) / (mu P)",
+        "# (w1, -w2, -w3) gives (qx, -qy, -mz); (-w1, w2, w3) gives (-qx, qy, mz)",
+        "# full = 1: full slip, (w1, w2, w3) is the direction of infinite creepages",
+        "# " + " ".join((*COLUMNS, "full")),
+    ]
+    axes, values = table.law.axes, table.law.coefficients[..., 0, :]
+    for place in np.ndindex(values.shape[:-1]):
+        log_ratio, poisson, heading, tilt, u = (
+            float(x[k]) for x, k in zip(axes, place, strict=True)
+        )
+        ratio = math.exp(log_ratio)
+        w = creepages_at(ratio, heading, tilt, u) if u else np.zeros(3)
+        numbers = (ratio, poisson, *w, *values[place], *table.bars[place])
+        lines.append(" ".join(f"{one:.9g}" for one in numbers) + f" {int(u == 1.0)}")
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,8 @@
+"""The public names of tables, for `__init__.py` and for type checkers."""
+
+from .building import Progress as Progress
+from .building import build_table as build_table
+from .design import TableDesign as TableDesign
+from .design import TableError as TableError
+from .opening import builtin_tables as builtin_tables
+from .opening import open_table as open_table

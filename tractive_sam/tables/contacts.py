@@ -1,0 +1,159 @@
+"""The contacts behind a table: forces, gradient and error bar at scaled creepages."""
+
+import warnings
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from scipy.special import elliprd
+
+from tractive_sam.contact import Model, State, jacobian_of
+from tractive_sam.operators import one_blas_thread
+from tractive_sam.run import nearby, under
+from tractive_sam.scene import Scene
+
+MARGIN = 2
+"""Elements beside those across the contact."""
+
+LONGEST = 2.0
+"""Longer over shorter side of an element, at most."""
+
+SAFETY, FORMER, SHARED = 3.0, 0.7, 0.4
+"""As of [accuracy]: bar over the difference of two meshes, weight of the difference before, and
+least bar of a force over the largest of the three."""
+
+KEYS = ("creepage.longitudinal", "creepage.lateral", "creepage.spin")
+YOUNG, MU, PRESSURE, RADIUS = 2e5, 0.3, 1e3, 1e3
+"""Of the scenes that are solved; nothing depends on them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """What a contact has to say to a table, over mu P, and of the moment over mu P c.
+
+    Attributes
+    ----------
+    force : ndarray, shape (3,)
+        Q_x, Q_y, M_z.
+    bar : ndarray, shape (3,)
+        Their error bars.
+    gradient : ndarray, shape (3, 3)
+        Derivatives of the three by scaled creepages.
+    """
+
+    force: np.ndarray
+    bar: np.ndarray
+    gradient: np.ndarray
+
+
+class Contacts:
+    """Contacts of one a/b and Poisson's ratio.
+
+    Parameters
+    ----------
+    ratio, poisson : float
+        a/b and Poisson's ratio.
+    """
+
+    def __init__(self, ratio: float, poisson: float):
+        self.ratio, self.poisson = ratio, poisson
+        self._models: dict[int, Model] = {}
+        self._last: dict[int, State] = {}
+        self.solved = 0
+
+    @one_blas_thread()
+    def solve(
+        self, w: np.ndarray, elements: int, finest: int, wanted: float, gradient: bool = True
+    ) -> Solved:
+        """Solve on ever finer meshes until the error bars are within what is wanted.
+
+        Raises
+        ------
+        RuntimeError
+            If a contact is not solved.
+        """
+        meshes = [odd(elements / 2.0), odd(elements / 2.0**0.5), elements]
+        states = [self._state(w, n) for n in meshes]
+        forces = [self._scaled(one) for one in states]
+        while (bar := _bar(*forces[-3:])).max() > wanted and odd(meshes[-1] * 2.0**0.5) <= finest:
+            meshes.append(odd(meshes[-1] * 2.0**0.5))
+            states.append(self._state(w, meshes[-1]))
+            forces.append(self._scaled(states[-1]))
+        slopes = self._gradient(states[-1], meshes[-1]) if gradient else np.zeros((3, 3))
+        return Solved(forces[-1], bar, slopes)
+
+    def forces(self, w: np.ndarray, elements: int) -> np.ndarray:
+        """Forces on one mesh, shape (3,)."""
+        return self._scaled(self._state(w, elements))
+
+    def _model(self, elements: int) -> Model:
+        if elements not in self._models:
+            self._models[elements] = Model(scene_of(self.ratio, self.poisson, elements))
+        return self._models[elements]
+
+    @property
+    def _scale(self) -> tuple[np.ndarray, np.ndarray]:
+        """Units of (Q_x, Q_y, M_z) and of creepages."""
+        model = next(iter(self._models.values()))
+        scene = model.scene
+        c, bound = scene.hertz.mean_semi_axis, MU * scene.normal_load
+        creepage = bound / (scene.material.shear * c**2)
+        return bound * np.array([1.0, 1.0, c]), creepage * np.array([1.0, 1.0, 1.0 / c])
+
+    def _scaled(self, contact: State) -> np.ndarray:
+        # By the load that the mesh carries is by that asked for, to its tolerance.
+        return np.array([contact.Qx, contact.Qy, contact.Mz]) / self._scale[0]
+
+    def _state(self, w: np.ndarray, elements: int) -> State:
+        model = self._model(elements)
+        creepages = dict(zip(KEYS, w * self._scale[1], strict=True))
+        _, contact = nearby(under(model, creepages), self._last.get(elements))
+        self.solved += 1
+        if not contact.converged:
+            raise RuntimeError(f"a/b = {self.ratio:g}, w = {w}: {contact.message}")
+        self._last[elements] = contact
+        return contact
+
+    def _gradient(self, contact: State, elements: int) -> np.ndarray:
+        moved = (contact.xi_x, contact.xi_y, contact.spin)
+        model = under(self._model(elements), dict(zip(KEYS, moved, strict=True)))
+        jacobian = jacobian_of(model, contact, only=("xi_x", "xi_y", "spin"))
+        found = jacobian.loc[["Qx", "Qy", "Mz"], ["xi_x", "xi_y", "spin"]].values
+        force, creepage = self._scale
+        return found / force[:, None] * creepage
+
+
+def _bar(coarse: np.ndarray, middle: np.ndarray, fine: np.ndarray) -> np.ndarray:
+    seen = SAFETY * np.maximum(np.abs(fine - middle), FORMER * np.abs(middle - coarse))
+    return np.maximum(seen, SHARED * seen.max())
+
+
+def odd(number: float) -> int:
+    """The nearest odd whole number."""
+    return 2 * round(0.5 * (number - 1.0)) + 1
+
+
+@lru_cache(maxsize=8)
+def scene_of(ratio: float, poisson: float, elements: int) -> Scene:
+    """Hertz's contact of this a/b, with so many elements across its shorter axis or more."""
+    # 1/R_x over 1/R_y of an ellipse, see `mechanics.hertz`.
+    curvatures = elliprd(0.0, 1.0 / ratio, ratio) / elliprd(0.0, ratio, 1.0 / ratio)
+    body = {"young": YOUNG, "poisson": poisson}
+    flat = {"radius_x": np.inf, "radius_y": np.inf}
+    curved = {"radius_x": RADIUS / curvatures**0.5, "radius_y": RADIUS * curvatures**0.5}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # its numbers are of no steel, and need not be
+        scene = Scene(
+            title=f"Contact of a/b = {ratio:g}",
+            body={"A": body | curved, "B": body | flat},
+            load={"pressure": PRESSURE},
+            creepage=dict.fromkeys(("longitudinal", "lateral", "spin"), 0.0),
+            friction={"mu": MU},
+        )
+        a, b = scene.hertz.a, scene.hertz.b
+        across = [
+            odd(elements * max(1.0, side / other / LONGEST)) for side, other in ((a, b), (b, a))
+        ]
+        half = [side * (1.0 + MARGIN / n) for side, n in zip((a, b), across, strict=True)]
+        grid = {"half_length": tuple(half), "elements": tuple(n + MARGIN for n in across)}
+        return scene.replace(grid=grid)

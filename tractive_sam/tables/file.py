@@ -1,0 +1,75 @@
+"""Writes a table as netCDF, as studies write theirs."""
+
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray
+
+from tractive_sam.lookup import CreepTable
+from tractive_sam.store import TABLE_FORMAT, versions
+from tractive_sam.tables.opening import AXES
+
+FORCES = ("Qx", "Qy", "Mz")
+
+MEANINGS = {
+    "log_ratio": "ln(a/b)",
+    "poisson": "Poisson's ratio",
+    "heading": "atan2(w_2, w_1)",
+    "tilt": "atan2(w_3/2, sqrt(w_1^2 + w_2^2))",
+    "u": "r / (r + r_0), r^2 = w_1^2 + w_2^2 + (w_3/2)^2, r_0 = 2 / (3.2 + 0.9 a/b)",
+}
+
+SCALING = (
+    "(Qx, Qy, Mz/c) / (mu P) over w = G c^2 / (mu P) (xi_x, xi_y, c spin), c = sqrt(a b); "
+    "(w_1, -w_2, -w_3) gives (Qx, -Qy, -Mz), (-w_1, w_2, w_3) gives (-Qx, Qy, Mz)"
+)
+
+
+def write_table(table: CreepTable, path: str | PathLike[str]) -> None:
+    """Write a table; a file that is there is replaced as a whole."""
+    axes, count = table.law.axes, len(AXES)
+    names = [
+        " ".join(AXES[k] for k in range(count) if d >> (count - 1 - k) & 1) or "value"
+        for d in range(2**count)
+    ]
+    about = {k: v for k, v in table.about.items() if not k.startswith("check")}
+    variables: dict[str, Any] = {
+        "coefficients": (
+            (*AXES, "derivative", "force"),
+            table.law.coefficients,
+            {"long_name": "value, and derivatives by the axes named", "units": "1"},
+        ),
+        "error_bar": (
+            (*AXES, "force"),
+            table.bars,
+            {"long_name": "error bar of the contact at the node", "units": "1"},
+        ),
+    }
+    for name, errors in zip(AXES, table.between, strict=True):
+        if len(errors):
+            meaning = f"largest error of interpolation along {name}, within its intervals"
+            variables[f"between_{name}"] = (
+                (f"interval_{name}", "force"),
+                errors,
+                {"long_name": meaning, "units": "1"},
+            )
+    if "check_points" in table.about:
+        variables["check_points"] = (("check", "axis"), np.asarray(table.about["check_points"]))
+        variables["check_errors"] = (("check",), np.asarray(table.about["check_errors"]))
+    coordinates: dict[str, Any] = {
+        name: ((name,), nodes, {"long_name": MEANINGS[name], "units": "1"})
+        for name, nodes in zip(AXES, axes, strict=True)
+    }
+    coordinates |= {"derivative": names, "force": list(FORCES)}
+    told = {"format": TABLE_FORMAT, "scaling": SCALING, "version": versions()["tractive-sam"]}
+    dataset = xarray.Dataset(variables, coordinates, told | about)
+    kept = {name: {"zlib": True, "complevel": 4} for name in ("coefficients", "error_bar")}
+    path = Path(path)
+    part = path.with_name(f".{path.name}.part")
+    try:
+        dataset.to_netcdf(part, engine="h5netcdf", encoding=kept)
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)

@@ -1,0 +1,49 @@
+"""Opens tables, built-in ones by their names. Nothing here computes a contact."""
+
+from importlib.resources import files
+from os import PathLike
+from pathlib import Path
+
+from tractive_sam.lookup import CreepTable, Hermite
+from tractive_sam.store import read_creep_table
+
+AXES = ("log_ratio", "poisson", "heading", "tilt", "u")
+"""Names of the axes in a file."""
+
+
+def builtin_tables() -> dict[str, Path]:
+    """The tables that come with the package, by name."""
+    folder = Path(str(files("tractive_sam.tables"))) / "builtin"
+    return {one.stem: one for one in sorted(folder.glob("*.nc"))}
+
+
+def open_table(name: str | PathLike[str]) -> CreepTable:
+    """Open a table of creep forces: one that comes with the package, or a file.
+
+    Parameters
+    ----------
+    name : str or path-like
+        ``"steel"``, or the path of a file that `build_table` or ``tractive-sam table`` wrote.
+
+    Returns
+    -------
+    CreepTable
+        Called with creepages and contacts, it needs NumPy alone.
+
+    Raises
+    ------
+    ResultsError
+        If there is no such table, or the file is damaged, no table, or of another version.
+
+    Examples
+    --------
+    >>> table = ts.open_table("steel")
+    >>> f = table(-1e-3, 5e-4, 1e-4, a=6.0, b=4.0, load=80e3, mu=0.3, shear=80e3)
+    >>> bool(f.Qx > 0.0 > f.Qy)
+    True
+    >>> bool(abs(f.error[0]) < 0.05 * 0.3 * 80e3)
+    True
+    """
+    found = read_creep_table(builtin_tables().get(str(name), Path(name)), AXES)
+    law = Hermite(found.axes, found.coefficients)
+    return CreepTable(law, found.bars, found.between, found.about)
