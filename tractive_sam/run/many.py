@@ -77,8 +77,11 @@ def solve_many(
     >>> bool((found["Qx"].diff("creepage.longitudinal") > 0.0).all())
     True
     """
-    import xarray  # noqa: PLC0415 - of an extra
-
+    try:
+        import xarray  # noqa: PLC0415 - of an extra
+    except ImportError:
+        cure = "pip install 'tractive_sam[study]'"
+        raise ImportError(f"solve_many: xarray is needed, of the extra study: {cure}") from None
     given.check_scene(scene)
     if scene.accuracy is not None:
         raise ValueError("solve_many: one mesh is needed; give the scene [grid], not [accuracy]")
