@@ -158,6 +158,15 @@ def test_syntax(text, given_line):
     assert "(at" not in fault.allowed
 
 
+@pytest.mark.parametrize(
+    ("text", "hint"),
+    [("a = 10,5", "decimal point"), ("a = -0,5  # mm", "decimal point"), ("a = infinity", "inf")],
+)
+def test_syntax_of_numbers(text, hint):
+    with pytest.raises(SceneError, match=hint):
+        Scene.from_toml_text(text)
+
+
 def test_numbers_beyond_all_bounds():
     for text in ("title = " + "9" * 5000, "title = 0x" + "f" * 9000, "title = " + "[" * 5000):
         with pytest.raises(SceneError):

@@ -222,6 +222,7 @@ def test_signal_to_all_processes_of_a_command(programs, wanted):
     os.killpg(client.pid, signal.SIGINT)
     assert ended(client, programs.said) == 3, programs.said()
     assert "Traceback" not in programs.said()
+    assert "CancelledError" not in programs.said()
     assert "the same command goes on from there" in programs.said()
     until(lambda: not alive(client.pid))
     programs.open_gate()

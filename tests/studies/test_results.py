@@ -88,6 +88,17 @@ def test_csv_has_every_case_and_quantity(done, tmp_path):
     assert {row["status"] for row in rows} == {"complete"}
 
 
+def test_csv_of_chosen_quantities_with_units(done, tmp_path):
+    done.save_csv(tmp_path / "table.csv", quantities=("Qx", "Qx_over_P"), units=True)
+    with (tmp_path / "table.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    keys = [key for one in done.study.dimensions for key in one.columns]
+    assert list(rows[0]) == ["case", *keys, "Qx [N]", "Qx_over_P"]
+    assert [float(row["Qx [N]"]) for row in rows] == done.column("Qx").tolist()
+    with pytest.raises(ValueError, match="Qx_over_P"):
+        done.save_csv(tmp_path / "table.csv", quantities=("Qx_over_p",))
+
+
 def test_what_there_is_not_is_told_with_what_there_is(done):
     with pytest.raises(KeyError, match=r"no quantity 'Qx_over_p'; there are .*Qx_over_P"):
         done.column("Qx_over_p")

@@ -34,8 +34,11 @@ def study_show(
     ] = None,
     quantity: Annotated[
         list[str] | None,
-        typer.Option(help="What to draw, as Qx_over_P; may be repeated."),
+        typer.Option(help="What to draw and to write as CSV, as Qx_over_P; may be repeated."),
     ] = None,
+    units: Annotated[
+        bool, typer.Option("--units", help="Units in the headings of the CSV, as Qx [N].")
+    ] = False,
     at: Annotated[
         list[str] | None,
         typer.Option(metavar="KEY=VALUE", help="Hold an axis in figures where more than two vary."),
@@ -52,7 +55,7 @@ def study_show(
         try:
             written = []
             if csv is not None:
-                results.save_csv(csv)
+                results.save_csv(csv, quantities=tuple(quantity or ()), units=units)
                 written.append(csv)
             if netcdf is not None:
                 results.save_netcdf(netcdf)

@@ -85,4 +85,12 @@ def _syntax_fault(text: str, message: str) -> Fault:
         return Fault(FILE, "no TOML", f"TOML ({reason})")
     number, lines = int(line[1]), text.split("\n")
     content = lines[number - 1] if number <= len(lines) else ""
-    return Fault(FILE, f"line {number}, {shown(content)}", f"TOML ({reason})")
+    hint = next((told for form, told in _SLIPS if form.search(content)), "")
+    return Fault(FILE, f"line {number}, {shown(content)}", f"TOML ({reason}){hint}")
+
+
+_SLIPS = (
+    (re.compile(r"=\s*[-+]?\d+,\d+\s*(#|$)"), "; a decimal point, perhaps?"),
+    (re.compile(r"=\s*[-+]?infinity\b", re.IGNORECASE), "; inf, perhaps?"),
+)
+"""What is often written in place of a number, and the cure."""

@@ -4,9 +4,11 @@ The scheduler is asked for nothing but to hand out cases, long ones first. Whate
 the files: a case that was cut off is handed out again and goes on from its last record.
 """
 
+import logging
 import signal
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from multiprocessing import resource_tracker
 from time import monotonic, sleep
 from traceback import format_exception
 from typing import TYPE_CHECKING, Any
@@ -85,7 +87,7 @@ def local_cluster(workers: int, encrypted: bool = False) -> Iterator[tuple[str, 
     ResultsError
         If keys are asked for and cannot be made.
     """
-    from distributed import LocalCluster  # of an extra
+    from distributed import Client, LocalCluster  # of an extra
     from distributed.security import Security  # of an extra
 
     try:
@@ -101,10 +103,18 @@ def local_cluster(workers: int, encrypted: bool = False) -> Iterator[tuple[str, 
             memory_limit=0,  # a scene takes what it takes; `explain` tells how much
             dashboard_address=None,
             security=security,
+            silence_logs=logging.ERROR,
             env=ONE_THREAD,
         )
     with cluster:
+        with Client(cluster.scheduler_address, security=security, set_as_default=False) as client:
+            client.run(_quiet)
         yield cluster.scheduler_address, security
+
+
+def _quiet() -> None:
+    """Have a worker say nothing of a case that it leaves when it is ended: the client does."""
+    logging.getLogger("distributed.worker.state_machine").setLevel(logging.ERROR)
 
 
 @contextmanager
@@ -117,6 +127,7 @@ def _signals_kept_from_threads() -> Iterator[None]:
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
+    resource_tracker.ensure_running()  # to start it later would let the thread see Ctrl-C again
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP})
     try:
         yield

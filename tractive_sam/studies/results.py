@@ -263,18 +263,51 @@ class StudyResults:
         """Write `dataset` as a netCDF file."""
         self.dataset().to_netcdf(path, engine="h5netcdf")
 
-    def save_csv(self, path: str | PathLike[str]) -> None:
-        """Write the table of all cases as CSV, numbers as they are."""
+    def save_csv(
+        self,
+        path: str | PathLike[str],
+        *,
+        quantities: Sequence[str] = (),
+        units: bool = False,
+    ) -> None:
+        """Write the table of all cases as CSV, numbers as they are.
+
+        Parameters
+        ----------
+        path : path-like
+            The file.
+        quantities : sequence of str
+            Which columns beside what varies, in this order; by default all `quantities`, with
+            status, message, file and version of each case.
+        units : bool
+            Whether headings tell units, as ``Qx [N]``.
+
+        Raises
+        ------
+        ValueError
+            If there is no such quantity.
+        """
         keys = [key for one in self.study.dimensions for key in one.columns]
-        names = list(self.quantities)
+        unknown = [name for name in quantities if name not in self.quantities]
+        if unknown:
+            known = ", ".join(self.quantities) or "none yet"
+            raise ValueError(f"no quantity {', '.join(unknown)}; there are {known}")
+        names = list(quantities or self.quantities)
+        headings = [self._heading(name) if units else name for name in names]
+        told = [] if quantities else ["status", "message", "file", "version"]
         with Path(path).open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
-            writer.writerow(["case", *keys, "status", "message", "file", "version", *names])
+            writer.writerow(["case", *keys, *told, *headings])
             for row in self.rows:
                 changes = [row.case.changes[key] for key in keys]
                 about = [row.status, row.message, row.file.name if row.file else "", row.version]
+                about = about[: len(told)]
                 last = [row.last.get(name, "") for name in names]
                 writer.writerow([row.case.number, *changes, *about, *last])
+
+    def _heading(self, name: str) -> str:
+        unit = self.quantities[name].unit
+        return f"{name} [{unit}]" if unit not in ("", "1") else name
 
 
 def open_study(directory: str | PathLike[str]) -> StudyResults:
