@@ -33,6 +33,15 @@ def test_is_what_solve_finds_one_by_one(scene):
             assert here[name].item() == pytest.approx(getattr(alone, name), abs=1e-7, rel=1e-6)
 
 
+def test_where_there_may_be_several_solutions_each_begins_from_none(scene):
+    law = {"law": "exponential", "static": 0.4, "kinetic": 0.2, "half_speed": 5.0}
+    falling = scene.replace(friction=law, **{"creepage.speed": 1000.0})
+    over = {XI: [-1e-3, -3e-3, -1e-2]}
+    found = ts.solve_many(falling, over)
+    alone = [ts.solve(falling.replace(**{XI: value})).Qx for value in over[XI]]
+    assert found["Qx"].values.tolist() == alone
+
+
 def test_costs_no_more_than_alone(scene):
     values = np.linspace(-1e-3, -3e-3, 9)
     found = ts.solve_many(scene, {XI: values})

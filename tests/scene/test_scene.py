@@ -7,7 +7,7 @@ import pytest
 from pydantic import ValidationError
 
 from tractive_sam.mechanics.material import Material, combine
-from tractive_sam.scene import (
+from tractive_sam.scene import (, Wear
     Bodies,
     Body,
     Creepage,
@@ -189,3 +189,9 @@ def test_fingerprints_differ_as_scenes_do():
     ]
     found = {scene.replace(**change).fingerprint() for change in changes}
     assert len(found | {scene.fingerprint()}) == len(changes) + 1
+
+
+def test_whole_numbers_may_be_written_with_a_power():
+    wear = Wear(intensity=1e-6, revolutions=1e4, save=[0, 1e3])
+    assert (wear.revolutions, wear.save) == (10_000, (0, 1000))
+    assert isinstance(wear.revolutions, int)

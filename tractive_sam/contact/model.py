@@ -137,7 +137,8 @@ class Model:
         _ = self.operators, self.units, self.undeformed_gap  # made once, for all
         other = copy(self)
         other.laws = self.laws.replace(friction=law)
-        other.__dict__.pop("friction_law", None)
+        for name in ("friction_law", "blocks"):
+            other.__dict__.pop(name, None)
         return other
 
     @cached_property

@@ -1,6 +1,5 @@
 """Many similar contacts at the cost of their Newton steps."""
 
-import copy
 import math
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
@@ -177,14 +176,14 @@ def _solved(
     for outer in snake(tuple(len(over[key]) for key in others)):
         fixed = {key: over[key][k] for key, k in zip(others, outer, strict=True)}
         changed = scene.replace(**fixed, **{key: over[key][0] for key in moving})
-        model = Model(changed, measured_gap(changed))
-        memory.check_solve(model)
+        chosen = Model(changed, measured_gap(changed))
+        memory.check_solve(chosen)
         if jacobian:
-            check_jacobian(model)
+            check_jacobian(chosen)
         for inner in snake(tuple(len(over[key]) for key in moving)):
             interrupt.heed()
             creepages = {key: over[key][k] for key, k in zip(moving, inner, strict=True)}
-            model, contact = nearby(under(model, creepages), start)
+            model, contact = nearby(under(chosen, creepages), start)  # maybe on a wider mesh
             start = contact if contact.converged else None
             at = dict(zip(others, outer, strict=True)) | dict(zip(moving, inner, strict=True))
             yield tuple(at[key] for key in keys), model, contact
@@ -202,18 +201,25 @@ def under(model: Model, creepages: Mapping[str, float]) -> Model:
     return _of_scene(model, model.scene.model_copy(update={"creepage": moved}))
 
 
+SHARED = ("undeformed_gap", "operators", "units")
+"""What of a model costs time and does not change with the creepages."""
+
+
 def _of_scene(model: Model, scene: Scene) -> Model:
     """A model of a scene that differs from its own by creepages alone."""
-    other = copy.copy(model)
-    other.scene = scene
-    for name in ("rigid_slip", "scaled_rigid_slip", "transmits"):
-        other.__dict__.pop(name, None)
+    other = Model(scene, model.measured, model.grid, model.laws)
+    for name in SHARED:
+        other.__dict__[name] = getattr(model, name)
     return other
 
 
 def nearby(model: Model, start: State | None) -> tuple[Model, State]:
-    """Solve from a contact nearby, and from none where that leads nowhere."""
-    if start is not None and start.grid == model.grid:
+    """Solve from a contact nearby, and from none where that leads nowhere.
+
+    Nor where there may be several solutions, of which the first guess would choose.
+    """
+    several = model.scene.heat is not None or model.friction_law.falls
+    if start is not None and start.grid == model.grid and not several:
         contact = equilibrium(model, model.worn_before, start)
         if contact.converged:
             return model, contact
@@ -251,8 +257,7 @@ class InTurn:
         began = perf_counter()
         chosen = self._model_of(scene)
         memory.check_roll(chosen, in_memory=True)
-        several = scene.heat is not None or chosen.friction_law.falls  # solutions
-        model, contact = nearby(chosen, None if several else self._contact)
+        model, contact = nearby(chosen, self._contact)
         self._model, self._contact = chosen, contact if contact.converged else None
         run = Recording(scene, chosen.measured, Model, None, False, None, (), began)
         return run.begun(model, begun(model, (contact,)))

@@ -41,6 +41,12 @@ def alone(value: Any) -> Any:
     return (value,) if number else value
 
 
+def _whole(value: Any) -> Any:
+    """A whole number may be written 1e4."""
+    return int(value) if isinstance(value, float) and value.is_integer() else value
+
+
+Whole = Annotated[int, BeforeValidator(_whole)]
 Real = Annotated[float, AfterValidator(_bounded)]
 Radius = Annotated[float, AfterValidator(_curved)]
 Positive = Annotated[Real, Field(gt=0), AfterValidator(_not_tiny)]

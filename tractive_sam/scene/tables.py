@@ -24,6 +24,7 @@ from .quantities import (
     Positive,
     PositiveOneOrTwo,
     Real,
+    Whole,
     alone,
     entry,
     number,
@@ -448,13 +449,13 @@ class Wear(Table):
         "a number of at least 0, a pair of them, or { A = ..., B = ... }",
         None,
     )
-    revolutions: int = entry(
+    revolutions: Whole = entry(
         "number of revolutions of body A, of B where A is flat",
         "a whole number from 1 to 1e12",
         ge=1,
         le=10**12,
     )
-    save: Annotated[tuple[Annotated[int, Field(ge=0)], ...], AfterValidator(_ascending)] = entry(
+    save: Annotated[tuple[Annotated[Whole, Field(ge=0)], ...], AfterValidator(_ascending)] = entry(
         "revolutions whose fields are stored",
         "ascending whole numbers from 0",
         default_factory=lambda wear: (0, wear["revolutions"]),
