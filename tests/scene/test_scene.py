@@ -7,7 +7,7 @@ import pytest
 from pydantic import ValidationError
 
 from tractive_sam.mechanics.material import Material, combine
-from tractive_sam.scene import (, Wear
+from tractive_sam.scene import (
     Bodies,
     Body,
     Creepage,
