@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+import tractive_sam as ts
 from tractive_sam import plot
 from tractive_sam.cli.plot import Format
 from tractive_sam.results.grid import Grid
@@ -112,3 +113,11 @@ def test_an_output_that_is_lost_is_told(stored):
 
 def test_formats_are_those_of_the_figures():
     assert tuple(Format) == plot.FORMATS
+
+
+def test_show_tells_of_wear_both_what_was_asked_and_what_balances(call, folder):
+    small = ["grid.elements=[13, 29]", "wear.revolutions=1", "wear.save=[1]"]
+    ts.roll(ts.Scene.builtin("twin-discs-isotropic").with_set(small), "worn.h5")
+    told = call("show", "worn.h5").stdout
+    assert "k = 0.002 mm3/(N m)" in told
+    assert "wear balance" in told

@@ -43,7 +43,7 @@ def about(history: "History") -> Table:
         rows["began with"] = history.started
     if others := rolled_on_by(history):
         rows["rolled on by"] = others
-    rows |= balances(history)
+    rows |= {f"{name} balance": text for name, text in balances(history).items()}
     totals = history.totals
     if totals["contact_solves"]:
         spent = f"{totals['contact_solves']} contacts solved in {totals['wall_seconds']:.3g} s"

@@ -119,7 +119,8 @@ def _facts(history: History) -> Iterator[tuple[str, str]]:
         yield "laws of its own", history.laws
     if others := rolled_on_by(history):
         yield "rolled on by", others
-    yield from balances(history).items()
+    for name, found in balances(history).items():
+        yield f"{name} balance", found
     totals = history.totals
     if totals["contact_solves"]:
         spent = f"{totals['contact_solves']} contacts solved in {totals['wall_seconds']:.3g} s"
