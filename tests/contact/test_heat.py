@@ -114,6 +114,23 @@ def test_jacobian_is_refused_where_friction_is_warm(discs, cold):
         ({"body.A.thermal": None}, "body.A.thermal", "both"),
         ({"creepage.speed": None}, "creepage.speed", "[heat]"),
         ({"heat": None}, "friction.temperature", "[heat]"),
+        (
+            {
+                "heat": None,
+                "friction.temperature": None,
+                "wear": {"intensity": 1e-9, "revolutions": 1, "temperature": [[20.0, 1.0]]},
+            },
+            "wear.temperature",
+            "[heat]",
+        ),
+        (
+            {
+                "wear": {"intensity": 1e-9, "revolutions": 1, "temperature": [[20.0, 1.0]]},
+                "solver.method": "uzawa",
+            },
+            "wear.temperature",
+            "solver.method",
+        ),
         ({"heat.bulk": -300.0}, "heat.bulk", "-273.15"),
         ({"heat.bulk": {"A": "warm"}}, "heat.bulk.A", "number"),
         ({"friction.temperature": [[90.0, 1.0], [50.0, 0.5]]}, "friction.temperature", "ascend"),
@@ -181,6 +198,34 @@ def test_wears_by_the_way_slid_however_hot(discs, cold):
     wear = {"intensity": 1e-9, "revolutions": 1}
     hot, plain = (ts.roll(one.replace(wear=wear))["worn_area"] for one in (discs, cold))
     assert hot[0] == pytest.approx(plain[0], rel=5e-3)  # elastic slip; friction is 13 % less
+
+
+def test_wear_answers_to_the_temperature(cold):
+    wear = {"intensity": 1e-9, "revolutions": 1, "save": [0, 1]}
+    plain = ts.roll(cold.replace(wear=wear))
+    twice = ts.roll(cold.replace(wear=wear | {"temperature": [[20.0, 2.0]]}))
+    # The wear of the pass itself, 1e-9 of the approach, changes the contact.
+    assert twice["worn_area"] == pytest.approx(2.0 * plain["worn_area"], rel=1e-6)
+    softening = [[20.0, 1.0], [400.0, 5.0]]
+    contact = ts.roll(cold.replace(wear=wear | {"temperature": softening})).state(1)
+    factor = np.interp(contact.heat.temperature["A"], *np.transpose(softening))
+    alone = plain.state(1)
+    rate = np.diff(alone.wear[::-1], axis=0, prepend=0.0)[::-1]
+    assert factor.max() > 1.1
+    assert contact.worn_area == pytest.approx(
+        float((factor * rate).sum()) * contact.grid.dy, rel=1e-5
+    )
+
+
+@pytest.mark.parametrize("stepping", ["adaptive", "every-revolution"])
+def test_wear_that_answers_to_the_temperature_resumes(cold, tmp_path, stepping):
+    wear = {"intensity": 1e-8, "revolutions": 12, "save": [0, 4, 12], "stepping": stepping}
+    scene = cold.replace(wear=wear | {"temperature": [[20.0, 1.0], [400.0, 5.0]]})
+    whole = ts.roll(scene)
+    ts.roll(scene.with_set(["wear.revolutions=4", "wear.save=[0, 4]"]), tmp_path / "r.h5")
+    resumed = ts.roll(scene, tmp_path / "r.h5", resume=True)
+    assert resumed["wear_max"][-1] == pytest.approx(whole["wear_max"][-1], rel=1e-6)
+    assert np.isnan(whole.wear_balance).all()
 
 
 def test_study_over_the_speed(discs, tmp_path):

@@ -15,7 +15,7 @@ from functools import lru_cache
 import numpy as np
 
 from tractive_sam.contact.model import Model
-from tractive_sam.mechanics import ArchardByWork, FallingCoulomb, Warmth, WearLaw
+from tractive_sam.mechanics import ArchardByWork, FallingCoulomb, Warmed, Warmth, WearLaw
 from tractive_sam.operators import SurfaceHeat
 from tractive_sam.results import FlashTemperature, Grid, State, Status
 from tractive_sam.solvers import gmres
@@ -101,10 +101,15 @@ def _shared(
 
 
 def wear_law_in(model: Model, contact: State) -> WearLaw | None:
-    """The law of wear in a contact: where friction answers to heat, by what is left of it there."""
-    law, table = model.wear_law, model.scene.friction and model.scene.friction.temperature
-    if table and contact.heat is not None and isinstance(law, ArchardByWork) and law.friction:
-        return replace(law, friction=_in_warmth(model, contact.heat.temperature["A"]))
+    """The law of wear in a contact: where friction or wear answer to heat, as they do there."""
+    law, scene = model.wear_law, model.scene
+    if law is None or contact.heat is None:
+        return law
+    temperature = contact.heat.temperature["A"]  # where they touch, that of B too
+    if isinstance(law, ArchardByWork) and law.friction and scene.friction.temperature:
+        law = replace(law, friction=_in_warmth(model, temperature))
+    if scene.wear is not None and scene.wear.temperature:
+        law = Warmed(law, np.interp(temperature, *np.array(scene.wear.temperature).T))
     return law
 
 

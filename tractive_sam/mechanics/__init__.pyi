@@ -46,6 +46,7 @@ from .turns import Turns as Turns
 from .wear import Archard as Archard
 from .wear import ArchardByWork as ArchardByWork
 from .wear import Energy as Energy
+from .wear import Warmed as Warmed
 from .wear import WearLaw as WearLaw
 from .wear_maps import ByChart as ByChart
 from .wear_maps import ByTotal as ByTotal

@@ -105,6 +105,30 @@ class Archard(WearLaw):
         return pressure * Frame(self.intensity, self.angle).dual_norm(slip)
 
 
+@dataclass(frozen=True, eq=False)
+class Warmed(WearLaw):
+    """A law of wear on surfaces at some temperature: its depth counts by a factor.
+
+    Parameters
+    ----------
+    law : WearLaw
+        The law as it is without.
+    factor : ndarray, shape (n_x, n_y)
+        What the temperature makes of its rate.
+    """
+
+    law: WearLaw
+    factor: np.ndarray
+
+    def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
+        """See `WearLaw.rate`."""
+        return self.factor * self.law.rate(pressure, traction, slip)
+
+    def per_load(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
+        """See `WearLaw.per_load`."""
+        return self.factor * self.law.per_load(pressure, traction, slip)
+
+
 def work_along(
     traction: np.ndarray, slip: np.ndarray, angle: float = 0.0
 ) -> tuple[np.ndarray, np.ndarray]:

@@ -286,13 +286,14 @@ class History:
         A unit of work wears i1/mu1 along the first tribological axis, and i2/mu2 along the second.
         Where these differ, the section is compared with what is nearest to it between the two:
         unity is within. nan where nothing wears, or no more than the rounding of the wear so far,
-        with the laws of measured regimes, with one of one's own, with friction that varies, and of
-        duty cycles, whose blocks have it.
+        with the laws of measured regimes, with one of one's own, with friction or wear that
+        varies, and of duty cycles, whose blocks have it.
         """
         worn, most = self["worn_area"], self["wear_max"] * 2.0 * self.grid.half_length[1]
         wear, friction = self.scene.wear, self.scene.friction
         if (
             wear is None
+            or wear.temperature
             or friction.varies
             or self.scene.duty
             or any(law.startswith("wear=") for law in self.laws.split(", "))

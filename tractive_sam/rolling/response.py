@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tractive_sam.contact import Model
+from tractive_sam.contact import Model, wear_law_in
 from tractive_sam.operators import row_compliance
 from tractive_sam.results import State
 from tractive_sam.rolling.passage import Passage
@@ -71,7 +71,7 @@ def wear_response(model: Model, contact: State, closing: float = 0.0) -> np.ndar
 def _wear_per_load(model: Model, contact: State) -> np.ndarray:
     """Depth worn by each row per MPa summed over its elements, mm; beyond the rim as at the rim."""
     count = contact.touching.sum(axis=0)
-    rate = model.wear_law.per_load(contact.pressure, contact.traction, contact.slip)
+    rate = wear_law_in(model, contact).per_load(contact.pressure, contact.traction, contact.slip)
     per_pressure = rate.sum(axis=0)
     inside = np.flatnonzero(count)
     values = model.grid.dx * per_pressure[inside] / count[inside]

@@ -110,11 +110,17 @@ def _heat_is_conducted(known: Known) -> Iterator[Fault]:
 
 
 def _temperature_needs_heat(known: Known) -> Iterator[Fault]:
-    if known["friction"] is None or known["friction.temperature"] is None:
-        return
+    answering = [
+        f"{table}.temperature"
+        for table in ("friction", "wear")
+        if known[table] is not None and known[f"{table}.temperature"] is not None
+    ]
     if known["heat"] is None:
         cure = "only with a [heat] table, which gives the temperature"
-        yield Fault("friction.temperature", "without [heat]", cure)
+        yield from (Fault(key, "without [heat]", cure) for key in answering)
+    if "wear.temperature" in answering and known["solver.method"] == "uzawa":
+        cure = "another solver.method: this one wears before the temperature is known"
+        yield Fault("wear.temperature", 'with solver.method = "uzawa"', cure)
 
 
 HEAT_CHECKS: tuple[Check, ...] = (

@@ -461,6 +461,13 @@ class Wear(Table):
         default_factory=lambda wear: (0, wear["revolutions"]),
         min_length=1,
     )
+    temperature: Factors | None = entry(
+        "factor on the wear over the surface temperature, degrees C, linear between the pairs and "
+        "constant beyond; needs [heat]",
+        "pairs [temperature, factor], the temperatures ascending, the factors above 0",
+        None,
+        min_length=1,
+    )
     stepping: Literal["adaptive", "every-revolution"] = entry(
         "stepping through the revolutions", '"adaptive" or "every-revolution"', "adaptive"
     )

@@ -67,12 +67,7 @@ def friction_told(scene: Scene) -> str:
         if friction.memory:
             words += f", after {friction.memory:g} mm slid"
         words += f"; followed from {'great speed' if friction.start == 'sliding' else 'rest'}"
-    if friction.temperature is not None:
-        least, most = friction.temperature[0], friction.temperature[-1]
-        words += (
-            f"; times {least[1]:g} at {least[0]:g} degC to {most[1]:g} at {most[0]:g} degC of the "
-            "surface"
-        )
+    words += _factors_told(friction.temperature)
     if friction.strength is not None:
         words += f"; no more than {friction.strength:g} MPa"
     if friction.layer:
@@ -81,7 +76,20 @@ def friction_told(scene: Scene) -> str:
 
 
 def wear_told(scene: Scene) -> str:
-    """The law of wear with its coefficients, and whose they are."""
+    """The law of wear with its coefficients, whose they are, and what heat makes of it."""
+    return _coefficients_told(scene) + _factors_told(scene.wear.temperature)
+
+
+def _factors_told(factors: tuple[tuple[float, float], ...] | None) -> str:
+    """Factors over the temperature, from the first to the last."""
+    if factors is None:
+        return ""
+    least, most = factors[0], factors[-1]
+    ends = f"times {least[1]:g} at {least[0]:g} degC to {most[1]:g} at {most[0]:g} degC"
+    return f"; {ends} of the surface"
+
+
+def _coefficients_told(scene: Scene) -> str:
     wear = scene.wear
     if not wear.together:
         return "; ".join(f"{body}: {_of_body(scene, body)}" for body in "AB")
