@@ -288,3 +288,11 @@ def test_no_scheduler(tmp_path, monkeypatch):
     monkeypatch.setattr(cluster, "FIRST_CONTACT", 0.1)
     with pytest.raises(SchedulerLostError, match=r"no scheduler at tcp://127.0.0.1:9; start one"):
         study(ASKED, tmp_path, scheduler="tcp://127.0.0.1:9")
+
+
+def test_nobody_is_seen_to_be_there_without_a_client(tmp_path, monkeypatch):
+    """One that finds nobody closes itself when it is collected, whatever lock is held then."""
+    monkeypatch.setattr(cluster, "FIRST_CONTACT", 0.1)
+    monkeypatch.setattr("distributed.Client", lambda *_, **__: pytest.fail("a client was made"))
+    with pytest.raises(SchedulerLostError, match="start one"):
+        study(ASKED, tmp_path, scheduler="tcp://127.0.0.1:9")

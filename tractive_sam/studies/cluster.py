@@ -6,6 +6,7 @@ the files: a case that was cut off is handed out again and goes on from its last
 
 import logging
 import signal
+import socket
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from multiprocessing import resource_tracker
@@ -55,6 +56,10 @@ class SchedulerLostError(ConnectionError):
     ...     except studies.SchedulerLostError:
     ...         return studies.study(study, folder)  # on this machine, from where it ended
     """
+
+
+CONNECTING = 5.0
+"""Longest time to wait for an answer of a scheduler, s."""
 
 
 class _CutOffError(Exception):
@@ -215,16 +220,21 @@ def _client(
     address: str, patience: float, say: Callable[[str], None], security: "Security | None"
 ) -> Iterator["Client"]:
     from distributed import Client  # of an extra
+    from distributed.comm import get_address_host_port  # of an extra
 
     client, began, told = None, monotonic(), False
     while client is None:
         interrupt.heed()
         try:
-            client = Client(address, timeout=5, set_as_default=False, security=security)
+            # A client that finds nobody is left to the garbage collector, and may then wait for
+            # ever: it closes itself in whatever is being done, which may hold the lock it needs.
+            socket.create_connection(get_address_host_port(address), CONNECTING).close()
+            client = Client(address, timeout=CONNECTING, set_as_default=False, security=security)
         except (OSError, TimeoutError) as error:
             if monotonic() - began > patience:
                 cure = "start one and run the study again: complete cases are not run again"
-                raise SchedulerLostError(f"there is no scheduler at {address}; {cure}") from error
+                told_by = error.with_traceback(None)  # which would keep such a client
+                raise SchedulerLostError(f"there is no scheduler at {address}; {cure}") from told_by
             if not told:
                 say(f"waiting for a scheduler at {address}")
             told = True
