@@ -4,6 +4,7 @@ The scheduler is asked for nothing but to hand out cases, long ones first. Whate
 the files: a case that was cut off is handed out again and goes on from its last record.
 """
 
+import gc
 import logging
 import signal
 import socket
@@ -99,6 +100,7 @@ def local_cluster(workers: int, encrypted: bool = False) -> Iterator[tuple[str, 
         security = Security.temporary() if encrypted else None
     except ImportError:
         raise ResultsError(NO_CRYPTOGRAPHY) from None
+    _closed_before()
     with _signals_kept_from_threads():
         cluster = LocalCluster(
             n_workers=workers,
@@ -115,6 +117,15 @@ def local_cluster(workers: int, encrypted: bool = False) -> Iterator[tuple[str, 
         with Client(cluster.scheduler_address, security=security, set_as_default=False) as client:
             client.run(_quiet)
         yield cluster.scheduler_address, security
+
+
+def _closed_before() -> None:
+    """Have clients closed that found nobody, before another loop is started.
+
+    Such a client is left to the garbage collector, and closes itself in whatever is being done
+    then: where that holds the lock of the loops, it would wait for ever.
+    """
+    gc.collect()
 
 
 def _quiet() -> None:
@@ -226,8 +237,7 @@ def _client(
     while client is None:
         interrupt.heed()
         try:
-            # A client that finds nobody is left to the garbage collector, and may then wait for
-            # ever: it closes itself in whatever is being done, which may hold the lock it needs.
+            _closed_before()
             socket.create_connection(get_address_host_port(address), CONNECTING).close()
             client = Client(address, timeout=CONNECTING, set_as_default=False, security=security)
         except (OSError, TimeoutError) as error:
