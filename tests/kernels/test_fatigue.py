@@ -1,6 +1,7 @@
 """Smallest balls, critical planes and shakedown of cycles, against closed forms and brute force."""
 
 import math
+import os
 
 import numpy as np
 import pytest
@@ -22,6 +23,10 @@ from tractive_sam.mechanics import (
 )
 from tractive_sam.mechanics.fatigue import paths
 from tractive_sam.reference import line_pressure_stress, line_shear_stress
+
+compiled = pytest.mark.skipif(
+    os.environ.get("NUMBA_DISABLE_JIT", "0") != "0", reason="takes minutes without the compiler"
+)
 
 RNG = np.random.default_rng(20)
 CRITERIA = (DangVan(0.3), Crossland(0.3), Findley(0.3), FatemiSocie(0.3, 2.0))
@@ -132,6 +137,7 @@ def largest(values):
     return float(values[k]), float(DEPTHS[k])
 
 
+@compiled
 @pytest.mark.parametrize(
     ("criterion", "value", "depth"),
     [
@@ -149,12 +155,14 @@ def test_a_frictionless_line_contact(criterion, value, depth):
     assert at == pytest.approx(depth, abs=0.02)  # flat at the top
 
 
+@compiled
 def test_a_frictionless_line_contact_by_dang_van():
     found, at = largest(DangVan(1.0 / 3.0)(line(0.0, DEPTHS, points=4001)))
     assert found == pytest.approx(0.1636, rel=1e-3)  # the reference was found with as many digits
     assert at == pytest.approx(0.61, abs=0.02)
 
 
+@compiled
 @pytest.mark.parametrize(
     ("mu", "certain", "depth", "impossible"),
     [
@@ -176,6 +184,7 @@ def test_shakedown_of_a_line_contact_in_full_slip(mu, certain, depth, impossible
         assert 1.0 / enclosing_radius(cycles).max() == pytest.approx(impossible, rel=1e-3)
 
 
+@compiled
 def test_shakedown_at_the_surface_is_worse_than_the_shear_there():
     """The stress along y counts: von Mises at Poisson's ratio .3 allows less than p0/k = 1/mu.
 
@@ -217,6 +226,7 @@ def test_one_residual_stress_serves_a_whole_depth():
     assert together.max() == pytest.approx(searched, rel=2e-2)  # of the search, at a kink
 
 
+@compiled
 def test_the_lower_bound_is_below_the_upper_one():
     """The ball may choose any residual deviator, the lower bound two of its components."""
     cycles = random_cycles(200, 15)
