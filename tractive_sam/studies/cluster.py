@@ -109,6 +109,7 @@ def local_cluster(workers: int, encrypted: bool = False) -> Iterator[tuple[str, 
             host="127.0.0.1",
             memory_limit=0,  # a scene takes what it takes; `explain` tells how much
             dashboard_address=None,
+            scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},  # of its server: any free port
             security=security,
             silence_logs=logging.ERROR,
             env=ONE_THREAD,
