@@ -11,6 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 import tractive_sam as ts
+from tests.test_resume import KILLED_BY_ITSELF
 from tractive_sam.cli.program import app
 from tractive_sam.scene import PlausibilityWarning
 
@@ -225,22 +226,6 @@ def test_it_resumes_as_if_nothing_had_happened(tmp_path, stepping):
     other = scene.replace(duty=(SLOW, HEAVY, ASIDE))
     with pytest.raises(ts.ResultsError, match="duty"):
         ts.roll(other, path, resume=True)
-
-
-KILLED_BY_ITSELF = """
-import os, signal, sys
-import tractive_sam as ts
-
-left = int(sys.argv[1])
-
-def progress(record):
-    global left
-    left -= 1
-    if not left:
-        os.kill(os.getpid(), signal.SIGKILL)
-
-ts.roll(ts.Scene.from_toml("scene.toml"), "a.h5", resume=True, progress=progress)
-"""
 
 
 @pytest.mark.slow
