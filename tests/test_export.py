@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
-from tests.conftest import steady
+from tests.scenes import steady
 from tractive_sam.results.record import Record
 
 

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 
 import tractive_sam as ts
-from tests.conftest import size
 from tests.operators.test_elastic import point_kernels
+from tests.scenes import size
 from tractive_sam.contact import Model
 from tractive_sam.kernels import friction
 from tractive_sam.operators import Lattice

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.conftest import steady
+from tests.scenes import steady
 from tractive_sam.reference import creep_coefficients
 
 REFERENCE = json.loads((Path(__file__).parents[1] / "data" / "reference.json").read_text())

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.conftest import steady
+from tests.scenes import steady
 from tractive_sam.contact import Model
 from tractive_sam.contact.message import message
 from tractive_sam.results.status import Status

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.conftest import steady
+from tests.scenes import steady
 
 
 def test_error_falls_with_the_mesh():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.conftest import steady
+from tests.scenes import steady
 
 GENERAL = (
     "friction.mu=[0.5, 0.2]",

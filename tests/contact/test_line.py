@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from tests.conftest import size, steady
+from tests.scenes import size, steady
 from tractive_sam.contact import Model, equilibrium, grown
 from tractive_sam.reference import Carter, bentall_johnson_creepage
 from tractive_sam.results.grid import Grid

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.conftest import steady
+from tests.scenes import steady
 from tractive_sam.contact import Model, equilibrium
 from tractive_sam.mechanics.wear import Archard, ArchardByWork
 from tractive_sam.scene import Scene

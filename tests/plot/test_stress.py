@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from tests.conftest import steady
+from tests.scenes import steady
 from tractive_sam import plot
 from tractive_sam.plot import gallery
 from tractive_sam.plot.stress_maxima import stress_maxima

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from tests.conftest import size, steady
+from tests.scenes import size, steady
 from tests.solvers.small import tangential_problem
 from tractive_sam.results.status import Cost, Status
 from tractive_sam.solvers import Bracketing, Continuation, Newton, Outcome, PrescribedForces, Solver

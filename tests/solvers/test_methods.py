@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.conftest import size, steady
+from tests.scenes import size, steady
 from tractive_sam.contact import Model
 from tractive_sam.contact.message import message
 from tractive_sam.results.status import Status

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from tests.conftest import steady
 from tests.operators.test_elastic import dense
+from tests.scenes import steady
 from tests.test_hard_scenes import residual
 from tractive_sam.contact import Model
 from tractive_sam.operators import STAGGERED, Lattice

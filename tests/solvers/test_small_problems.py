@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.conftest import size
+from tests.scenes import size
 from tests.solvers.small import (
     ALIKE,
     DISSIMILAR,

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from tests.conftest import steady
+from tests.scenes import steady
 from tests.subsurface.hertzian import cell_averages, tractions
 from tractive_sam.mechanics.invariants import von_mises
 from tractive_sam.operators import Lattice, StressLayers, StressPlane

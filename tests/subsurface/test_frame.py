@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.conftest import steady
+from tests.scenes import steady
 from tractive_sam.contact import Model, equilibrium
 from tractive_sam.scene import Scene
 from tractive_sam.subsurface import stress_at, stress_on_plane, stress_volume

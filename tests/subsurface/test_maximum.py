@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.conftest import steady
+from tests.scenes import steady
 from tractive_sam.contact import Model, equilibrium
 from tractive_sam.mechanics.invariants import von_mises
 from tractive_sam.scene import Scene

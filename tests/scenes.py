@@ -1,0 +1,21 @@
+"""Scenes that many tests share."""
+
+import numpy as np
+
+from tractive_sam.contact import Model, equilibrium
+from tractive_sam.scene import Scene
+
+
+def steady(name, *settings, elements=None, start=None, solver=None):
+    """The solved contact of a built-in scene with settings, on a mesh of `elements`."""
+    settings = list(settings)
+    if elements is not None:
+        half = {"spheres": 4.08, "spheres-orthotropic": 4.08}[name]
+        settings.append(f"grid.half_length=[{half}, {half}]")
+        settings.append(f"grid.elements=[{elements}, {elements}]")
+    return equilibrium(Model(Scene.builtin(name).with_set(settings), solver=solver), start=start)
+
+
+def size(field):
+    """Root of the sum of squares."""
+    return float(np.linalg.norm(field))
