@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
+from tests.test_resume import interrupted
 
 GLASS = {"conductivity": 1.0, "density": 2500.0, "heat_capacity": 800.0}
 
@@ -183,6 +184,17 @@ def test_wears_and_resumes(discs, tmp_path):
     ts.roll(shorter, tmp_path / "hot.h5")
     resumed = ts.roll(scene, tmp_path / "hot.h5", resume=True)
     np.testing.assert_allclose(resumed["temperature_max"], whole["temperature_max"], rtol=1e-12)
+
+
+def test_goes_on_with_the_wear_of_warm_surfaces(discs, tmp_path):
+    """What the last contact wears is told by its temperatures, which the file does not keep."""
+    coarse = {"half_length": (0.35, 0.8), "elements": (15, 15)}
+    scene = discs.replace(grid=coarse, wear={"intensity": 2e-6, "revolutions": 20})
+    whole = ts.roll(scene)
+    interrupted(scene, tmp_path / "hot.h5", 4)
+    resumed = ts.roll(scene, tmp_path / "hot.h5", resume=True)
+    for name in ("revolution", "Qx", "p_max", "wear_max"):
+        np.testing.assert_array_equal(resumed[name], whole[name], err_msg=name)
 
 
 def test_drawn(discs):

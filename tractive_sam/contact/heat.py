@@ -103,9 +103,10 @@ def _shared(
 def wear_law_in(model: Model, contact: State) -> WearLaw | None:
     """The law of wear in a contact: where friction or wear answer to heat, as they do there."""
     law, scene = model.wear_law, model.scene
-    if law is None or contact.heat is None:
+    if law is None or scene.heat is None:
         return law
-    temperature = contact.heat.temperature["A"]  # where they touch, that of B too
+    heat = contact.heat or heat_of(model, contact)  # results files keep none of the last contact
+    temperature = heat.temperature["A"]  # where they touch, that of B too
     if isinstance(law, ArchardByWork) and law.friction and scene.friction.temperature:
         law = replace(law, friction=_in_warmth(model, temperature))
     if scene.wear is not None and scene.wear.temperature:
