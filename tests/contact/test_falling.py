@@ -157,31 +157,6 @@ def test_layer_works_for_nothing():
     assert contact.dissipation == pytest.approx(contact.work_supplied, rel=1e-7)  # ten tolerances
 
 
-RICH = {
-    "law": "rational", "static": (0.3, 0.2), "kinetic": (0.15, 0.1), "half_speed": 100.0,
-    "memory": 2e-3, "angle": 20.0, "layer": 1e-5, "strength": 150.0,
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("slip", ["upwind", "auto"])
-@pytest.mark.parametrize("shear", [82000.0, 50000.0])
-def test_jacobian_has_the_slope_of_the_law(slip, shear):
-    more = {"solver.slip": slip, "grid.elements": (25, 25), "solver.tolerance": 1e-12}
-    more |= {"creepage.spin": 1e-4, "creepage.lateral": 5e-4, "body.B.shear": shear}
-    scene = sphere(RICH, **more, **{"load.normal": 40e3})
-    contact = ts.solve(scene, jacobian=True)
-    jacobian = contact.jacobian
-    assert "mu1" not in jacobian.parameter  # it is not one coefficient any more
-    for key, name, value in (("creepage.longitudinal", "xi_x", -0.002), ("load.normal", "P", 40e3)):
-        h = 1e-6 * abs(value)
-        ahead, behind = (
-            ts.solve(scene.replace(**{key: value + step}), start=contact) for step in (h, -h)
-        )
-        for result in ("Qx", "Qy"):
-            slope = (getattr(ahead, result) - getattr(behind, result)) / (2.0 * h)
-            assert jacobian.loc[result, name].item() == pytest.approx(slope, rel=2e-5)  # 2e-6
-
-
 def test_wears_by_the_way_slid_however_little_friction_is_left():
     """Archard's depth is p_n |s|, whatever the friction: in full slip as of the constant law."""
     wear = {"intensity": 1e-7, "revolutions": 1, "turns": "each"}

@@ -102,12 +102,6 @@ def test_columns_and_history(discs, tmp_path):
     assert again["temperature_mean"][0] == history["temperature_mean"][0]
 
 
-def test_jacobian_is_refused_where_friction_is_warm(discs, cold):
-    with pytest.raises(ValueError, match=r"friction\.temperature"):
-        ts.solve(discs, jacobian=True)
-    assert ts.solve(cold, jacobian=True).jacobian is not None
-
-
 @pytest.mark.parametrize(
     ("changes", "key", "words"),
     [

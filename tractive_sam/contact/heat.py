@@ -46,23 +46,49 @@ def heat_of(model: Model, contact: State) -> FlashTemperature:
     RuntimeError
         If the linear system was not solved, which no material should bring about.
     """
-    scene = model.scene
-    V, thermal, bulk = scene.creepage.speed, scene.thermal, scene.heat.bulks
-    warm = {
-        body: surface_heat(contact.grid, V, one.diffusivity, one.conductivity)
-        for body, one in thermal.items()
-    }
-    made = -V * (contact.traction * contact.slip).sum(axis=0)
-    touching = contact.touching
-    # The operators are the same one then, and half the heat solves it to the last digit.
-    if thermal["A"] == thermal["B"] and bulk["A"] == bulk["B"]:
-        into_A = 0.5 * made
-    else:
-        colder = bulk["B"] - bulk["A"]
-        into_A = _shared(warm["A"], warm["B"], made, colder, touching)
+    bulk, warm = model.scene.heat.bulks, _warm(model, contact.grid)
+    made = -model.scene.creepage.speed * (contact.traction * contact.slip).sum(axis=0)
+    into_A = _into_A(warm, made, bulk["B"] - bulk["A"], contact.touching)
     flux = {"A": into_A, "B": made - into_A}
     temperature = {body: bulk[body] + warm[body](flux[body]) for body in warm}
-    return FlashTemperature(contact.grid, touching, temperature, flux)
+    return FlashTemperature(contact.grid, contact.touching, temperature, flux)
+
+
+def warming(model: Model, contact: State, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
+    """Change of the temperature in contact by a change of tractions and slip, K, (n_x, n_y).
+
+    Parameters
+    ----------
+    model : Model
+        The scene in numbers.
+    contact : State
+        Where it changes.
+    traction, slip : ndarray, shape (2, n_x, n_y)
+        Changes, MPa, and of s/V.
+    """
+    warm = _warm(model, contact.grid)
+    made = (contact.traction * slip + traction * contact.slip).sum(axis=0)
+    made *= -model.scene.creepage.speed
+    return warm["A"](_into_A(warm, made, 0.0, contact.touching))
+
+
+def _warm(model: Model, grid: Grid) -> dict[str, SurfaceHeat]:
+    """The operators of both bodies."""
+    speed = model.scene.creepage.speed
+    return {
+        body: surface_heat(grid, speed, one.diffusivity, one.conductivity)
+        for body, one in model.scene.thermal.items()
+    }
+
+
+def _into_A(
+    warm: dict[str, SurfaceHeat], made: np.ndarray, colder: float, touching: np.ndarray
+) -> np.ndarray:
+    """What of the heat made goes into A, where B is colder by so much before; exactly half of
+    alike ones."""
+    if warm["A"] is warm["B"] and not colder:
+        return 0.5 * made
+    return _shared(warm["A"], warm["B"], made, colder, touching)
 
 
 def _shared(
@@ -108,13 +134,13 @@ def wear_law_in(model: Model, contact: State) -> WearLaw | None:
     heat = contact.heat or heat_of(model, contact)  # results files keep none of the last contact
     temperature = heat.temperature["A"]  # where they touch, that of B too
     if isinstance(law, ArchardByWork) and law.friction and scene.friction.temperature:
-        law = replace(law, friction=_in_warmth(model, temperature))
+        law = replace(law, friction=in_warmth(model, temperature))
     if scene.wear is not None and scene.wear.temperature:
         law = Warmed(law, np.interp(temperature, *np.array(scene.wear.temperature).T))
     return law
 
 
-def _in_warmth(model: Model, temperature: np.ndarray) -> FallingCoulomb:
+def in_warmth(model: Model, temperature: np.ndarray) -> FallingCoulomb:
     """The law of friction at temperatures of the surface, shape (n_x, n_y)."""
     degrees, factors = np.array(model.scene.friction.temperature).T
     warmth = Warmth(model.grid.x, model.grid.y, np.interp(temperature, degrees, factors))
@@ -151,7 +177,7 @@ def warmed(
     tolerance = 10.0 * model.scene.solver.tolerance
     cost = None
     for _ in range(MOST):
-        warm = model.with_friction(_in_warmth(model, temperature))
+        warm = model.with_friction(in_warmth(model, temperature))
         contact = solve(warm, start)
         cost = contact.cost if cost is None else cost + contact.cost
         heat = heat_of(model, contact)

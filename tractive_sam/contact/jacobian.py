@@ -19,25 +19,31 @@ load, approach, forces
 mu_k
     the frame F = M R (`mechanics.frame`). With E = dF F^-1, which has 1/mu_k at (k, k) and is zero
     elsewhere, the tractions p_t = F^T p~ change as if p~ did by E p~, and with them elastic slip,
-    gap and forces; and the slip s~ = F s changes by E s~.
+    gap and forces; and the slip s~ = F s changes by E s~. A bound that falls with the slip s sees
+    no such change; a strength, being over mu in it, falls.
 
 The tractions then change by F^T (dp~ + E p~). Of alike bodies the pressure answers to the load
 alone, so that every other column is solved under a pressure that is held.
+
+Friction that answers to temperature has a bound that answers to the heat of all elements: to that
+of every change above, and within the matrix to that of every step (`_WarmSystem`).
 """
 
 import warnings
-from collections.abc import Container
+from collections.abc import Callable, Container
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from tractive_sam.contact.equilibrium import start_of
+from tractive_sam.contact.heat import in_warmth, warming
 from tractive_sam.contact.model import Model
-from tractive_sam.mechanics import Coulomb
+from tractive_sam.mechanics import Coulomb, Falling, FallingCoulomb, Slope
 from tractive_sam.results import COLUMNS, State, by_name
 from tractive_sam.scene import SceneWarning
-from tractive_sam.solvers import Iterate, Problem, Start, System, gmres
+from tractive_sam.solvers import Iterate, Problem, System, gmres
 
 if TYPE_CHECKING:
     import xarray
@@ -60,7 +66,7 @@ def check_jacobian(model: Model) -> None:
     ImportError
         If xarray is missing.
     ValueError
-        If there is no friction, or it depends on temperature.
+        If there is no friction.
     """
     try:
         import xarray  # noqa: F401, PLC0415 - of an extra
@@ -69,11 +75,6 @@ def check_jacobian(model: Model) -> None:
         raise ImportError(f"jacobian: xarray is needed, of the extra study: {cure}") from None
     if model.laws.friction is None:
         raise ValueError("jacobian: friction is needed; give the scene a [friction] table")
-    if model.scene.friction is not None and model.scene.friction.temperature is not None:
-        raise ValueError(
-            "jacobian: by friction.temperature friction answers to the heat of the whole contact, "
-            "of which no derivative is known; leave it out, or take differences of solutions"
-        )
 
 
 def jacobian_of(
@@ -92,8 +93,10 @@ def jacobian_of(
     """
     import xarray  # noqa: PLC0415 - of an extra
 
+    if model.scene.friction is not None and model.scene.friction.temperature:
+        model = model.with_friction(in_warmth(model, contact.heat.temperature["A"]))
     gap = (model.undeformed_gap + contact.wear) / model.units.gap
-    whole = tangential = _Linearised(model, model.problem(gap), start_of(model, contact))
+    whole = tangential = _Linearised(model, model.problem(gap), contact)
     if not model.elasticity.coupled:
         tangential = whole.with_pressure_held()
     rows, asked = [], {}
@@ -112,7 +115,7 @@ def jacobian_of(
     else:
         rows += ["Mz", "approach"]
         asked["P"] = whole.by_load
-    if type(model.laws.friction) is Coulomb:  # of another law the bound may hang on mu as well
+    if type(model.laws.friction) in (Coulomb, FallingCoulomb):  # of others nothing is known
         asked |= {f"mu{k + 1}": partial(tangential.by_mu, k) for k in (0, 1)}
     columns = {name: of() for name, of in asked.items() if only is None or name in only}
 
@@ -130,16 +133,42 @@ def jacobian_of(
     )
 
 
+class _WarmSystem(System):
+    """The system where the bound answers to the heat of all steps."""
+
+    def __init__(self, problem: Problem, at: Iterate, warmed: Callable[..., np.ndarray]):
+        self._warmed = warmed
+        super().__init__(problem, at, float)
+
+    def _rows(self, step: np.ndarray, response: np.ndarray) -> np.ndarray:
+        rows = super()._rows(step, response)
+        change = self._warmed(step[-2:], response[-2:])
+        rows[-2:] -= self.at.ratio * change * self.at.law.direction
+        return rows
+
+
 class _Linearised:
     """A problem linearised at its solution, and what the results answer to parameters.
 
     Every answer has the shape (4,): Q_x or xi_x, Q_y or xi_y, M_z, approach or P.
     """
 
-    def __init__(self, model: Model, problem: Problem, start: Start):
-        self.model, self.problem, self.start = model, problem, start
+    def __init__(self, model: Model, problem: Problem, contact: State):
+        self.model, self.problem, self.contact = model, problem, contact
+        start = start_of(model, contact)
         self.at = Iterate(problem, start.pressure, start.traction, start.approach, start.creepage)
-        self.system = System(problem, self.at, float)
+        law = model.laws.friction
+        if isinstance(law, FallingCoulomb) and self.at.law.falling is None:
+            # So that the step of an element that slips is an unknown along n as well.
+            none = np.zeros(self.at.pressure.shape)
+            still = Slope(none, np.zeros_like(self.at.traction), none)
+            self.at.law = replace(self.at.law, falling=Falling(still, staggered=False))
+        self.warm = isinstance(law, FallingCoulomb) and law.warmth is not None
+        self.system = (
+            _WarmSystem(problem, self.at, self._warmed)
+            if self.warm
+            else System(problem, self.at, float)
+        )
         self._beside = 1  # applications beside those of the system
         self._force = model.units.pressure * model.grid.element_area
         self._none = np.zeros((3, *model.grid.elements))
@@ -147,7 +176,7 @@ class _Linearised:
     def with_pressure_held(self) -> "_Linearised":
         """The tangential problem under the pressure of this one."""
         held = self.problem.holding(self.at.pressure, self.at.gap)
-        return _Linearised(self.model, held, self.start)
+        return _Linearised(self.model, held, self.contact)
 
     @property
     def applications(self) -> int:
@@ -158,7 +187,9 @@ class _Linearised:
         """By creepages (longitudinal, lateral, spin)."""
         model = self.model
         slip = model.frame.slip_to_scaled(model.rigid_slip_by(*creepages)) / model.units.slip
-        return self._answer(slip=self._seen(slip, self._none))
+        return self._answer(
+            slip=self._seen(slip, self._none), bound=self._warmed(self._none[1:], slip)
+        )
 
     def by_force(self, axis: int) -> np.ndarray:
         """By the force given along an axis."""
@@ -175,32 +206,63 @@ class _Linearised:
         return self._answer(gap, self._seen(self._none[1:], self._none, gap))
 
     def by_mu(self, axis: int) -> np.ndarray:
-        """By a coefficient of friction."""
-        at = self.at
-        E = np.zeros((2, 1, 1))
-        E[axis] = 1.0 / self.model.frame.mu[axis]
-        stretched = np.concatenate((self._none[:1], E * at.traction))
+        """By a coefficient of friction, of a law that falls that at rest."""
+        at, law = self.at, self.model.laws.friction
+        E = np.eye(2)[axis] / self.model.frame.mu[axis]
+        stretched = np.concatenate((self._none[:1], E[:, None, None] * at.traction))
         response = self.problem.response(stretched[-self.problem.shape[0] :])
         self._beside += 1
         gap = self._none[0] if self.problem.held else response[0]
-        slip = self._seen(response[-2:], stretched, gap)
-        # But for the divisor of leading elements that slip, which hardly matters.
-        slip = slip + E * at.seen.sticking(at.slip, at.traction)
-        forces = -self.problem.forces.force(stretched[1:])
-        return self._answer(gap, slip, forces=forces, stretched=stretched[1:])
+        # The unit of slip goes with the square of the larger coefficient.
+        unit = 2.0 * self.model.frame.largest_by(axis)
+        turned = at.seen.stretched(at.slip, at.traction, E, unit)
+        bound = self._warmed(stretched[1:], response[-2:])
+        if isinstance(law, FallingCoulomb):
+            # A bound answers to the slip itself, not to that in the frame.
+            framed = E[:, None, None] * at.seen.sticking(at.slip, at.traction)
+            bound = bound + law.by_mu(at.bound, axis) - at.law.falling.change(framed, at.seen.bound)
+        return self._answer(
+            gap,
+            self._seen(response[-2:], stretched, gap) + turned,
+            forces=-self.problem.forces.force(stretched[1:]),
+            bound=bound,
+            stretched=stretched[1:],
+        )
+
+    def _warmed(self, traction: np.ndarray, slip: np.ndarray) -> np.ndarray | float:
+        """Change of the bound by the heat of a change of scaled tractions and slip."""
+        model, law = self.model, self.model.laws.friction
+        if not self.warm:
+            return 0.0
+        units, frame = model.units, model.frame
+        warmer = warming(
+            model,
+            self.contact,
+            units.pressure * frame.to_physical(traction),
+            model.stencil.at_centres(units.slip * frame.slip_to_physical(slip)),
+        )
+        degrees, factors = np.array(model.scene.friction.temperature).T
+        steps = np.concatenate(([0.0], np.diff(factors) / np.diff(degrees), [0.0]))
+        slope = steps[np.searchsorted(degrees, self.contact.heat.temperature["A"])]
+        follows = np.where(self.at.bound.by_pressure > 0.0, self.at.bound.radius, 0.0)
+        return follows / law.warmth.factor * slope * warmer
 
     def _seen(self, slip: np.ndarray, fields: np.ndarray, gap=None) -> np.ndarray:
         """Change of the slip that friction sees, by that of leading faces, of fields and gap."""
         at, gap = self.at, self._none[0] if gap is None else gap
         return at.seen.sticking_change(slip, at.traction, fields, gap, at.slip)
 
-    def _answer(self, gap=0.0, slip=None, load=0.0, forces=0.0, stretched=0.0) -> np.ndarray:
+    def _answer(
+        self, gap=0.0, slip=None, load=0.0, forces=0.0, bound=0.0, stretched=0.0
+    ) -> np.ndarray:
         """What the results answer to what a parameter changes by itself.
 
         Parameters
         ----------
         gap, slip : ndarray
             Gap, and slip that friction sees.
+        bound : ndarray
+            Bound of the tractions, but for its answer to the slip.
         load, forces : float and ndarray
             Load and forces asked for.
         stretched : ndarray
@@ -212,7 +274,7 @@ class _Linearised:
         rows[:-2] = -np.where(at.active, gap, 0.0)
         if slip is not None:
             at.law.rows(self._none[1:], slip, rows[-2:])
-            rows[-2:] *= -at.ratio
+            rows[-2:] = at.ratio * (bound * at.law.direction - rows[-2:])
         border = rhs[system.size :]
         border[:under_load] = system.weight * load
         border[under_load:] = system.weight * at.ratio * forces

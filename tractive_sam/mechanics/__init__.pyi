@@ -24,6 +24,7 @@ from .fatigue import residual_shear as residual_shear
 from .frame import Frame as Frame
 from .friction import Bound as Bound
 from .friction import Coulomb as Coulomb
+from .friction import Falling as Falling
 from .friction import Friction as Friction
 from .friction import FrictionLaw as FrictionLaw
 from .friction import Linearisation as Linearisation

@@ -209,6 +209,21 @@ class FallingCoulomb(Coulomb):
         along = slip / np.where(size > 0.0, size, 1.0)
         return replace(bound, slope=Slope(by_share, self.speed * by_speed * along, kept))
 
+    def by_mu(self, bound: Bound, axis: int) -> np.ndarray:
+        """Derivative of a bound by a coefficient at rest, under the same pressure and slip.
+
+        Only the strength is over a coefficient, the larger one (`Frame.largest_by`).
+
+        Parameters
+        ----------
+        bound : Bound
+            That of `bound` or `bound_sliding`.
+        axis : int
+            0 or 1.
+        """
+        capped = (bound.radius > 0.0) & (bound.by_pressure == 0.0)
+        return np.where(capped, -self.frame.largest_by(axis) * bound.radius, 0.0)
+
     def left(self, pressure: np.ndarray, slip: np.ndarray) -> np.ndarray:
         """What is left of the coefficients under a slip, without memory, shape (n_x, n_y).
 

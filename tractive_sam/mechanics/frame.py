@@ -44,6 +44,14 @@ class Frame:
         """(max mu / mu)² of both axes: what squares of unscaled tractions have less of."""
         return tuple((max(self.mu) / mu) ** 2 for mu in self.mu)
 
+    def largest_by(self, axis: int) -> float:
+        """Derivative of the logarithm of max(mu1, mu2) by one of them; by half of either if equal.
+
+        So it is what central differences give.
+        """
+        largest = [mu == max(self.mu) for mu in self.mu]
+        return largest[axis] / (sum(largest) * max(self.mu))
+
     def to_scaled(self, traction: np.ndarray) -> np.ndarray:
         """p~ = F^-T p_t for a field of shape (2, ...)."""
         return np.tensordot(self.inverse.T, traction, axes=1)

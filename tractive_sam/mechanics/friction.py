@@ -509,5 +509,8 @@ class Falling:
         self, direction: np.ndarray, contact: np.ndarray, step: np.ndarray, slip: np.ndarray
     ) -> np.ndarray:
         """Rows along n, shape (2, n_x, n_y): n.p less the change of the radius."""
-        centred = FrictionLaw.centred(slip, contact, self.staggered)
-        return ((direction * step).sum(axis=0) - self.slope.change(centred)) * direction
+        return ((direction * step).sum(axis=0) - self.change(slip, contact)) * direction
+
+    def change(self, slip: np.ndarray, contact: np.ndarray) -> np.ndarray:
+        """Change of the radius by a change of the slip of the leading faces, shape (n_x, n_y)."""
+        return self.slope.change(FrictionLaw.centred(slip, contact, self.staggered))

@@ -269,6 +269,32 @@ class FrictionSlip:
         slip[:, *self._here] = changed + more / (1.0 + self._stiffness)
         return slip
 
+    def stretched(
+        self, slip: np.ndarray, traction: np.ndarray, by: np.ndarray, unit: float
+    ) -> np.ndarray:
+        """Change of `sticking` where the axes of the frame stretch, beside that of its arguments.
+
+        Parameters
+        ----------
+        slip, traction : ndarray
+            As for `sticking`.
+        by : ndarray, shape (2,)
+            Relative change of the two axes.
+        unit : float
+            That of the unit of slip.
+        """
+        change = by[:, None, None] * self.sticking(slip, traction)
+        if self._gap.size:
+            opened = self._opening * (self._gap / self._bound)[:, None, None]
+            if self._layer is not None:
+                opened = opened + self._entry[:, None, None] * self._layer
+            stiffer = np.einsum("mkk,k->m", opened, 2.0 * by - unit) / (1.0 + self._stiffness)
+            share = self._share(traction)
+            change[:, *self._here] -= stiffer * self._leading(
+                slip, self._gap * share, self._bound * share
+            )
+        return change
+
     def _leading(self, slip: np.ndarray, times_gap: np.ndarray, traction: np.ndarray) -> np.ndarray:
         """`sticking` of the leading elements, shape (2, m)."""
         opening = np.einsum("mab,bm->am", self._opening, times_gap)

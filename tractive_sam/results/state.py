@@ -114,11 +114,12 @@ class State:
         by xi_x, xi_y, spin, P, mu1 and mu2 (columns, "parameter"), all else held, the mesh too.
         Where a force is given, it is a column and its creepage a row; where the approach is given,
         it is a column and P a row. A line contact has no column of spin, a friction law of one's
-        own none of mu. Of isotropic friction the derivative by mu is the sum of both. Attributes:
+        own none of mu. Of isotropic friction the derivative by mu is the sum of both; of one that
+        falls mu is that at rest, what is left of it at great speed in proportion. Attributes:
         `units` of every row and column (an entry has those of its row over those of its column),
         and `operator_applications`. On a given mesh it is exact while no element changes between
-        stick, slip and out of contact, to 1e-4 by mu, else to 1e-6 (`contact.jacobian`). Pickling
-        does not carry it, nor do results files.
+        stick, slip and out of contact, to 1e-6 (`contact.jacobian`). Pickling does not carry it,
+        nor do results files.
     heat : FlashTemperature or None
         Of scenes with [heat]: temperatures of both surfaces, and the heat that goes into them.
 
