@@ -75,6 +75,7 @@ assert not before and pyfftw.interfaces.cache is cache
 """
 
 
+@pytest.mark.slow
 def test_rolling_loads_no_more_of_others_than_it_needs():
     unused = {"dask", "pandas", "xarray", "scipy.optimize", "scipy.interpolate"}
     assert not loaded_by("import tractive_sam as ts; ts.roll") & unused

@@ -25,6 +25,7 @@ def things(history, folder):
     return [SCENE, history, history.state(), study, line, line.state(), line.scene]
 
 
+@pytest.mark.slow
 def test_little_is_shown_and_a_picture_is(history, tmp_path):
     for one in things(history, tmp_path):
         text, html = repr(one), one._repr_html_()

@@ -159,6 +159,7 @@ def test_versions_that_rolled_are_told_with_where_they_began(tmp_path, monkeypat
     assert "numpy 99.0" in shown.stdout
 
 
+@pytest.mark.slow
 def test_mesh_that_became_too_small_is_widened(tmp_path):
     """The run stops and names the cure; with it, the run goes on where it stopped."""
     path = tmp_path / "a.h5"

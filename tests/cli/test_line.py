@@ -7,6 +7,7 @@ import h5py
 import pytest
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["cylinders", "cylinders-dissimilar"])
 def test_run_show_plot_and_explain(call, folder, name):
     grid = ("--set", "grid.half_length=0.45", "--set", "grid.elements=65")

@@ -65,6 +65,7 @@ def test_unreadable_results(call, folder, command):
     assert "is not an HDF5 file" in result.stderr
 
 
+@pytest.mark.slow
 def test_plot(call, stored, folder):
     result = call("plot", stored)
     assert result.exit_code == 0

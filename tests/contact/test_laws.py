@@ -129,6 +129,7 @@ def test_energy_law_of_dissimilar_bodies(settings, tolerance):
         assert contact.dissipation == pytest.approx(contact.work_supplied, rel=1e-10)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("settings", [GENERAL, ("creepage.longitudinal=-0.0031",)])
 def test_rolling_resistance_is_the_moment_of_the_pressure(settings):
     """p_n off the middle resists rolling by the integral of p_n dh/dx.

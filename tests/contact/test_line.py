@@ -153,6 +153,7 @@ def test_free_rolling_of_unlike_cylinders_with_little_friction():
     assert missed[1] < 0.5 * missed[0] < 0.5 * 0.06
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n", [64, 256])
 def test_the_creepage_of_free_rolling_with_little_friction(n):
     """It tends to Bentall & Johnson's as mu falls, until a jump of one element's traction counts.
@@ -173,6 +174,7 @@ def test_the_creepage_of_free_rolling_with_little_friction(n):
     assert missed[3] < 0.1 * missed[2] + 0.5 / n
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [1e-9, 0.3, 0.99])
 def test_force_given_between_unlike_cylinders_with_little_friction(share):
     force = share * 1e-3 * 27.5

@@ -76,6 +76,7 @@ def test_the_slip_of_a_step_is_that_of_dense_matrices(builtin, length):
     np.testing.assert_allclose(now.contact.slip[:, touching], slip[:, touching], atol=1e-11 * scale)
 
 
+@pytest.mark.slow
 def test_a_shift_holds_cattaneos_force():
     # Cattaneo 1938: delta = 3 mu P (2 - nu)/(16 G a) (1 - (1 - Q/mu P)^(2/3)), each body half.
     model = Model(scene(45))

@@ -80,6 +80,7 @@ def test_error_bars_are_named_by_it():
     assert "von_mises_max" not in contact.error_bars
 
 
+@pytest.mark.slow
 def test_figures_are_drawn_by_it(tmp_path):
     contact = ts.solve(DISCS.replace(wear=None))
     for figure in (

@@ -56,6 +56,7 @@ def ball(points, offsets):
     return centre, support[:count], weights[:count], radius2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("m", [1, 2, 5])
 @pytest.mark.parametrize("whole", [True, False])
 def test_a_smallest_ball_is_the_optimum_of_its_dual(m, whole):
@@ -84,6 +85,7 @@ def test_distances_of_deviators_are_those_of_j2():
     np.testing.assert_allclose(tresca, max_shear(cycle)[:, 0], rtol=1e-9)  # by an arc cosine
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("criterion", CRITERIA, ids=lambda one: one.name)
 def test_rotation_of_the_axes_changes_nothing(criterion):
     cycle = random_cycles()

@@ -121,6 +121,7 @@ def test_slip_operator_dissipates(half_space):
     assert np.linalg.eigvalsh(matrix + matrix.T).min() > 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", [(24, 24), (9, 40)])
 @pytest.mark.parametrize("name", ["normal", "tangential"])
 def test_circulant_inverses_precondition(shape, name):

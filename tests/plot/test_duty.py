@@ -49,6 +49,7 @@ def test_each_body_has_its_dots():
     assert labels(figure) == ["A", "B", "law"]
 
 
+@pytest.mark.slow
 def test_every_figure_of_a_cycle_is_saved(spectrum, tmp_path):
     names = {path.name for path in plot.save_all(spectrum, tmp_path, dpi=30)}
     assert {"worn-by-block.png", "block-shares.png", "wear-regimes.png"} <= names

@@ -113,6 +113,7 @@ def test_animation_of_what_does_not_move(tmp_path):
         plot.animate(strips.history((0,)), tmp_path / "a.gif")
 
 
+@pytest.mark.slow
 def test_nothing_overlaps_the_edge_of_the_paper():
     for draw in OF_A_STATE:
         figure = drawn(draw(strips.history(), 100))
@@ -173,6 +174,7 @@ class TestSaveAll:
         assert not {"pressure-10.png", "wear-0.png", "pressure.png"} & names
         assert len(names) == len(paths) == 18
 
+    @pytest.mark.slow
     def test_one_state(self, tmp_path):
         one = strips.history(stored=(0,))
         one = replace(one, values={name: rows[:1] for name, rows in one.values.items()})

@@ -104,6 +104,7 @@ def test_it_is_shown(path):
     assert first[first.index("s") + 1] == "mm"
 
 
+@pytest.mark.slow
 def test_it_is_drawn(history, tmp_path):
     (axes,) = plot.compared({"one": history}, "p_max").axes
     np.testing.assert_array_equal(axes.lines[0].get_xdata(), history["distance"])

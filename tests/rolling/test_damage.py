@@ -108,6 +108,7 @@ def discs(*settings, **asked):
     return scene.replace(subsurface=None, fatigue=asked)
 
 
+@pytest.mark.slow
 def test_adaptive_jumps_do_the_damage_of_every_revolution():
     settings = ["wear.revolutions=40", "wear.save=[0, 40]"]
     jumps = ts.roll(discs(*settings))
@@ -160,6 +161,7 @@ def test_it_goes_on_with_the_same_damage(whole, tmp_path):
         np.testing.assert_allclose(here.damage, there.damage, rtol=1e-7, atol=1e-15)
 
 
+@pytest.mark.slow
 def test_a_mesh_that_grows_keeps_the_damage(tmp_path):
     scene = discs("wear.revolutions=12", "wear.save=[12]").replace(grid=None)
     first = ts.roll(scene, tmp_path / "a.h5")

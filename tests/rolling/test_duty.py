@@ -97,6 +97,7 @@ def test_depth_of_a_line_in_full_slip(stepping):
     )
 
 
+@pytest.mark.slow
 def test_the_order_of_blocks_matters_as_much_as_a_cycle_wears():
     """The difference of both orders over the depth falls in proportion to the intensity."""
     found = []
@@ -112,6 +113,7 @@ def test_the_order_of_blocks_matters_as_much_as_a_cycle_wears():
     np.testing.assert_allclose(ratios, 2.0, rtol=0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("blocks", [(HEAVY, SLOW), (HEAVY, SLOW, ASIDE)])
 def test_jumps_meet_what_is_rolled_block_by_block(blocks):
     jumps = rolled(*blocks, **{"wear.revolutions": 300})
@@ -205,6 +207,7 @@ class Stop(Exception):
     pass
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stepping", ["adaptive", "every-revolution"])
 def test_it_resumes_as_if_nothing_had_happened(tmp_path, stepping):
     scene = DISCS.replace(duty=(HEAVY, SLOW, ASIDE))
@@ -244,6 +247,7 @@ def test_killed_spectra_go_on(tmp_path):
     np.testing.assert_allclose(history["wear_profile"][-1], last, atol=1e-6 * last.max())
 
 
+@pytest.mark.slow
 def test_meshes_that_are_left_to_us_hold_all_blocks(tmp_path):
     wide = {"revolutions": 1, "shift_y": 0.8}
     scene = DISCS.replace(grid=None, duty=(HEAVY, wide), **{"wear.revolutions": 200})

@@ -60,6 +60,7 @@ def test_wear_stays_where_it_was(grown):
             assert not entering[-(more // 2) :].any()
 
 
+@pytest.mark.slow
 def test_history_is_on_the_last_mesh(tmp_path, monkeypatch):
     monkeypatch.setattr(mesh, "ACROSS", 12)
     scene = without_grid(WEARING)

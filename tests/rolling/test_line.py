@@ -37,6 +37,7 @@ def test_every_revolution_and_jumps_agree():
     assert jumps.to_dict()["half_width_y"][-1] is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("grid", [{}, {"grid": None}])
 def test_resumed(tmp_path, grid):
     """A roll that goes on from the file of a shorter one is the same."""

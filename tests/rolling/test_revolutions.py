@@ -71,6 +71,7 @@ def test_upwind_slip_wears_too_little():
     assert 0.80 < worn / (2e-6 / 0.6 * work) < 0.97
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("slip", ["upwind", "auto"])
 def test_the_paper_scheme_agrees_with_the_corrected_one(slip):
     """Uzawa updates the wear within its iteration; Newton's contact is corrected around it."""

@@ -71,6 +71,7 @@ def test_from_a_state_and_onto_another_mesh():
     np.testing.assert_allclose(other["wear_profile"][0], lost, atol=1e-15)
 
 
+@pytest.mark.slow
 def test_a_mesh_that_grows_knows_what_was_worn_beside_it():
     first = ts.roll(DISCS)
     free = DISCS.replace(grid=None).with_set(["wear.stepping=adaptive", "wear.revolutions=400"])
@@ -96,6 +97,7 @@ class Stop(Exception):
     pass
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", [SHARED, OWN], ids=["shared", "own"])
 def test_it_resumes_as_it_began(tmp_path, scene):
     first, path = ts.roll(DISCS), tmp_path / "b.h5"

@@ -21,6 +21,7 @@ def scene(transient, n=N, slip="auto", **changes):
     )
 
 
+@pytest.mark.slow
 def test_a_force_held_after_a_shift_takes_the_creepage_of_an_independent_program():
     # Printed by CONTACT; 33 elements of 0.25 mm, first-order slip.
     held = {"distance": [0, 14], "load.force_x": [0.657 * MU * P] * 2}
@@ -36,6 +37,7 @@ def test_a_force_held_after_a_shift_takes_the_creepage_of_an_independent_program
     np.testing.assert_allclose(history["Qx"], 0.657 * MU * P, rtol=1e-6)  # the solver's tolerance
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("slip", ["auto", "upwind"])
 @pytest.mark.parametrize(
     "drive",
@@ -109,6 +111,7 @@ def test_a_bump_travels_through_the_contact():
         ts.Scene(**scene(transient).entries() | {"friction": None})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stepping", ["even", "adaptive"])
 def test_it_goes_on_where_it_was_stopped(tmp_path, stepping):
     transient = {
@@ -142,6 +145,7 @@ def test_it_goes_on_where_it_was_stopped(tmp_path, stepping):
             np.testing.assert_allclose(history[name], whole[name], atol=1e-6 * size)
 
 
+@pytest.mark.slow
 def test_a_loop_of_shifts_takes_mindlins_work():
     # Mindlin & Deresiewicz 1953: Cattaneo's shift of both bodies is c (1 - (1 - q)^(2/3)), with
     # q = Q/mu P and c = 3 (2 - nu) mu P/(8 G a); after the force has turned round, twice the change
@@ -162,6 +166,7 @@ def test_a_loop_of_shifts_takes_mindlins_work():
     assert last == pytest.approx(first, rel=1e-4)  # the loop is closed
 
 
+@pytest.mark.slow
 def test_carters_cylinder_from_rest():
     # The exact solution is approached slowly: after 12 a it is still some per cent low.
     cylinders = ts.Scene.builtin("cylinders")
@@ -177,6 +182,7 @@ def test_carters_cylinder_from_rest():
     assert 0.9 < share[-1] < 0.995
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("length", "expected"), [(40.0, "low"), (0.02, "high")])
 def test_a_small_oscillation_of_creepage(length, expected):
     # Waves long against the contact: the steady slope; short ones: a shift that oscillates, held by
@@ -201,6 +207,7 @@ def test_a_small_oscillation_of_creepage(length, expected):
         assert np.ptp(force[last]) / shift == pytest.approx(4.0 * a * G / (2.0 - nu), rel=0.02)
 
 
+@pytest.mark.slow
 def test_random_courses_converge():
     """A few of those in `benchmarks/transient.py`, dissimilar and orthotropic ones among them."""
     sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
@@ -231,6 +238,7 @@ def test_what_friction_cannot_carry_ends_with_a_message():
     assert "mm" in history.message
 
 
+@pytest.mark.slow
 def test_figures_of_a_transient(tmp_path):
     transient = {"distance": [0, 1, 2], "load.force_x": [0, 0.05, -0.05], "start": "shift"}
     history = ts.roll(scene(transient, 15))

@@ -38,6 +38,7 @@ def test_energy_is_archard_in_full_slip():
     np.testing.assert_allclose(energy.wear_balance[1:], 1.0, rtol=1e-4)  # as Archard's
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LAWS)
 def test_jumps_meet_what_is_rolled_one_by_one(name):
     jumps = rolled(*LAWS[name])
@@ -117,6 +118,7 @@ def test_what_goes_beyond_the_tests_is_noted():
         rolled("wear.law=usfd", "wear.revolutions=1", "creepage.longitudinal=-0.6")
 
 
+@pytest.mark.slow
 def test_parts_are_kept(tmp_path):
     scene = DISCS.with_set(["wear.revolutions=20", *LAWS["own"]]).replace(grid=None)
     history = ts.roll(scene, tmp_path / "a.h5")

@@ -118,6 +118,7 @@ def tables_like(model):
     return st.fixed_dictionaries({}, optional=fields)
 
 
+@pytest.mark.slow
 @settings(max_examples=150)
 @given(tables_like(Scene), st.dictionaries(TEXT, JUNK, max_size=1))
 def test_junk_gives_faults(tables, more):
@@ -125,6 +126,7 @@ def test_junk_gives_faults(tables, more):
         Scene(**tables, **{key: value for key, value in more.items() if key not in tables})
 
 
+@pytest.mark.slow
 @settings(max_examples=150)
 @given(
     SCENES, st.lists(st.tuples(st.sampled_from(["load", "body", "wear", "grid", "friction"]), JUNK))

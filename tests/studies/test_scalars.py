@@ -114,6 +114,7 @@ def test_complete_cases_are_not_computed_again(tmp_path, computed):
     assert len(computed) == 3
 
 
+@pytest.mark.slow
 def test_what_was_told_done_outlives_the_process(tmp_path, computed):
     """A client that is killed between two cases, by SIGKILL; half of a line is what it left."""
     (tmp_path / "study.toml").write_text(scalars().to_toml())

@@ -249,6 +249,7 @@ int main(void) {
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler")
 def test_c_header_gives_the_same_numbers(table, tmp_path):
     (tmp_path / "steel.h").write_text(c_header(table, "steel"))
