@@ -35,20 +35,7 @@ DISCS = (
     )
 )
 
-KILLED = """
-import os, signal, sys
-import tractive_sam as ts
-
-left = int(sys.argv[1])
-
-def progress(record):
-    global left
-    left -= 1
-    if not left:
-        os.kill(os.getpid(), signal.SIGKILL)
-
-ts.roll(ts.Scene.from_toml("scene.toml"), "a.h5", resume=True, progress=progress)
-"""
+KILLED = "from tests.test_resume import KILLED_BY_ITSELF; exec(KILLED_BY_ITSELF)"
 
 
 def blocks(count: int) -> list[dict]:
@@ -110,7 +97,8 @@ def killed(times: int) -> float:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "scene.toml").write_text(scene.to_toml())
-        found = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+        root = str(Path(__file__).parents[1])
+        found = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, [root, *sys.path]))}
         deaths = 0
         for _ in range(times):
             command = [sys.executable, "-W", "ignore", "-c", KILLED, "1"]

@@ -62,6 +62,7 @@ from .scene import Gap as Gap
 from .scene import Heat as Heat
 from .scene import Load as Load
 from .scene import LoadCourse as LoadCourse
+from .scene import LoadHistory as LoadHistory
 from .scene import Mesh as Mesh
 from .scene import Profiles as Profiles
 from .scene import Scene as Scene

@@ -106,12 +106,27 @@ def test_stress_is_that_of_the_planes(history):
 def test_of_a_duty_cycle_every_block_is_a_place(tmp_path):
     blocks = ({"revolutions": 5, "load": {"normal": 450.0}}, {"revolutions": 5, "shift_y": 0.1})
     scene = ts.Scene.builtin("twin-discs").with_set(SMALL)
-    history = ts.roll(scene.replace(duty=blocks, subsurface=None))
+    few = {"planes": ["x=0"], "elements": 4, "bodies": ["A"]}
+    history = ts.roll(scene.replace(duty=blocks, subsurface=few))
     found = data.of_history(history)
+    (stress,) = found["stress"]
+    shown, depths, y = (
+        unpacked(one)
+        for one in (stress["components"]["von Mises"], stress["second"], stress["first"])
+    )
+    for k in (0, 1):
+        block = history.block(k).stress("A", "x=0")
+        assert shown[k - 2].max() == pytest.approx(block.von_mises.max(), rel=1e-6)  # single
+        assert depths[k - 2] == pytest.approx(block.depth, rel=1e-6)
+    assert depths[-2].max() > depths[-1].max()  # each in its own half widths
+    assert y[-2] == pytest.approx(y[-1])
     assert len(found["places"]) == len(found["numbers"]) == 2 * len(history.saved)
     area = history.grid.element_area
     loads = unpacked(found["surface"]["fields"]["pressure"]).sum(axis=(1, 2)) * area
     assert loads == pytest.approx([450.0, 300.0] * len(history.saved), rel=1e-6)
+    lines = {one["title"]: [line["name"] for line in one["lines"]] for one in found["charts"]}
+    assert lines["Longitudinal force over normal load"] == ["cycle", "duty[0]", "duty[1]"]
+    assert not any(", of each block" in title for title in lines)
     ts.report(history, tmp_path / "page.html")
 
 

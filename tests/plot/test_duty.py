@@ -18,7 +18,8 @@ BLOCKS = (
 
 @pytest.fixture(scope="module")
 def spectrum():
-    return ts.roll(DISCS.replace(duty=BLOCKS))
+    few = {"planes": ["x=0"], "elements": 4}
+    return ts.roll(DISCS.replace(duty=BLOCKS, subsurface=few))
 
 
 def labels(figure):
@@ -43,6 +44,17 @@ def test_elements_lie_on_the_law():
     assert law.get_label() == "law"
 
 
+def test_elements_of_a_warm_contact_lie_aside_of_the_law():
+    """By the factor that the temperature gives their wear."""
+    warm = ["creepage.speed=2000", "heat.bulk=20", "wear.temperature=[[0, 2], [9000, 2]]"]
+    laws = ['wear.law={A="usfd", B="archard"}', "wear.coefficient.B=1e-3"]
+    history = ts.roll(DISCS.with_set(["wear.revolutions=1", *laws, *warm]))
+    figure = plot.wear_regimes(history)
+    work, rate = figure.axes[0].lines[0].get_data()
+    np.testing.assert_allclose(rate, 2.0 * np.where(work < 10.4, 5.3 * work, 55.0), rtol=1e-9)
+    assert labels(figure) == ["A", "B", "law, without heat"]
+
+
 def test_each_body_has_its_dots():
     settings = ['wear.law={A="usfd", B="archard"}', "wear.coefficient.B=1e-3"]
     figure = plot.wear_regimes(ts.roll(DISCS.with_set(settings)))
@@ -54,6 +66,7 @@ def test_every_figure_of_a_cycle_is_saved(spectrum, tmp_path):
     names = {path.name for path in plot.save_all(spectrum, tmp_path, dpi=30)}
     assert {"worn-by-block.png", "block-shares.png", "wear-regimes.png"} <= names
     assert {"block-0-forces.png", "block-1-pressure-20.png"} <= names
+    assert {"block-0-von-mises-x0-20.png", "block-1-von-mises-x0-20.png"} <= names
 
 
 def test_nothing_to_draw():

@@ -47,6 +47,10 @@ def export(
         typer.Option(help="Revolution, of those whose fields the results file holds; the last."),
     ] = None,
     body: Annotated[Body, typer.Option(help="Body.")] = Body.A,
+    block: Annotated[
+        str | None,
+        typer.Option(help="Block of a duty cycle: its name, or its place in [[duty]] from 0."),
+    ] = None,
     surface: Annotated[
         bool,
         typer.Option(
@@ -81,6 +85,7 @@ def export(
             with warnings_told():
                 opened = _opened(source, settings, revolution)
                 try:
+                    opened = _of_block(opened, block)
                     if surface:
                         export_surface(opened, output, overwrite=True)
                     else:
@@ -98,6 +103,23 @@ def export(
         except KeyboardInterrupt:
             raise stop(Status.INCOMPLETE, f"interrupted; {output} was not written") from None
     tell(output)
+
+
+def _of_block(opened: "State | History", block: str | None) -> "State | History":
+    """One block of a duty cycle that was rolled; else what was opened."""
+    from tractive_sam.results import History
+    from tractive_sam.scene import label
+
+    if not isinstance(opened, History):
+        if block is not None:
+            raise LookupError("--block: a scene is solved without its [[duty]]; run it first")
+        return opened
+    if block is not None:
+        return opened.block(int(block) if block.isdigit() else block)
+    if opened.scene.duty:
+        names = [label(opened.scene, k) for k in range(len(opened.scene.duty))]
+        raise LookupError(f"choose a block of the duty cycle by --block: {', '.join(names)}")
+    return opened
 
 
 def _opened(source: str, settings: list[str] | None, revolution: int | None) -> "State | History":

@@ -15,7 +15,7 @@ from functools import lru_cache
 import numpy as np
 
 from tractive_sam.contact.model import Model
-from tractive_sam.mechanics import ArchardByWork, FallingCoulomb, Warmed, Warmth, WearLaw
+from tractive_sam.mechanics import ArchardByWork, EachBody, FallingCoulomb, Warmed, Warmth, WearLaw
 from tractive_sam.operators import SurfaceHeat
 from tractive_sam.results import FlashTemperature, Grid, State, Status
 from tractive_sam.solvers import gmres
@@ -136,7 +136,10 @@ def wear_law_in(model: Model, contact: State) -> WearLaw | None:
     if isinstance(law, ArchardByWork) and law.friction and scene.friction.temperature:
         law = replace(law, friction=in_warmth(model, temperature))
     if scene.wear is not None and scene.wear.temperature:
-        law = Warmed(law, np.interp(temperature, *np.array(scene.wear.temperature).T))
+        factor = np.interp(temperature, *np.array(scene.wear.temperature).T)
+        if isinstance(law, EachBody):
+            return EachBody(*(one and Warmed(one, factor) for one in (law.A, law.B)))
+        return Warmed(law, factor)
     return law
 
 

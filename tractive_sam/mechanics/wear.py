@@ -128,6 +128,12 @@ class Warmed(WearLaw):
         """See `WearLaw.per_load`."""
         return self.factor * self.law.per_load(pressure, traction, slip)
 
+    def shares(
+        self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray
+    ) -> np.ndarray | None:
+        """See `WearLaw.shares`."""
+        return self.law.shares(pressure, traction, slip)
+
 
 def work_along(
     traction: np.ndarray, slip: np.ndarray, angle: float = 0.0

@@ -8,7 +8,7 @@ import numpy as np
 
 from tractive_sam.pages import text
 from tractive_sam.pages.arrays import packed
-from tractive_sam.results import BODIES, COORDINATE, LABELS, History, Quantity
+from tractive_sam.results import BODIES, COORDINATE, LABELS, PREFIX, History, Quantity
 from tractive_sam.scene import label
 
 TOGETHER = (
@@ -38,23 +38,32 @@ ROUNDING = 1e-9
 def charts(history: History) -> list[dict[str, Any]]:
     """Charts over the course: titles, units, and lines with their numbers.
 
-    Columns that do not change are left out: the table of numbers has them.
+    Columns that do not change are left out: the table of numbers has them. Of a duty cycle a chart
+    has a column of the cycle and the same of its blocks.
     """
     if len(history) < 2:
         return []
     free = {
         name: one
         for name, one in history.columns.items()
-        if one.role not in HIDDEN and not name.endswith("_error")
+        if _of_cycle(history, one).role not in HIDDEN and not name.endswith("_error")
         if not {"y", "position"} & set(one.dims)
     }
     groups: list[tuple[str, dict[str, Quantity]]] = []
+    for name in [name for name in free if PREFIX + name in free]:
+        pair = {key: free.pop(key) for key in (name, PREFIX + name)}
+        groups.append((_title(pair[name]), pair))
     for title, keys in TOGETHER:
         names = [name for name, one in free.items() if name in keys or one.role in keys]
         groups.append((title, {name: free.pop(name) for name in names}))
     groups += [(_title(one), {name: one}) for name, one in free.items()]
     drawn = [_chart(history, title, list(group.values())) for title, group in groups]
     return sorted((one for one in drawn if one["lines"]), key=lambda one: one["aside"])
+
+
+def _of_cycle(history: History, one: Quantity) -> Quantity:
+    """The column of the cycle where it is one of its blocks."""
+    return history.columns.get(one.name.removeprefix(PREFIX), one)
 
 
 def _title(one: Quantity) -> str:
@@ -65,13 +74,14 @@ def _chart(history: History, title: str, group: list[Quantity]) -> dict[str, Any
     """One chart: its title, the label of its axis, its lines, and whether it is set aside."""
     units = [text.unit(one.unit) for one in group]
     label = ", ".join(dict.fromkeys(filter(None, units)))
-    if len(group) == 1 and (symbol := text.symbol(group[0].symbol)):
+    names = {_of_cycle(history, one).name for one in group}
+    if len(names) == 1 and (symbol := text.symbol(group[0].symbol)):
         label = f"{symbol} ({label})" if label else symbol
     return {
         "title": text.told(title),
         "label": label,
         "lines": [line for one in group for line in _lines(history, one, len(group))],
-        "aside": {one.name for one in group} <= BOOKKEEPING and bool(group),
+        "aside": names <= BOOKKEEPING and bool(group),
     }
 
 
@@ -89,9 +99,11 @@ def _lines(history: History, one: Quantity, several: int) -> Iterator[dict[str, 
         name = text.symbol(one.symbol) or text.told(one.name)
         kind = one.role.removeprefix("stress_") if one.role.startswith("stress_") else ""
         named = [f"body {k}" if k in BODIES else k for k in place]
-        if kind:
+        if PREFIX + one.name in history.columns:
+            named = ["cycle", *named]
+        elif kind:
             named.append(kind)
-        elif several > 1 or not place:
+        elif "block" not in one.dims and (several > 1 or not place):
             named = [name, *named]
         drawn = {"name": ", ".join(named), "values": packed(line)}
         bars = history.values.get(f"{one.name}_error")

@@ -42,8 +42,8 @@ def of_history(history: History) -> dict[str, Any]:
         left_out.append(f"of the surface every {surface.every}. element is drawn")
     if len(blocks) > 1:
         left_out.append(
-            "a duty cycle: each place of the slider is one of its blocks; y counts from the middle "
-            "of the band that it rolls on, stress is that of the block with the highest pressure"
+            "a duty cycle: each place of the slider is one of its blocks; numbers count y from the "
+            "middle of the band that it rolls on"
         )
     along = history.coordinate
     rows = [int(np.flatnonzero(history[along.name] == at)[-1]) for at in saved]
@@ -64,7 +64,7 @@ def of_history(history: History) -> dict[str, Any]:
         "scale": _scale(history) if len(history) else None,
         "surface": None if surface is None else surface.fields(states),
         "profiles": _profiles(history, each),
-        "stress": _stress(history, np.repeat(saved, len(blocks)), states),
+        "stress": _stress([block for _, block in blocks], saved, states),
         "numbers": [
             _numbers(block, row)
             for row in (rows or [-1] * bool(len(history)))
@@ -128,7 +128,7 @@ class _Window:
 
     def axes(self, state: Drawn) -> tuple[np.ndarray, np.ndarray]:
         """Centres of the elements, mm."""
-        y = state.y - 0.5 * (state.y[0] + state.y[-1])  # a band of a duty cycle lies aside
+        y = _on_bodies({"y": state.y}, "y")
         return state.x[self.x][:: self.every], y[self.y][:: self.every]
 
     def fields(self, states: Sequence[Drawn]) -> dict[str, Any]:
@@ -202,14 +202,20 @@ def _profiles(history: History, rows: Sequence[int]) -> dict[str, Any] | None:
     return {"y": packed(history.y[track]), "lines": lines}
 
 
-def _stress(history: History, saved: np.ndarray, states: Sequence[Drawn]) -> list[dict[str, Any]]:
-    """Stress on every stored plane, by component, shape (records, second axis, first axis)."""
-    count = len(history.planes) * len(saved) * (1 + len(COMPONENTS))
+def _stress(
+    blocks: Sequence[History], saved: np.ndarray, states: Sequence[Drawn]
+) -> list[dict[str, Any]]:
+    """Stress on every stored plane, by component, shape (records, second axis, first axis).
+
+    Blocks have their own depths, and each place its axes: shape (records, axis).
+    """
+    history = blocks[0]
+    count = len(history.planes) * len(states) * (1 + len(COMPONENTS))
     found = []
     asked = [] if history.scene.subsurface is None else map(str, history.scene.subsurface.planes)
     order = {plane: k for k, plane in enumerate(asked)}
     for body, plane in sorted(history.planes, key=lambda one: order.get(one[1], len(order))):
-        rows = [history.stress(body, plane, at) for at in saved]
+        rows = [block.stress(body, plane, at) for at in saved for block in blocks]
         (first, along), (second, across) = rows[0].axes.items()
         if min(along.size, across.size) < 2:
             continue  # of a line contact, a plane across is only a line
@@ -228,12 +234,18 @@ def _stress(history: History, saved: np.ndarray, states: Sequence[Drawn]) -> lis
                 "body": body,
                 "plane": plane,
                 "axes": [first, second],
-                "first": packed(along[part[0]]),
-                "second": packed(across[part[1]]),
+                "first": packed([_on_bodies(row.axes, first)[part[0]] for row in rows]),
+                "second": packed([_on_bodies(row.axes, second)[part[1]] for row in rows]),
                 "components": {name: packed(values) for name, values in named.items()},
             }
         )
     return found
+
+
+def _on_bodies(axes: Mapping[str, np.ndarray], name: str) -> np.ndarray:
+    """Places along an axis; y from the middle of the mesh: a band of a duty cycle lies aside."""
+    places = axes[name]
+    return places - 0.5 * (places[0] + places[-1]) if name == "y" else places
 
 
 def _side_of(name: str, states: Sequence[Drawn], size: int) -> slice:

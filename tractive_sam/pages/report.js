@@ -25,6 +25,12 @@ function sheet(packed, k) {
     values.subarray(first + j * columns, first + (j + 1) * columns));
 }
 
+// One record of an array (records, columns).
+function strip(packed, k) {
+  const columns = packed.shape[1];
+  return unpack(packed).subarray(k * columns, (k + 1) * columns);
+}
+
 const combined = (f, ...sheets) => sheets[0].map((row, j) =>
   Float32Array.from(row, (_, i) => f(...sheets.map(one => one[j][i]))));
 const largest = values => values.reduce((most, v) => v > most ? v : most, -Infinity);
@@ -317,11 +323,11 @@ function stressCard() {
     const plane = $("plane").value, which = $("body").value, name = $("component").value;
     const shown = which === "both" ? [of(plane, "A"), of(plane, "B")] : [of(plane, which)];
     const [first, second] = shown[0].axes, deep = second === "depth", signed = name !== "von Mises";
-    const x = unpack(shown[0].first), up = which === "both";
+    const x = strip(shown[0].first, k), up = which === "both";
     let y = [], z = [];
     const most = {value: 0};
     shown.forEach((one, m) => {
-      const rows = sheet(one.components[name], k), places = Array.from(unpack(one.second));
+      const rows = sheet(one.components[name], k), places = Array.from(strip(one.second, k));
       rows.forEach((row, j) => row.forEach((v, i) => {
         if (Math.abs(v) > Math.abs(most.value))
           Object.assign(most, {value: v, x: x[i], depth: places[j], body: one.body});
@@ -376,7 +382,7 @@ function depthCard(of) {
   const chart = card("stress", "Over the depth", "stress", k => {
     const plane = $("plane").value, which = $("body").value, name = $("component").value;
     const shown = (which === "both" ? ["A", "B"] : [which]).map(body => of(plane, body));
-    const [first, second] = shown[0].axes, places = unpack(shown[0].first);
+    const [first, second] = shown[0].axes, places = strip(shown[0].first, k);
     chart.figure.hidden = second !== "depth";
     if (chart.plane !== plane) {  // a new plane is looked at in its middle
       chart.plane = plane;
@@ -387,7 +393,7 @@ function depthCard(of) {
     label.textContent = `at ${place}`;
     slider.setAttribute("aria-valuetext", place);
     const traces = shown.map(one => ({type: "scatter", mode: "lines", name: `body ${one.body}`,
-      x: sheet(one.components[name], k).map(values => values[m]), y: unpack(one.second),
+      x: sheet(one.components[name], k).map(values => values[m]), y: strip(one.second, k),
       line: {width: 2, color: one.body === "A" ? BLUE : VERMILLION, dash: one.body === "A" ? "solid" : "dash"},
       hovertemplate: "%{x:.4g} MPa<br>depth = %{y:.4g} mm"}));
     return {traces, layout: layout({showlegend: true, uirevision: plane + name,

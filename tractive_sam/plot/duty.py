@@ -6,17 +6,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from tractive_sam.mechanics import EachBody
+from tractive_sam.plot.profiles import across
 from tractive_sam.plot.scale import Scale
-from tractive_sam.plot.style import (
-    GREY,
-    MICRON,
-    WIDTH,
-    along,
-    set_title,
-    styled,
-    told,
-    told_of,
-)
+from tractive_sam.plot.style import GREY, MICRON, WIDTH, along, set_title, styled, told, told_of
 from tractive_sam.results import PARTS, History, State
 from tractive_sam.scene import label
 
@@ -47,10 +40,8 @@ def worn_by_block(history: History) -> Figure:
     <Figure size ...>
     """
     _check_blocks(history)
-    figure = Figure(figsize=(1.25 * WIDTH, 0.7 * WIDTH))
-    axes = figure.add_subplot()
-    scale = Scale.of_history(history)
-    y, depth = history.y / scale.across, np.zeros(len(history.y))
+    figure, axes = across(history, "wear of both bodies by block")
+    y, depth = history.y / Scale.of_history(history).across, np.zeros(len(history.y))
     for k, part in enumerate(history[PARTS.name][-1].sum(axis=1)):
         below = depth + MICRON * part
         axes.fill_between(y, depth, below, label=label(history.scene, k), alpha=0.8, linewidth=0.4)
@@ -58,8 +49,6 @@ def worn_by_block(history: History) -> Figure:
     axes.plot(y, depth, color="black", linewidth=0.8)
     axes.invert_yaxis()
     axes.set(xlim=(y.min(), y.max()), ylabel=r"wear depth $w$ ($\mathrm{\mu m}$)")
-    axes.set_xlabel(scale.of_length("y", across=True))
-    set_title(figure, told_of(history, "wear of both bodies by block", scale.told))
     figure.legend(loc="outside right center")
     return figure
 
@@ -150,28 +139,32 @@ def _contacts(source: History | State) -> dict[str, State]:
     return {label(source.scene, k): source.block(k).state() for k in range(len(source.scene.duty))}
 
 
-def _wear_law(contact: State, laws: "Laws | None") -> "WearLaw | None":
-    """The law of wear given, or that of the scene."""
+def _wear_law(contact: State, laws: "Laws | None", *, warm: bool) -> "WearLaw | None":
+    """The law of wear, as it is in the contact where that is warm, or as it is without heat."""
     # Loads compilers, which no other figure needs.
-    from tractive_sam.contact import Laws  # noqa: PLC0415
+    from tractive_sam.contact import Model, wear_law_in  # noqa: PLC0415
 
-    return (laws or Laws.of(contact.scene)).wear
+    model = Model(contact.scene, grid=contact.grid, laws=laws)
+    return wear_law_in(model, contact) if warm else model.wear_law
 
 
 def _of_bodies(contact: State, laws: "Laws | None") -> dict[str, np.ndarray]:
     """Wear rate of the elements of each body, µg/(m mm²)."""
-    law = _wear_law(contact, laws)
+    law = _wear_law(contact, laws, warm=True)
     fields = contact.pressure, contact.traction, contact.slip
     if law is None or not contact.touching.any():
         return {}
-    law = law.on(contact.grid.element_area)
-    shares = law.shares(*fields)
-    if shares is None:
-        shares = [contact.scene.wear_share[body] for body in "AB"]
-    rate = law.rate(*fields)
+    if isinstance(law, EachBody):
+        own = {body: getattr(law, body) for body in "AB"}
+        rates = {body: one.rate(*fields) for body, one in own.items() if one is not None}
+    else:
+        share, of_bodies = contact.scene.wear_share, law.shares(*fields)
+        if of_bodies is not None:
+            share = dict(zip("AB", of_bodies, strict=True))
+        rates = {body: share[body] * law.rate(*fields) for body in "AB"}
     return {
-        body: PER_DEPTH * getattr(contact.scene.body, body).density * share * rate
-        for body, share in zip("AB", shares, strict=True)
+        body: PER_DEPTH * getattr(contact.scene.body, body).density * rate
+        for body, rate in rates.items()
     }
 
 
@@ -198,7 +191,8 @@ def _dots(axes: Axes, name: str, contact: State, laws: "Laws | None", most: floa
 
 def _laws_of(axes: Axes, contact: State, laws: "Laws | None", most: float) -> None:
     """Draw the regimes of the bodies' laws by work, and where they begin."""
-    law = _wear_law(contact, laws)
+    law, wear = _wear_law(contact, laws, warm=False), contact.scene.wear
+    name = "law, without heat" if wear is not None and wear.temperature else "law"
     seen: list[object] = []
     for body in "AB":
         regimes = getattr(getattr(law, body, None), "regimes", None)
@@ -206,7 +200,7 @@ def _laws_of(axes: Axes, contact: State, laws: "Laws | None", most: float) -> No
             continue
         seen.append(regimes)
         work = np.geomspace(most * 10.0**-DECADES, 2.0 * most, 400)
-        axes.plot(work, regimes(work)[0], color=GREY, linewidth=1.0, zorder=0, label="law")
+        axes.plot(work, regimes(work)[0], color=GREY, linewidth=1.0, zorder=0, label=name)
         for start in regimes.starts[1:]:
             if start < 2.0 * most:
                 axes.axvline(start, color=GREY, linewidth=0.6, linestyle=":", zorder=0)

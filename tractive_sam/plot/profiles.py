@@ -34,7 +34,7 @@ def wear_profiles(history: History) -> Figure:
     >>> plot.wear_profiles(history)
     <Figure size ...>
     """
-    figure, axes = _across(history, "wear of both bodies together")
+    figure, axes = across(history, "wear of both bodies together")
     depth = _stored(history, "wear_profile")
     _lines(axes, history, lambda N: MICRON * depth[N])
     axes.invert_yaxis()
@@ -62,7 +62,7 @@ def worn_profiles(history: History) -> Figure:
     worn = history.y[(history["wear_profile"] > 0.0).any(axis=0)]
     if not worn.size:
         raise ValueError("nothing to draw: the bodies are not worn")
-    figure, axes = _across(history, "sections of the bodies")
+    figure, axes = across(history, "sections of the bodies")
     y = history.y / Scale.of_history(history).across
     shown = np.abs(history.y) <= (1.0 + BESIDE) * np.abs(worn).max()
     surfaces = {body: _surfaces(history, body) for body in "AB"}
@@ -108,7 +108,7 @@ def pressure_profiles(history: History) -> Figure:
     >>> plot.pressure_profiles(history)
     <Figure size ...>
     """
-    figure, axes = _across(history, "peak pressure in each row")
+    figure, axes = across(history, "peak pressure in each row")
     scale = Scale.of_history(history)
     _lines(axes, history, lambda N: history.field("pressure", N).max(axis=0) / scale.pressure)
     axes.set_ylim(bottom=0.0)
@@ -116,7 +116,8 @@ def pressure_profiles(history: History) -> Figure:
     return figure
 
 
-def _across(history: History, told: str) -> tuple[Figure, Axes]:
+def across(history: History, told: str) -> tuple[Figure, Axes]:
+    """An empty figure over the place across the track."""
     figure = Figure(figsize=(1.25 * WIDTH, 0.7 * WIDTH))
     axes = figure.add_subplot()
     scale = Scale.of_history(history)

@@ -86,8 +86,8 @@ def cycle_record(
         name: np.stack([record.fields[name] for record in records])
         for name in (records[0].fields if all(record.fields for record in records) else ())
     }
-    heaviest = max(records, key=lambda record: record.values["p_max"])
-    return Record(values, names, fields, heaviest.stress)
+    stress = [replace(one, block=k) for k, of in enumerate(records) for one in of.stress]
+    return Record(values, names, fields, tuple(stress))
 
 
 def of_blocks(one: Quantity) -> Quantity:

@@ -89,7 +89,8 @@ class History:
     saved : ndarray, shape (m,)
         Values of the coordinate of these records, such as their revolutions.
     stresses : mapping of (body, plane) to Rows, length m
-        Stress on planes for each record that kept its fields; see `stress`.
+        Stress on planes for each record that kept its fields; see `stress`. Of a duty cycle each
+        block has its own.
     provenance : tuple of (int, mapping of str to str)
         Programs that computed the records from each of these rows on.
     laws : str
@@ -99,6 +100,8 @@ class History:
     cycles : mapping of str to Rows, length m
         What rolling has done to each body that [fatigue] names, of each record that kept its
         fields; see `fatigue`.
+    stresses_of_blocks : tuple of mapping
+        Of a duty cycle: the `stresses` of each block.
 
     Examples
     --------
@@ -123,6 +126,7 @@ class History:
     laws: str = ""
     started: str = ""
     cycles: Mapping[str, Rows[BodyFatigue]] = field(default_factory=dict)
+    stresses_of_blocks: tuple[Mapping[tuple[str, str], Rows[PlaneStress]], ...] = ()
 
     @classmethod
     def of_records(
@@ -163,6 +167,7 @@ class History:
             laws=laws,
             started=started,
             cycles=_by_body(kept),
+            stresses_of_blocks=tuple(_by_plane(kept, k) for k in range(len(scene.duty))),
         )
 
     def __repr__(self) -> str:
@@ -345,7 +350,7 @@ class History:
     def stress(
         self, body: str, plane: str, at: float | None = None, **named: float | None
     ) -> "PlaneStress":
-        """Stress of a body on a plane in one record.
+        """Stress of a body on a plane in one record; of a duty cycle its blocks have it.
 
         Parameters
         ----------
@@ -362,6 +367,8 @@ class History:
             If it was not kept; the message lists what was.
         """
         rows = self.stresses.get((body, str(plane)))
+        if rows is None and any(self.stresses_of_blocks):
+            raise LookupError("each block has its own stress: history.block(k).stress(...)")
         if rows is None:
             kept = ", ".join(f"{plane} of {body}" for body, plane in self.planes)
             raise LookupError(
@@ -433,17 +440,15 @@ class History:
         row = int(np.flatnonzero(self[self.coordinate.name] == self.saved[kept])[-1])
         return self.contact(row, {name: rows[kept] for name, rows in self.fields.items()})
 
-    def block(self, k: int) -> Self:
+    def block(self, which: int | str) -> Self:
         """What was recorded of one block of a duty cycle, as a history of its own.
 
-        Profiles and worn volumes are those of the bodies, which all blocks wear; stress on planes
-        is only kept of the block with the highest peak contact pressure, with the history of the
-        cycle.
+        Profiles and worn volumes are those of the bodies, which all blocks wear.
 
         Parameters
         ----------
-        k : int
-            Its place in the [[duty]] of the scene, from 0.
+        which : int or str
+            Its place in the [[duty]] of the scene, from 0, or its name.
 
         Raises
         ------
@@ -459,8 +464,11 @@ class History:
         (200, 200.0)
         """
         blocks = self.scene.blocks if self.scene.duty else ()
-        if not 0 <= k < len(blocks):
-            raise LookupError(f"no block {k}; there are {len(blocks)}, counted from 0")
+        names = [label(self.scene, k) for k in range(len(blocks))]
+        k = names.index(which) if which in names else which
+        if not isinstance(k, int) or not 0 <= k < len(blocks):
+            there = f"counted from 0: {', '.join(names)}" if names else "add [[duty]]"
+            raise LookupError(f"no block {which}; there are {len(blocks)}, {there}")
         apart = (PREFIX, PARTS.name)
         columns = {n: one for n, one in self.columns.items() if not n.startswith(apart)}
         values = {}
@@ -469,7 +477,9 @@ class History:
             values[name] = self.values[own][:, k] if own in self.values else self.values[name]
         fields = {name: _OfBlock(rows, k) for name, rows in self.fields.items()}
         grid = self.grid.shifted(self.scene.duty[k].shift_y)
-        changes = {"columns": columns, "values": values, "fields": fields, "stresses": {}}
+        changes = {"columns": columns, "values": values, "fields": fields}
+        changes["stresses"] = self.stresses_of_blocks[k] if self.stresses_of_blocks else {}
+        changes["stresses_of_blocks"] = ()
         return replace(self, scene=blocks[k], grid=grid, **changes)
 
     def contact(self, row: int, fields: Mapping[str, np.ndarray]) -> State:
@@ -647,11 +657,14 @@ def _ratio(over: np.ndarray, under: np.ndarray, where: np.ndarray) -> np.ndarray
     return np.divide(over, under, out=np.full(len(over), np.nan), where=where)
 
 
-def _by_plane(kept: Sequence[Record]) -> dict[tuple[str, str], list["PlaneStress"]]:
+def _by_plane(
+    kept: Sequence[Record], block: int | None = None
+) -> dict[tuple[str, str], list["PlaneStress"]]:
     first = kept[0].stress if kept else ()
     rows = {
         (one.body, str(one.plane)): [record.stress[k] for record in kept]
         for k, one in enumerate(first)
+        if one.block == block
     }
     return dict(sorted(rows.items()))  # as a file has them
 

@@ -29,6 +29,8 @@ class PlaneStress:
         where x is constant, "x" and "depth" where y is, "x" and "y" at constant depth.
     components : dict of str to ndarray
         xx, yy, zz, xy, xz, yz in the axes of the contact, MPa.
+    block : int, optional
+        Of a duty cycle which block it is of, from 0.
 
     Examples
     --------
@@ -44,6 +46,7 @@ class PlaneStress:
     position: float
     axes: dict[str, np.ndarray]
     components: dict[str, np.ndarray]
+    block: int | None = None
 
     @property
     def along(self) -> tuple[str, np.ndarray]:

@@ -25,7 +25,8 @@ class Record:
     fields : mapping of str to ndarray, shape (n_x, n_y)
         By the names of `FIELDS`; empty where they are not kept.
     stress : tuple of PlaneStress
-        Stress on the planes that the scene asks for, kept with the fields.
+        Stress on the planes that the scene asks for, kept with the fields; of a duty cycle that
+        in each block.
     cycles : tuple of BodyFatigue
         What rolling has done to each body that [fatigue] names, kept with the fields.
     """

@@ -28,6 +28,7 @@ FREE = (
     "transient.tolerance",
     "solver",
     "grid",
+    "load_history",  # its blocks count
 )
 """Entries of a scene that may change when it is rolled on."""
 

@@ -8,16 +8,7 @@ from .bodies import Bodies, Body
 from .catalogue import builtin_names
 from .checks import FEWEST_ELEMENTS
 from .document import Document
-from .duty import (
-    Binned,
-    Block,
-    BlockCreepage,
-    BlockFriction,
-    BlockLoad,
-    Spectrum,
-    blocks_of,
-    label,
-)
+from .duty import Block, BlockCreepage, BlockFriction, BlockLoad, Spectrum, label
 from .fatigue import Fatigue
 from .faults import (
     MOST_TOLD,
@@ -31,6 +22,7 @@ from .faults import (
 from .gap import LENGTHS, TEXTS, Gap, files_anywhere
 from .heat import Bulk, Heat, Thermal
 from .keys import groups
+from .load_history import Binned, LoadHistory, blocks_of
 from .override import parse_settings
 from .plane import Plane
 from .quantities import LARGEST, Real, entry, number
@@ -87,6 +79,7 @@ __all__ = [
     "Known",
     "Load",
     "LoadCourse",
+    "LoadHistory",
     "Mesh",
     "Plane",
     "PlausibilityWarning",

@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
-from os import PathLike
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
-import numpy as np
-from numpy.typing import ArrayLike
-
 from .alternatives import not_both
-from .faults import Fault, SceneError, shown, suggestion
+from .faults import Fault, SceneError
 from .override import override
 from .quantities import (
     OrthotropicPositive,
@@ -177,7 +171,9 @@ def block_scenes(scene: Scene) -> tuple[Scene, ...]:
     SceneError
         With the faults of each, by its place in [[duty]].
     """
-    entries = {key: value for key, value in scene.entries().items() if key != "duty"}
+    entries = scene.entries()
+    for key in ("duty", "load_history"):
+        entries.pop(key, None)
     scenes, faults = [], []
     for k, block in enumerate(scene.duty):
         try:
@@ -250,177 +246,3 @@ def off_the_mesh(scene: Scene, scenes: tuple[Scene, ...]) -> Iterator[Fault]:
             yield Fault(
                 f"duty[{k}].shift_y", f"{block.shift_y:g}: off the mesh of +-{half:g}", cure
             )
-
-
-MOST_LEVELS = 1000
-"""Of a column."""
-
-COLUMNS = {
-    "normal": "load.normal",
-    "approach": "load.approach",
-    "pressure": "load.pressure",
-    "force_x": "load.force_x",
-    "force_y": "load.force_y",
-    "longitudinal": "creepage.longitudinal",
-    "lateral": "creepage.lateral",
-    "spin": "creepage.spin",
-    "speed": "creepage.speed",
-    "mu": "friction.mu",
-    "angle": "friction.angle",
-    "shift_y": "shift_y",
-    "revolutions": "revolutions",
-}
-"""Columns of a measured load history, by their keys in a block."""
-
-
-@dataclass(frozen=True)
-class Binned:
-    """A measured load history as blocks, and what binning did to it.
-
-    Attributes
-    ----------
-    blocks : tuple of Block
-        The blocks, by ascending level of the first column that varies.
-    error : mapping of str to float
-        For each column the root mean square of what a revolution is off its block, over the
-        largest magnitude of the column.
-    work_error : float
-        Relative error of the mean of |load x creepage| over the revolutions, which Archard's law
-        wears by in full slip.
-
-    Examples
-    --------
-    >>> measured = {"normal": [300.0, 310.0, 450.0, 440.0], "longitudinal": [-0.005] * 4}
-    >>> binned = ts.blocks_of(measured, levels=2)
-    >>> [(one.revolutions, one.load.normal) for one in binned.blocks]
-    [(2, 305.0), (2, 445.0)]
-    >>> round(binned.error["normal"], 4)
-    0.0111
-    """
-
-    blocks: tuple[Block, ...]
-    error: Mapping[str, float]
-    work_error: float
-
-
-def blocks_of(measured: str | PathLike[str] | Mapping[str, ArrayLike], levels: int = 8) -> Binned:
-    """Make blocks of a measured load history, by levels.
-
-    Each column is divided into levels of equal width between its extremes; revolutions that lie in
-    the same level of every column become one block, with their mean. What each revolution was
-    counts, not the order of them: wear goes by every revolution, and a cycle is to wear little.
-
-    Parameters
-    ----------
-    measured : path-like, or mapping of str to array_like
-        A CSV file whose first line names its columns, or the columns: keys of [load], [creepage]
-        and [friction] such as "normal" and "longitudinal", "shift_y", and "revolutions" that each
-        row stands for, one by default. In the units of a scene.
-    levels : int
-        Levels of each column.
-
-    Raises
-    ------
-    SceneError
-        With what is wrong with the table; the key is that of the column.
-
-    Examples
-    --------
-    >>> binned = ts.blocks_of({"normal": [300.0, 450.0], "revolutions": [900, 100]}, levels=2)
-    >>> spectrum = discs.replace(duty=binned.blocks, **{"wear.revolutions": 2000})
-    >>> spectrum.spectrum.cycle
-    1000
-    """
-    if not isinstance(levels, int) or isinstance(levels, bool) or not 1 <= levels <= MOST_LEVELS:
-        allowed = f"a whole number from 1 to {MOST_LEVELS}"
-        raise SceneError([Fault("levels", shown(levels), allowed)])
-    columns = _columns(measured)
-    counts = np.rint(columns.pop("revolutions", np.ones(_rows(columns)))).astype(int)
-    if counts.min() < 1:
-        raise SceneError([Fault("revolutions", str(counts.min()), "at least 1 in every row")])
-    bins = np.stack([_levels(values, levels) for values in columns.values()], axis=1)
-    _, place = np.unique(bins, axis=0, return_inverse=True)
-    place = place.ravel()
-    total = np.bincount(place, counts)
-    means = {name: np.bincount(place, counts * v) / total for name, v in columns.items()}
-    blocks = tuple(
-        _block({name: float(mean[k]) for name, mean in means.items()}, int(total[k]))
-        for k in range(len(total))
-    )
-    error = {
-        name: float(np.sqrt(np.average((v - means[name][place]) ** 2, weights=counts)))
-        / (float(np.abs(v).max()) or 1.0)
-        for name, v in columns.items()
-    }
-    return Binned(blocks, error, _work_error(columns, means, place, counts))
-
-
-def _block(values: dict[str, float], revolutions: int) -> Block:
-    tables: dict[str, Any] = {"revolutions": revolutions}
-    for name, value in values.items():
-        table, _, key = COLUMNS[name].rpartition(".")
-        (tables.setdefault(table, {}) if table else tables)[key] = value
-    return Block(**tables)
-
-
-def _levels(values: np.ndarray, levels: int) -> np.ndarray:
-    """The level of each value, from 0."""
-    low, high = values.min(), values.max()
-    if high == low:
-        return np.zeros(values.size, int)
-    return np.minimum(((values - low) / (high - low) * levels).astype(int), levels - 1)
-
-
-def _work_error(
-    columns: Mapping[str, np.ndarray],
-    means: Mapping[str, np.ndarray],
-    place: np.ndarray,
-    counts: np.ndarray,
-) -> float:
-    """Of the mean product of load and creepage, as far as they are given."""
-
-    def work(of: Mapping[str, np.ndarray]) -> np.ndarray:
-        load = of.get("normal", np.ones(1))
-        creepage = np.hypot(of.get("longitudinal", np.zeros(1)), of.get("lateral", np.zeros(1)))
-        return load * (creepage if {"longitudinal", "lateral"} & of.keys() else 1.0)
-
-    each = np.broadcast_to(work(columns), counts.shape)
-    binned = np.broadcast_to(work({k: v[place] for k, v in means.items()}), counts.shape)
-    mean = float(np.average(each, weights=counts))
-    return abs(float(np.average(binned, weights=counts)) / mean - 1.0) if mean else 0.0
-
-
-def _rows(columns: Mapping[str, np.ndarray]) -> int:
-    return next(iter(columns.values())).size
-
-
-def _columns(measured: str | PathLike[str] | Mapping[str, ArrayLike]) -> dict[str, np.ndarray]:
-    """The columns of a table, all of one length and finite."""
-    given = measured if isinstance(measured, Mapping) else _read(Path(measured))
-    unknown = [name for name in given if name not in COLUMNS]
-    if unknown:
-        raise SceneError([Fault(n, "a column", suggestion(n, COLUMNS)) for n in unknown])
-    try:
-        columns = {name: np.asarray(values, float).ravel() for name, values in given.items()}
-    except (ValueError, TypeError):
-        raise SceneError([Fault("columns", "no numbers", "numbers in every row")]) from None
-    lengths = {one.size for one in columns.values()}
-    finite = all(np.isfinite(one).all() for one in columns.values())
-    if len(lengths) != 1 or lengths == {0} or not finite or not columns.keys() - {"revolutions"}:
-        allowed = "at least one column besides revolutions, of finite numbers, all equally long"
-        raise SceneError([Fault("columns", f"{len(columns)} of {sorted(lengths)} rows", allowed)])
-    return columns
-
-
-def _read(path: Path) -> dict[str, list[float]]:
-    """A CSV file with a line of names."""
-    try:
-        with path.open(encoding="utf-8", newline="") as file:
-            names, *rows = [row for row in csv.reader(file) if row]
-        table = np.array(rows, float)
-        if table.shape != (len(rows), len(names)):
-            raise ValueError
-    except (OSError, ValueError):
-        given, allowed = shown(str(path)), "a CSV file: a line of names, then numbers"
-        raise SceneError([Fault("measured", given, allowed)]) from None
-    return {name.strip(): column.tolist() for name, column in zip(names, table.T, strict=True)}

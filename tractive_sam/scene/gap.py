@@ -40,9 +40,16 @@ def files_anywhere() -> Iterator[None]:
         _ANYWHERE.reset(before)
 
 
-def _existing(path: Path) -> Path:
-    if path.suffix not in SUFFIXES:
-        raise ValueError(f"a file ending in {', '.join(SUFFIXES)}")
+def existing(path: Path, suffixes: tuple[str, ...] = SUFFIXES) -> Path:
+    """A file that is there, absolute.
+
+    Raises
+    ------
+    ValueError
+        If it is not, or ends in no such suffix.
+    """
+    if path.suffix not in suffixes:
+        raise ValueError(f"a file ending in {', '.join(suffixes)}")
     if not _ANYWHERE.get() and not os.path.isfile(
         path
     ):  # unlike Path.is_file, puts up with any text
@@ -108,7 +115,7 @@ _UNITS = f"one of {', '.join(LENGTHS)}"
 _File = Annotated[
     Path,
     BeforeValidator(lambda text: Path(text) if isinstance(text, str) else text),
-    AfterValidator(_existing),
+    AfterValidator(existing),
 ]
 _Array = Annotated[np.ndarray, PlainValidator(_array)]
 _Axis = Annotated[_Array, AfterValidator(_axis)]

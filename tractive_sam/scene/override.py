@@ -39,7 +39,8 @@ def override(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str,
         Nested tables; left as they are.
     changes : mapping
         New values by dotted key. A missing table is made; None removes an entry. Setting one of
-        two alternatives (young/shear, normal/approach, creepage/traction, gap file/arrays)
+        two alternatives (young/shear, normal/approach, creepage/traction, gap file/arrays, blocks/
+        load history)
         removes the other, unless that is set as well; a wear law removes the
         coefficients of another one. If fewer revolutions are asked for than are to be saved, those
         beyond are left out of `wear.save` and the last one is added.
@@ -57,6 +58,9 @@ def override(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str,
         for rival in RIVALS.get(key, ()) if value is not None else ():
             if not any(f"{change}.".startswith(f"{rival}.") for change in changes):
                 _remove(result, rival)
+    for key, other in (("load_history", "duty"), ("duty", "load_history")):
+        if any(f"{change}.".startswith(f"{key}.") for change in changes) and other not in changes:
+            _remove(result, other)
     if changes.get("wear.law", "archard") not in BY_COEFFICIENT:
         for key in ("wear.intensity", "wear.coefficient"):
             if not any(f"{change}.".startswith(f"{key}.") for change in changes):

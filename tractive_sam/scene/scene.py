@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar
@@ -25,6 +25,7 @@ from .fatigue import Fatigue
 from .faults import PlausibilityWarning, SceneError
 from .gap import Gap
 from .heat import STEEL, Heat, Thermal
+from .load_history import DOUBTFUL, LoadHistory, with_blocks
 from .override import override, parse_settings
 from .quantities import entry
 from .table import Check, Table
@@ -73,6 +74,7 @@ class Scene(Document):
     duty: tuple[Block, ...] = entry(
         "blocks of a duty cycle", "at least one block, [[duty]]", (), min_length=1
     )
+    load_history: LoadHistory | None = entry("the load history of the blocks", "", None)
     solver: Solver = entry("the solver", "", Solver())
     checks: ClassVar[tuple[Check, ...]] = SCENE_CHECKS
 
@@ -90,6 +92,11 @@ class Scene(Document):
         if self.grid:
             warn_if_coarse(self.grid, self.hertz, stacklevel=2)
 
+    @classmethod
+    def unfolded(cls, given: Mapping[Any, Any]) -> Mapping[Any, Any]:
+        """With the blocks of a load history."""
+        return with_blocks(given)
+
     def _check_blocks(self) -> None:
         """Raise the faults of the blocks, and tell what is doubtful of them alone."""
         with warnings.catch_warnings(record=True) as notes:
@@ -105,6 +112,9 @@ class Scene(Document):
         if revolutions % cycle:
             told = f"duty: the last of {revolutions} / {cycle} cycles is not whole"
             warnings.warn(told, PlausibilityWarning, stacklevel=3)
+        if self.load_history and self.load_history.work_error > DOUBTFUL:
+            told = f"load_history: load x creepage changes by {self.load_history.work_error:.1%}"
+            warnings.warn(f"{told} in its levels: more of them", PlausibilityWarning, stacklevel=3)
 
     @property
     def blocks(self) -> tuple[Scene, ...]:
@@ -118,7 +128,7 @@ class Scene(Document):
     @property
     def alone(self) -> Scene:
         """Itself without [[duty]]."""
-        return self.replace(duty=None) if self.duty else self
+        return self.replace(duty=None, load_history=None) if self.duty else self
 
     @cached_property
     def spectrum(self) -> Spectrum | None:
@@ -160,6 +170,7 @@ class Scene(Document):
         """
         settings = self.settings()
         settings.pop("title")
+        settings.pop("load_history", None)
         text = json.dumps(_canonical(settings), sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
 
@@ -264,10 +275,11 @@ class Scene(Document):
 
     @classmethod
     def files_from(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
-        """The tables, with a relative gap file sought from a folder."""
-        match tables:
-            case {"gap": {"file": str(file)}}:
-                tables["gap"]["file"] = str(folder / file)
+        """The tables, with relative files in them sought from a folder."""
+        for name in ("gap", "load_history"):
+            match tables.get(name):
+                case {"file": str(file)}:
+                    tables[name]["file"] = str(folder / file)
         match tables:
             case {"transient": {"profile": dict(profiles)}}:
                 for one in profiles.values():

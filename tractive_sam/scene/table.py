@@ -78,7 +78,13 @@ class Table(BaseModel):
 
     @classmethod
     def unfolded(cls, given: Mapping[Any, Any]) -> Mapping[Any, Any]:
-        """What was given, as it is to be read; a table may know other ways to write it."""
+        """What was given, as it is to be read; a table may know other ways to write it.
+
+        Raises
+        ------
+        SceneError
+            With the faults of an entry that cannot be read so.
+        """
         return given
 
     @staticmethod
@@ -144,8 +150,16 @@ class _Reading:
 
 
 def _read(table: type[Table], given: Mapping[Any, Any]) -> _Reading:
-    given = table.unfolded(given)
-    reading = _Reading({key: value for key, value in given.items() if value is not None})
+    faults: list[Fault] = []
+    try:
+        given = table.unfolded(given)
+    except SceneError as error:
+        faults += error.faults
+        wrong = {fault.key.split(".")[0] for fault in faults}
+        given = {key: value for key, value in given.items() if key not in wrong}
+    reading = _Reading(
+        {key: value for key, value in given.items() if value is not None}, faults=faults
+    )
     for key in reading.given:
         if key in table.model_fields:
             reading.known.given.add(key)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from .duty import label
+from .faults import MOST_TOLD
 from .tables import BY_COEFFICIENT, OF_SETS, PER_INTENSITY, Coefficients
 
 if TYPE_CHECKING:
@@ -23,13 +24,26 @@ def told(scene: Scene) -> dict[str, str]:
 
 def duty_told(scene: Scene) -> dict[str, str]:
     """What each block of a duty cycle changes, and its part of the revolutions."""
-    rows = {}
-    for k, block in enumerate(scene.duty):
+    rows = {} if scene.load_history is None else {"load history": _binned_told(scene)}
+    for k, block in enumerate(scene.duty[:MOST_TOLD]):
         changes = [f"{key} = {_value(value)}" for key, value in block.changes.items()]
         changes += [f"shift_y = {block.shift_y:g} mm"] if block.shift_y else []
         share = f"{block.revolutions} of {scene.spectrum.cycle} revolutions"
         rows[label(scene, k)] = f"{share}: {', '.join(changes) or 'as the scene says'}"
+    if len(scene.duty) > MOST_TOLD:
+        rows["other blocks"] = f"{len(scene.duty) - MOST_TOLD} more"
     return rows
+
+
+def _binned_told(scene: Scene) -> str:
+    """What levels made of a measured load history, and how far they are off it."""
+    history = scene.load_history
+    off = ", ".join(f"{name} by {error:.2%}" for name, error in history.error.items() if error)
+    return (
+        f"{history.rows} rows of {history.file.name} in {len(scene.duty)} blocks by "
+        f"{history.levels} levels of each column; off their block, root mean square of the "
+        f"largest: {off or 'nothing'}; load x creepage by {history.work_error:.2%}"
+    )
 
 
 def _value(value: float | tuple[float, float]) -> str:

@@ -9,7 +9,8 @@
                that are not the package's)
     /fields    record, revolution, x, y; fields (record, x, y), of duty cycles (record, block, x, y)
     /stress    of scenes with [subsurface]: a group <body>/<plane> with record, revolution and its
-               two axes, such as x and depth; components (record, x, depth)
+               two axes, such as x and depth; components (record, x, depth); of duty cycles a group
+               more around it, block-0 and so on
     /fatigue   of scenes with [fatigue]: a group for each body with record, revolution, depth (below
                the present surface) and zeta (below the unworn one); utilisation, residual_shear,
                path_radius (record, y, depth), damage (record, y, zeta), worn (record, y)
@@ -47,7 +48,7 @@ from tractive_sam.results import (
     of_role,
 )
 from tractive_sam.results import columns as columns_of
-from tractive_sam.scene import Scene, label
+from tractive_sam.scene import Plane, Scene, label
 from tractive_sam.store.texts import create_text, set_text, text_of
 from tractive_sam.store.versions import versions
 
@@ -173,14 +174,18 @@ def add_columns(file: h5py.File, records: Iterable[Record]) -> None:
             _create_columns(file["history"], record.columns, record.blocks)
             known |= record.columns.keys()
         for one in record.stress:
-            bodies = file["stress"].require_group(one.body)
-            if str(one.plane) not in bodies:
-                group = bodies.create_group(str(one.plane))
+            if (place := place_of(one.body, one.plane, one.block)) not in file["stress"]:
+                group = file["stress"].create_group(place)
                 _create_plane(group, file["grid"], one, record.coordinate)
         for body in record.cycles:
             bodies = file.require_group("fatigue")
             if body.body not in bodies:
                 _create_cycle(bodies.create_group(body.body), file, body, record.coordinate)
+
+
+def place_of(body: str, plane: Plane | str, block: int | None = None) -> str:
+    """Where in /stress that on a plane of a body is."""
+    return f"{'' if block is None else f'block-{block}/'}{body}/{plane}"
 
 
 def _create_columns(history: h5py.Group, columns: Mapping[str, Quantity], blocks: int = 0) -> None:

@@ -121,6 +121,7 @@ def _history(file: Results) -> History:
         file.text("scene", "laws", ""),
         file.text("scene", "started", ""),
         _cycles(file, scene, m),
+        tuple(_stresses(file, m, coordinate, k, one.shift_y) for k, one in enumerate(scene.duty)),
     )
 
 
@@ -203,16 +204,22 @@ def _versions(file: Results) -> tuple[tuple[int, dict[str, str]], ...]:
         raise file.damaged(f"scene versions: {error}") from None
 
 
-def _stresses(file: Results, length: int, coordinate: str) -> dict[tuple[str, str], StoredStress]:
-    """Every stress that is kept; its datasets are looked at, but not read."""
-    found = {}
-    for body in file.names("stress"):
-        for plane in file.names(f"stress/{body}"):
-            group = f"stress/{body}/{plane}"
+def _stresses(
+    file: Results,
+    length: int,
+    coordinate: str,
+    block: int | None = None,
+    shift: float = 0.0,
+) -> dict[tuple[str, str], StoredStress]:
+    """Every stress that is kept, of a block or the whole; its datasets are looked at, not read."""
+    found, of = {}, "stress" if block is None else f"stress/block-{block}"
+    for body in sorted({*BODIES}.intersection(file.names(of) if of in file else ())):
+        for plane in file.names(f"{of}/{body}"):
+            group = f"{of}/{body}/{plane}"
             axes = [name for name in ("x", "y", "depth") if f"{group}/{name}" in file]
             shape = tuple(file.length(f"{group}/{name}") for name in axes)
             file.check(f"{group}/{coordinate}", (length,))
             for name in STRESS:
                 file.check(f"{group}/{name}", (length, *shape))
-            found[body, plane] = StoredStress(file.path, body, plane, length)
+            found[body, plane] = StoredStress(file.path, body, plane, length, block, shift)
     return found

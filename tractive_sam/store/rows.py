@@ -58,7 +58,7 @@ def grid_of(file: h5py.File) -> Grid:
 def _append_fields(file: h5py.File, row: int, record: Record) -> None:
     _append(file["fields"], row, record, record.fields, OUTSIDE)
     for plane in record.stress:
-        group = file["stress"][plane.body][str(plane.plane)]
+        group = file["stress"][layout.place_of(plane.body, plane.plane, plane.block)]
         values = plane.components | {VON_MISES.name: plane.by(VON_MISES)}
         _append(group, row, record, values, dict.fromkeys(values, np.nan))  # not known there
     for one in record.cycles:
@@ -159,9 +159,14 @@ def _widen(
 
 
 def planes(file: h5py.File) -> Iterator[h5py.Group]:
-    """Groups of the stress on each plane of each body."""
-    for body in file["stress"].values():
-        yield from body.values()
+    """Groups of the stress on each plane of each body, of duty cycles in each block."""
+    groups = [file["stress"]]
+    while groups:
+        for group in groups.pop().values():
+            if "record" in group:
+                yield group
+            else:
+                groups.append(group)
 
 
 def cycles(file: h5py.File) -> Iterator[h5py.Group]:

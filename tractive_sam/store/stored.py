@@ -7,6 +7,7 @@ import numpy as np
 
 from tractive_sam.results import COMPONENTS, CYCLES, BodyFatigue, PlaneStress
 from tractive_sam.scene import Plane
+from tractive_sam.store.layout import place_of
 from tractive_sam.store.opening import results_file
 
 
@@ -49,12 +50,18 @@ class StoredStress:
         "A" or "B", and the plane as the scene names it.
     length : int
         Number of records with stress.
+    block : int, optional
+        Of a duty cycle: which of its blocks.
+    shift : float
+        Where the band of that lies, mm; it counts y from there.
     """
 
     path: Path
     body: str
     plane: str
     length: int
+    block: int | None = None
+    shift: float = 0.0
 
     def __len__(self) -> int:
         return self.length
@@ -63,7 +70,7 @@ class StoredStress:
         """The stress of one record, on the mesh that it was computed on."""
 
         with results_file(self.path) as file:
-            group = f"stress/{self.body}/{self.plane}"
+            group = f"stress/{place_of(self.body, self.plane, self.block)}"
             names = [name for name in ("x", "y", "depth") if f"{group}/{name}" in file]
             lengths = {name: file.length(f"{group}/{name}") for name in names}
             axes = {name: file.numbers(f"{group}/{name}", (n,)) for name, n in lengths.items()}
@@ -74,8 +81,11 @@ class StoredStress:
         known = np.isfinite(components[COMPONENTS[0]])
         inside = [np.flatnonzero(known.any(axis=other)) for other in (1, 0)]
         axes = {name: axes[name][at] for name, at in zip(axes, inside, strict=True)}
+        if "y" in axes:
+            axes["y"] = axes["y"] - self.shift
         components = {name: values[np.ix_(*inside)] for name, values in components.items()}
-        return PlaneStress(self.body, Plane.parse(self.plane), position, axes, components)
+        plane = Plane.parse(self.plane)
+        return PlaneStress(self.body, plane, position, axes, components, self.block)
 
 
 @dataclass(frozen=True)

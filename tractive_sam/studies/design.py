@@ -25,6 +25,9 @@ from tractive_sam.scene import (
 )
 from tractive_sam.studies.axis import MOST, Axis, Dimension, Latin
 
+FILES = ("gap.file", "load_history.file")
+"""Keys of files that a scene names."""
+
 
 class StudyError(SceneError):
     """A study that cannot be run, with every fault that was found, those of its scenes too.
@@ -175,7 +178,7 @@ class Study(Document):
                 tables["set"] = [_setting_from(folder, one) for one in settings]
         for one in _tables_with_values(tables.get("axis")):
             match one:
-                case {"key": "gap.file", "values": list() | tuple() as files}:
+                case {"key": str(key), "values": list() | tuple() as files} if key in FILES:
                     one["values"] = [str(folder / str(file)) for file in files]
         return tables
 
@@ -210,10 +213,10 @@ def is_study(path: str | PathLike[str]) -> bool:
 
 def _setting_from(folder: Path, setting: Any) -> Any:
     """A setting like ``gap.file=profile.csv`` with its file sought from a folder."""
-    if not isinstance(setting, str) or setting.partition("=")[0].strip() != "gap.file":
+    if not isinstance(setting, str) or setting.partition("=")[0].strip() not in FILES:
         return setting
-    (file,) = parse_settings([setting]).values()
-    return f"gap.file={folder / str(file)}"
+    ((key, file),) = parse_settings([setting]).items()
+    return f"{key}={folder / str(file)}"
 
 
 def _tables_with_values(axes: Any) -> Iterator[Any]:

@@ -1,0 +1,170 @@
+"""Blocks of a measured load history."""
+
+import numpy as np
+import pytest
+
+import tractive_sam as ts
+from tractive_sam.scene import PlausibilityWarning, files_anywhere
+from tractive_sam.scene.told import duty_told
+
+RANDOM = np.random.default_rng(5)
+MEASURED = {
+    "normal": RANDOM.uniform(100.0, 500.0, 400),
+    "longitudinal": -RANDOM.uniform(1e-3, 5e-3, 400),
+    "revolutions": RANDOM.integers(1, 20, 400),
+}
+
+
+def test_revolutions_and_means_are_kept():
+    binned = ts.blocks_of(MEASURED, levels=5)
+    assert len(binned.blocks) <= 25
+    n = np.array([one.revolutions for one in binned.blocks])
+    load = np.array([one.load.normal for one in binned.blocks])
+    assert n.sum() == MEASURED["revolutions"].sum()
+    mean = np.average(MEASURED["normal"], weights=MEASURED["revolutions"])
+    assert n @ load / n.sum() == pytest.approx(mean, rel=1e-12)
+
+
+def test_the_error_falls_with_the_levels():
+    """Half a level at most; in a level of even spread 1/sqrt(12) of it."""
+    errors = [ts.blocks_of(MEASURED, levels=n).error["normal"] for n in (2, 4, 8, 16)]
+    ratios = np.divide(errors[:-1], errors[1:])
+    np.testing.assert_allclose(ratios, 2.0, rtol=0.3)  # of 400 rows, fewer in a level
+    work = [ts.blocks_of(MEASURED, levels=n).work_error for n in (1, 16)]
+    assert work[1] < work[0] < 0.05
+    assert ts.blocks_of(MEASURED, levels=1000).work_error < 1e-5
+
+
+def test_a_file_is_its_table(tmp_path):
+    path = tmp_path / "measured.csv"
+    rows = zip(*(values.tolist() for values in MEASURED.values()), strict=True)
+    path.write_text("\n".join([",".join(MEASURED), *(",".join(map(repr, r)) for r in rows)]))
+    assert ts.blocks_of(path).blocks == ts.blocks_of(MEASURED).blocks
+
+
+@pytest.mark.parametrize(
+    ("measured", "levels", "key"),
+    [
+        ({"weight": [1.0]}, 2, "weight"),
+        ({"normal": [1.0, 2.0], "spin": [1.0]}, 2, "columns"),
+        ({"normal": []}, 2, "columns"),
+        ({"normal": [np.nan]}, 2, "columns"),
+        ({"normal": ["a"]}, 2, "columns"),
+        ({"revolutions": [1]}, 2, "columns"),
+        ({"normal": [1.0], "revolutions": [0]}, 2, "revolutions"),
+        ({"normal": [1.0]}, 0, "levels"),
+        ("none.csv", 2, "measured"),
+    ],
+)
+def test_what_is_wrong_is_told(measured, levels, key):
+    with pytest.raises(ts.SceneError) as caught:
+        ts.blocks_of(measured, levels)
+    assert [fault.key for fault in caught.value.faults] == [key]
+
+
+DISCS = ts.Scene.builtin("twin-discs").replace(subsurface=None)
+ROWS = (
+    "normal,longitudinal,revolutions\n300,-0.005,40\n310,-0.004,30\n450,-0.005,20\n440,-0.001,10\n"
+)
+
+
+@pytest.fixture
+def loads(tmp_path):
+    path = tmp_path / "loads.csv"
+    path.write_text(ROWS)
+    return path
+
+
+def test_a_scene_reads_its_history(loads):
+    text = DISCS.to_toml() + '\n[load_history]\nfile = "loads.csv"\nlevels = 2\n'
+    (loads.parent / "scene.toml").write_text(text)
+    scene = ts.Scene.from_toml(loads.parent / "scene.toml")
+    binned = ts.blocks_of(loads, levels=2)
+    assert scene.duty == binned.blocks
+    assert (scene.load_history.error, scene.load_history.rows) == (binned.error, 4)
+    other = scene.with_set(["load_history.levels=1"])
+    assert [one.revolutions for one in other.duty] == [100]
+    assert other == DISCS.with_set([f"load_history.file={loads}", "load_history.levels=1"])
+    assert "4 rows of loads.csv" in duty_told(scene)["load history"]
+
+
+def test_its_text_holds_the_blocks(loads):
+    """A results file needs the measured one no more."""
+    scene = DISCS.replace(load_history={"file": str(loads), "levels": 2})
+    loads.unlink()
+    with files_anywhere():
+        again = ts.Scene.from_toml_text(scene.to_toml())
+    assert again == scene
+    assert hash(again) == hash(scene)
+    assert again.fingerprint() == scene.replace(duty=scene.duty).fingerprint()
+    assert scene.replace(duty=scene.duty).load_history is None
+    assert not scene.replace(load_history=None).duty
+    assert not scene.alone.duty
+    assert scene.blocks[0].load_history is None
+
+
+def test_levels_that_change_the_work_are_noted(loads):
+    with pytest.warns(PlausibilityWarning, match="load x creepage"):
+        DISCS.replace(load_history={"file": str(loads), "levels": 1})
+
+
+@pytest.mark.parametrize(
+    ("given", "key"),
+    [
+        ({"levels": 2}, "load_history.file"),
+        ({"file": "none.csv"}, "load_history.file"),
+        ({"file": "{loads}", "levels": 0}, "load_history.levels"),
+        ({"file": "{loads}", "binning": "rainflow"}, "load_history.binning"),
+        ({"file": "{loads}", "work_error": 0.1}, "load_history.work_error"),
+        ("loads.csv", "load_history.file"),
+    ],
+)
+def test_faults_of_the_table_stand_beside_others(loads, given, key):
+    if isinstance(given, dict) and "file" in given:
+        given = given | {"file": given["file"].format(loads=loads)}
+    with pytest.raises(ts.SceneError) as caught:
+        DISCS.replace(load_history=given, **{"load.normal": -1.0})
+    assert {key, "load.normal"} <= {fault.key for fault in caught.value.faults}
+
+
+@pytest.mark.parametrize(
+    ("rows", "told"),
+    [
+        ("", "line 1"),
+        ("normal\n", "line 1"),
+        ("normal\n300\nabc\n", "line 3"),
+        ("normal;revolutions\n300;1\n", "line 2"),
+        ("normal,revolutions\n300,1\n310\n", "line 3"),
+    ],
+)
+def test_a_line_that_cannot_be_read_is_told(loads, rows, told):
+    loads.write_text(rows)
+    with pytest.raises(ts.SceneError, match=f"load_history.file: given loads.csv, {told}"):
+        DISCS.replace(load_history={"file": str(loads)})
+
+
+def test_one_of_blocks_and_a_history(loads):
+    with pytest.raises(ts.SceneError) as caught:
+        DISCS.replace(duty=[{"revolutions": 1}], load_history={"file": str(loads)})
+    assert [fault.key for fault in caught.value.faults] == ["load_history.file"]
+    with pytest.raises(ts.SceneError) as caught:
+        DISCS.with_set([f"duty.file={loads}"])
+    assert [fault.key for fault in caught.value.faults] == ["duty"]
+
+
+def test_rainflow_is_refused_with_its_reason():
+    with pytest.raises(ts.SceneError) as caught:
+        ts.blocks_of(MEASURED, binning="rainflow")
+    assert [fault.key for fault in caught.value.faults] == ["binning"]
+
+
+@pytest.mark.filterwarnings("ignore::tractive_sam.scene.PlausibilityWarning")  # of few levels
+def test_a_study_over_the_levels(loads):
+    text = (
+        'scene = "twin-discs"\nwithout = ["subsurface"]\n'
+        'set = ["load_history.file=loads.csv"]\n'
+        '[[axis]]\nkey = "load_history.levels"\nvalues = [1, 2]\n'
+    )
+    (loads.parent / "study.toml").write_text(text)
+    study = ts.Study.from_toml(loads.parent / "study.toml")
+    assert study.scene.load_history.file == loads
