@@ -73,9 +73,11 @@ class LoadHistory(Table):
 
     Examples
     --------
+    >>> from pathlib import Path
     >>> rows = "normal,revolutions\\n300,500\\n310,400\\n450,100\\n"
-    >>> _ = open("loads.csv", "w").write(rows)
-    >>> spectrum = discs.replace(load_history={"file": "loads.csv", "levels": 2})
+    >>> _ = Path("loads.csv").write_text(rows)
+    >>> table = {"file": "loads.csv", "levels": 2}
+    >>> spectrum = discs.replace(load_history=table, **{"wear.revolutions": 2000})
     >>> [(one.revolutions, round(one.load.normal, 1)) for one in spectrum.duty]
     [(900, 304.4), (100, 450.0)]
     >>> spectrum.load_history.rows, round(spectrum.load_history.error["normal"], 4)
