@@ -15,6 +15,10 @@ SCENES = {
     "discs": lambda: ts.Scene.builtin("twin-discs").with_set(SMALL),
     "one record": lambda: ts.Scene.builtin("spheres").with_set(ROUND),
     "frictionless": lambda: ts.Scene.builtin("spheres").replace(friction=None, creepage={}),
+    "hot": lambda: ts.Scene.builtin("hot-discs"),
+    "hot line": lambda: ts.Scene.builtin("cylinders").replace(
+        **{"creepage.speed": 1e4, "heat": {"bulk": 20.0}, "friction.strength": 100.0}
+    ),
     "line": lambda: ts.Scene.builtin("cylinders").with_set([*WORN, 'subsurface.planes=["y=0"]']),
 }
 

@@ -80,6 +80,18 @@ def test_the_fields_are_those_of_the_records(history):
         assert load == pytest.approx(history.state(at).P, rel=1e-6)
 
 
+def test_heat_and_friction_that_varies_are_on_it(history):
+    hot = ts.roll(ts.Scene.builtin("hot-discs"))
+    shown = data.of_history(hot)["surface"]["fields"]
+    heat = hot.state().heat
+    assert unpacked(shown["temperature_B"]).max() == pytest.approx(heat.temperature["B"].max())
+    # In full slip it is what temperature leaves of friction.
+    degrees, factors = np.array(hot.scene.friction.temperature).T
+    least = np.interp(heat.temperature_max, degrees, factors)
+    assert unpacked(shown["friction"]).min() == pytest.approx(least, rel=1e-3)  # drawn on beside
+    assert not {"temperature_A", "friction"} & set(data.of_history(history)["surface"]["fields"])
+
+
 def test_large_results_are_thinned_and_that_is_told(history, monkeypatch):
     monkeypatch.setattr(data, "MOST_NUMBERS", 400)
     monkeypatch.setattr(data, "FEWEST", 5)

@@ -221,7 +221,7 @@ def finished(
         resistance,
         sliding,
         outcome.status,
-        message(outcome.status, outcome, model),
+        message(outcome.status, outcome, model, steepness),
         outcome.residual,
         outcome.cost,
         tuple(map(str, outcome.trace)),

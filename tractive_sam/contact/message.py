@@ -6,8 +6,20 @@ from tractive_sam.scene import FEWEST_ELEMENTS
 from tractive_sam.solvers import Outcome
 
 
-def message(status: Status, outcome: Outcome, model: Model) -> str:
-    """Explain how a solve ended; of a solution what else there is to say (`State.message`)."""
+def message(status: Status, outcome: Outcome, model: Model, steepness: float = 0.0) -> str:
+    """Explain how a solve ended; of a solution what else there is to say (`State.message`).
+
+    Parameters
+    ----------
+    status : Status
+        How it ended.
+    outcome : Outcome
+        What was reached.
+    model : Model
+        What was asked.
+    steepness : float
+        `Problem.steepness` there.
+    """
     solver = model.scene.solver
     if status is Status.CONVERGED:
         text = ""
@@ -49,7 +61,7 @@ def message(status: Status, outcome: Outcome, model: Model) -> str:
             "the prescribed tangential force may be more than friction can carry beside the other "
             f"creepages and the spin: lower {' or '.join(forces)}, or raise friction.mu"
         )
-    return reached + model.method.cure
+    return reached + (too_steep(steepness) if steepness >= 1.0 else model.method.cure)
 
 
 def too_steep(steepness: float) -> str:

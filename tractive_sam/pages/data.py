@@ -170,6 +170,13 @@ def _surface(state: Drawn) -> Iterator[tuple[str, np.ndarray]]:
     yield "sy", continued(contact.slip[1], contact.touching)
     yield "wear", continued(1e3 * contact.wear, contact.touching)
     yield "sliding", contact.sliding.astype(float)
+    friction = contact.scene.friction
+    if friction is not None and friction.varies:
+        pressure = np.where(contact.touching, contact.pressure, 1.0)
+        yield "friction", continued(contact.utilisation / pressure, contact.touching)
+    if contact.heat is not None:
+        yield "temperature_A", contact.heat.temperature_A
+        yield "temperature_B", contact.heat.temperature_B
     if not state.line:
         yield "edge", _of_one(edge_level(contact.pressure))
         yield "stick", _stick(state)

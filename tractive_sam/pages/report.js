@@ -105,7 +105,9 @@ function choice(label, options, changed) {
 // ---- the surface --------------------------------------------------------------------------------
 const surface = data.surface;
 
-const PIECES = {  // what maps show: title, unit, numbers of a record, colours, whether it has a sign
+// What maps show: title, unit, numbers of a record, colours, whether it has a sign, whether it goes
+// on beside the contact.
+const PIECES = {
   pressure: ["Pressure p<sub>n</sub>", "MPa", k => sheet(surface.fields.pressure, k), "Viridis"],
   used: [null, "MPa", k => sheet(surface.fields.used, k), "Magma"],
   traction: ["|p<sub>t</sub>|", "MPa",
@@ -119,6 +121,9 @@ const PIECES = {  // what maps show: title, unit, numbers of a record, colours, 
   power: ["p<sub>t</sub>\u00b7s/V", "MPa", k => combined((px, py, sx, sy) => -px * sx - py * sy,
     ...["px", "py", "sx", "sy"].map(name => sheet(surface.fields[name], k))), "Inferno"],
   wear: ["Wear depth w", "µm", k => sheet(surface.fields.wear, k), "Cividis"],
+  friction: ["Friction in use", "", k => sheet(surface.fields.friction, k), "Inferno"],
+  temperature_A: ["Temperature", "°C", k => sheet(surface.fields.temperature_A, k), "Inferno", false, true],
+  temperature_B: ["Temperature", "°C", k => sheet(surface.fields.temperature_B, k), "Inferno", false, true],
 };
 const ranges = {};
 
@@ -126,8 +131,12 @@ const ranges = {};
 function range(name, k) {
   const key = $("own-colours").checked ? `${name} ${k}` : name;
   if (!(key in ranges)) {
-    const [, , of, , signed] = PIECES[name];
+    const [, , of, , signed, beside] = PIECES[name];
     const records = $("own-colours").checked ? [k] : data.places.map((_, i) => i);
+    if (beside) {
+      const rows = records.flatMap(of), low = least(rows.map(least));
+      return ranges[key] = [low, Math.max(largest(rows.map(largest)), low + 1e-3)];
+    }
     const most = largest(records.map(i => {
       const inside = sheet(surface.fields.pressure, i);
       return largest(of(i).map((row, j) =>
@@ -157,7 +166,7 @@ function arrows(k, first, second, where) {
 }
 
 function map(name, k, {stick = false, vectors = null} = {}) {
-  const x = unpack(surface.x), y = unpack(surface.y), [title, unit, of, colorscale, signed] = PIECES[name];
+  const x = unpack(surface.x), y = unpack(surface.y), [, unit, of, colorscale, , beside] = PIECES[name];
   const [zmin, zmax] = range(name, k), shown = [x[0], x[x.length - 1]], up = [y[0], y[y.length - 1]];
   const unit_ = unit ? ` ${unit}` : "";
   const traces = [{type: "heatmap", x, y, z: of(k), zsmooth: "best", zmin, zmax, colorscale: data.colours[colorscale],
@@ -169,9 +178,12 @@ function map(name, k, {stick = false, vectors = null} = {}) {
     for (const [color, width, dash] of [["#000", 3.2, "solid"], ["#fff", 1.6, "solid"]])
       traces.push({...line, z: sheet(surface.fields.stick, k), autocontour: false,
         contours: {start: 0, end: 0, size: 1, coloring: "none"}, line: {color, width, dash}});
-  // What is beyond the edge of the contact is covered.
-  traces.push({...line, z: sheet(surface.fields.edge, k), fillcolor: "#fff",
-    contours: {type: "constraint", operation: ">", value: 0}, line: {color: "#222", width: 1}});
+  // What is beyond the edge of the contact is covered, unless it goes on there.
+  const edge = {...line, z: sheet(surface.fields.edge, k)};
+  traces.push(beside ? {...edge, autocontour: false, line: {color: "#fff", width: 1.2},
+    contours: {start: 0, end: 0, size: 1, coloring: "none"}} :
+    {...edge, fillcolor: "#fff", line: {color: "#222", width: 1},
+      contours: {type: "constraint", operation: ">", value: 0}});
   if (vectors) traces.push(arrows(k, ...vectors));
   const scaled = $("to-scale").checked;
   const rule = {color: "rgba(90,90,90,.55)", width: 1, dash: "dot"};
@@ -268,20 +280,31 @@ function surfaceCards() {
     }
   }
   if (surface.worn) card("maps", PIECES.wear[0], "map", k => map("wear", k), {kind: "map"});
+  if (surface.fields.friction)
+    card("maps", PIECES.friction[0], "map", k => map("friction", k, {stick: true}),
+      {kind: "map", about: "over that at rest"});
+  if (surface.fields.temperature_A) {
+    const of = choice("of which body", [["temperature_A", "of A"], ["temperature_B", "of B"]],
+      () => refresh("map"));
+    card("maps", PIECES.temperature_A[0], "map", k => map(of.value, k), {kind: "map", control: of});
+  }
 }
 
 function lineCards() {
   const x = unpack(surface.x), one = (name, k) => sheet(surface.fields[name], k)[0];
   card("cuts", "Pressure and traction along x", "map", k => lines(k, "x", x, at, one));
-  const course = (title, unit, names) => card("cuts", title, "map", k => {
+  const course = (title, unit, names, beside) => card("cuts", title, "map", k => {
     const inside = one("pressure", k);
     const traces = names.map(([field, name], m) => ({type: "scatter", mode: "lines", name, x,
-      y: one(field, k).map((v, i) => inside[i] > 0 ? v : NaN), line: {color: COLOURS[m], width: 2},
+      y: one(field, k).map((v, i) => beside || inside[i] > 0 ? v : NaN), line: {color: COLOURS[m], width: 2},
       hovertemplate: `x = %{x:.4g} mm<br>%{y:.4g} ${unit}`}));
     return {traces, layout: layout({showlegend: true, xaxis: axis("x (mm)"), yaxis: axis(unit)})};
   });
   if (surface.moved) course("Slip of A over B", "", [["sx", "s<sub>x</sub>/V"], ["sy", "s<sub>y</sub>/V"]]);
   if (surface.worn) course("Wear depth of both bodies", "µm", [["wear", "w"]]);
+  if (surface.fields.friction) course("Friction in use, over that at rest", "", [["friction", "p<sub>t</sub>"]]);
+  if (surface.fields.temperature_A)
+    course("Temperature", "°C", [["temperature_A", "of A"], ["temperature_B", "of B"]], true);
 }
 
 function profileCard() {
