@@ -223,7 +223,7 @@ def _create_plane(
             )
         axes.append(group[name])
     for name, quantity in STRESS.items():
-        _rows(group, name, quantity, (record, *axes), coordinate=coordinate.name, **SQUEEZED)
+        _rows(group, name, quantity, (record, *axes), coordinate=coordinate.name)
 
 
 def _create_cycle(

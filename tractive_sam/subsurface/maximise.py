@@ -22,7 +22,9 @@ _PAIRS = np.array([e + s * f for e, f in combinations(np.eye(3), 2) for s in (1.
 _STENCIL = np.concatenate((np.zeros((1, 3)), _AXES, _PAIRS, -_PAIRS))
 
 
-def maximise(function: Function, start: np.ndarray, floor: float) -> np.ndarray:
+def maximise(
+    function: Function, start: np.ndarray, floor: float, least: float
+) -> np.ndarray | None:
     """Find a local maximum by Newton steps on differences.
 
     Lengths go with the depth, over which fields below a surface change.
@@ -35,17 +37,21 @@ def maximise(function: Function, start: np.ndarray, floor: float) -> np.ndarray:
         Where to begin; the last coordinate is the depth.
     floor : float
         Least depth.
+    least : float
+        A way that the floor bars is given up where the value is below this one.
 
     Returns
     -------
     ndarray, shape (3,)
-        The point reached.
+        The point reached, or None.
     """
     at = np.array(start)
     for _ in range(STEPS):
         unit = _unit(at)
         values = function(at + unit * _STENCIL, at)
         moved = _step(at, _gradient(values, unit), _hessian(values, unit), floor)
+        if at[2] <= floor and moved[2] <= floor and values[0] < least:
+            return None
         length = np.linalg.norm(moved - at) / at[2]
         at = moved
         if length < SETTLED:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from functools import partial
+from itertools import islice
 
 import numpy as np
 
@@ -12,18 +13,23 @@ from tractive_sam.subsurface.maximise import maximise
 from tractive_sam.subsurface.multilevel import Layer, MultiLevel
 from tractive_sam.subsurface.strips import StripLevels
 
-GROWTH = 1.5
-"""Ratio of the depths of successive layers of the search."""
+SHALLOWEST = 2.0
+"""Depth of the first layer of the search, over the longer side of an element. What the steps of the
+tractions between elements make of the stress falls as (1 + k z) exp(-k z), k = 2 pi over the side:
+one element deep it is still a percent, and makes maxima of its own; two deep it is 5e-5."""
+
+GROWTH = 2.0
+"""Ratio of the depths of successive layers."""
 
 DEEPEST = 1.25
 """Depth of its last layer, over the smaller half width of the contact."""
 
-CANDIDATES = 3
+CANDIDATES = 6
 """Local maxima of the search that are looked at more closely."""
 
 BETWEEN = 1.1
 """By what a maximum between the points of the search may be higher than these. Half a layer and a
-quarter of the depth aside of that of Hertz it is 2 %."""
+quarter of the depth aside of that of Hertz it is 7 %."""
 
 CLOSE = 0.99
 """Tops that may be the highest, over the one that is found so: each is right to a percent."""
@@ -41,8 +47,8 @@ def stress_maximum(contact: State, body: str = "A", laws: Laws | None = None) ->
 
     At the surface it is taken between the elements, at the edge of the contact and where stick
     ends, from differences of displacements: on a mesh, the stress itself is infinite on every edge
-    across which the tangential traction jumps (`subsurface.surface`). From there down to one
-    element deep nothing is looked at.
+    across which the tangential traction jumps (`subsurface.surface`). From there down to two
+    elements deep nothing is looked at.
 
     Parameters
     ----------
@@ -92,8 +98,8 @@ def _maxima(contact: State, bodies: Sequence[str], laws: Laws | None) -> dict[st
         nothing = Maximum(criterion, 0.0, _NOWHERE, np.nan, _NOWHERE, 0.0, _NOWHERE)
         return dict.fromkeys(load.names, nothing)
     levels = load.source.levels(criterion)
-    between, surface = levels.surface(contact.sliding)
-    layers = [between, *map(levels.layer, _search_depths(contact, levels.side))]
+    surface = levels.surface(contact.sliding)
+    layers = [levels.layer(depth) for depth in _search_depths(contact, levels.side)]
     found = {}
     starts = _local_maxima(layers, levels.blocks)
     for body, (name, from_here) in enumerate(zip(load.names, starts, strict=True)):
@@ -106,10 +112,11 @@ def _maxima(contact: State, bodies: Sequence[str], laws: Laws | None) -> dict[st
 
 
 def _search_depths(contact: State, side: float) -> np.ndarray:
-    """One element below the surface, and on until no maximum is to be expected any more, mm."""
+    """From below the elements on until no maximum is to be expected any more, mm."""
     deepest = DEEPEST * min(contact.half_width_x, contact.half_width_y)
-    count = max(3, int(np.ceil(np.log(deepest / side) / np.log(GROWTH))) + 1)
-    return side * GROWTH ** np.arange(count)
+    first = SHALLOWEST * side
+    count = max(3, int(np.ceil(np.log(deepest / first) / np.log(GROWTH))) + 1)
+    return first * GROWTH ** np.arange(count)
 
 
 def _interior(
@@ -120,7 +127,7 @@ def _interior(
     surface: float,
 ) -> tuple[float, Point]:
     """Go on from the largest local maxima of the layers below the surface."""
-    floor = layers[1].depth
+    floor = layers[0].depth
     near, exact = partial(levels.around, body), partial(levels.at, body)
     tops = []
     best = 0.0
@@ -128,11 +135,12 @@ def _interior(
         layer = layers[k]
         if layer.values[body, i, j] * BETWEEN < best:
             break  # the others are lower still
-        at = maximise(near, np.array([layer.x[i], layer.y[j], layer.depth]), floor)
-        value = near(at[None], at)[0]
+        start = np.array([layer.x[i], layer.y[j], layer.depth])
+        at = maximise(near, start, floor, CLOSE * surface)
         # A way that ends at the floor leads on to the surface, unless that is lower.
-        if at[2] <= floor and exact(at[None])[0] <= surface:
+        if at is None or (at[2] <= floor and exact(at[None])[0] <= surface):
             continue
+        value = near(at[None], at)[0]
         tops.append((value, at))
         best = max(best, value)
     if not tops:
@@ -146,22 +154,34 @@ def _interior(
 def _local_maxima(
     layers: list[Layer], blocks: tuple[int, int]
 ) -> Iterator[list[tuple[int, int, int]]]:
-    """Layer and place in it, (k, i, j), of the largest local maxima of each body inside it."""
-    # Of every layer the largest value in each of the coarsest blocks, (body, layer, block, block).
+    """Layer and place in it, (k, i, j), of the largest local maxima of each body inside it.
+
+    Of every layer the largest value in each of the coarsest blocks, where no block beside it has a
+    larger one, nor has the layer above or below it there.
+    """
     tops = np.stack([_split(layer.values, blocks).max(axis=(2, 4)) for layer in layers], axis=1)
     peaks = tops == _largest_around(tops)
-    peaks[:, 0] = False  # at the surface
     for body, (values, found) in enumerate(zip(tops, peaks, strict=True)):
-        places = np.argwhere(found)
-        best = np.argsort(-values[found])[:CANDIDATES]
-        yield [
-            (k, *_top(layers[k].values[body], blocks, i, j)) for k, i, j in places[best].tolist()
-        ]
+        each = _peaks(layers, body, blocks, np.argwhere(found)[np.argsort(-values[found])])
+        yield list(islice(each, CANDIDATES))
+
+
+def _peaks(
+    layers: list[Layer], body: int, blocks: tuple[int, int], places: np.ndarray
+) -> Iterator[tuple[int, int, int]]:
+    """Those of the largest values in blocks that are larger than the layers above and below."""
+    for k, m, n in places.tolist():
+        here = layers[k]
+        i, j = _top(here.values[body], blocks, m, n)
+        beside = (layers[other] for other in (k - 1, k + 1) if 0 <= other < len(layers))
+        value, x, y = here.values[body, i, j], here.x[i], here.y[j]
+        if all(other.near(body, x, y) <= value for other in beside):
+            yield k, i, j
 
 
 def _largest_around(values: np.ndarray) -> np.ndarray:
-    """The largest of each value and its 26 neighbours, along the last three axes."""
-    for axis in (1, 2, 3):
+    """The largest of each value and its 8 neighbours, along the last two axes."""
+    for axis in (2, 3):
         along = np.moveaxis(values, axis, 0)
         largest = along.copy()
         np.maximum(largest[1:], along[:-1], out=largest[1:])

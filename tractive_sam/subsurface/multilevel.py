@@ -42,6 +42,10 @@ class Layer:
     y: np.ndarray
     values: np.ndarray
 
+    def near(self, body: int, x: float, y: float) -> float:
+        """The value of a body at the centre next to a place."""
+        return self.values[body, np.abs(self.x - x).argmin(), np.abs(self.y - y).argmin()]
+
 
 @dataclass(frozen=True, eq=False)
 class _Level:
@@ -165,36 +169,26 @@ class MultiLevel:
             self._patches[body] = Patches.on_mesh(level.x, level.y, sides, *own)
         return self._criterion(self._patches[body].stress(points).T)
 
-    def surface(self, sliding: np.ndarray) -> tuple[Layer, list[tuple[float, Point]]]:
-        """Stress at the corners of elements, and the largest of each body at the surface.
+    def surface(self, sliding: np.ndarray) -> list[tuple[float, Point]]:
+        """The largest stress of each body at the surface, MPa, and where.
+
+        Also where the mesh cannot follow it (`subsurface.surface`).
 
         Parameters
         ----------
         sliding : ndarray of bool, shape (n_x, n_y)
             Elements of the grid that slip.
-
-        Returns
-        -------
-        (Layer, list of (float, Point))
-            The stress between elements, 0 at the last ones of the rectangle; the largest, also
-            where the mesh cannot follow it (`subsurface.surface`), MPa, and where.
         """
         x, y = self._x, self._y
         slips = np.zeros(self._tractions.shape[2:], dtype=bool)
         slips[x.inside, y.inside] = sliding[x.loaded, y.loaded]
         lattice = Lattice(slips.shape, x.step, y.step)
         stress = corner_stress(lattice, self._bodies, self._tractions)
-        values = np.zeros((len(self._bodies), *slips.shape))
-        values[:, :-1, :-1] = self._equivalent(stress)
-        centres = self._level(1, 1).x, self._level(1, 1).y
         found = largest_at_surface(
             lattice, self._poisson, self._tractions, stress, slips, self._criterion
         )
-        largest = [
-            (value, (float(centres[0][0] + i * x.step), float(centres[1][0] + j * y.step), 0.0))
-            for value, i, j in found
-        ]
-        return Layer(0.0, *centres, values), largest
+        at_x, at_y = float(x.centres(1)[0]), float(y.centres(1)[0])
+        return [(value, (at_x + i * x.step, at_y + j * y.step, 0.0)) for value, i, j in found]
 
     def _equivalent(self, stress: np.ndarray) -> np.ndarray:
         """Of stresses (bodies, 6, ...), shape (bodies, ...)."""

@@ -93,14 +93,11 @@ class StripLevels:
         """See `MultiLevel`."""
         return self._criterion(self._strips[body].stress(points).T)
 
-    def surface(self, sliding: np.ndarray) -> tuple[Layer, list[tuple[float, Point]]]:
+    def surface(self, sliding: np.ndarray) -> list[tuple[float, Point]]:
         """See `MultiLevel`; at the edges of strips."""
         lattice = Lattice(self.blocks, self.side, 1.0)
         stress = corner_stress(lattice, self._bodies, self._tractions)
-        values = np.zeros((len(self._bodies), *self.blocks))
-        values[:, :-1] = self._criterion(stress.swapaxes(0, 1))
         found = largest_at_surface(
             lattice, self._poisson, self._tractions, stress, sliding, self._criterion
         )
-        largest = [(value, (float(self._x[0] + i * self.side), 0.0, 0.0)) for value, i, _ in found]
-        return Layer(0.0, self._x, self._y, values), largest
+        return [(value, (float(self._x[0] + i * self.side), 0.0, 0.0)) for value, i, _ in found]
