@@ -232,6 +232,28 @@ def falling() -> str:
     return markdown(head, [cells])
 
 
+def heat() -> str:
+    """What temperatures cost beside the contact, over mesh and Peclet number."""
+    head = (
+        "elements",
+        "V a/(2 κ)",
+        "tables, once",
+        "shared, alike bodies",
+        "unlike",
+        "applications, friction answers",
+    )
+    lines = [
+        (
+            f"{row['elements']}²",
+            f"{float(row['peclet']):g}",
+            *(f"{100.0 * float(row[key]):.2g} %" for key in ("kernels", "alike", "unlike")),
+            f"{float(row['answering']):.1f} times",
+        )
+        for row in rows_of("heat.csv")
+    ]
+    return markdown(head, lines)
+
+
 def error_bars() -> str:
     """How often error bars hold, by quantity."""
     found = defaultdict(list)
@@ -387,6 +409,7 @@ TABLES = {
         peaks,
         hard_scenes,
         falling,
+        heat,
         error_bars,
         subsurface,
         jacobian,

@@ -1,0 +1,63 @@
+"""What flash temperature costs beside the contact that makes it, all in one run.
+
+The fast discs, mostly sliding: times of one core over that of their contact, from nothing to the
+tolerance of the scene, of sharing the heat between alike and unlike bodies, and of the tables of
+kernels that the first contact on a mesh at a speed needs; and applications of elastic operators
+with friction that answers to temperature over those with friction that does not.
+
+    python benchmarks/heat.py
+"""
+
+from timing import seconds, show, write
+
+from tractive_sam.contact import Model, equilibrium
+from tractive_sam.contact.heat import heat_of, surface_heat
+from tractive_sam.scene import Scene
+
+ELEMENTS = (31, 61, 121, 241)
+SPEEDS = {20.0: 0.2, 20e3: 200.0}
+"""Of rolling, mm/s, and the Peclet number V a/(2 kappa) that it is near."""
+
+CERAMIC = {"conductivity": 3.0, "density": 6000.0, "heat_capacity": 500.0}
+FALLS = [[60.0, 1.0], [160.0, 0.6]]
+
+
+def row(elements: int, speed: float) -> dict:
+    """One mesh at one speed."""
+    discs = Scene.builtin("hot-discs")
+    a, b = discs.hertz.a, discs.hertz.b
+    grid = {"half_length": (1.1 * a, 1.1 * b), "elements": (elements, elements)}
+    keys = {"grid": grid, "creepage.speed": speed, "creepage.longitudinal": -0.004}
+    warm = discs.replace(**keys, **{"friction.temperature": FALLS})
+    hot = warm.replace(**{"friction.temperature": None})
+    unlike = hot.replace(**{"body.B.thermal": CERAMIC})
+    cold = Model(hot.replace(**{"heat": None, "body.A.thermal": None, "body.B.thermal": None}))
+    contact = equilibrium(cold)
+    solve = seconds(lambda: equilibrium(cold))
+
+    def kernels() -> None:
+        surface_heat.cache_clear()
+        for one in unlike.thermal.values():
+            surface_heat(contact.grid, speed, one.diffusivity, one.conductivity)
+
+    found = {"elements": elements, "peclet": SPEEDS[speed], "contact_seconds": solve}
+    found["kernels"] = seconds(kernels) / solve
+    for name, scene in (("alike", hot), ("unlike", unlike)):
+        model = Model(scene)
+        found[name] = seconds(lambda model=model: heat_of(model, contact)) / solve
+    answering = equilibrium(Model(warm))
+    found["slips"] = 1.0 - answering.stick_fraction
+    found["hottest"] = answering.heat.temperature_max
+    found["answering"] = answering.cost.applications / contact.cost.applications
+    return found
+
+
+def main() -> None:
+    """All meshes at both speeds."""
+    rows = [row(elements, speed) for speed in SPEEDS for elements in ELEMENTS]
+    show("Times over that of the contact; applications where friction answers to heat", rows)
+    print(write("heat", rows))
+
+
+if __name__ == "__main__":
+    main()
