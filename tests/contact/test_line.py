@@ -57,7 +57,8 @@ def test_carter_over_the_whole_range_of_creepage(share):
         traction.append(size(contact.traction[0, :, 0] - theory.traction(contact.grid.x)))
         traction[-1] /= size(contact.traction)
         stick.append(abs(contact.stick_fraction - theory.stick_half_width / theory.line.a))
-        assert stick[-1] < 3 / n
+        # Of second order: stick ends between elements; of 0.95, 2 elements of 64 stick.
+        assert stick[-1] < 30 / n**2
     if share > 1:
         assert max(force) < 1e-9  # all slips, whatever the mesh
         return

@@ -73,3 +73,23 @@ def test_shapes_that_are_known():
     two[1:3, 1:3] = two[3:5, 3:5] = 1.0  # that touch at a corner
     assert covered(two) == pytest.approx(2 * covered(two * (np.arange(12) < 3)), rel=0.1)
     assert covered(two) == pytest.approx(covered(two[::-1]), rel=1e-12)
+
+
+@pytest.mark.parametrize("n", [31, 47])
+def test_what_sticks_of_a_ball_that_is_shifted(n):
+    """Mindlin (1949): a circle of the radius c = a (1 - Q/mu P)^(1/3)."""
+    shifted = {"start": "shift", "distance": [0, 1], "step": 0.1, "load.force_x": [0.0, 57.0]}
+    fretting = ts.Scene.builtin("fretting").replace(transient=shifted, **{"grid.elements": (n, n)})
+    history = ts.roll(fretting)
+    circle = (1.0 - history["Qx"] / (0.6 * 100.0)) ** (2.0 / 3.0)
+    # Counted elements stray by up to 2e-2.
+    np.testing.assert_allclose(history["stick_fraction"], circle, atol=2e-3)
+
+
+def test_stick_is_counted_where_traction_falls_as_it_begins_to_slide():
+    """Then nothing tells where between two elements that is."""
+    scene = ts.Scene.builtin("locomotive")
+    half_length = (1.3 * scene.hertz.a, 1.3 * scene.hertz.b)
+    found = ts.solve(scene.replace(grid={"half_length": half_length, "elements": (31, 31)}))
+    counted = np.count_nonzero(found.sticking) / np.count_nonzero(found.touching)
+    assert found.stick_fraction == counted > 0.0

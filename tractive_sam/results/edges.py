@@ -18,6 +18,9 @@ _PLACE = np.polynomial.Polynomial((-0.1754, 1.0173, 0.3268, 0.3638))
 _LAST = _PLACE(0.0) + 1.0
 """Its largest value: there, the next element comes into contact. Peaks at a rim are beyond it."""
 
+_ALONE = 0.5
+"""That of an element whose neighbours are not in contact: nothing tells more than its own width."""
+
 
 def beyond(pressure: np.ndarray) -> np.ndarray:
     """How far a contact goes beyond the centres of elements before it ends, along the first axis.
@@ -36,9 +39,10 @@ def beyond(pressure: np.ndarray) -> np.ndarray:
     before = np.concatenate((none, pressure[:-1]))
     after = np.concatenate((pressure[1:], none))
     last = (pressure > 0.0) & (after <= 0.0)
-    quotient = np.ones(pressure.shape)  # of an element alone, too
+    quotient = np.ones(pressure.shape)
     np.divide(pressure, before, out=quotient, where=last & (before > pressure))
-    return np.where(last, np.minimum(_PLACE(quotient), _LAST), np.nan)
+    place = np.where(before > 0.0, np.minimum(_PLACE(quotient), _LAST), _ALONE)
+    return np.where(last, place, np.nan)
 
 
 def both_ends(pressure: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

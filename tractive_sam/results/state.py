@@ -303,11 +303,23 @@ class State:
         """Contact area within these edges, mm²; of a line contact its width, mm."""
         return self.grid.element_area * covered(self.pressure)
 
-    @property
+    @cached_property
     def stick_fraction(self) -> float:
-        """Share of the contact area that sticks."""
-        contact = np.count_nonzero(self.touching)
-        return float(np.count_nonzero(self.sticking) / contact) if contact else 0.0
+        """Share of the contact area that sticks.
+
+        What the traction lacks of its bound nears zero where stick ends as the pressure does at the
+        edge of the contact, so both areas end there between the centres of elements. Where what
+        slides is not on the bound of Coulomb's law, elements are counted.
+        """
+        if not self.sticking.any():
+            return 0.0
+        lacks = self.pressure - self.utilisation
+        margin = ON_THE_BOUND * self.p_max
+        slides = self.touching & self.sliding
+        if not slides.any() or np.abs(lacks[slides]).max() > margin:
+            return float(np.count_nonzero(self.sticking) / np.count_nonzero(self.touching))
+        reserve = np.where(self.sticking & (lacks > 0.0), lacks, 0.0)
+        return min(1.0, self.grid.element_area * covered(reserve) / self.area)
 
     @property
     def dissipation(self) -> float:
