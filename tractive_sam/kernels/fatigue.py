@@ -218,8 +218,8 @@ def tresca(e):
 
 
 @compiled
-def dang_van(out, paths, a):
-    """Set the largest tau(x) + a sigma_h(x) of each path.
+def dang_van(out, radius, paths, a):
+    """Set the largest tau(x) + a sigma_h(x) of each path, and the radius of `balls`.
 
     tau is the largest shear stress of s minus the centre of the smallest ball around its path,
     sigma_h the hydrostatic stress; arguments as of `balls`.
@@ -227,15 +227,24 @@ def dang_van(out, paths, a):
     n = paths.shape[1]
     points, offsets, centre = np.empty((n, 5)), np.zeros(n), np.empty(5)
     support, weights = np.empty(7, np.int64), np.empty(7)
+    norm, pulled = np.empty(n), np.empty(n)
     for k in range(paths.shape[0]):
         deviators(points, paths[k])
-        enclosing(centre, support, weights, points, offsets)
-        worst = -math.inf
+        radius[k] = math.sqrt(enclosing(centre, support, weights, points, offsets)[1])
+        worst, first = -math.inf, 0
         for i in range(n):
+            square = 0.0
             for c in range(5):
                 points[i, c] -= centre[c]
-            hydrostatic = (paths[k, i, 0] + paths[k, i, 1] + paths[k, i, 2]) / 3.0
-            worst = max(worst, tresca(points[i]) + a * hydrostatic)
+                square += points[i, c] ** 2
+            norm[i] = math.sqrt(square)
+            pulled[i] = a * (paths[k, i, 0] + paths[k, i, 1] + paths[k, i, 2]) / 3.0
+            if norm[i] + pulled[i] > worst:
+                worst, first = norm[i] + pulled[i], i
+        worst = tresca(points[first]) + pulled[first]
+        for i in range(n):
+            if norm[i] + pulled[i] > worst:  # tau is at most sqrt(J2)
+                worst = max(worst, tresca(points[i]) + pulled[i])
         out[k] = worst
 
 
@@ -275,18 +284,28 @@ def shakedown_layer(out, paths):
             p[k, i, 0] = 0.5 * (ROOT3 * e[0] + e[1])
             q[k, i] = 0.5 * (ROOT3 * e[1] - e[0])
             w[k, i] = e[2] ** 2 + e[3] ** 2 + e[4] ** 2
-    fits, at = np.full(count, math.inf), np.zeros(count)
+    # With rho_xx = 0 no ball is larger than that around the origin.
+    fits, at = np.zeros(count), np.zeros(count)
+    known = np.zeros(count, np.bool_)
+    for k in range(count):
+        for i in range(n):
+            fits[k] = max(fits[k], p[k, i, 0] ** 2 + q[k, i] ** 2 + w[k, i])
+    offsets, centre = np.empty(n), np.empty(1)
+    support, weights = np.empty(3, np.int64), np.empty(3)
+    room = offsets, centre, support, weights
     r, best, best_r, bound = 0.0, math.inf, 0.0, 0.0
     # A and B of the last bounds whose minimum is to the right, and to the left.
     cuts = np.full((2, 2), math.nan)
     for _ in range(MOST):
-        worst, b = -1.0, 0.0
+        likely = int(np.argmax(np.sqrt(fits) + np.abs(r - at)))
+        worst, b = _fitted(p[likely], q[likely], w[likely], r, room)
+        fits[likely], at[likely], known[likely] = worst, r, True
         for k in range(count):
-            # A radius changes by no more than r: this one will not be the largest.
-            if math.sqrt(fits[k]) + abs(r - at[k]) < math.sqrt(bound):
+            # A radius changes by no more than r: this one is not the largest.
+            if k == likely or math.sqrt(fits[k]) + abs(r - at[k]) < math.sqrt(max(bound, worst)):
                 continue
-            fits[k], mean = _fitted(p[k], q[k], w[k], r)
-            at[k] = r
+            fits[k], mean = _fitted(p[k], q[k], w[k], r, room)
+            at[k], known[k] = r, True
             if fits[k] > worst:
                 worst, b = fits[k], mean
         if worst < best:
@@ -299,17 +318,18 @@ def shakedown_layer(out, paths):
         if best - bound <= 1e-12 * best or r == before:
             break
     for k in range(count):
-        if at[k] != best_r:
-            fits[k], _ = _fitted(p[k], q[k], w[k], best_r)
+        if at[k] != best_r or not known[k]:
+            fits[k], _ = _fitted(p[k], q[k], w[k], best_r, room)
         out[k] = math.sqrt(fits[k])
     return 2.0 * best_r
 
 
 @compiled
-def _fitted(p, q, w, r):
+def _fitted(p, q, w, r, room):
     """Squared radius of the ball of one path at r, and the mean q of the points that hold it."""
-    offsets, centre = (q + r) ** 2 + w, np.empty(1)
-    support, weights = np.empty(3, np.int64), np.empty(3)
+    offsets, centre, support, weights = room
+    for i in range(offsets.size):
+        offsets[i] = (q[i] + r) ** 2 + w[i]
     held, radius2 = enclosing(centre, support, weights, p, offsets)
     mean = 0.0
     for j in range(held):
@@ -506,3 +526,54 @@ def _turned(out, normal, e, f, a, b):
         total += out[k] ** 2
     for k in range(3):
         out[k] /= math.sqrt(total)
+
+
+@compiled
+def monotone(out, x, values, at):
+    """Set values at other places, by cubics that are monotone wherever the values are.
+
+    Source: Fritsch & Butland, SIAM J. Sci. Stat. Comput. 5 (1984) 300, with the three-point formula
+    at the ends.
+
+    Parameters
+    ----------
+    out : ndarray, shape (rows, m)
+        Of the values.
+    x : ndarray, shape (n,)
+        Ascending, at least three.
+    values : ndarray, shape (rows, n)
+        There.
+    at : ndarray, shape (rows, m)
+        Places, ascending in each row; beyond the ends the last cubic goes on.
+    """
+    n = x.size
+    h, rise, slope = np.diff(x), np.empty(n - 1), np.empty(n)
+    for row in range(values.shape[0]):
+        for k in range(n - 1):
+            rise[k] = (values[row, k + 1] - values[row, k]) / h[k]
+        for k in range(1, n - 1):
+            slope[k] = 0.0
+            if rise[k - 1] * rise[k] > 0.0:
+                one, other = 2.0 * h[k] + h[k - 1], h[k] + 2.0 * h[k - 1]
+                slope[k] = (one + other) / (one / rise[k - 1] + other / rise[k])
+        slope[0] = _end(h[0], h[1], rise[0], rise[1])
+        slope[n - 1] = _end(h[n - 2], h[n - 3], rise[n - 2], rise[n - 3])
+        k = 0
+        for j in range(at.shape[1]):
+            while k < n - 2 and at[row, j] >= x[k + 1]:
+                k += 1
+            t = at[row, j] - x[k]
+            c = (3.0 * rise[k] - 2.0 * slope[k] - slope[k + 1]) / h[k]
+            d = (slope[k] + slope[k + 1] - 2.0 * rise[k]) / h[k] ** 2
+            out[row, j] = values[row, k] + t * (slope[k] + t * (c + t * d))
+
+
+@compiled
+def _end(h, further, rise, next_rise):
+    """Slope at an end, by the parabola through three points, kept monotone."""
+    slope = ((2.0 * h + further) * rise - h * next_rise) / (h + further)
+    if slope * rise <= 0.0:
+        return 0.0
+    if rise * next_rise <= 0.0 and abs(slope) > 3.0 * abs(rise):
+        return 3.0 * rise
+    return slope

@@ -20,6 +20,8 @@ from .fatigue import OrthogonalShear as OrthogonalShear
 from .fatigue import VolumeLife as VolumeLife
 from .fatigue import Woehler as Woehler
 from .fatigue import enclosing_radius as enclosing_radius
+from .fatigue import judged as judged
+from .fatigue import over_depth as over_depth
 from .fatigue import residual_shear as residual_shear
 from .frame import Frame as Frame
 from .friction import Bound as Bound

@@ -48,7 +48,13 @@ class DangVan(CycleCriterion):
 
     def __call__(self, cycle: np.ndarray) -> np.ndarray:
         """See `CycleCriterion`."""
-        return _each(fatigue.dang_van, cycle, self.sensitivity)
+        return self.and_radius(cycle)[0]
+
+    def and_radius(self, cycle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The same, and the radius of the ball that it takes anyway."""
+        out, radius = (np.empty(cycle.shape[2:]) for _ in range(2))
+        fatigue.dang_van(out.reshape(-1), radius.reshape(-1), paths(cycle), self.sensitivity)
+        return out, radius
 
 
 @dataclass(frozen=True)
@@ -74,8 +80,13 @@ class Crossland(CycleCriterion):
 
     def __call__(self, cycle: np.ndarray) -> np.ndarray:
         """See `CycleCriterion`."""
+        return self.and_radius(cycle)[0]
+
+    def and_radius(self, cycle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The same, and the radius of the ball that it takes anyway."""
+        radius = enclosing_radius(cycle)
         hydrostatic = cycle[:3].sum(axis=0).max(axis=0) / 3.0
-        return enclosing_radius(cycle) + self.sensitivity * hydrostatic
+        return radius + self.sensitivity * hydrostatic, radius
 
 
 def _look() -> np.ndarray:
@@ -190,6 +201,13 @@ def enclosing_radius(cycle: np.ndarray) -> np.ndarray:
     return _each(fatigue.balls, cycle)
 
 
+def judged(criterion: CycleCriterion, cycle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Cycles by a criterion, and their `enclosing_radius`; some criteria have it anyway."""
+    if isinstance(criterion, DangVan | Crossland):
+        return criterion.and_radius(cycle)
+    return criterion(cycle), enclosing_radius(cycle)
+
+
 def residual_shear(cycle: np.ndarray) -> np.ndarray:
     """The sqrt(J2) left of the cycles at one depth by residual stresses that rolling can leave.
 
@@ -207,6 +225,32 @@ def residual_shear(cycle: np.ndarray) -> np.ndarray:
         MPa.
     """
     return _each(fatigue.shakedown_layer, cycle)
+
+
+def over_depth(depth: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Values at depths in between.
+
+    By cubics in the root of the depth that are monotone wherever the values are: towards the edges
+    of contact and stick the stress at the surface has a root of the distance, so what a depth goes
+    through falls with its root.
+
+    Parameters
+    ----------
+    depth : ndarray, shape (n,)
+        Ascending from 0, at least three, mm.
+    values : ndarray, shape (rows, n)
+        There.
+    at : ndarray, shape (m,) or (rows, m)
+        Depths, ascending in each row, mm.
+
+    Returns
+    -------
+    ndarray, shape (rows, m)
+    """
+    places = np.sqrt(np.broadcast_to(at, (len(values), at.shape[-1])))
+    out = np.empty(places.shape)
+    fatigue.monotone(out, np.sqrt(depth), np.ascontiguousarray(values), places)
+    return out
 
 
 MOST_PER_CYCLE = 1e9

@@ -1,6 +1,6 @@
 """Counts revolutions: what a pass wears is in the way of the next one."""
 
-from tractive_sam.rolling.damage import Damage
+from tractive_sam.rolling.damage import Damage, followed
 from tractive_sam.rolling.forecast import Forecast
 from tractive_sam.rolling.passage import (
     Passage,
@@ -27,6 +27,7 @@ __all__ = [
     "begun",
     "expected_steps",
     "first_passage",
+    "followed",
     "next_passage",
     "passages",
     "recorded",

@@ -36,6 +36,7 @@ import numpy as np
 
 from tractive_sam.contact import Model
 from tractive_sam.rolling.control import ErrorControl, Stops
+from tractive_sam.rolling.damage import followed
 from tractive_sam.rolling.passage import Passage, ProfilePoint, credited, off_grid, passage_at
 from tractive_sam.rolling.response import cycle_response
 from tractive_sam.rolling.saves import Saves
@@ -50,6 +51,9 @@ to three times as large (benchmarks/wear.py)."""
 LARGEST = 0.02
 """Correction of the profile, over its depth, that no tolerance allows: from further away one Newton
 step does not lead to the profile, and longer jumps cost more contacts than they spare."""
+
+MISSED = 0.3
+"""What a jump may miss of the largest damage, by its estimate, over fatigue.tolerance."""
 
 NEW_ROWS = 4
 """Passes over the formula of rows that come into contact, which depends on when they do."""
@@ -85,7 +89,7 @@ def adaptive_passages(model: Model, start: Passage, saves: Saves) -> Iterator[Pa
     control = Stops(ErrorControl(order=3), saves.stops, SETTLING)
     last = start
     while last.converged and last.revolution < saves.end:
-        last = credited(last, _next_jump(model, last, control))
+        last = _next_jump(model, last, control)
         yield last
 
 
@@ -102,6 +106,10 @@ def _next_jump(model: Model, last: Passage, control: Stops) -> Passage:
         jump = _one if step.length == 1 else _many
         now, error = jump(model, last, step.length, response)
         solves += now.solves
+        now = credited(last, now)
+        if error <= 1.0 or step.length == 1:
+            now = followed(model, now, last)
+            error = max(error, _error_of_damage(model, now))
         if error <= 1.0 or step.length == 1 or (off_grid(now) and model.scene.grid is None):
             return replace(now, solves=solves, jump=control.next(step, error))
         step = control.shorter(step, error)
@@ -197,6 +205,13 @@ def _error(model: Model, correction: np.ndarray, profile: np.ndarray) -> float:
     """A correction over the one that the tolerance allows."""
     allowed = min(ALLOWED * model.scene.wear.tolerance**POWER, LARGEST)
     return float(np.abs(correction).max() / max(profile.max(), 1e-300) / allowed)
+
+
+def _error_of_damage(model: Model, now: Passage) -> float:
+    """What a jump misses of the largest damage, over what the tolerance allows."""
+    if now.tired is None:
+        return 0.0
+    return now.tired.missed / (MISSED * model.scene.fatigue.tolerance)
 
 
 def _one(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple[Passage, float]:

@@ -10,7 +10,10 @@ Records are many revolutions apart. By Euler and Maclaurin the sum over a jump f
 the integral of d dN + (d(N_1) - d(N_0))/2; of a jump of one it is the pass itself. Within a jump E
 is the cubic through both profiles and rates, and the utilisation at a depth below the surface is
 the parabola through this record and the two before. What a straight line between two of them would
-give instead is told as the error.
+give instead is told as the error, and jumps are made shorter where it is too large.
+
+In a duty cycle d is the mean over its revolutions of what each block does, and in a revolution of
+one block that of the block.
 
 With steady d(z) and wear w' of a revolution, what reaches the surface has D = integral of d dz/w':
 cracks start there if and only if w' is below w'_bal(y) = integral of d dz.
@@ -19,24 +22,31 @@ cracks start there if and only if w' is below w'_bal(y) = integral of d dz.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
-import scipy  # its parts are loaded when first used
 
-from tractive_sam.contact import Laws
-from tractive_sam.mechanics import Woehler
+from tractive_sam.contact import Model
+from tractive_sam.mechanics import Woehler, over_depth
 from tractive_sam.results import BodyFatigue, widened
 from tractive_sam.rolling.passage import Passage
-from tractive_sam.subsurface import fatigue
+from tractive_sam.subsurface import cycle_depths, cycle_fatigue
+from tractive_sam.subsurface.depth import semi_axes
 
-FINE, DEEP, COARSE = 16, 4, 4
-"""Steps of the material's grid over the first depth below the surface, which is one element: so
-many down to some such depths, and fewer below. Friction makes damage fall to a thousandth within
-one element, and what wear brings to the surface has gone through that."""
+WORN, FINE, GROWTH, COARSE = 0.2, 180, 1.05, 0.25
+"""Depth, over the semi-axis a, down to which places of the material lie at squares of their number:
+what a depth goes through falls with its root from the surface on, and a surface that is hardly worn
+is still followed. So many places; further down their distances grow by a factor, up to a share of
+the first depth below the surface, which is one element."""
+
+NEAR = 0.9
+"""Damage, over the largest one, whose error makes jumps shorter."""
+
+CELLS = 8
+"""Of an integral over the depth, between two depths."""
 
 FARTHEST = 400
-"""Most parts of a jump: each wears no more than a fine step, as far as that goes."""
+"""Most parts of a jump: each wears no more than the distance of places, as far as that goes."""
 
 NODES, WEIGHTS = (
     np.array([0.5 - math.sqrt(0.15), 0.5, 0.5 + math.sqrt(0.15)]),
@@ -55,38 +65,40 @@ class Followed:
     Attributes
     ----------
     now : BodyFatigue
-        The last pass, and the damage so far.
-    before : ndarray, shape (n_y, n)
-        Utilisation in the record before.
+        The last passes, and the damage so far.
+    used, before : ndarray, shape (blocks, n_y, n)
+        Utilisation in each block, in this record and in the one before.
     rate : ndarray, shape (n_y,)
         Depth that a revolution wears off it, mm.
     passes : float
         In a revolution; 0 of a flat body, whose material comes but once.
-    initiation : float
-        Revolution at which the damage reached 1; nan before.
     error : ndarray, shape (n_y, m)
         Of the damage.
+    initiation : float
+        Revolution at which the damage reached 1; nan before.
+    missed : float
+        What the last jump added to the error, over the largest damage.
     """
 
     now: BodyFatigue
+    used: np.ndarray
     before: np.ndarray
     rate: np.ndarray
     passes: float
     error: np.ndarray
     initiation: float = math.nan
+    missed: float = 0.0
 
-    def columns(self, life: Woehler | None) -> dict[str, Any]:
+    def columns(self, life: Woehler | None, shares: tuple[float, ...] = (1.0,)) -> dict[str, Any]:
         """Numbers of a record, by the names of its columns without those of the body."""
         if life is None:
             return {}
         top, at = self.now.damage_max
         each = self.passes or 1.0
         # By the same points as the damage, so that without wear one is the inverse of the other.
-        fresh = self.now.with_damage(
-            self.now.zeta, each * self._per_pass(life, 0.0), 0.0 * self.rate
-        )
-        most, _ = fresh.damage_max
-        balance = each * _over_depth(self.now, life)
+        new = each * _per_pass(life, shares, self.now.depth, self.used, self.now.zeta)
+        most, _ = self.now.with_damage(self.now.zeta, new, 0.0 * self.rate).damage_max
+        balance = each * _down(self.now.depth, self.used, life, shares)
         works = balance > WORKS * balance.max()
         margin = (self.rate[works] / balance[works]).min() if works.any() else math.inf
         return {
@@ -98,9 +110,6 @@ class Followed:
             "wear_margin": float(margin) if self.passes else math.nan,
             "balancing_wear": balance,
         }
-
-    def _per_pass(self, life: Woehler, worn: Any) -> np.ndarray:
-        return life.damage(_at(self.now.depth, self.now.utilisation, self.now.zeta - worn))
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,29 +129,35 @@ class Damage:
     bodies: Mapping[str, Followed]
 
     @classmethod
-    def begun(cls, passage: Passage, laws: Laws, depths: np.ndarray | None = None) -> "Damage":
+    def begun(cls, passage: Passage, model: Model) -> Self:
         """Undamaged bodies in their first pass."""
+        longest = max(passage.contacts, key=lambda one: semi_axes(one)[0])
         turns, bodies = passage.turns[0], {}
-        for body, found in fatigue(passage.contact, depths=depths, laws=laws).items():
-            zeta = _below_the_unworn_surface(found.depth)
-            none = np.zeros((found.y.size, zeta.size))
+        for body, (found, used) in _cycled(passage, model, cycle_depths(longest)).items():
             worn, rate = passage.off(body)
+            zeta = _below_the_unworn_surface(found.depth, WORN * semi_axes(longest)[0])
+            none = np.zeros((found.y.size, zeta.size))
             now = found.with_damage(zeta, none, worn)
-            bodies[body] = Followed(now, now.utilisation, rate, turns.per_count[body], none)
+            bodies[body] = Followed(now, used, used, rate, turns.per_count[body], none)
         return cls(passage.revolution, passage.revolution, bodies)
 
-    def after(self, passage: Passage, laws: Laws) -> "Damage":
+    def after(self, passage: Passage, model: Model) -> "Damage":
         """The same after the passes up to a later passage, on its mesh."""
         elements = passage.contact.grid.elements[1]
         before = {body: _on(one, elements) for body, one in self.bodies.items()}
         depths = next(iter(before.values())).now.depth  # those of all
-        found = fatigue(passage.contact, depths=depths, laws=laws)
         jump = passage.revolution - self.revolution, self.revolution - self.earlier
-        bodies = {}
-        for body, one in before.items():
+        bodies, life = {}, model.laws.life
+        for body, (found, used) in _cycled(passage, model, depths).items():
             worn, rate = passage.off(body)
-            bodies[body] = _rolled(one, found[body], worn, rate, jump, laws.life, self.revolution)
+            rolled = found, used, worn, rate, passage.weights
+            bodies[body] = _rolled(before[body], *rolled, jump, life, self.revolution)
         return Damage(passage.revolution, self.revolution, bodies)
+
+    @property
+    def missed(self) -> float:
+        """What the last jump added to the error of the damage, over the largest damage."""
+        return max(one.missed for one in self.bodies.values())
 
     @property
     def warning(self) -> str:
@@ -171,7 +186,7 @@ class Damage:
                 ("depth", one.now.depth),
                 ("zeta", one.now.zeta),
                 ("damage", one.now.damage),
-                ("utilisation", one.now.utilisation),
+                ("utilisation", one.used),
                 ("utilisation_before", one.before),
                 ("damage_error", one.error),
             )
@@ -203,7 +218,7 @@ class Damage:
         LookupError
             If something is missing.
         """
-        scene, grid = passage.contact.scene, passage.contact.grid
+        scene, grid = passage.contact.scene, passage.grid
         bodies, k = {}, scene.fatigue.shear_yield_stress
         for body in scene.fatigue.bodies:
             depth, zeta = (state[f"{name}_{body}"] for name in ("depth", "zeta"))
@@ -212,12 +227,13 @@ class Damage:
                 for name in ("damage", "damage_error", "utilisation", "utilisation_before")
             )
             worn, rate = passage.off(body)
-            unknown = np.full(used.shape, np.nan)
+            top, unknown = used.max(axis=0), np.full(used.shape[1:], np.nan)
             now = BodyFatigue(
-                body, grid.y, depth, used, unknown, unknown, None, math.nan if k is None else k
+                body, grid.y, depth, top, unknown, unknown, None, math.nan if k is None else k
             ).with_damage(zeta, damage, worn)
             bodies[body] = Followed(
                 now,
+                used,
                 before,
                 rate,
                 passage.turns[0].per_count[body],
@@ -227,35 +243,70 @@ class Damage:
         return cls(passage.revolution, earlier, bodies)
 
 
+def followed(model: Model, now: Passage, before: Passage | None = None) -> Passage:
+    """A passage with what rolling has done to the material since the one before; see `Damage`.
+
+    Of a contact that was not solved it is as before.
+    """
+    tired = None if before is None else before.tired
+    if now.contact.scene.fatigue is None or not now.converged:
+        return replace(now, tired=tired)
+    tired = Damage.begun(now, model) if tired is None else tired.after(now, model)
+    return replace(now, tired=tired)
+
+
+def _cycled(
+    passage: Passage, model: Model, depths: np.ndarray
+) -> dict[str, tuple[BodyFatigue, np.ndarray]]:
+    laws = [block.laws for block in model.blocks]
+    return cycle_fatigue(passage.contacts, depths, laws)
+
+
+def _per_pass(
+    life: Woehler,
+    shares: tuple[float, ...],
+    depth: np.ndarray,
+    used: np.ndarray,
+    at: np.ndarray,
+) -> np.ndarray:
+    """Damage (n_y, m) of a pass at depths, of several blocks by their shares."""
+    each = zip(shares, used, strict=True)
+    return sum(share * life.damage(over_depth(depth, one, at)) for share, one in each if share)
+
+
 def _wider(values: np.ndarray, elements: int) -> np.ndarray:
-    """Rows (n_y, ...) on a mesh with more of them; nothing has happened there."""
-    return widened(values.T, (elements,)).T
+    """Rows (..., n_y, n) on a mesh with more of them; nothing has happened there."""
+    return widened(values, (elements, values.shape[-1]))
 
 
-def _below_the_unworn_surface(depth: np.ndarray) -> np.ndarray:
-    """Places of the material: every depth, and equal steps between them."""
-    element = depth[1]
-    fine = np.arange(DEEP * FINE) * element / FINE
-    coarse = np.arange(DEEP * COARSE, math.ceil(COARSE * depth[-1] / element)) * element / COARSE
-    even = np.concatenate((fine, coarse))
-    even = even[even < depth[-1]]
-    beside = even[np.abs(even[:, None] - depth).min(axis=1) > 0.25 * element / FINE]
+def _below_the_unworn_surface(depth: np.ndarray, fine: float) -> np.ndarray:
+    """Places of the material: every depth, and others between them; to `fine` at squares, mm."""
+    places = list(fine * np.linspace(0.0, 1.0, FINE) ** 2)
+    step = places[-1] - places[-2]
+    while places[-1] < depth[-1]:
+        step = max(step, min(GROWTH * step, COARSE * depth[1]))
+        places.append(places[-1] + step)
+    even = np.array([one for one in places if one < depth[-1]])
+    beside = even[np.abs(even[:, None] - depth).min(axis=1) > 1e-6 * depth[1]]
     return np.union1d(depth, beside)
 
 
 def _on(one: Followed, elements: int) -> Followed:
     """The same on a mesh with more rows; nothing has happened there."""
-    names = ("damage", "worn", "utilisation")
-    now = replace(one.now, **{name: _wider(getattr(one.now, name), elements) for name in names})
-    names = ("before", "rate", "error")
-    return replace(one, now=now, **{k: _wider(getattr(one, k), elements) for k in names})
+    names = ("damage", "utilisation")
+    wider = {name: _wider(getattr(one.now, name), elements) for name in names}
+    now = replace(one.now, worn=widened(one.now.worn, (elements,)), **wider)
+    wider = {name: _wider(getattr(one, name), elements) for name in ("used", "before", "error")}
+    return replace(one, now=now, rate=widened(one.rate, (elements,)), **wider)
 
 
 def _rolled(
     one: Followed,
     now: BodyFatigue,
+    used: np.ndarray,
     worn: np.ndarray,
     rate: np.ndarray,
+    shares: tuple[float, ...],
     jump: tuple[int, int],
     life: Woehler | None,
     revolution: int,
@@ -263,21 +314,26 @@ def _rolled(
     """The material after a jump; `jump` tells its length and that of the one before."""
     zeta, before = one.now.zeta, one.now
     now = now.with_damage(zeta, before.damage, worn)
+    later = replace(one, now=now, used=used, before=one.used, rate=rate, missed=0.0)
     if life is None:
-        return replace(one, now=now, before=before.utilisation, rate=rate)
+        return later
     if not one.passes:  # it comes but once
-        single = life.damage(_at(now.depth, now.utilisation, zeta))
-        flat = now.with_damage(zeta, np.broadcast_to(single, before.damage.shape), 0.0 * worn)
-        return replace(one, now=flat, before=before.utilisation, rate=rate)
-    added, straight = _added(one, now, rate, jump, life)
+        single = np.max([life.damage(over_depth(now.depth, own, zeta)) for own in used], axis=0)
+        return replace(later, now=now.with_damage(zeta, single, 0.0 * worn))
+    added, missed = _added(one, later, shares, jump, life)
     now = now.with_damage(zeta, before.damage + one.passes * added, worn)
-    # Parabola and straight line differ by what the next order would: an estimate, added up.
-    error = one.error + one.passes * np.abs(added - straight)
+    missed *= one.passes
     initiation, (top, _), (was, _) = one.initiation, now.damage_max, before.damage_max
     if math.isnan(initiation) and top >= 1.0:
         initiation = revolution + jump[0] * (1.0 - was) / (top - was)
+    near = _left(now) & (now.damage >= NEAR * top)
+    most = float(missed[near].max(initial=0.0))
     return replace(
-        one, now=now, before=before.utilisation, rate=rate, initiation=initiation, error=error
+        later,
+        now=now,
+        initiation=initiation,
+        error=one.error + missed,
+        missed=most / top if top > 0.0 else 0.0,
     )
 
 
@@ -287,20 +343,25 @@ def _left(now: BodyFatigue) -> np.ndarray:
 
 
 def _added(
-    one: Followed, now: BodyFatigue, rate: np.ndarray, jump: tuple[int, int], life: Woehler
+    one: Followed,
+    later: Followed,
+    shares: tuple[float, ...],
+    jump: tuple[int, int],
+    life: Woehler,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Damage (n_y, m) of one pass a revolution over a jump, by parabola and by straight line."""
-    zeta, before, (length, last) = one.now.zeta, one.now, jump
+    """Damage (n_y, m) of one pass a revolution over a jump, and how far it may be off."""
+    before, now, (length, last) = one.now, later.now, jump
+    zeta, depth = before.zeta, before.depth
 
-    def damage(utilisation: np.ndarray, worn: np.ndarray) -> np.ndarray:
+    def damage(used: np.ndarray, worn: np.ndarray) -> np.ndarray:
         deep = zeta - worn[:, None]
-        per_pass = life.damage(_at(now.depth, utilisation, np.maximum(deep, 0.0)))
+        per_pass = _per_pass(life, shares, depth, used, np.maximum(deep, 0.0))
         return np.where(deep >= 0.0, per_pass, 0.0)
 
-    end = damage(now.utilisation, now.worn)
+    end = damage(later.used, now.worn)
     if length == 1:
-        return end, end
-    first, second = before.utilisation, now.utilisation
+        return end, np.zeros_like(end)
+    first, second = one.used, later.used
     # Newton's second difference: u = straight line + t (t - 1) bend goes through the record before.
     bend = np.zeros_like(first)
     if last:
@@ -308,24 +369,24 @@ def _added(
         bend *= length / (last * (length + last))
     # In pieces that each wear off no more than one step of the material: the damage of a place ends
     # where wear takes it away, and no Gauss rule holds across that.
-    worn_off = float((now.worn - before.worn).max(initial=0.0))
-    parts = int(min(max(1, math.ceil(worn_off * FINE / now.depth[1])), FARTHEST))
-    total, straight = np.zeros_like(end), np.zeros_like(end)
+    row = int(np.argmax(now.worn - before.worn))
+    steps = np.searchsorted(zeta, now.worn[row]) - np.searchsorted(zeta, before.worn[row])
+    parts = int(min(max(1, steps), FARTHEST))
+    total, missed = np.zeros_like(end), np.zeros_like(end)
     for part in range(parts):
         for node, weight in zip(NODES, WEIGHTS, strict=True):
             t = (part + node) / parts
-            worn = _between(before.worn, one.rate, now.worn, rate, t, length)
+            worn = _between(before.worn, one.rate, now.worn, later.rate, t, length)
             even = (1.0 - t) * first + t * second
-            bent = np.maximum(even + t * (t - 1.0) * bend, 0.0) if last else even
-            total += weight * length / parts * damage(bent, worn)
-            if last:
-                straight += weight * length / parts * damage(even, worn)
+            here = damage(np.maximum(even + t * (t - 1.0) * bend, 0.0), worn)
+            total += weight * length / parts * here
+            if last and node == NODES[1]:
+                # Parabola and straight line differ by what the next order would: an estimate.
+                missed += length / parts * (here - damage(even, worn))
     # By Euler and Maclaurin the sum over the passes is the integral and half the difference of the
-    # ends.
-    ends = 0.5 * (end - damage(first, before.worn))
-    # By neither may the sum be less than nothing, where the course is rough.
-    total, straight = np.maximum(total + ends, 0.0), np.maximum(straight + ends, 0.0)
-    return total, straight if last else total
+    # ends. Nor may it be less than nothing, where the course is rough.
+    total += 0.5 * (end - damage(first, before.worn))
+    return np.maximum(total, 0.0), np.abs(missed)
 
 
 def _between(
@@ -338,54 +399,56 @@ def _between(
     return np.clip(cubic, first, last)
 
 
-def _at(depth: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Values (n_y, n) at depths, in between by monotone cubics, at others (m,) or (n_y, m)."""
-    cubics = scipy.interpolate.PchipInterpolator(depth, values, axis=1).c
-    k = np.clip(np.searchsorted(depth, at, side="right") - 1, 0, depth.size - 2)
-    row = np.arange(len(values))[:, None]
-    k = np.broadcast_to(k, (len(values), k.shape[-1]))
-    past = at - depth[k]
-    found = cubics[0][k, row]
-    for one in cubics[1:]:
-        found = found * past + one[k, row]
-    return found
-
-
-def _over_depth(now: BodyFatigue, life: Woehler) -> np.ndarray:
+def _down(
+    depth: np.ndarray, used: np.ndarray, life: Woehler, shares: tuple[float, ...]
+) -> np.ndarray:
     """Integral of the damage of a pass over the depth, shape (n_y,), mm."""
-    edges = _below_the_unworn_surface(now.depth)
+    number = np.arange(depth.size)
+    between = np.linspace(0, depth.size - 1, CELLS * (depth.size - 1) + 1)
+    edges = np.interp(between, number, np.sqrt(depth))  # dz = 2 root d(root)
     widths = np.diff(edges)
-    total = np.zeros(now.y.size)
-    for node, weight in zip(NODES, WEIGHTS, strict=True):
-        there = life.damage(_at(now.depth, now.utilisation, edges[:-1] + node * widths))
-        total += weight * (there @ widths)
-    return total
+    root = (edges[:-1, None] + NODES * widths[:, None]).ravel()
+    weights = 2.0 * root * np.outer(widths, WEIGHTS).ravel()
+    return _per_pass(life, shares, depth, used, root**2) @ weights
 
 
-def fatigue_columns(tired: Damage, life: Woehler | None) -> dict[str, Any]:
-    """Columns of what rolling does to the material of each body."""
+def fatigue_columns(
+    tired: Damage, life: Woehler | None, shares: tuple[float, ...] = (1.0,)
+) -> dict[str, Any]:
+    """Columns of what rolling does to the material of each body; shares are those of blocks."""
     cycled = {body: one.now for body, one in tired.bodies.items()}
-    used = {body: one.largest() for body, one in cycled.items()}
     left = {body: one.largest("residual_shear") for body, one in cycled.items()}
 
     def factors(of: str) -> dict[str, float]:
         return {body: one.load_factor(getattr(left[body], of)) for body, one in cycled.items()}
 
-    columns: dict[str, Any] = {
+    columns: dict[str, Any] = _used(cycled) | {
         "shakedown_lower": factors("value"),
         "shakedown_interior": factors("interior"),
         "shakedown_surface": factors("surface"),
         "shakedown_lower_at": {body: one.at for body, one in left.items()},
         "shakedown_upper": {body: one.shakedown_upper for body, one in cycled.items()},
-        "utilisation": {body: one.value for body, one in used.items()},
-        "utilisation_interior": {body: one.interior for body, one in used.items()},
-        "utilisation_surface": {body: one.surface for body, one in used.items()},
-        "utilisation_at": {body: one.at for body, one in used.items()},
     }
     for body, one in tired.bodies.items():
-        for name, value in one.columns(life).items():
+        for name, value in one.columns(life, shares).items():
             if name == "balancing_wear":
                 columns[f"{name}_{body}"] = value
             else:
                 columns.setdefault(name, {})[body] = value
     return columns
+
+
+def block_columns(tired: Damage | None, block: int) -> dict[str, Any]:
+    """Those that each block of a duty cycle has of its own."""
+    bodies = {} if tired is None else tired.bodies
+    return _used({k: replace(one.now, utilisation=one.used[block]) for k, one in bodies.items()})
+
+
+def _used(cycled: Mapping[str, BodyFatigue]) -> dict[str, Any]:
+    used = {body: one.largest() for body, one in cycled.items()}
+    return {
+        "utilisation": {body: one.value for body, one in used.items()},
+        "utilisation_interior": {body: one.interior for body, one in used.items()},
+        "utilisation_surface": {body: one.surface for body, one in used.items()},
+        "utilisation_at": {body: one.at for body, one in used.items()},
+    }

@@ -75,6 +75,8 @@ class Passage:
         Worn bodies with which the roll began; None of new ones.
     parts : ndarray, shape (blocks, 2, n_y), optional
         Depth with which A and B enter, worn by each block, mm; None where the turns tell it.
+    tired : Damage, optional
+        What rolling has done to the material by then, of a scene with [fatigue].
     """
 
     revolution: int
@@ -86,6 +88,7 @@ class Passage:
     turns: tuple[Turns, ...] = ()
     began: Worn | None = None
     parts: np.ndarray | None = None
+    tired: Any = None
 
     def __post_init__(self) -> None:
         if not self.turns:
@@ -120,8 +123,8 @@ class Passage:
 
     @property
     def beside(self) -> Mapping[str, np.ndarray]:
-        """Fields that rolling goes on from beside those of the contact: none."""
-        return {}
+        """What rolling goes on from beside the fields of the contact: the damage."""
+        return {} if self.tired is None else self.tired.state
 
     def told(self, block: int | None = None) -> tuple[State, dict[str, Any], bool]:
         """The contact to record, the columns that only stepping knows, and whether it is kept."""

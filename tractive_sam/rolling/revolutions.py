@@ -20,7 +20,7 @@ from tractive_sam.results import (
     stress_columns,
 )
 from tractive_sam.rolling.adaptive import adaptive_passages
-from tractive_sam.rolling.damage import Damage, fatigue_columns
+from tractive_sam.rolling.damage import Damage, block_columns, fatigue_columns, followed
 from tractive_sam.rolling.passage import Passage, next_passage, off_grid, unworn
 from tractive_sam.rolling.saves import Saves
 from tractive_sam.rolling.transient import Moment, Transient
@@ -53,7 +53,7 @@ def passages(model: Model, start: Passage | Moment | None = None) -> Iterator[Pa
         return
     last = start
     if last is None:
-        last = unworn(model)
+        last = followed(model, unworn(model))
         yield last
     wear, saves = model.scene.wear, Saves.of(model.scene)
     growths = 0
@@ -74,7 +74,7 @@ def every_passage(model: Model, start: Passage, saves: Saves) -> Iterator[Passag
     """Roll one revolution after another to the end, the paper's way."""
     last = start
     while last.converged and last.revolution < saves.end:
-        last = next_passage(model, last)
+        last = followed(model, next_passage(model, last), last)
         yield last
 
 
@@ -97,7 +97,6 @@ def recorded(
     estimator: ErrorEstimator | None = None,
     own: Iterable[Quantity] = (),
     measured: Gap | None = None,
-    tired: Damage | None = None,
 ) -> Record:
     """The record of a passage.
 
@@ -119,20 +118,25 @@ def recorded(
         Columns beside the package's.
     measured : Gap, optional
         The measured separation of the scene.
-    tired : Damage, optional
-        What rolling has done to the material by then, of a scene with [fatigue].
     """
-    spectrum = model.scene.spectrum
+    spectrum, tired = model.scene.spectrum, _tired(passage)
+    of_material, kept = _of_material(passage, model), () if tired is None else tired.fields
     if spectrum is None:
-        record = _of_contact(
-            passage, passage.told(), model.laws, estimator, own, measured, tired=tired
-        )
-        return replace(record, values={**record.values, "seconds": perf_counter() - began})
+        record = _of_contact(passage, passage.told(), model.laws, estimator, own, measured)
+        if not record.fields:
+            kept = ()
+        values = {**record.values, **of_material, "seconds": perf_counter() - began}
+        return replace(record, values=values, cycles=kept)
     records = [
         _of_contact(passage, passage.told(k), one.laws, estimator, own, measured, k)
         for k, one in enumerate(model.blocks)
     ]
+    records = [
+        replace(one, values={**one.values, **block_columns(tired, k)})
+        for k, one in enumerate(records)
+    ]
     _, stepped, _ = passage.told()
+    stepped |= {k: v for k, v in of_material.items() if not k.startswith("utilisation")}
     del stepped["wear_max"]
     lost = np.stack((passage.lost, passage.lost + passage.gained_by))[:, list(spectrum.places)]
     lost *= _share_of_alike(spectrum)
@@ -142,7 +146,18 @@ def recorded(
     stepped[ROLLED.name] = -1 if passage.rolled is None else passage.rolled
     stepped["seconds"] = perf_counter() - began
     each = [records[k] for k in spectrum.places]
-    return cycle_record(each, spectrum.each, stepped, model.scene, (*own, PARTS, ROLLED, SHARE))
+    put = cycle_record(each, spectrum.each, stepped, model.scene, (*own, PARTS, ROLLED, SHARE))
+    return replace(put, cycles=kept if put.fields else ())
+
+
+def _tired(passage: Passage | Moment) -> Damage | None:
+    """What rolling has done to the material, where it is known with its contact."""
+    return passage.tired if isinstance(passage, Passage) and passage.converged else None
+
+
+def _of_material(passage: Passage | Moment, model: Model) -> dict[str, Any]:
+    tired = _tired(passage)
+    return {} if tired is None else fatigue_columns(tired, model.laws.life, model.weights)
 
 
 def _share_of_alike(spectrum: Spectrum) -> np.ndarray:
@@ -160,7 +175,6 @@ def _of_contact(
     own: Iterable[Quantity],
     measured: Gap | None,
     block: int = 0,
-    tired: Damage | None = None,
 ) -> Record:
     """The record of one contact, that of a block in a duty cycle."""
     contact, given, last = told
@@ -176,7 +190,4 @@ def _of_contact(
     stresses = stress_columns(laws.criterion)
     for one, found in zip(stresses, ("value", "interior", "surface", "at"), strict=False):
         given[one.name] = {body: getattr(largest, found) for body, largest in maxima.items()}
-    if tired is not None:
-        given |= fatigue_columns(tired, laws.life)
-    kept = {} if tired is None else {"cycles": tired.fields}
-    return Record.of(contact, given, own=(*own, *stresses), with_fields=keep, stress=stress, **kept)
+    return Record.of(contact, given, own=(*own, *stresses), with_fields=keep, stress=stress)

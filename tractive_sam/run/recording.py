@@ -2,7 +2,7 @@
 
 import warnings
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain
 from os import PathLike
 from time import perf_counter
@@ -12,9 +12,9 @@ from typing import Self
 import numpy as np
 
 from tractive_sam import interrupt
-from tractive_sam.contact import Gap, Laws, Model
+from tractive_sam.contact import Gap, Model
 from tractive_sam.results import Grid, History, Quantity, Record, Status, fields
-from tractive_sam.rolling import Damage, ErrorEstimator, Passage, passages, recorded
+from tractive_sam.rolling import ErrorEstimator, Passage, followed, passages, recorded
 from tractive_sam.run.resume import last_damage
 from tractive_sam.scene import PlausibilityWarning, Scene
 from tractive_sam.store import HistoryWriter, open_history
@@ -70,7 +70,9 @@ class Recording:
         if self.path is not None:
             about = {"laws": laws, "started": self.started}
             keeper = HistoryWriter(self.path, self.scene, model.grid, self.overwrite, **about)
-        return self._kept(keeper, model, start, (start,), None, estimator, missed)
+        if isinstance(start, Passage):
+            start = followed(model, start)
+        return self._kept(keeper, model, start, (start,), estimator, missed)
 
     def resumed(
         self,
@@ -82,8 +84,9 @@ class Recording:
     ) -> History:
         """Roll on from the last of a number of records in the file; arguments as of `begun`."""
         keeper = HistoryWriter.reopen(self.path, self.scene, records)
-        tired = last_damage(self.path, last)
-        return self._kept(keeper, model, last, (), tired, estimator, missed)
+        if isinstance(last, Passage):
+            last = replace(last, tired=last_damage(self.path, last))
+        return self._kept(keeper, model, last, (), estimator, missed)
 
     def _kept(
         self,
@@ -91,23 +94,21 @@ class Recording:
         model: Model,
         start: Passage,
         first: Iterable[Passage],
-        tired: Damage | None,
         estimator: ErrorEstimator | None,
         missed: str,
     ) -> History:
         passage, began = start, self.began
         with keeper:
             for passage in chain(first, passages(model, start)):
-                tired, now = _followed(tired, passage, model.laws)
-                told = recorded(passage, model, began, estimator, self.columns, self.measured, now)
+                told = recorded(passage, model, began, estimator, self.columns, self.measured)
                 began = perf_counter()
-                state = _state(passage, self.scene) | ({} if tired is None else tired.state)
-                keeper.append(told, passage.contact.grid.shifted(0.0), state)
+                grid = passage.contact.grid.shifted(0.0)
+                keeper.append(told, grid, _state(passage, self.scene))
                 if self.progress is not None:
                     self.progress(told)
                 interrupt.heed()
             status, message = _ended(passage, missed if estimator is None else estimator.missed)
-            keeper.finish(status, message + ("" if tired is None else tired.warning))
+            keeper.finish(status, message)
         return keeper.history if self.path is None else open_history(self.path)
 
 
@@ -116,7 +117,7 @@ def _state(passage: Passage, scene: Scene) -> dict[str, np.ndarray]:
     if scene.spectrum is None:
         return fields(passage.contact) | passage.beside
     each = [fields(passage.contacts[k]) for k in scene.spectrum.places]
-    return {name: np.stack([one[name] for one in each]) for name in each[0]}
+    return {name: np.stack([one[name] for one in each]) for name in each[0]} | passage.beside
 
 
 def _warn_beyond_tests(model: Model, start: Passage) -> None:
@@ -127,16 +128,6 @@ def _warn_beyond_tests(model: Model, start: Passage) -> None:
             if told := block.wear_law.beyond_tests(*fields):
                 key = f"wear.law: duty block {k + 1}" if len(model.blocks) > 1 else "wear.law"
                 warnings.warn(f"{key}: {told}", PlausibilityWarning, stacklevel=2)
-
-
-def _followed(
-    tired: Damage | None, passage: Passage, laws: Laws
-) -> tuple[Damage | None, Damage | None]:
-    """What rolling has done to the material, so far and in a contact that was solved."""
-    if passage.contact.scene.fatigue is None or not passage.contact.converged:
-        return tired, None
-    tired = Damage.begun(passage, laws) if tired is None else tired.after(passage, laws)
-    return tired, tired
 
 
 class _InMemory:
@@ -175,4 +166,6 @@ def _ended(passage: Passage, missed: str) -> tuple[str, str]:
         message = f"revolution {passage.place}: {message}"
     if contact.scene.transient is not None:
         message = f"after {passage.place:g} mm: {message}"
+    if isinstance(passage, Passage) and passage.tired is not None:
+        message += passage.tired.warning
     return "done" if contact.converged else str(contact.status), message

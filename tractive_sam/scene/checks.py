@@ -179,9 +179,6 @@ def _fatigue_is_of_steady_rolling(known: Known) -> Iterator[Fault]:
     if known["fatigue"] is not None and known["transient"] is not None:
         cure = "no [transient]: only in steady rolling the material lives through what is along x"
         yield Fault("fatigue", "together with [transient]", cure)
-    if known["fatigue"] is not None and known["duty"]:
-        cure = "no [[duty]]: damage is followed under one load only; roll the worst block by itself"
-        yield Fault("fatigue", "together with [[duty]]", cure)
 
 
 SCENE_CHECKS: tuple[Check, ...] = (

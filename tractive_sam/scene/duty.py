@@ -218,9 +218,6 @@ def duty_fits(known: Known) -> Iterator[Fault]:
     yield from _named_apart(duty)
     if known["transient"] is not None:
         yield Fault("duty", "with [transient]", "one of them: blocks are of steady rolling")
-    if known["fatigue"] is not None:
-        cure = "one of them: what a cycle of several loads does to the material is not known here"
-        yield Fault("duty", "with [fatigue]", cure)
     wear = known["wear"]
     if wear is None:
         yield Fault("duty", "without [wear]", "only with a [wear] table: blocks are rolled")

@@ -102,6 +102,14 @@ class Fatigue(Table):
     bodies: Annotated[tuple[Literal["A", "B"], ...], AfterValidator(distinct)] = entry(
         "bodies that are followed", 'a list of "A" and "B"', ("A", "B"), min_length=1
     )
+    tolerance: float = entry(
+        "error that jumps of the stepping may make, relative to the largest damage: they are made "
+        "shorter for it",
+        "a number from 1e-6 to 1",
+        1e-2,
+        ge=1e-6,
+        le=1.0,
+    )
     checks: ClassVar[tuple[Check, ...]] = (
         not_both("shear_yield", "yield_strength"),
         _something_asked,

@@ -124,10 +124,11 @@ def widen(file: h5py.File, grid: "Grid") -> None:
         state[name].resize((*values.shape[:-2], after["x"], after["y"]))
         state[name][...] = widened(values, state[name].shape, OUTSIDE.get(name, 0.0))
     for name in (name for name in state if name not in (*FIELDS, *BEFORE, *AXES)):
-        if state[name].ndim == 2:  # (y, depth)
+        if state[name].ndim > 1:  # (..., y, depth)
             values = state[name][:]
-            state[name].resize((after["y"], values.shape[1]))
-            state[name][...] = widened(values, state[name].shape)
+            shape = after["y"], values.shape[-1]
+            state[name].resize((*values.shape[:-2], *shape))
+            state[name][...] = widened(values, shape)
     for group in cycles(file):
         for name in (name for name in CYCLES if name in group):
             _widen(group[name], ("y",), before, after)  # nothing is stressed there

@@ -7,7 +7,7 @@ z = +depth, body B at z = -depth. Across the interface xz, yz and zz are continu
 """
 
 from tractive_sam.results import Maximum, PlaneStress
-from tractive_sam.subsurface.cycle import cycle_depths, fatigue
+from tractive_sam.subsurface.cycle import cycle_depths, cycle_fatigue, fatigue
 from tractive_sam.subsurface.depth import depths
 from tractive_sam.subsurface.layers import stress_layers
 from tractive_sam.subsurface.maximum import stress_maxima, stress_maximum
@@ -19,6 +19,7 @@ __all__ = [
     "Maximum",
     "PlaneStress",
     "cycle_depths",
+    "cycle_fatigue",
     "depths",
     "fatigue",
     "stress_at",

@@ -5,15 +5,15 @@ trailing one: what is along x on a mesh is its history.
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator, Sequence
+from itertools import groupby
 
 import numpy as np
 
 from tractive_sam.contact import Laws
-from tractive_sam.mechanics import enclosing_radius, residual_shear
+from tractive_sam.mechanics import enclosing_radius, judged, residual_shear
 from tractive_sam.operators import Lattice
 from tractive_sam.results import BodyFatigue, State
-from tractive_sam.scene import Fatigue
 from tractive_sam.subsurface.depth import checked, semi_axes
 from tractive_sam.subsurface.layers import stress_layers
 from tractive_sam.subsurface.loaded import SIGNS, LoadedBodies
@@ -21,6 +21,9 @@ from tractive_sam.subsurface.surface import surface_cycles
 
 GRADING = 1.5
 """Depths go with this power of their number: they are closer towards the surface."""
+
+LENGTHS = 3
+"""Different lengths of layers; transforms are kept for each."""
 
 
 def cycle_depths(contact: State) -> np.ndarray:
@@ -80,49 +83,87 @@ def fatigue(
         raise ValueError(
             "a scene with a [fatigue] table is needed: it says what the material endures"
         )
-    laws = laws or Laws.of(contact.scene)
     depths = cycle_depths(contact) if depths is None else checked(depths)
     if not depths.size or depths[0] != 0.0 or (np.diff(depths) <= 0.0).any():
         raise ValueError("depths must ascend from 0, the surface")
-    judges = {"residual_shear": residual_shear, "path_radius": enclosing_radius}
-    if laws.fatigue is not None:
-        judges["utilisation"] = _utilisation(laws, asked)
-    shape = contact.grid.elements[1], depths.size
-    fields = {
-        body: {name: np.full(shape, np.nan) for name in ("utilisation", *judges)}
-        for body in asked.bodies
-    }
-    for k, cycles in enumerate(_layers(contact, depths, laws)):
-        for cycle, found in zip(cycles, fields.values(), strict=True):
-            for name, judge in judges.items():
-                found[name][:, k] = judge(cycle)
-    for body, cycle, rows in _surfaces(contact, laws):
-        for name, judge in judges.items():
-            found = fields[body][name]
-            found[:, 0] = _of_rows(judge(cycle), rows, found[:, 1])
-    k = asked.shear_yield_stress
-    return {
-        body: BodyFatigue(
-            body,
-            contact.grid.y,
-            depths,
-            found["utilisation"],
-            found["residual_shear"],
-            found["path_radius"],
-            laws.fatigue,
-            math.nan if k is None else k,
-        )
-        for body, found in fields.items()
-    }
+    found = cycle_fatigue([contact], depths, [laws or Laws.of(contact.scene)])
+    return {body: worst for body, (worst, _) in found.items()}
 
 
-def _utilisation(laws: Laws, asked: Fatigue) -> Callable[[np.ndarray], np.ndarray]:
+def cycle_fatigue(
+    contacts: Sequence[State], depths: np.ndarray, laws: Sequence[Laws]
+) -> dict[str, tuple[BodyFatigue, np.ndarray]]:
+    """What the passes of several contacts do that the material goes through in turn.
+
+    Each pass is judged by itself; no residual stress but one goes with all of them, so shakedown is
+    that of the path through them all.
+
+    Parameters
+    ----------
+    contacts : sequence of State
+        Solved, on one mesh; of the blocks of a duty cycle, or one.
+    depths : ndarray, shape (n,)
+        Ascending from 0, mm.
+    laws : sequence of Laws
+        Of each.
+
+    Returns
+    -------
+    dict of str to (BodyFatigue, ndarray of shape (contacts, n_y, n))
+        By body: the largest utilisation, and that of each contact.
+    """
+    asked, grid = contacts[0].scene.fatigue, contacts[0].grid
+    shape = grid.elements[1], depths.size
+    used = {body: np.full((len(contacts), *shape), np.nan) for body in asked.bodies}
+    left, radius = ({body: np.zeros(shape) for body in asked.bodies} for _ in range(2))
     limit = 1.0 if asked.limit is None else asked.limit
 
-    def judge(cycle: np.ndarray) -> np.ndarray:
-        return np.maximum(laws.fatigue(cycle), 0.0) / limit
+    def judge(body: str, cycles: Sequence[np.ndarray]) -> Iterator[np.ndarray]:
+        criterion = laws[0].fatigue
+        if criterion is None or len(cycles) > 1:
+            yield enclosing_radius(np.concatenate(cycles, axis=1))
+        for one, cycle in zip(laws, cycles, strict=True):
+            if one.fatigue is not None:
+                value, path = judged(one.fatigue, cycle)
+                if len(cycles) == 1:
+                    yield path
+                yield np.maximum(value, 0.0) / limit
 
-    return judge
+    layers = (_layers(one, depths, law) for one, law in zip(contacts, laws, strict=True))
+    for k, at_depth in enumerate(zip(*layers, strict=True), 1):
+        for i, body in enumerate(asked.bodies):
+            cycles = [layer[i] for layer in at_depth]
+            radius[body][:, k], *values = judge(body, cycles)
+            left[body][:, k] = residual_shear(np.concatenate(cycles, axis=1))
+            for own, value in zip(used[body], values, strict=False):
+                own[:, k] = value
+    surfaces = (_surfaces(one, law) for one, law in zip(contacts, laws, strict=True))
+    for same in zip(*surfaces, strict=True):
+        body, cycles = same[0][0], [cycle for _, cycle, _ in same]
+        known = np.any([rows for _, _, rows in same], axis=0)
+        values = judge(body, cycles)
+        radius[body][:, 0] = _of_rows(next(values), known, radius[body][:, 1])
+        whole = np.concatenate(cycles, axis=1)
+        left[body][:, 0] = _of_rows(residual_shear(whole), known, left[body][:, 1])
+        for own, value, (_, _, rows) in zip(used[body], values, same, strict=False):
+            own[:, 0] = _of_rows(value, rows, own[:, 1])
+    k = asked.shear_yield_stress
+    about = laws[0].fatigue, math.nan if k is None else k
+    return {
+        body: (
+            BodyFatigue(
+                body,
+                grid.shifted(0.0).y,
+                depths,
+                used[body].max(axis=0),
+                left[body],
+                radius[body],
+                *about,
+            ),
+            used[body],
+        )
+        for body in asked.bodies
+    }
 
 
 def _longer(contact: State) -> float:
@@ -131,15 +172,17 @@ def _longer(contact: State) -> float:
 
 
 def _layers(contact: State, depths: np.ndarray, laws: Laws) -> Iterator[np.ndarray]:
-    """Cycles (bodies, 6, n, n_y) at each depth but the surface, which stands in as no stress."""
+    """Cycles (bodies, 6, n, n_y) at each depth below the surface; the last stress is none."""
     grid, bodies = contact.grid, contact.scene.fatigue.bodies
-    cycles = np.zeros((len(bodies), 6, 1, grid.elements[1]))
-    yield cycles
+    unloaded = np.zeros((len(bodies), 6, 1, grid.elements[1]))
     # The shear stress is largest about as far ahead and behind the contact as the point is deep.
-    wanted = contact.half_width_x + depths[-1] - grid.half_length[0]
-    beyond = max(0, math.ceil(wanted / grid.dx))
-    for _, stress in stress_layers(contact, depths[1:], bodies, beyond, laws=laws):
-        yield np.concatenate((stress, cycles), axis=2)
+    part = np.ceil(depths[1:] / depths[-1] * LENGTHS) / LENGTHS
+    wanted = contact.half_width_x + part * depths[-1] - grid.half_length[0]
+    beyond = np.maximum(0, np.ceil(wanted / grid.dx)).astype(int)
+    for more, together in groupby(zip(beyond, depths[1:], strict=True), lambda one: one[0]):
+        at = [depth for _, depth in together]
+        for _, stress in stress_layers(contact, at, bodies, int(more), laws=laws):
+            yield np.concatenate((stress, unloaded), axis=2)
 
 
 def _surfaces(contact: State, laws: Laws) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
