@@ -17,10 +17,11 @@ from time import process_time
 
 import numpy as np
 from error_bars import random_scenes
+from scipy.interpolate import PchipInterpolator
 from timing import show, write
 
 import tractive_sam as ts
-from tractive_sam.mechanics import residual_shear
+from tractive_sam.mechanics import DangVan, over_depth, residual_shear
 from tractive_sam.reference import line_pressure_stress, line_shear_stress
 
 MATERIAL = {"shear_yield": 300.0, "sensitivity": 1.0 / 3.0, "limit": 250.0}
@@ -132,6 +133,7 @@ def laws() -> None:
         rows.append({"elements": elements} | found)
     write("fatigue_laws", rows)
     write("fatigue_closed_forms", closed_forms())
+    write("fatigue_depths", between())
     show("p0/k up to which a line contact in full slip is certain to shake down", rows)
 
 
@@ -150,6 +152,34 @@ def closed_forms() -> list[dict]:
         surface = residual_shear(cycles(np.zeros(1)))[0]
         rows.append({"mu": mu, "inside": 1.0 / inside, "surface": 1.0 / surface})
     show("The same by the closed form", rows)
+    return rows
+
+
+def between() -> list[dict]:
+    """Integral of utilisation^10 over the depth of lines in full slip, by few depths."""
+    near = np.geomspace(1e-7, 1.0, 150)
+    sides = [side + sign * near for side in (-1.0, 1.0) for sign in (-1.0, 1.0)]
+    x = np.unique(np.concatenate((np.linspace(-4.0, 4.0, 801), *sides, (-1.0, 1.0))))[:, None]
+    criterion, rows = DangVan(1.0 / 3.0), []
+
+    def used(z, mu):
+        stress = line_pressure_stress(x, z, 1.0, 1.0, 0.3)
+        stress = stress + mu * line_shear_stress(x, z, 1.0, 1.0, 0.3)
+        return criterion(np.concatenate((stress, np.zeros_like(stress[:, :1])), axis=1))
+
+    for mu in (0.05, 0.3, 0.6):
+        fine = np.concatenate(([0.0], np.geomspace(1e-6, 1.5, 400)))
+        exact = np.trapezoid(used(fine, mu) ** 10, fine)
+        for element in (0.16, 0.08, 0.04, 0.02):
+            depth = element + (1.5 - element) * np.linspace(0.0, 1.0, 23) ** 1.5
+            depth = np.concatenate(([0.0], depth))
+            z, here = np.linspace(0.0, np.sqrt(1.5), 4000) ** 2, used(depth, mu)
+            by_root = over_depth(depth, here[None], z)[0]
+            by_depth = PchipInterpolator(depth, here)(z)
+            errors = (np.trapezoid(u**10, z) / exact - 1.0 for u in (by_root, by_depth))
+            told = zip(("over the root", "over the depth"), errors, strict=True)
+            rows.append({"mu": mu, "element/a": element} | dict(told))
+    show("Integral of the damage over the depth, relative error", rows)
     return rows
 
 

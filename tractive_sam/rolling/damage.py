@@ -30,8 +30,7 @@ from tractive_sam.contact import Model
 from tractive_sam.mechanics import Woehler, over_depth
 from tractive_sam.results import BodyFatigue, widened
 from tractive_sam.rolling.passage import Passage
-from tractive_sam.subsurface import cycle_depths, cycle_fatigue
-from tractive_sam.subsurface.depth import semi_axes
+from tractive_sam.subsurface import cycle_depths, cycle_fatigue, semi_axes
 
 WORN, FINE, GROWTH, COARSE = 0.2, 180, 1.05, 0.25
 """Depth, over the semi-axis a, down to which places of the material lie at squares of their number:

@@ -273,11 +273,17 @@ def _fatigue(model: Model) -> Section:
         life = f"{line.cycles:g} cycles at {asked.limit:g} MPa, to the power -{line.exponent:g}"
         life += ", infinite below" if line.knee else ""
         rows += [("criterion", laws.fatigue.long_name), ("life", life)]
+        if len(model.blocks) > 1:
+            rows.append(("duty cycle", "the damage of its blocks by Miner's rule, in any order"))
+        if model.scene.wear is not None and model.scene.wear.stepping == "adaptive":
+            rows.append(
+                ("jumps", f"within {asked.tolerance:g} of the largest damage, as far as it is told")
+            )
     rows += [
         (
             "depths",
             f"{asked.elements} to {asked.depth:g} a; between the surface and one element "
-            "below it nothing is known but both ends",
+            "below it stress goes with the root of the depth",
         ),
         ("stress", "elastic: where it is above the shakedown limit the material does not see it"),
         ("records", "every one; fields over (y, depth) with the fields that are kept"),
@@ -412,7 +418,7 @@ def _of_fatigue(model: Model) -> int:
     if asked is None:
         return 0
     planes = PLANES if asked.limit and asked.criterion in ("findley", "fatemi-socie") else 1
-    return len(asked.bodies) * asked.elements * FATIGUE_APPLICATIONS * planes
+    return len(model.blocks) * len(asked.bodies) * asked.elements * FATIGUE_APPLICATIONS * planes
 
 
 def seconds_per_application(model: Model) -> float:

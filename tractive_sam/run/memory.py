@@ -50,7 +50,8 @@ def of_fatigue(model: Model) -> float:
         return 0.0
     # Layers go on beyond the mesh; a few of both bodies are held at a time.
     layers = 3 * len(COMPONENTS) * 4 * nx * ny
-    return 8.0 * len(asked.bodies) * (layers + BESIDE * 20 * asked.elements * ny)
+    blocks = len(model.blocks)
+    return 8.0 * len(asked.bodies) * (blocks * layers + BESIDE * 20 * asked.elements * ny)
 
 
 def of_records(model: Model) -> float:

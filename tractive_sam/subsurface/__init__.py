@@ -8,7 +8,7 @@ z = +depth, body B at z = -depth. Across the interface xz, yz and zz are continu
 
 from tractive_sam.results import Maximum, PlaneStress
 from tractive_sam.subsurface.cycle import cycle_depths, cycle_fatigue, fatigue
-from tractive_sam.subsurface.depth import depths
+from tractive_sam.subsurface.depth import depths, semi_axes
 from tractive_sam.subsurface.layers import stress_layers
 from tractive_sam.subsurface.maximum import stress_maxima, stress_maximum
 from tractive_sam.subsurface.plane import stress_on_plane, stress_on_planes
@@ -22,6 +22,7 @@ __all__ = [
     "cycle_fatigue",
     "depths",
     "fatigue",
+    "semi_axes",
     "stress_at",
     "stress_layers",
     "stress_maxima",
