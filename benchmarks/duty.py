@@ -4,22 +4,30 @@ Twin discs on a coarse mesh, blocks of random load, creepage and place from one 
 revolutions the profile of adaptive jumps is compared with that of every revolution, block by block;
 contacts are counted against those of a single load. The order of blocks is turned round at a wear
 of a cycle that halves, over as much depth. With `--kills 40` a run of a spectrum is killed that
-often and compared with one that was not.
+often and compared with one that was not. With `--cores` it is told what blocks side by side could
+win: how much of a contact runs without the lock of the interpreter, which threads share, and after
+how many contacts a process more has paid for its start.
 """
 
 import argparse
 import os
 import random
+import resource
 import signal
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
+from time import thread_time
 
 import numpy as np
+from numba.core.dispatcher import Dispatcher
 from timing import show, write
 
 import tractive_sam as ts
+from tractive_sam.contact import Model, equilibrium
+from tractive_sam.operators.fft import PaddedTransform
 
 REVOLUTIONS = 3000
 DISCS = (
@@ -109,10 +117,76 @@ def killed(times: int) -> float:
     return float(np.abs(history["wear_profile"][-1] - whole).max() / whole.max())
 
 
+def free_seconds() -> list[float]:
+    """Time in transforms and kernels from now on, which hold no lock: a list that grows."""
+    spent: list[float] = []
+
+    def timed(call: Callable) -> Callable:
+        def run(*given, **named):
+            began = thread_time()
+            found = call(*given, **named)
+            spent.append(thread_time() - began)
+            return found
+
+        return run
+
+    for name, module in [*sys.modules.items()]:
+        if name.startswith("tractive_sam"):
+            for key, one in [*vars(module).items()]:
+                if isinstance(one, Dispatcher):
+                    setattr(module, key, timed(one))
+    for name in ("forward", "backward"):
+        setattr(PaddedTransform, name, timed(getattr(PaddedTransform, name)))
+    return spent
+
+
+def cores() -> list[dict]:
+    """What of a contact may run beside another, over meshes; seconds of one processor."""
+    command = [
+        sys.executable,
+        "-c",
+        "import tractive_sam as ts; ts.solve(ts.Scene.builtin('spheres'))",
+    ]
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    subprocess.run(command, check=True, env=os.environ | {"PYTHONWARNINGS": "ignore"})
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    ready = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    rows, models = [], []
+    for n in ((15, 33), (41, 121), (121, 361)):
+        scene = DISCS.with_set([f"grid.elements=[{n[0]}, {n[1]}]"])
+        models.append(Model(scene))
+        equilibrium(models[-1])  # plans and compiled kernels are made once
+    spent = free_seconds()
+    for model in models:
+        spent.clear()
+        began, times = thread_time(), 5
+        for _ in range(times):
+            equilibrium(model)
+        each = (thread_time() - began) / times
+        free = sum(spent) / times / each
+        rows.append(
+            {
+                "elements": "{} x {}".format(*model.grid.elements),
+                "seconds": each,
+                "free": free,
+                "threads": 1.0 / max(1.0 - free, 0.5),
+                "process": ready,
+                "contacts": ready / each,
+            }
+        )
+    return rows
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--kills", type=int, default=0)
+    parser.add_argument("--cores", action="store_true")
     asked = parser.parse_args()
+    if asked.cores:
+        rows = cores()
+        write("duty_cores", rows)
+        show("what blocks side by side could win on two cores", rows)
+        return
     if asked.kills:
         print(f"profile off by {killed(asked.kills):.1e} of its depth")
         return

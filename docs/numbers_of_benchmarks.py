@@ -389,6 +389,36 @@ def duty() -> str:
     return of_columns(rows_of("duty.csv"), columns)
 
 
+def duty_cores() -> str:
+    """What blocks side by side could win."""
+    columns = {
+        "elements": ("elements", str),
+        "seconds a contact": ("seconds", number(".2g")),
+        "of it in transforms and kernels, %": ("free", number(".0f", 100.0)),
+        "two threads, at most times as fast": ("threads", number(".1f")),
+        "seconds until a process is ready": ("process", number(".1f")),
+        "as long as so many contacts": ("contacts", number(".0f")),
+    }
+    return of_columns(rows_of("duty_cores.csv"), columns)
+
+
+def experiment() -> str:
+    """Frictional work of twin discs, measured and predicted."""
+    columns = {
+        "slip, %": ("slip", number("g", 100.0)),
+        "T-gamma/A, measured, N/mm²": ("measured", number(".3g")),
+        "predicted": ("predicted", number(".3g")),
+        "by the least and": ("least", number(".3g")),
+        "the most friction": ("most", number(".3g")),
+        "over measured": ("over", number(".2f")),
+        "wear by the law at the measured work, µg/(m mm²)": ("wear measured", number(".3g")),
+        "at the predicted": ("wear predicted", number(".3g")),
+        "least": ("wear least", number(".3g")),
+        "most": ("wear most", number(".3g")),
+    }
+    return of_columns(rows_of("experiment.csv"), columns)
+
+
 TABLES = {
     one.__name__: one
     for one in (
@@ -418,5 +448,7 @@ TABLES = {
         study_scaling,
         transient_order,
         duty,
+        duty_cores,
+        experiment,
     )
 }

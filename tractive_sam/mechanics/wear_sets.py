@@ -24,7 +24,8 @@ class Regimes:
 
     Examples
     --------
-    >>> ts.USFD["r8t-uic60"].at(50.0)
+    >>> from tractive_sam.mechanics import USFD
+    >>> USFD["r8t-uic60"].at(50.0)
     55.0
     """
 
