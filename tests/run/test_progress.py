@@ -45,6 +45,20 @@ def test_by_itself_only_of_what_takes_longer(monkeypatch):
     assert "revolution 3 of 3" in rolled_on(terminal(), None)
 
 
+def test_of_one_contact_the_mesh_and_its_residual(monkeypatch):
+    def solved_on(terminal, asked):
+        with progress.solving_shown(asked, terminal):
+            ts.solve(SCENE, progress=False)
+        return terminal.file.getvalue()
+
+    assert "15 x 21 elements, residual" in solved_on(terminal(), True)
+    assert not solved_on(terminal(), False)
+    assert not solved_on(terminal(), None)  # it is over at once
+    monkeypatch.setattr(progress, "AT_FIRST", 0.0)
+    assert "15 x 21 elements, residual" in solved_on(terminal(), None)
+    assert not solved_on(terminal(is_one=False), True)
+
+
 @pytest.fixture
 def notebook(monkeypatch):
     """A notebook that keeps what it is shown."""

@@ -343,3 +343,19 @@ def test_a_key_by_its_former_name_is_told_the_new_one():
     tables["load"]["traction_x"] = 0.1
     (fault,) = faults_of(tables)
     assert (fault.key, "force_x" in fault.allowed) == ("load.traction_x", True)
+
+
+@pytest.mark.parametrize(
+    ("entries", "cure"),
+    [
+        ({"body.B.radius_y": "inf"}, "number inf without quotes"),
+        ({"load.normal": "300"}, "number 300 without quotes"),
+        ({"load.normal": "three hundred"}, None),
+        ({"load.normal": "-300"}, None),  # nor would the number do
+    ],
+)
+def test_a_text_that_would_do_as_a_number(entries, cure):
+    with pytest.raises(SceneError) as caught:
+        Scene.builtin("twin-discs").replace(**entries)
+    (fault,) = caught.value.faults
+    assert cure in fault.allowed if cure else "quotes" not in fault.allowed

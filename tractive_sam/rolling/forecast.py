@@ -13,6 +13,9 @@ GROWTH = 0.45
 UNHINDERED = 0.9
 """Jump over the revolutions rolled from which nothing limits it but its own growth: it doubles."""
 
+SHAPED = 0.02
+"""Wear depth over the approach of the bodies from which wear shapes the contact."""
+
 SHORTENING = 4.0
 """So much shorter than the first one that is cut before a stop do steps get there."""
 
@@ -51,8 +54,13 @@ class Forecast:
         self._step = 1.0
         self.done = self.left = 0.0
 
-    def add(self, place: float, jump: float, solves: float, seconds: float) -> None:
-        """Take a record: its place, such as revolutions, and its columns of these names."""
+    def add(
+        self, place: float, jump: float, solves: float, seconds: float, worn: float = 0.0
+    ) -> None:
+        """Take a record: its place, such as revolutions, and its columns of these names.
+
+        `worn` is its wear depth over the approach of the bodies.
+        """
         if self._adaptive and self._wish and place > self._here:
             self._learn(place - self._here, self._distance(self._here), self._wish)
         step = place - self._here
@@ -60,7 +68,9 @@ class Forecast:
         self._here, self._wish = place, jump
         self._spent = [*self._spent[1 - RECENT :], (solves, seconds)]
         self.done += solves
-        self.left = self._foreseen(jump) if self._adaptive else (self.end - place) / self._step
+        self.left = (
+            self._foreseen(jump, worn) if self._adaptive else (self.end - place) / self._step
+        )
 
     @property
     def seconds_left(self) -> float:
@@ -85,14 +95,22 @@ class Forecast:
         """To the next stop."""
         return self._stops[bisect_right(self._stops, here)] - here
 
-    def _foreseen(self, jump: float) -> float:
-        start = max(self._here, 1.0)
-        growth = 1.0 if jump >= UNHINDERED * start else GROWTH
-        here, count = self._here, 0
+    def _foreseen(self, jump: float, worn: float) -> float:
+        here, count, settled = self._here, 0, self._settled
+        start = max(here, 1.0)
+        # Up to the revolutions from which wear shapes the contact jumps grow with them.
+        shaped = start
+        if jump >= UNHINDERED * start:
+            shaped = start * max(SHAPED / worn, 1.0) if worn > 0.0 else inf
         while here < self.end:
             distance = self._distance(here)
-            wish = jump * (max(here, 1.0) / start) ** growth
-            step = max(1.0, min(wish, distance, max(self._settled, ceil(SETTLING * distance))))
+            rolled = max(here, 1.0)
+            even = min(rolled, shaped)
+            wish = jump * even / start * (rolled / even) ** GROWTH
+            nearer = ceil(SETTLING * distance)
+            if settled == inf and nearer < wish and rolled >= shaped:
+                settled = nearer / SHORTENING  # as will be learned there
+            step = max(1.0, min(wish, distance, max(settled, nearer)))
             if count == LONGEST:
                 return count + (self.end - here) / step
             here += step

@@ -142,16 +142,16 @@ def _contact(model: Model) -> Section:
     scene, K = model.scene, model.scene.material.coupling
     if model.elasticity.coupled and model.transmits:
         coupling = (
-            f"K = {K:.4g}: pressure makes the surfaces slip and tractions "
-            "lift them, so both are solved at once"
+            "of unlike bodies: pressure makes the surfaces slip and tractions lift them, so both "
+            f"are solved at once (K = {K:.4g}, 0 of like ones)"
         )
     elif model.elasticity.coupled:
         coupling = (
-            f"K = {K:.4g}, but without friction there are no tractions to "
-            "lift the surfaces: the normal problem stands alone"
+            f"of unlike bodies (K = {K:.4g}), but without friction there are no tractions to lift "
+            "the surfaces: the pressure is solved alone"
         )
     else:
-        coupling = "K = 0: the pressure does not see the tractions and is solved first"
+        coupling = "none (K = 0): tractions do not change the pressure, which is solved first"
     if scene.friction is None:
         tangential = "left out: without friction there is no traction"
     elif not model.transmits:
@@ -164,7 +164,11 @@ def _contact(model: Model) -> Section:
     rows.append(("method", f"{model.method.told}, to a residual of {scene.solver.tolerance:g}"))
     if model.transmits:
         staggered = model.stencil.staggered
-        scheme = "staggered, second order" if staggered else "upwind, first order (the paper's)"
+        scheme = "from differences " + (
+            "between elements (staggered): its error falls with the square of their size"
+            if staggered
+            else "towards the leading edge (upwind, the paper's): its error falls with their size"
+        )
         rows.append(("slip", scheme))
     heat = "heat, " if scene.heat is None else ""
     rows.append(("left out", f"inertia, lubricant, {heat}plasticity; thin or conforming bodies"))
@@ -316,20 +320,10 @@ def _mesh(model: Model) -> Section:
         ("domain", f"+-{grid.half_length[0]:.4g} x +-{grid.half_length[1]:.4g} mm"),
         ("element", f"{grid.dx:.4g} x {grid.dy:.4g} mm"),
     ]
-    if _symmetric(model.scene):
-        rows.append(("symmetry in y", "solved whole: a half would gain a quarter at best"))
     if hertz is not None:
         across = (2 * hertz.a / grid.dx, 2 * hertz.b / grid.dy)
         rows.append(("across the unworn contact", f"{across[0]:.0f} x {across[1]:.0f} elements"))
     return Section("Mesh", rows)
-
-
-def _symmetric(scene: Scene) -> bool:
-    """Whether fields are even or odd in y (benchmarks/symmetry.py says what that is worth)."""
-    creepage, friction, load = scene.creepage, scene.friction, scene.load
-    if scene.gap is not None or creepage.spin or creepage.lateral or load.force_y:
-        return False
-    return friction is None or len(set(friction.mu)) == 1 or friction.angle % 90.0 == 0.0
 
 
 def _work(model: Model) -> Section:
@@ -338,7 +332,7 @@ def _work(model: Model) -> Section:
     else:
         count = applications(model)
         seconds = duration(seconds_per_application(model) * count)
-        time = f"about {seconds} ({count} transform pairs)"
+        time = f"about {seconds}, for {count} elastic responses by Fourier transforms"
     needed, free = memory.of_scene(model), available()
     room = f"about {needed / 2**20:.0f} MiB, and {OF_PROGRAMS} MiB for programs"
     if needed > free:

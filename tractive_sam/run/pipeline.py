@@ -16,7 +16,7 @@ from tractive_sam.results import History, NotConverged, Quantity, Record, State
 from tractive_sam.rolling import first_passage, resumed
 from tractive_sam.run import accurately, given, memory
 from tractive_sam.run.given import measured_gap
-from tractive_sam.run.progress import progress_shown
+from tractive_sam.run.progress import progress_shown, solving_shown
 from tractive_sam.run.recording import Recording
 from tractive_sam.run.resume import last_passage
 from tractive_sam.run.start import started_as, told_of, worn_bodies
@@ -35,6 +35,7 @@ def solve(
     laws: Laws | None = None,
     solver: Solver | None = None,
     jacobian: bool = False,
+    progress: bool | None = None,
 ) -> State:
     """Solve one steady state of a scene.
 
@@ -56,6 +57,9 @@ def solve(
     jacobian : bool
         Whether to compute the derivatives of forces and approach as well, `State.jacobian`: a
         linear system for each parameter. Needs xarray, which comes with the extra ``study``.
+    progress : bool, optional
+        True for a bar, False for none. By default a bar in a terminal or a notebook, of what takes
+        longer than two seconds.
 
     Returns
     -------
@@ -101,12 +105,13 @@ def solve(
         wear = given.depths_of(wear, model.grid)
     if start is not None:
         given.check_start(start, model.grid)
-    if start is not None or wear is not None:
-        contact = equilibrium(model, wear, start)
-    elif scene.accuracy is not None:
-        contact = accurately.solved(scene, measured, model_of)
-    else:
-        _, contact = fitted(model)
+    with solving_shown(progress):
+        if start is not None or wear is not None:
+            contact = equilibrium(model, wear, start)
+        elif scene.accuracy is not None:
+            contact = accurately.solved(scene, measured, model_of)
+        else:
+            _, contact = fitted(model)
     contact = _checked(contact, throw)
     if jacobian and contact.converged:  # on the mesh that it was solved on
         model = model_of(scene, measured, contact.grid)

@@ -7,12 +7,14 @@ from html import escape
 from time import perf_counter
 from typing import Any, Protocol
 
+import numpy as np
 from rich.console import Console
 from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
 from tractive_sam.results import Record
 from tractive_sam.rolling import Forecast
 from tractive_sam.scene import Scene
+from tractive_sam.solvers import watched_by
 
 AT_FIRST = 2.0
 """Seconds before anything is shown, unless it is asked for: most rolls are over by then."""
@@ -57,29 +59,72 @@ def progress_shown(
     if bar is None:
         yield None
         return
-    began = perf_counter()
+    began, first = perf_counter(), "solving the unworn bodies"
+    if scene.accuracy is not None and forecast.end:
+        first = "rolling on coarser meshes"
+
+    def begin(mesh: tuple[int, int], residual: float) -> None:
+        if progress and not forecast.done:
+            bar.show(f"{first}, {_solving(mesh, residual)}", 0.0, None, "")
 
     def advance(record: Record) -> None:
         numbers = (float(record.values.get(name, 1.0)) for name in ("jump", "solves", "seconds"))
-        forecast.add(float(record.at), *numbers)
+        wear, approach = (float(np.max(record.values[of])) for of in ("wear_max", "approach"))
+        worn = wear / approach if approach > 0.0 else 0.0
+        forecast.add(float(record.at), *numbers, worn=worn)
         if progress or perf_counter() - began > AT_FIRST:
-            depth = 1e3 * record.values["wear_max"]
             along = record.coordinate
             place, end = (format(one, along.format) for one in (record.at, forecast.end))
             text = f"{along.name} {place} of {end}"
             if scene.wear is not None:
-                text += f", wear {depth:.3g} µm"
+                text += f", wear {1e3 * wear:.3g} µm"
             left = duration(forecast.seconds_left)
             bar.show(text, forecast.done, forecast.done + forecast.left, left)
 
     try:
         if progress:
-            coarser = scene.accuracy is not None and forecast.end
-            first = "rolling on coarser meshes" if coarser else "solving the unworn bodies"
             bar.show(first, 0.0, None, "")
-        yield advance
+        with watched_by(begin):
+            yield advance
     finally:
         bar.close()
+
+
+@contextmanager
+def solving_shown(progress: bool | None = None, terminal: Console | None = None) -> Iterator[None]:
+    """Show how far the contact is that is solved in the block.
+
+    Parameters
+    ----------
+    progress : bool, optional
+        True for a bar, False for none. By default, a bar where somebody sees it, of what takes
+        longer.
+    terminal : Console, optional
+        Where to; by default the standard error.
+    """
+    if progress is False:
+        yield
+        return
+    began, bars = perf_counter(), list[Bar]()
+
+    def show(mesh: tuple[int, int], residual: float) -> None:
+        if not (progress or perf_counter() - began > AT_FIRST):
+            return
+        if not bars and (bar := _bar(terminal or Console(stderr=True))) is not None:
+            bars.append(bar)
+        for bar in bars:
+            bar.show(f"solving, {_solving(mesh, residual)}", 0.0, None, "")
+
+    try:
+        with watched_by(show):
+            yield
+    finally:
+        for bar in bars:
+            bar.close()
+
+
+def _solving(mesh: tuple[int, int], residual: float) -> str:
+    return f"{' x '.join(map(str, mesh))} elements, residual {residual:.1g}"
 
 
 def duration(seconds: float) -> str:
@@ -116,9 +161,9 @@ class _Terminal:
         self._task = self._bar.add_task("", total=None, left="")
 
     def show(self, text: str, done: float, total: float | None, left: str) -> None:
-        self._bar.start()
         told = f"left {left}" if left else ""
         self._bar.update(self._task, description=text, completed=done, total=total, left=told)
+        self._bar.start()
 
     def close(self) -> None:
         self._bar.stop()

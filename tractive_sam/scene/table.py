@@ -234,9 +234,21 @@ def _read_leaf(reading: _Reading, key: str, table: type[Table], plain: Any) -> N
             str(e["ctx"]["error"]): None for e in error.errors() if e["type"] == "value_error"
         }
         allowed = "; ".join(reasons) or _allowed(table.model_fields[key])
+        allowed += _unquoted(_adapter(table, key), plain)
         reading.faults.append(Fault(key, shown(reading.given[key]), allowed))
     else:
         reading.values[key] = reading.known[key] = value
+
+
+def _unquoted(adapter: TypeAdapter, given: Any) -> str:
+    """A hint for a text that would do as a number."""
+    if not isinstance(given, str):
+        return ""
+    try:
+        adapter.validate_python(number := float(given))
+    except ValueError:  # also of pydantic
+        return ""
+    return f"; the number {number:g} without quotes, perhaps?"
 
 
 def _allowed(info: FieldInfo) -> str:

@@ -11,6 +11,7 @@ from scipy.ndimage import distance_transform_edt
 
 from tractive_sam.solvers.outcome import Outcome, Solver, Start
 from tractive_sam.solvers.problem import NormalProblem, Problem
+from tractive_sam.solvers.watched import tell
 
 
 def refine(values: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
@@ -87,6 +88,7 @@ class Nested:
             share = float(next(sizes) / next(sizes))
             earlier.append((coarse, share))
             start = refined(coarse, coarse_problem, problem)
+        tell(problem.operators.lattice.shape, 1.0)
         if start is None and self.begin is not None:
             start = self.begin.solve(problem, tolerance)
             earlier.append((start, 1.0))

@@ -22,6 +22,7 @@ from tractive_sam.solvers.gmres import gmres
 from tractive_sam.solvers.newton_system import Iterate, System
 from tractive_sam.solvers.outcome import Note, Outcome, Start
 from tractive_sam.solvers.problem import Problem
+from tractive_sam.solvers.watched import tell
 
 GOLDEN = 0.5 * (1.0 + 5.0**0.5)
 
@@ -93,6 +94,7 @@ class Newton:
         least, since, before, bounded = np.inf, 0, np.inf, True
         status, taken = Status.OUT_OF_ITERATIONS, 0
         for taken in range(self.steps + 1):
+            tell(problem.operators.lattice.shape, at.residual)
             if at.residual <= tolerance and not bounded:
                 at, bounded, cost = at.within_bound(problem), True, cost + Cost(1.0)
             if at.residual <= tolerance:
