@@ -157,6 +157,20 @@ def test_layer_works_for_nothing():
     assert contact.dissipation == pytest.approx(contact.work_supplied, rel=1e-7)  # ten tolerances
 
 
+@pytest.mark.parametrize("value", [-0.1, math.nan])
+def test_a_law_of_ones_own_that_becomes_negative_is_told(value):
+    class Own(ts.SlidingShare):
+        least = 0.0
+
+        def at(self, speed):
+            return np.where(speed > 10.0, value, 1.0), np.zeros_like(speed)
+
+    scene = sphere(FALLING, **{"grid.elements": (15, 15)})
+    law = ts.FallingCoulomb(mu=(0.3, 0.3), sliding=Own(), speed=20e3)
+    with pytest.raises(ValueError, match=r"Own\.at"):
+        ts.solve(scene, laws=ts.Laws.of(scene).replace(friction=law))
+
+
 def test_wears_by_the_way_slid_however_little_friction_is_left():
     """Archard's depth is p_n |s|, whatever the friction: in full slip as of the constant law."""
     wear = {"intensity": 1e-7, "revolutions": 1, "turns": "each"}

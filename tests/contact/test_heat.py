@@ -102,6 +102,23 @@ def test_columns_and_history(discs, tmp_path):
     assert again["temperature_mean"][0] == history["temperature_mean"][0]
 
 
+def test_temperatures_have_error_bars(discs):
+    scene = discs.replace(**{"creepage.longitudinal": -2e-3, "creepage.spin": 0.01})
+    rough = ts.roll(scene.replace(grid=None, accuracy={"tolerance": 0.02}))
+    grid = {"half_length": rough.grid.half_length, "elements": (111, 111)}
+    fine = ts.solve(scene.replace(grid=grid)).heat
+    for name in ("temperature_max", "temperature_mean"):
+        bar = rough[f"{name}_error"][-1]
+        assert abs(rough[name][-1] - getattr(fine, name)) < bar  # 0.3 of it
+        assert 0.0 < bar < 0.1
+
+
+def test_a_law_that_knows_no_temperature_is_told(discs):
+    laws = ts.Laws.of(discs).replace(friction=ts.Coulomb(mu=(0.3, 0.3)))
+    with pytest.raises(ValueError, match=r"friction\.temperature"):
+        ts.solve(discs, laws=laws)
+
+
 @pytest.mark.parametrize(
     ("changes", "key", "words"),
     [

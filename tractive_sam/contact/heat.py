@@ -144,10 +144,23 @@ def wear_law_in(model: Model, contact: State) -> WearLaw | None:
 
 
 def in_warmth(model: Model, temperature: np.ndarray) -> FallingCoulomb:
-    """The law of friction at temperatures of the surface, shape (n_x, n_y)."""
+    """The law of friction at temperatures of the surface, shape (n_x, n_y).
+
+    Raises
+    ------
+    ValueError
+        If the law is not of those that may answer to them.
+    """
+    law = model.friction_law
+    if not isinstance(law, FallingCoulomb):
+        raise ValueError(
+            f"friction.temperature: the law of friction in place of the scene's, "
+            f"{type(law).__name__}, knows no temperature; leave the key out, or give a "
+            "FallingCoulomb"
+        )
     degrees, factors = np.array(model.scene.friction.temperature).T
     warmth = Warmth(model.grid.x, model.grid.y, np.interp(temperature, degrees, factors))
-    return replace(model.friction_law, warmth=warmth)
+    return replace(law, warmth=warmth)
 
 
 def warmed(
@@ -177,7 +190,7 @@ def warmed(
         temperature = heat_of(model, start).temperature["A"]
     tried: list[np.ndarray] = []
     found: list[np.ndarray] = []
-    tolerance = 10.0 * model.scene.solver.tolerance
+    tolerance = model.scene.solver.tolerance
     cost = None
     for _ in range(MOST):
         warm = model.with_friction(in_warmth(model, temperature))

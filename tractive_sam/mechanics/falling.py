@@ -202,6 +202,12 @@ class FallingCoulomb(Coulomb):
         """See `FrictionLaw.bound_sliding`."""
         size = np.hypot(*slip)
         share, by_speed = self.sliding.at(self.speed * size)
+        if not (share >= 0.0).all():
+            wrong = ~(share >= 0.0)
+            raise ValueError(
+                f"{type(self.sliding).__name__}.at: a share of {share[wrong][0]:g} of friction at "
+                f"{(self.speed * size)[wrong][0]:g} mm/s; it must be a number of at least 0"
+            )
         kept = np.zeros_like(share)
         if self.memory > 0.0:
             share, by_speed, kept = self._remembered(pressure, size, share, by_speed, x, second)

@@ -69,10 +69,6 @@ def _stressed(scene: Scene) -> tuple[str, ...]:
     return () if scene.subsurface is None else scene.subsurface.bodies
 
 
-def _stressed_accurate(scene: Scene) -> tuple[str, ...]:
-    return _stressed(scene) if _accurate(scene) else ()
-
-
 def _tired(scene: Scene) -> tuple[str, ...]:
     return () if scene.fatigue is None else scene.fatigue.bodies
 
@@ -298,7 +294,10 @@ _OTHERS = (
 )
 # fmt: on
 
-BARRED = ("P", "Qx", "Qy", "Mz", "approach", "p_max", "wear_max", "xi_x", "xi_y")
+BARRED = (
+    *("P", "Qx", "Qy", "Mz", "approach", "p_max", "wear_max", "xi_x", "xi_y"),
+    *("temperature_max", "temperature_mean"),
+)
 
 
 def _error_bar(of: Quantity) -> Quantity:
@@ -317,7 +316,7 @@ def _error_bar(of: Quantity) -> Quantity:
         long_name=f"error bar of {of.name}",
         of=bars if of.dims else bar,
         symbol="",
-        when=_stressed_accurate if of.dims else _accurate,
+        when=lambda scene: _accurate(scene) and of.when(scene),
     )
 
 

@@ -79,6 +79,7 @@ class Sample:
     scales : mapping of Name to float
         What an error of each is relative to; zero of what the scene gives. Forces: the integral of
         the magnitude of the traction, for the moment times the mean radius of the contact.
+        Temperatures: the largest rise above the bulk of a body.
     residual : float
         Relative residual of the contact conditions.
     """
@@ -101,6 +102,11 @@ class Sample:
         scales = {name: abs(value) for name, value in values.items()}
         scales |= {"Qx": force, "Qy": force, "Mz": force * arm, "xi_x": creepage, "xi_y": creepage}
         scales |= dict.fromkeys(off_given(contact), 0.0)
+        if contact.heat is not None:
+            hottest = contact.heat.temperature_max
+            rise = max(abs(hottest - bulk) for bulk in contact.scene.heat.bulks.values())
+            for name in ("temperature_max", "temperature_mean"):
+                values[name], scales[name] = getattr(contact.heat, name), rise
         for body, largest in maxima.items():
             column = f"{largest.criterion.name}_max"
             inside, outside = (LargestStress(column, body, surface) for surface in (False, True))
