@@ -56,6 +56,7 @@ from .scene import Coefficients as Coefficients
 from .scene import Creepage as Creepage
 from .scene import CreepageCourse as CreepageCourse
 from .scene import Fatigue as Fatigue
+from .scene import FatigueVolume as FatigueVolume
 from .scene import Friction as Friction
 from .scene import FrictionCourse as FrictionCourse
 from .scene import Gap as Gap

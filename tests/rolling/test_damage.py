@@ -271,3 +271,25 @@ def test_a_block_aside_damages_its_own_place():
     alone = both.y[one[:, 1] > 0.5 * one[:, 1].max()]
     assert damaged.min() == pytest.approx(alone.min(), abs=0.05)
     assert damaged.max() == pytest.approx(alone.max() + 0.4, abs=0.1)  # an element
+
+
+def test_the_life_of_a_volume():
+    asked = {"criterion": "orthogonal-shear", "sensitivity": None, "limit": 1.0}
+    volume = {"constant": 1e-34}
+    smooth = discs(**asked, volume=volume).replace(wear=None, friction=None, creepage=None)
+    smooth = smooth.replace(grid=None)
+    loads = (200.0, 250.0)
+    lives = [ts.roll(smooth.with_set([f"load.normal={p}"]))["volume_life"][0, 0] for p in loads]
+    # P^-3 of a point contact: meshes that a scene chooses are similar, to the solver's tolerance.
+    assert np.log(lives[0] / lives[1]) / np.log(1.25) == pytest.approx(3.0, abs=1e-3)
+    likely = ts.roll(smooth.with_set(["fatigue.volume.survival=0.5"]))["volume_life"]
+    rarely = ts.roll(smooth)["volume_life"]
+    ratio = (math.log(0.5) / math.log(0.9)) ** 0.9
+    np.testing.assert_allclose(likely / rarely, ratio, rtol=1e-9)
+    assert (ts.roll(smooth)["volume_at_top"] < 0.5).all()
+    rough = discs(**asked, volume={}).replace(wear=None)
+    history = ts.roll(rough)
+    assert "volume_life" not in history.columns  # without a constant
+    assert (history["volume_at_top"] == 1.0).any()  # friction: the surface counts most
+    with pytest.raises(ts.SceneError, match="limit"):
+        discs(**asked | {"limit": None}, volume=volume)

@@ -1,5 +1,6 @@
 """The laws of mechanics that a scene names: the one place where its tables become laws."""
 
+import math
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -34,6 +35,7 @@ from tractive_sam.mechanics import (
     Regimes,
     StressCriterion,
     Strips,
+    VolumeLife,
     WearLaw,
     Woehler,
 )
@@ -58,6 +60,8 @@ class Laws:
         What the cycles of stress are judged by; None without a limit.
     life : Woehler or None
         How many cycles the material endures at a utilisation.
+    volume : VolumeLife or None
+        How many all of its volume endures.
 
     Examples
     --------
@@ -75,12 +79,13 @@ class Laws:
     criterion: StressCriterion = VON_MISES
     fatigue: CycleCriterion | None = None
     life: Woehler | None = None
+    volume: VolumeLife | None = None
 
     @classmethod
     def of(cls, scene: Scene) -> "Laws":
         """The laws that the tables of a scene name."""
         laws = _elasticity(scene), _friction(scene), _wear(scene)
-        return cls(*laws, fatigue=_fatigue(scene), life=_life(scene))
+        return cls(*laws, fatigue=_fatigue(scene), life=_life(scene), volume=_volume(scene))
 
     def replace(self, **laws: Any) -> "Laws":
         """These laws, with others in place of some."""
@@ -196,3 +201,12 @@ def _life(scene: Scene) -> Woehler | None:
     if table is None or table.limit is None:
         return None
     return Woehler(table.cycles, table.exponent, table.knee)
+
+
+def _volume(scene: Scene) -> VolumeLife | None:
+    asked = None if scene.fatigue is None else scene.fatigue.volume
+    if asked is None:
+        return None
+    slope = asked.slope or (9.0 / 8.0 if scene.line else 10.0 / 9.0)
+    exponents = asked.stress_exponent, asked.depth_exponent
+    return VolumeLife(asked.constant or math.nan, slope, asked.limit, *exponents)

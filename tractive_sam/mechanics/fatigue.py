@@ -292,6 +292,10 @@ class Woehler:
         )
 
 
+PARTS = 8
+"""Of the integral over a volume, for every depth."""
+
+
 @dataclass(frozen=True)
 class VolumeLife:
     """Life of a volume under stress, with the probability that all of it survives (Weibull).
@@ -336,7 +340,7 @@ class VolumeLife:
         """The integral over a body, from the first depth below the surface down.
 
         Above it 1/z^h is infinite, and so is the integral where friction stresses the surface: it
-        then grows as that depth, one element, becomes smaller.
+        then grows as that depth, one element, becomes smaller; see `at_the_top`.
 
         Parameters
         ----------
@@ -347,11 +351,23 @@ class VolumeLife:
         around : float
             Length of the track, mm.
         """
-        z = depth[1:]
-        above = np.maximum(stress[:, 1:] - self.limit, 0.0)
-        density = above**self.stress_exponent / z**self.depth_exponent
+        z, density = self._density(depth, stress)
         rows = _trapezia(density, z)
         return float(around * (_trapezia(rows, y) if y.size > 1 else rows[0]))
+
+    def at_the_top(self, depth: np.ndarray, stress: np.ndarray) -> float:
+        """Largest density of the integral at its first depth, over the largest of all.
+
+        Near 1 the integral has no limit, and depends on the size of the elements.
+        """
+        density = self._density(depth, stress)[1]
+        most = density.max(initial=0.0)
+        return float(density[:, 0].max() / most) if most > 0.0 else 0.0
+
+    def _density(self, depth: np.ndarray, stress: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        z = np.linspace(depth[1], depth[-1], PARTS * depth.size)
+        above = np.maximum(over_depth(depth, stress, z) - self.limit, 0.0)
+        return z, above**self.stress_exponent / z**self.depth_exponent
 
     def survival(self, volume: float, cycles: float) -> float:
         """Probability that nothing breaks in a number of cycles."""

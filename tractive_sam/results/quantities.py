@@ -77,6 +77,15 @@ def _with_limit(scene: Scene) -> tuple[str, ...]:
     return () if scene.fatigue is None or scene.fatigue.limit is None else scene.fatigue.bodies
 
 
+def _with_volume(scene: Scene) -> tuple[str, ...]:
+    return () if scene.fatigue is None or scene.fatigue.volume is None else scene.fatigue.bodies
+
+
+def _with_volume_life(scene: Scene) -> tuple[str, ...]:
+    known = _with_volume(scene) and scene.fatigue.volume.constant is not None
+    return scene.fatigue.bodies if known else ()
+
+
 def _with_yield(scene: Scene) -> tuple[str, ...]:
     return () if _shear_yield(scene) is None else _tired(scene)
 
@@ -350,6 +359,7 @@ def stress_columns(criterion: StressCriterion) -> tuple[Quantity, ...]:
 _STRESSES = stress_columns(VON_MISES)
 
 _OF_BODIES = {"dims": ("body",), "when": _with_limit}
+_IN_VOLUME = {"dims": ("body",), "when": _with_volume}
 _OF_PLACES = {"dims": ("body", "position"), "when": _with_limit}
 _SHAKEN = {"dims": ("body",), "when": _with_yield}
 
@@ -387,6 +397,13 @@ _FATIGUE = (
              format=".4g", **_OF_BODIES),
     Quantity("wear_margin", "1", "smallest wear over the wear that balances fatigue, across the "
              "track; below 1 cracks start", format=".3g", **_OF_BODIES),
+    Quantity("stressed_volume", "1", "integral of stress over the volume, N and mm by the "
+             "exponents of fatigue.volume", format=".4g", **_IN_VOLUME),
+    Quantity("volume_life", "1", "revolutions that all of the volume survives, by this record's "
+             "stress, with the probability fatigue.volume.survival", format=".4g",
+             dims=("body",), when=_with_volume_life),
+    Quantity("volume_at_top", "1", "share of the stress that counts an element deep in the largest "
+             "of all: near 1 the volume grows with the mesh", format=".2g", **_IN_VOLUME),
     Quantity("balancing_wear_A", "mm", "wear of body A in a revolution that balances fatigue",
              dims=("y",), when=lambda scene: "A" in _with_limit(scene)),
     Quantity("balancing_wear_B", "mm", "wear of body B in a revolution that balances fatigue",

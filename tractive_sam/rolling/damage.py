@@ -27,7 +27,7 @@ from typing import Any, Self
 import numpy as np
 
 from tractive_sam.contact import Model
-from tractive_sam.mechanics import Woehler, over_depth
+from tractive_sam.mechanics import VolumeLife, Woehler, over_depth
 from tractive_sam.results import BodyFatigue, widened
 from tractive_sam.rolling.passage import Passage
 from tractive_sam.subsurface import cycle_depths, cycle_fatigue, semi_axes
@@ -411,10 +411,9 @@ def _down(
     return _per_pass(life, shares, depth, used, root**2) @ weights
 
 
-def fatigue_columns(
-    tired: Damage, life: Woehler | None, shares: tuple[float, ...] = (1.0,)
-) -> dict[str, Any]:
-    """Columns of what rolling does to the material of each body; shares are those of blocks."""
+def fatigue_columns(tired: Damage, model: Model) -> dict[str, Any]:
+    """Columns of what rolling does to the material of each body."""
+    life, shares = model.laws.life, model.weights
     cycled = {body: one.now for body, one in tired.bodies.items()}
     left = {body: one.largest("residual_shear") for body, one in cycled.items()}
 
@@ -428,12 +427,32 @@ def fatigue_columns(
         "shakedown_lower_at": {body: one.at for body, one in left.items()},
         "shakedown_upper": {body: one.shakedown_upper for body, one in cycled.items()},
     }
+    if model.laws.volume is not None:
+        columns |= _of_volume(tired, model, model.laws.volume)
     for body, one in tired.bodies.items():
         for name, value in one.columns(life, shares).items():
             if name == "balancing_wear":
                 columns[f"{name}_{body}"] = value
             else:
                 columns.setdefault(name, {})[body] = value
+    return columns
+
+
+def _of_volume(tired: Damage, model: Model, law: VolumeLife) -> dict[str, Any]:
+    """Columns of the life of a volume: of several blocks, lives add up by Miner's rule."""
+    asked = model.scene.fatigue
+    columns: dict[str, Any] = {"stressed_volume": {}, "volume_life": {}, "volume_at_top": {}}
+    for body, one in tired.bodies.items():
+        radius = getattr(model.scene.body, body).radius_x
+        around = 2.0 * math.pi * abs(radius) if math.isfinite(radius) else 1.0
+        stress = one.used * asked.limit
+        y, depth = one.now.y, one.now.depth
+        volumes = [law.volume(y, depth, each, around) for each in stress]
+        lives = [law.life(volume, asked.volume.survival) for volume in volumes]
+        used = sum(share / each for share, each in zip(model.weights, lives, strict=True))
+        columns["stressed_volume"][body] = float(np.dot(model.weights, volumes))
+        columns["volume_life"][body] = 1.0 / (used * (one.passes or 1.0)) if used else math.inf
+        columns["volume_at_top"][body] = max(law.at_the_top(depth, each) for each in stress)
     return columns
 
 

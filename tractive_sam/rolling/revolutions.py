@@ -125,7 +125,8 @@ def recorded(
         record = _of_contact(passage, passage.told(), model.laws, estimator, own, measured)
         if not record.fields:
             kept = ()
-        values = {**record.values, **of_material, "seconds": perf_counter() - began}
+        known = {k: v for k, v in of_material.items() if k in record.columns}
+        values = {**record.values, **known, "seconds": perf_counter() - began}
         return replace(record, values=values, cycles=kept)
     records = [
         _of_contact(passage, passage.told(k), one.laws, estimator, own, measured, k)
@@ -157,7 +158,7 @@ def _tired(passage: Passage | Moment) -> Damage | None:
 
 def _of_material(passage: Passage | Moment, model: Model) -> dict[str, Any]:
     tired = _tired(passage)
-    return {} if tired is None else fatigue_columns(tired, model.laws.life, model.weights)
+    return {} if tired is None else fatigue_columns(tired, model)
 
 
 def _share_of_alike(spectrum: Spectrum) -> np.ndarray:

@@ -277,6 +277,8 @@ def _fatigue(model: Model) -> Section:
         life = f"{line.cycles:g} cycles at {asked.limit:g} MPa, to the power -{line.exponent:g}"
         life += ", infinite below" if line.knee else ""
         rows += [("criterion", laws.fatigue.long_name), ("life", life)]
+        if laws.volume is not None:
+            rows.append(("volume", _volume(model)))
         if len(model.blocks) > 1:
             rows.append(("duty cycle", "the damage of its blocks by Miner's rule, in any order"))
         if model.scene.wear is not None and model.scene.wear.stepping == "adaptive":
@@ -297,6 +299,16 @@ def _fatigue(model: Model) -> Section:
         ),
     ]
     return Section("Fatigue", rows)
+
+
+def _volume(model: Model) -> str:
+    law, asked = model.laws.volume, model.scene.fatigue.volume
+    told = f"stress^{law.stress_exponent:.4g} / depth^{law.depth_exponent:.4g}"
+    told += f" above {law.limit:g} MPa" if law.limit else ""
+    told += f", Weibull's slope {law.slope:.4g}; from one element deep on"
+    if asked.constant is None:
+        return f"{told}; no life: there is no constant"
+    return f"{told}; life with a survival of {asked.survival:g}"
 
 
 def _mesh(model: Model) -> Section:

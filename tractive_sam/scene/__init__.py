@@ -9,7 +9,7 @@ from .catalogue import builtin_names
 from .checks import FEWEST_ELEMENTS
 from .document import Document
 from .duty import Block, BlockCreepage, BlockFriction, BlockLoad, Spectrum, label
-from .fatigue import Fatigue
+from .fatigue import Fatigue, FatigueVolume
 from .faults import (
     MOST_TOLD,
     Fault,
@@ -71,6 +71,7 @@ __all__ = [
     "CreepageCourse",
     "Document",
     "Fatigue",
+    "FatigueVolume",
     "Fault",
     "Friction",
     "FrictionCourse",

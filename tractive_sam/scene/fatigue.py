@@ -55,6 +55,47 @@ def _yield_of_the_criterion(known: Known) -> Iterator[Fault]:
         yield Fault("yield_strength", "nothing", 'a number above 0: "fatemi-socie" divides by it')
 
 
+class FatigueVolume(Table):
+    """Life of the whole volume under stress, with the probability that all of it survives.
+
+    By Lundberg and Palmgren, or with a stress that does no harm by Ioannides and Harris; see
+    `ts.VolumeLife`.
+
+    Examples
+    --------
+    >>> ts.FatigueVolume(constant=1e-34).survival
+    0.9
+    """
+
+    constant: float | None = entry(
+        "constant of the material, N, mm and cycles; without it there is no life",
+        "a number from 1e-100 to 1e100",
+        None,
+        ge=1e-100,
+        le=1e100,
+    )
+    survival: float = entry(
+        "probability that all of the volume survives the life",
+        "a number above 0 and below 1",
+        0.9,
+        gt=0.0,
+        lt=1.0,
+    )
+    slope: Positive | None = positive("slope of Weibull; by itself 10/9, of a line 9/8", None)
+    limit: NotNegative = entry("stress that does no harm, MPa", "a number of at least 0", 0.0)
+    stress_exponent: Positive = entry(
+        "exponent of the stress", "a number above 0, at most 100", 31.0 / 3.0, le=MOST_EXPONENT
+    )
+    depth_exponent: NotNegative = entry(
+        "exponent of the depth", "a number from 0 to 10", 7.0 / 3.0, le=10.0
+    )
+
+
+def _limit_of_the_volume(known: Known) -> Iterator[Fault]:
+    if known["volume"] is not None and known["limit"] is None:
+        yield Fault("limit", "nothing", "a number above 0: [fatigue.volume] takes the criterion")
+
+
 class Fatigue(Table):
     """What rolling does to the material: shakedown, fatigue, and damage while it wears.
 
@@ -102,6 +143,7 @@ class Fatigue(Table):
     bodies: Annotated[tuple[Literal["A", "B"], ...], AfterValidator(distinct)] = entry(
         "bodies that are followed", 'a list of "A" and "B"', ("A", "B"), min_length=1
     )
+    volume: FatigueVolume | None = entry("life of the whole volume under stress", "", None)
     tolerance: float = entry(
         "error that jumps of the stepping may make, relative to the largest damage: they are made "
         "shorter for it",
@@ -115,6 +157,7 @@ class Fatigue(Table):
         _something_asked,
         _sensitivity_of_the_criterion,
         _yield_of_the_criterion,
+        _limit_of_the_volume,
     )
 
     @property
