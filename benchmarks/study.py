@@ -230,8 +230,8 @@ def many(done: ts.StudyResults, scratch: Path) -> dict:
     with (folder / "complete.jsonl").open("w") as file:
         for case in found:
             (folder / f"{case.name}.h5").touch()
-            line = {"digest": case.digest, "message": "", "row": done.rows[0].last}
-            file.write(json.dumps(line) + "\n")
+            line = {"digest": case.digest, "size": 0, "version": ts.__version__, "message": ""}
+            file.write(json.dumps(line | {"row": done.rows[0].last}) + "\n")
     times.append(perf_counter())
     assert ts.open_study(folder).complete
     times.append(perf_counter())
