@@ -14,7 +14,7 @@ parts.write(HERE)
 project = "tractive_sam"
 author = "The tractive_sam developers"
 project_copyright = author
-release = installed("tractive-sam")
+release = installed("tractive-sam").partition(".post")[0]  # without the commits since
 
 extensions = [
     "sphinx.ext.autodoc",

@@ -3,6 +3,8 @@
 import re
 from pathlib import Path
 
+import pytest
+
 import tractive_sam as ts
 
 ROOT = Path(__file__).parents[1]
@@ -27,9 +29,14 @@ def test_pictures_exist():
         assert (ROOT / picture).exists(), picture
 
 
-def test_links_lead_somewhere():
-    for link in re.findall(r"[^!]\[[^\]]*\]\((?!http)(.*?)\)", README):
-        assert (ROOT / link).exists(), link
+@pytest.mark.parametrize(
+    "page", ["README.md", "benchmarks/README.md", ".github/CONTRIBUTING.md"], ids=str
+)
+def test_links_lead_somewhere(page):
+    """Those of the manual are checked as it is built."""
+    text = (ROOT / page).read_text(encoding="utf-8")
+    for link in re.findall(r"[^!]\[[^\]]*\]\((?!http)(.*?)\)", text):
+        assert ((ROOT / page).parent / link.partition("#")[0]).exists(), link
 
 
 def test_the_first_command_runs_the_scene_as_it_is():
