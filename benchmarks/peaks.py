@@ -1,15 +1,25 @@
 """How fast peak values converge, each as it is recorded and by other ways to the same quantity.
 
+- cylinders at rest on each other (Hertz) by other elements of pressure: constant ones, which are
+  those of the package; bilinear ones; constant ones of which the outermost are cut to the contact;
 - spheres in full slip: stress at the trailing edge (Hamilton 1983): at centres of elements,
   between them, and taken on to the edge;
 - cylinders in partial slip (Carter 1926), where the largest stress of body B is where stick ends;
-- the peak contact pressure of Hertz, of an element and by a parabola through its neighbours, with
-  the middle of the contact on a centre of an element, and on a corner of four;
-- worn discs: how far pressures zigzag about a smooth course from N = 2,500 to 15,000.
+- cylinders in partial slip: the largest traction, of an element and taken on to the end of stick,
+  which is where what it lacks of its bound vanishes; and the share that sticks, counted or up to
+  there;
+- the peak contact pressure of Hertz, of an element and by parabolas through its neighbours and
+  through their squares, wherever in an element the middle of the contact lies;
+- worn discs: how far pressures zigzag about a smooth course from N = 2,500 to 15,000, and by how
+  much that course is off: of an element, by parabolas, as a mean of three rows at the rim, and
+  taken on to the rim from eight rows inside.
 
-Errors are relative; for the discs they are the largest distance from the smooth course, and the
-change of the last value to the finest mesh.
+Errors are relative, the largest of several places of the edge or the middle in their elements; for
+the discs they are the largest distance from the smooth course, and the change of its mean to the
+finest mesh.
 """
+
+from itertools import product
 
 import numpy as np
 from discs import discs, timed
@@ -25,6 +35,8 @@ from tractive_sam.reference import (
     line_pressure_stress,
     line_shear_stress,
 )
+from tractive_sam.results.edges import beyond, both_ends
+from tractive_sam.run import measured_gap
 from tractive_sam.subsurface import stress_maximum, stress_volume
 from tractive_sam.subsurface.loaded import LoadedBodies
 
@@ -45,7 +57,8 @@ def on_mesh(scene: ts.Scene, across: float, odd: bool = True) -> State:
         grid = {"grid.half_length": half_length, "grid.elements": elements}
     else:
         grid = {"grid.half_length": [half_length] * 2, "grid.elements": [elements] * 2}
-    return equilibrium(Model(scene.replace(**grid)))
+    scene = scene.replace(**grid)
+    return equilibrium(Model(scene, measured_gap(scene)))
 
 
 def surfaces(contact: State, body: str) -> dict[str, float]:
@@ -101,55 +114,212 @@ def row(case: str, quantity: str, way: str, across: int, error: float) -> dict:
     return {"case": case, "quantity": quantity, "way": way, "across": across, "error": error}
 
 
-def hertz_peak() -> list[dict]:
-    scene = ts.Scene.builtin("spheres").with_set(["creepage.longitudinal=0"])
-    rows = []
+def largest_traction() -> list[dict]:
+    """Carter's cylinders at an eighth to a half of the creepage of full slip."""
+    scene, rows = ts.Scene.builtin("cylinders"), []
+    hertz, mu = scene.hertz, scene.friction.mu[0]
     for across in ACROSS:
-        for odd, middle in ((True, "centre"), (False, "corner")):
-            contact = on_mesh(scene, across, odd)
-            p0, case = scene.hertz.p0, f"Hertz, middle on a {middle}"
-            for way, value in (("element (recorded)", contact.p_max), ("parabola", top(contact))):
-                rows.append(row(case, "p_max", way, across, value / p0 - 1.0))
+        errors = {}
+        for share in (0.125, 0.25, 0.375, 0.5):
+            creepage = -share * mu * hertz.a / hertz.radius
+            end = 1.0 - 2.0 * (1.0 - share)  # of stick, over a
+            truth = mu * hertz.p0 * np.sqrt(1.0 - end**2)
+            for shift in SHIFTS:
+                contact = on_mesh(
+                    scene.replace(**{"creepage.longitudinal": creepage}), across + shift
+                )
+                for way, value in of_traction(contact, mu).items():
+                    found = errors.setdefault(("largest traction", way), [])
+                    found.append(value / truth - 1.0)
+                counted = np.count_nonzero(contact.sticking) / np.count_nonzero(contact.touching)
+                for way, value in (("counted", counted), ("recorded", contact.stick_fraction)):
+                    errors.setdefault(("share that sticks", way), []).append(
+                        value / (1.0 - share) - 1.0
+                    )
+        rows += [
+            row("cylinders, partial slip", quantity, way, across, max(found, key=abs))
+            for (quantity, way), found in errors.items()
+        ]
     return rows
 
 
-def top(contact: State) -> float:
-    """The top of parabolas in x and y through the peak contact pressure and its neighbours."""
-    p = contact.pressure
+def of_traction(contact: State, mu: float) -> dict[str, float]:
+    """The largest traction of a line that sticks at its leading edge, by each way."""
+    p, q = contact.pressure[:, 0], np.abs(contact.traction[0, :, 0])
+    lacks = np.where(contact.sticking[:, 0], np.maximum(mu * p - q, 0.0), 0.0)
+    before = beyond(lacks[::-1, None])[::-1, 0]
+    first = np.flatnonzero(np.isfinite(before))[0]
+    end = first - before[first]  # in elements
+    touching = np.flatnonzero(p > 0.0)
+    near = touching[np.argsort(np.abs(touching - end))[:3]]
+    square = np.polynomial.Polynomial.fit(near, p[near] ** 2, 2)(end)
+    return {"element": q.max(), "to the end of stick": mu * np.sqrt(max(square, 0.0))}
+
+
+def hertz_peak() -> list[dict]:
+    """Wherever the middle of the contact lies in an element: bodies that lean as much."""
+    scene = ts.Scene.builtin("spheres").with_set(["creepage.longitudinal=0"])
+    radius, p0, rows = scene.body.radii[0], scene.hertz.p0, []
+    for across in ACROSS:
+        errors: dict[str, list[float]] = {}
+        side = 2.0 * scene.hertz.a / across
+        wide = side * (across / 2 + 4)
+        for x, y in ((0.0, 0.0), (0.25, 0.0), (0.25, 0.25), (0.5, 0.0), (0.5, 0.5)):
+            ends = np.array([-wide, wide])
+            lean = -(x * ends[:, None] + y * ends[None, :]) * side / radius
+            gap = ts.Gap(x=ends, y=ends, separation=lean - lean.min())
+            contact = on_mesh(scene.replace(gap=gap), across)
+            for way, of in (("element (recorded)", np.max), ("parabolas", top), ("squares", roots)):
+                errors.setdefault(way, []).append(of(contact.pressure) / p0 - 1.0)
+        for way, found in errors.items():
+            rows.append(row("spheres, Hertz", "p_max", way, across, max(found, key=abs)))
+    return rows
+
+
+def top(p: np.ndarray) -> float:
+    """The top of parabolas in x and y through the largest value and its neighbours."""
     i, j = np.unravel_index(np.argmax(p), p.shape)
     value = p[i, j]
     for before, after in ((p[i - 1, j], p[i + 1, j]), (p[i, j - 1], p[i, j + 1])):
         bend = before - 2.0 * p[i, j] + after
-        value -= (after - before) ** 2 / (8.0 * bend)
+        if bend < 0.0:
+            value -= (after - before) ** 2 / (8.0 * bend)
     return float(value)
 
 
+def roots(p: np.ndarray) -> float:
+    """The same of the squares, which are parabolas in Hertz contacts."""
+    return top(p**2) ** 0.5
+
+
+def three_rows(p: np.ndarray) -> float:
+    """The largest mean of three rows of elements."""
+    return float(((p[:, :-2] + p[:, 1:-1] + p[:, 2:]) / 3.0).max())
+
+
+def to_the_rim(p: np.ndarray) -> float:
+    """Taken on to the rim by a straight line through eight rows, without the two outermost."""
+    course = p.max(axis=0)
+    rows = np.flatnonzero(course > 0.0)
+    steps = np.arange(2.0, 10.0)
+    lines = (
+        np.polynomial.Polynomial.fit(steps, course[end[2:10]], 1) for end in (rows, rows[::-1])
+    )
+    return float(max(course[rows[2:-2]].max(), *(line(-0.5) for line in lines)))
+
+
 def worn_discs() -> list[dict]:
-    histories = {mesh: timed(discs(15000, f"grid.elements={list(mesh)}"))[0] for mesh in MESHES}
-    finest, rows = histories[MESHES[-1]], []
-    for mesh, history in histories.items():
-        late = history["revolution"] > WORN
-        course = np.log(history["revolution"][late])
-        for name in ("p_max", "p_95"):
-            values = history[name][late]
-            smooth = np.polynomial.Polynomial.fit(course, values, 4)(course)
-            case = "worn discs"
-            zigzag = float(np.abs(values / smooth - 1.0).max())
-            rows.append(row(case, name, "zigzag", mesh[0], zigzag))
-            rows.append(
-                row(case, name, "last, to the finest", mesh[0], values[-1] / finest[name][-1] - 1.0)
-            )
+    """The course of the pressure at the rim, and of `p_95`, over the mesh."""
+    late = list(range(WORN, 15001, 500))
+    ways = {
+        ("p_max", "element (recorded)"): lambda state: state.p_max,
+        ("p_max", "parabolas"): lambda state: top(state.pressure),
+        ("p_max", "three rows"): lambda state: three_rows(state.pressure),
+        ("p_max", "to the rim"): lambda state: to_the_rim(state.pressure),
+        ("p_95", "recorded"): lambda state: state.p_95,
+    }
+    courses: dict[tuple[str, str], dict] = {way: {} for way in ways}
+    for mesh in MESHES:
+        scene = discs(15000, f"grid.elements={list(mesh)}").replace(**{"wear.save": late})
+        history, _ = timed(scene)
+        states = [history.state(revolution) for revolution in late]
+        for way, of in ways.items():
+            courses[way][mesh] = np.array([of(state) for state in states])
+    rows, over = [], np.log(late)
+    for (quantity, way), course in courses.items():
+        smooth = {
+            mesh: np.polynomial.Polynomial.fit(over, values, 4)(over)
+            for mesh, values in course.items()
+        }
+        for mesh, values in course.items():
+            zigzag = float(np.abs(values / smooth[mesh] - 1.0).max())
+            off = float((smooth[mesh] / smooth[MESHES[-1]] - 1.0).mean())
+            rows.append(row("worn discs, zigzag", quantity, way, mesh[0], zigzag))
+            rows.append(row("worn discs, to the finest", quantity, way, mesh[0], off))
     return rows
 
 
+def elements_of_pressure() -> list[dict]:
+    """Hertz's line contact of a = p0 = 1 by other elements, on a dense matrix."""
+    rows = []
+    for across in ACROSS:
+        errors: dict[tuple[str, str], list[float]] = {}
+        for shift, middle in product(SHIFTS, (0.0, 0.2, 0.4)):
+            side = 2.0 / (across + shift)
+            count = int(across / 2 + 3)
+            x = (np.arange(-count, count + 1) + middle) * side
+            t = x[:, None] - x
+            constant = _integral(t - side / 2) - _integral(t + side / 2)
+            hats = (2.0 * _twice(t) - _twice(t - side) - _twice(t + side)) / side
+            sides = np.full(x.size, side)
+            plain = _line_contact(constant, x, sides)
+            found = {"constant": plain, "bilinear": _line_contact(hats, x, sides)}
+            ahead, behind = both_ends(plain[:, None])
+            touching = np.flatnonzero(plain > 0.0)
+            ends = (
+                x[touching[0]] - side * behind[touching[0], 0],
+                (x[touching[-1]] + side * ahead[touching[-1], 0]),
+            )
+            low, high = np.maximum(x - side / 2, ends[0]), np.minimum(x + side / 2, ends[1])
+            left = high - low > 1e-9
+            low, high = low[left], high[left]
+            cut, at = np.zeros(x.size), (low + high) / 2
+            matrix = _integral(at[:, None] - high) - _integral(at[:, None] - low)
+            cut[left] = _line_contact(matrix, at, high - low)
+            found["cut to the contact"] = cut
+            for kind, p in found.items():
+                k = int(np.argmax(p))
+                parabola = p[k] - (p[k + 1] - p[k - 1]) ** 2 / 8 / (p[k - 1] - 2 * p[k] + p[k + 1])
+                errors.setdefault((kind, "element"), []).append(p[k] - 1.0)
+                errors.setdefault((kind, "parabola"), []).append(parabola - 1.0)
+        rows += [
+            row("cylinders, Hertz", "p_max", f"{kind}, {way}", across, max(found, key=abs))
+            for (kind, way), found in errors.items()
+        ]
+    return rows
+
+
+def _integral(t: np.ndarray) -> np.ndarray:
+    """Of the logarithm over pi: displacement by a constant element is a difference of it."""
+    return (t * np.log(np.abs(np.where(t == 0.0, 1.0, t))) - t) / np.pi
+
+
+def _twice(t: np.ndarray) -> np.ndarray:
+    """The same integrated once more: that by a hat is its second difference."""
+    return (t**2 / 2.0 * np.log(np.abs(np.where(t == 0.0, 1.0, t))) - 0.75 * t**2) / np.pi
+
+
+def _line_contact(matrix: np.ndarray, x: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Pressures of a parabola x²/2 pressed on by pi/2, a and p0 being one."""
+    touching = np.abs(x) < 1.2
+    while True:
+        k = np.flatnonzero(touching)
+        system = np.block([[matrix[np.ix_(k, k)], -np.ones((k.size, 1))], [weights[k], 0.0]])
+        *inside, approach = np.linalg.solve(system, np.append(-(x[k] ** 2) / 2, np.pi / 2))
+        p = np.zeros(x.size)
+        p[k] = inside
+        gap = matrix @ p + x**2 / 2 - approach
+        now = (p > 0.0) | (~touching & (gap < 0.0))
+        if (now == touching).all():
+            return p
+        touching = now
+
+
 def main():
-    rows = [*sliding_spheres(), *rolling_cylinders(), *hertz_peak(), *worn_discs()]
+    rows = [
+        *elements_of_pressure(),
+        *hertz_peak(),
+        *largest_traction(),
+        *rolling_cylinders(),
+        *sliding_spheres(),
+        *worn_discs(),
+    ]
     table = []
     for case, quantity, way in dict.fromkeys((r["case"], r["quantity"], r["way"]) for r in rows):
         own = [r for r in rows if (r["case"], r["quantity"], r["way"]) == (case, quantity, way)]
         line = {"case": case, "quantity": quantity, "way": way, "order": ""}
         errors = np.abs([r["error"] for r in own])
-        if way not in ("zigzag", "last, to the finest"):
+        if case not in ("worn discs, zigzag", "worn discs, to the finest"):
             slope = np.polyfit(np.log([r["across"] for r in own]), np.log(errors), 1)[0]
             line["order"] = float(-slope)
         table.append(line | {f"{k + 1}": r["error"] for k, r in enumerate(own)})

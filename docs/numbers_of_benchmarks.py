@@ -1,5 +1,6 @@
 """The tables of numbers in the manual, each from a CSV file that a benchmark has written."""
 
+import math
 import statistics
 from collections import defaultdict
 
@@ -189,16 +190,36 @@ def balance() -> str:
 
 
 def peaks() -> str:
-    """Errors of peak values."""
-    wanted = {"16", "32", "96"}
-    columns = {
-        "case": ("case", str),
-        "quantity": ("quantity", str),
-        "way": ("way", str),
-        "elements across": ("across", str),
-        "error, %": ("error", number("+.2f", 100.0)),
-    }
-    return of_columns(rows_of("peaks.csv", lambda r: r["across"] in wanted), columns)
+    """Errors of peak values in per cent, over the mesh, and their order."""
+    found = defaultdict(dict)
+    for row in rows_of("peaks.csv"):
+        if not row["case"].startswith("worn"):
+            of = row["case"], row["quantity"], row["way"]
+            found[of][int(row["across"])] = abs(100.0 * float(row["error"]))
+    lines = []
+    for of, errors in found.items():
+        order = -statistics.linear_regression(*map(_logs, zip(*errors.items(), strict=True))).slope
+        lines.append((*of, *(f"{errors[n]:.2g}" for n in PEAK_MESHES), f"{order:.1f}"))
+    across = (f"{n} across" for n in PEAK_MESHES)
+    return markdown(("case", "quantity", "way", *across, "order"), lines)
+
+
+PEAK_MESHES = (16, 32, 96)
+
+
+def _logs(values: tuple[float, ...]) -> list[float]:
+    return [math.log(value) for value in values]
+
+
+def peaks_worn() -> str:
+    """How the peaks of worn discs stray, in per cent, over the mesh."""
+    found = defaultdict(list)
+    for row in rows_of("peaks.csv", lambda r: r["case"].startswith("worn")):
+        found[row["quantity"], row["way"], row["across"]].append(100.0 * float(row["error"]))
+    head = ("quantity", "way", "elements in x", "zigzag", "mean, to the finest mesh")
+    return markdown(
+        head, ((*of, f"{zigzag:.2f}", f"{off:+.2f}") for of, (zigzag, off) in found.items())
+    )
 
 
 def hard_scenes() -> str:
@@ -437,6 +458,7 @@ TABLES = {
         stepping,
         balance,
         peaks,
+        peaks_worn,
         hard_scenes,
         falling,
         heat,
