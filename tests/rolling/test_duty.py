@@ -227,8 +227,11 @@ def test_it_resumes_as_if_nothing_had_happened(tmp_path, stepping):
     assert_same(history, whole, *names)
     np.testing.assert_array_equal(history.field("pressure"), whole.field("pressure"))
     other = scene.replace(duty=(SLOW, HEAVY, ASIDE))
-    with pytest.raises(ts.ResultsError, match="duty"):
+    told = r"duty\[0\]\.revolutions: 1 there, 2 now"
+    with pytest.raises(ts.ResultsError, match=told):
         ts.roll(other, path, resume=True)
+    with pytest.raises(ts.ResultsError, match="duty: 3 tables there, 2 tables now"):
+        ts.roll(scene.replace(duty=(HEAVY, SLOW)), path, resume=True)
 
 
 @pytest.mark.slow

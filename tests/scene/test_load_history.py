@@ -147,6 +147,8 @@ def test_one_of_blocks_and_a_history(loads):
     with pytest.raises(ts.SceneError) as caught:
         DISCS.replace(duty=[{"revolutions": 1}], load_history={"file": str(loads)})
     assert [fault.key for fault in caught.value.faults] == ["load_history.file"]
+    with pytest.raises(ts.SceneError):
+        DISCS.with_set([f"load_history.file={loads}", "duty=[{revolutions=1}]"])
     with pytest.raises(ts.SceneError) as caught:
         DISCS.with_set([f"duty.file={loads}"])
     assert [fault.key for fault in caught.value.faults] == ["duty"]

@@ -243,7 +243,14 @@ def _differing(before: Any, now: Any, key: str = "") -> list[str]:
             for name in {**before, **now}
             for found in _differing(before.get(name), now.get(name), f"{key}.{name}".lstrip("."))
         ]
+    if _are_tables(before) and _are_tables(now) and len(before) == len(now):
+        pairs = enumerate(zip(before, now, strict=True))
+        return [found for k, pair in pairs for found in _differing(*pair, f"{key}[{k}]")]
     return [key]
+
+
+def _are_tables(value: Any) -> bool:
+    return isinstance(value, tuple) and bool(value) and isinstance(value[0], dict)
 
 
 def _same(before: Any, now: Any) -> bool:
@@ -256,8 +263,10 @@ def _same(before: Any, now: Any) -> bool:
 
 def _shown(entries: dict[str, Any], key: str) -> str:
     value: Any = entries
-    for name in key.split("."):
-        value = (value or {}).get(name)
+    for name in key.replace("[", ".").replace("]", "").split("."):
+        value = value[int(name)] if isinstance(value, tuple) else (value or {}).get(name)
+    if _are_tables(value):
+        return f"{len(value)} tables"
     return "nothing" if value is None else str(value)
 
 

@@ -58,8 +58,9 @@ def override(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str,
         for rival in RIVALS.get(key, ()) if value is not None else ():
             if not any(f"{change}.".startswith(f"{rival}.") for change in changes):
                 _remove(result, rival)
+    changed = {change.split(".")[0] for change in changes}
     for key, other in (("load_history", "duty"), ("duty", "load_history")):
-        if any(f"{change}.".startswith(f"{key}.") for change in changes) and other not in changes:
+        if key in changed and other not in changed:
             _remove(result, other)
     if changes.get("wear.law", "archard") not in BY_COEFFICIENT:
         for key in ("wear.intensity", "wear.coefficient"):
