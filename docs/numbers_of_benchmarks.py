@@ -357,7 +357,8 @@ def tables() -> str:
     told = (
         f"{about['points']} points; {float(about['inside']):.1%} of them are within the error that "
         f"the table tells. It has {about['nodes']} nodes for a tolerance of "
-        f"{float(about['tolerance']):g} and took {float(about['cpu_seconds']):.0f} s of one core."
+        f"{float(about['tolerance']):g} and took {float(about['cpu_seconds']):.0f} s of one core, "
+        f"{float(about['cpu_seconds']) / 3600.0:.2g} core-hours."
     )
     return told + "\n\n" + of_columns(rows_of("tables.csv"), columns)
 

@@ -98,5 +98,6 @@ from .tables import TableDesign as TableDesign
 from .tables import TableError as TableError
 from .tables import build_table as build_table
 from .tables import open_table as open_table
+from .tables import write_fmu as write_fmu
 
 __version__: str

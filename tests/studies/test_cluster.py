@@ -296,3 +296,19 @@ def test_nobody_is_seen_to_be_there_without_a_client(tmp_path, monkeypatch):
     monkeypatch.setattr("distributed.Client", lambda *_, **__: pytest.fail("a client was made"))
     with pytest.raises(SchedulerLostError, match="start one"):
         study(ASKED, tmp_path, scheduler="tcp://127.0.0.1:9")
+
+
+def test_calls_of_a_killed_worker_are_made_again(tmp_path):
+    """Its nanny starts another one."""
+
+    def killed_once(place, folder):
+        if place == 1 and not (folder / "was-here").exists():
+            (folder / "was-here").touch()
+            os.kill(os.getpid(), signal.SIGKILL)
+        return 10 * place
+
+    with cluster.local_cluster(1) as (address, security):
+        calls = [(killed_once, place, tmp_path) for place in range(3)]
+        found = dict(cluster.computed(calls, address, lambda _: None, security))
+    assert (tmp_path / "was-here").exists()
+    assert found == {0: 0, 1: 10, 2: 20}

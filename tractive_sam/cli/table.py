@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -32,32 +32,68 @@ def table(
             metavar="FILE.h", help="Write it as a C header too; its function has the file's name."
         ),
     ] = None,
+    fmu: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.fmu",
+            help="Write it as a unit of FMI 2.0 too, compiled by cc where there is one.",
+        ),
+    ] = None,
     text: Annotated[
         Path | None,
         typer.Option(metavar="FILE.txt", help="Write its nodes as columns of text too."),
     ] = None,
+    figure: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.png", help="Draw the errors of the points held out."),
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS", help="Scheduler of dask.distributed whose workers solve contacts."
+        ),
+    ] = None,
+    workers: Annotated[
+        int,
+        typer.Option(
+            min=0, metavar="N", help="Without a scheduler: processes on this machine; 0: this one."
+        ),
+    ] = 0,
 ) -> None:
     """Make a table of creep forces with gradients and error bars."""
+    from tractive_sam.studies import SchedulerLostError
     from tractive_sam.tables import build_table, builtin_tables, open_table
 
     made = file.endswith(".nc") or file in builtin_tables()
-    if made == (output is not None) or (made and not (header or text)):
-        needed = "--header or --text" if made else "--output FILE.nc"
+    writes: tuple[tuple[Path | None, Callable[[Any, Path], None]], ...] = (
+        (header, _header), (fmu, _fmu), (text, _text), (figure, _figure),
+    )  # fmt: skip
+    if made == (output is not None) or (made and not any(path for path, _ in writes)):
+        needed = "--header, --fmu, --text or --figure" if made else "--output FILE.nc"
         raise stop(Status.INVALID, f"{file}: {needed} is needed, and for a table nothing else")
+    if scheduler is not None and workers:
+        refusal = "--workers: a scheduler has its own, start them by dask worker ADDRESS"
+        raise stop(Status.INVALID, refusal)
+    for path in (output, *(path for path, _ in writes)):
+        _check_folder(path)
     with bad_input_told():
         if made:
             found = open_table(file)
         else:
-            _check_folder(output)
             try:
                 with _progress() as progress, warnings_told():
-                    found = build_table(file, output, progress)
+                    found = build_table(
+                        file, output, progress, scheduler=scheduler, workers=workers,
+                        say=lambda told: say(("note: ", "bold yellow"), told),
+                    )  # fmt: skip
+            except SchedulerLostError as error:
+                raise stop(Status.INCOMPLETE, str(error)) from None
             except RuntimeError as error:
                 raise stop(Status.INCOMPLETE, f"a contact was not solved: {error}") from None
             except ImportError as error:
                 cure = "pip install 'tractive_sam[study]'"
                 raise stop(Status.INVALID, f"table: {error.name} is needed: {cure}") from None
-        for path, write in ((header, _header), (text, _text)):
+        for path, write in writes:
             if path is not None:
                 write(found, path)
     about = found.about
@@ -69,9 +105,9 @@ def table(
     )
 
 
-def _check_folder(output: Path | None) -> None:
-    if output is not None and not output.absolute().parent.is_dir():
-        raise stop(Status.INVALID, f"{output}: there is no folder {output.parent}; make it first")
+def _check_folder(file: Path | None) -> None:
+    if file is not None and not file.absolute().parent.is_dir():
+        raise stop(Status.INVALID, f"{file}: there is no folder {file.parent}; make it first")
 
 
 def _header(found, path: Path) -> None:
@@ -83,10 +119,32 @@ def _header(found, path: Path) -> None:
         raise stop(Status.INVALID, str(error)) from None
 
 
+def _fmu(found, path: Path) -> None:
+    from tractive_sam.tables import write_fmu
+
+    try:
+        if not write_fmu(found, path):
+            cure = "fmpy compile adds what a machine with one needs"
+            say(("note: ", "bold yellow"), f"{path} has sources alone, there is no cc; {cure}")
+    except (ImportError, ValueError) as error:
+        raise stop(Status.INVALID, str(error)) from None
+    except RuntimeError as error:
+        raise stop(Status.INCOMPLETE, str(error)) from None
+
+
 def _text(found, path: Path) -> None:
     from tractive_sam.lookup import columns_of
 
     path.write_text(columns_of(found), encoding="ascii")
+
+
+def _figure(found, path: Path) -> None:
+    from tractive_sam.plot import DPI, table_errors
+
+    try:
+        table_errors(found).savefig(path, dpi=DPI)
+    except ValueError as error:
+        raise stop(Status.INVALID, f"{path}: {error}") from None
 
 
 @contextmanager

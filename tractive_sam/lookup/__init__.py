@@ -11,20 +11,26 @@ from tractive_sam.lookup.coordinates import (
     by_coordinates,
     creepages_at,
 )
-from tractive_sam.lookup.creep_table import CreepTable, Forces
-from tractive_sam.lookup.header import c_header
-from tractive_sam.lookup.hermite import Hermite
+from tractive_sam.lookup.creep_table import CONTACT, RATIO, CreepTable, Forces
+from tractive_sam.lookup.header import arguments_of, c_header, plain_title, reserved_names
+from tractive_sam.lookup.hermite import Hermite, cell_of
 from tractive_sam.lookup.text import columns_of
 
 __all__ = [
+    "CONTACT",
     "MIRROR",
+    "RATIO",
     "REVERSED",
     "Coordinates",
     "CreepTable",
     "Forces",
     "Hermite",
+    "arguments_of",
     "by_coordinates",
     "c_header",
+    "cell_of",
     "columns_of",
     "creepages_at",
+    "plain_title",
+    "reserved_names",
 ]

@@ -15,9 +15,14 @@ alone. Of these, with kappa = w_3/2,
 are the coordinates. 3.2 + 0.9 a/b is near Kalker's C11, so that friction is used up at u of about
 0.6 whatever a/b. Mirrored at the plane y = 0, (w_1, -w_2, -w_3) gives (Q_x, -Q_y, -M_z); with all
 creepages reversed, all forces are, so that (-w_1, w_2, w_3) gives (-Q_x, Q_y, M_z).
+
+Where a contact lacks a symmetry, its table is a whole one, over headings from -pi to pi and tilts
+from -pi/2 to pi/2: dissimilar bodies are not alike when reversed; oblique axes of friction, or a
+gap, when mirrored.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -36,7 +41,7 @@ LEAST, POLE = 1e-9, 1e-6
 """Least r over r_0 and least cosine of the tilt for slopes, which are limits there."""
 
 
-def unit_radius(ratio: np.ndarray | float) -> np.ndarray | float:
+def unit_radius(ratio):
     """r_0 of a/b."""
     return 2.0 / (3.2 + 0.9 * ratio)
 
@@ -68,51 +73,82 @@ class Coordinates:
 
     Attributes
     ----------
-    heading, tilt, u : ndarray, shape (P,)
-        Of the creepages that are the given ones but for `signs`.
+    w : ndarray, shape (3, P)
+        Scaled creepages that are the given ones but for `signs`; of full slip their direction.
     signs : ndarray, shape (3, P)
         Of (w_1, w_2, w_3) and of (Q_x, Q_y, M_z).
-    by_creepages : ndarray, shape (3, 3, P)
-        Derivatives of (heading, tilt, u) by the given w; zero in full slip.
+    r0 : ndarray, shape (P,)
+        `unit_radius`.
+    full : ndarray of bool, shape (P,)
+        Whether a creepage is infinite.
     """
 
-    heading: np.ndarray
-    tilt: np.ndarray
-    u: np.ndarray
+    w: np.ndarray
     signs: np.ndarray
-    by_creepages: np.ndarray
+    r0: np.ndarray
+    full: np.ndarray
 
     @classmethod
-    def of(cls, w: np.ndarray, ratio: np.ndarray) -> "Coordinates":
+    def of(cls, w: np.ndarray, ratio: np.ndarray, whole: bool = False) -> "Coordinates":
         """The coordinates of scaled creepages, shape (3, P); one of each may be infinite.
+
+        Parameters
+        ----------
+        w : ndarray, shape (3, P)
+            Scaled creepages.
+        ratio : ndarray, shape (P,)
+            a/b.
+        whole : bool
+            Whether the table has all headings and tilts, for want of symmetries.
 
         Raises
         ------
         ValueError
             If a creepage is no number, or several are infinite.
         """
-        endless = np.isinf(w)
-        if np.isnan(w).any():
-            raise ValueError("creepages: numbers are needed, not nan")
-        if (endless.sum(axis=0) > 1).any():
-            raise ValueError("creepages: one of them may be infinite, several have no direction")
-        full = endless.any(axis=0)
-        w = np.where(full, np.where(endless, np.sign(w), 0.0), w)
-        signs = np.where(w[2] < 0.0, MIRROR[:, None], 1.0)
-        signs = signs * np.where(w[0] < 0.0, REVERSED[:, None], 1.0)
-        x, y, kappa = signs * w * np.array([1.0, 1.0, SPIN])[:, None]
-        r0 = unit_radius(ratio)
+        full = np.zeros(w.shape[1], bool)
+        if not np.isfinite(w).all():
+            w, full = _directions(w)
+        signs = np.ones_like(w)
+        if not whole:
+            signs = np.where(w[2] < 0.0, MIRROR[:, None], signs)
+            signs = np.where(w[0] < 0.0, REVERSED[:, None] * signs, signs)
+        # Of -0, which + 0 takes away, atan2 would make a heading of pi.
+        return cls(signs * w + 0.0, signs, unit_radius(ratio), full)
+
+    @cached_property
+    def _polar(self) -> tuple[np.ndarray, ...]:
+        """(w_1, w_2), kappa, and the sizes of both without and with kappa."""
+        x, y, kappa = self.w[0], self.w[1], SPIN * self.w[2]
         # Of huge creepages the squares would overflow: hypot does not.
         t = np.hypot(x, y)
-        r = np.hypot(t, kappa)
-        u = np.where(full, 1.0, r / (r + r0))
-        heading, tilt = np.arctan2(y, x), np.arctan2(kappa, t)
+        return x, y, kappa, t, np.hypot(t, kappa)
+
+    @cached_property
+    def points(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Heading, tilt and u, each of shape (P,)."""
+        x, y, kappa, t, r = self._polar
+        u = np.where(self.full, 1.0, r / (r + self.r0))
+        return np.arctan2(y, x), np.arctan2(kappa, t), u
+
+    @property
+    def points_of_slopes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The same, so far from rest and from spin alone that slopes by heading and tilt count."""
+        heading, tilt, u = self.points
+        most = 0.5 * np.pi - POLE
+        return heading, np.minimum(np.maximum(tilt, -most), most), np.maximum(u, LEAST)
+
+    @property
+    def by_creepages(self) -> np.ndarray:
+        """Derivatives of (heading, tilt, u) by the given w, shape (3, 3, P); zero in full slip."""
+        (heading, tilt, _), r0 = self.points, self.r0
+        *_, t, r = self._polar
         t, rest = np.maximum(t, POLE * r), r <= LEAST * r0
         r, t = np.where(rest, LEAST * r0, r), np.where(rest, LEAST * r0, t)
         ch, sh = np.cos(heading), np.sin(heading)
         ct, st = np.cos(tilt), np.sin(tilt)
         none = np.zeros_like(r)
-        stretch = np.where(full, 0.0, r0 / (r + r0) / (r + r0))
+        stretch = r0 / (r + r0) / (r + r0)
         by = np.array(
             [
                 [-sh / t, ch / t, none],
@@ -120,4 +156,15 @@ class Coordinates:
                 [stretch * ct * ch, stretch * ct * sh, SPIN * stretch * st],
             ]
         )
-        return cls(heading, tilt, u, signs, np.where(full, 0.0, by) * signs)
+        return np.where(self.full, 0.0, by) * self.signs
+
+
+def _directions(w: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Creepages of which infinite ones are replaced by their direction, and where they are."""
+    if np.isnan(w).any():
+        raise ValueError("creepages: numbers are needed, not nan")
+    endless = np.isinf(w)
+    if (endless.sum(axis=0) > 1).any():
+        raise ValueError("creepages: one of them may be infinite, several have no direction")
+    full = endless.any(axis=0)
+    return np.where(full, np.where(endless, np.sign(w), 0.0), w), full

@@ -11,6 +11,15 @@ from numpy.typing import ArrayLike
 from tractive_sam.lookup.coordinates import NAMES, Coordinates
 from tractive_sam.lookup.hermite import Hermite, cell_of
 
+RATIO = "log_ratio"
+"""Name of the axis ln(a/b), of tables of any contact of Hertz."""
+
+CONTACT = ("a", "b", "load", "mu", "shear")
+"""What scales the forces of a contact."""
+
+MARGIN = 1e-9
+"""Of a coordinate outside a table that rounding alone may have brought there."""
+
 
 @dataclass(frozen=True, eq=False)
 class Forces:
@@ -22,17 +31,23 @@ class Forces:
         Forces on body A, N.
     Mz : ndarray
         Spin moment on body A, N mm.
-    error : ndarray, shape (3, ...)
-        How far each of the three may be from that on an infinitely fine mesh: error bar of the
-        contacts solved and error of interpolation.
     """
 
     Qx: np.ndarray
     Qy: np.ndarray
     Mz: np.ndarray
-    error: np.ndarray
     _table: "CreepTable" = field(repr=False)
     _at: tuple = field(repr=False)
+
+    @cached_property
+    def error(self) -> np.ndarray:
+        """How far each of Qx, Qy, Mz may be off, shape (3, ...).
+
+        From those on an infinitely fine mesh: error bar of the contacts solved and error of
+        interpolation.
+        """
+        points, _, _, unit, shape = self._at
+        return (unit * self._table.error_at(points)).reshape(3, *shape)
 
     @cached_property
     def gradient(self) -> np.ndarray:
@@ -42,31 +57,40 @@ class Forces:
         """
         points, where, by_creepage, unit, shape = self._at
         first = len(points) - len(NAMES)
-        law = self._table.law
-        by = np.stack([law(points, by=first + k) for k in range(len(NAMES))], axis=1)
-        # by (force, coordinate, P) times (coordinate, creepage, P)
-        found = np.einsum("fkp,kcp->fcp", by, where.by_creepages) * where.signs[:, None]
+        there = (*points[:first], *where.points_of_slopes)
+        by = self._table.law.parts(there, range(first, len(points)))
+        # by (coordinate, force, P) times (coordinate, creepage, P)
+        found = np.einsum("kfp,kcp->fcp", by, where.by_creepages) * where.signs[:, None]
         return (found * unit[:, None] * by_creepage).reshape(3, 3, *shape)
 
 
 @dataclass(frozen=True, eq=False)
 class CreepTable:
-    """The forces of Hertzian contacts of alike bodies over mu P, by a/b, creepages and spin.
+    """The forces of contacts over mu P, by creepages, spin and what else varies.
 
     Called with creepages and contacts it gives forces, their gradient and how far they may be off;
-    see `lookup.coordinates` for the scaling. Every creepage is in the table, infinite ones too; a/b
-    or Poisson's ratio outside are refused.
+    see `lookup.coordinates` for the scaling. Every creepage is in the table, infinite ones too; on
+    other axes what is outside is refused.
 
     Attributes
     ----------
     law : Hermite
-        (Q_x, Q_y, M_z / c) / (mu P) over ln(a/b), Poisson's ratio, heading, tilt and u.
-    bars : ndarray, shape (n_1, ..., n_5, 3)
+        (Q_x, Q_y, M_z / c) / (mu P) over the axes `names`, heading, tilt and u.
+    names : tuple of str
+        Axes beside those of creepages: "log_ratio", ln(a/b), and "poisson" of a table of any
+        contacts of Hertz, and those of its own.
+    bars : ndarray, shape (n_1, ..., n_N, 3)
         Error bars of the contacts at the nodes.
     between : tuple of ndarray
         Largest errors of interpolation seen within each interval of each axis, shape (n - 1, 3).
     about : mapping
         Title, tolerance, versions and what else the file tells.
+    apart : tuple of str
+        Axes between whose nodes nothing is known, such as files of gaps.
+    whole : bool
+        Whether it has all headings and tilts, for want of symmetries.
+    contact : mapping of str to float, optional
+        Of the table of one scene: a, b, load, mu and shear that scale it.
 
     Examples
     --------
@@ -82,9 +106,13 @@ class CreepTable:
     """
 
     law: Hermite
+    names: tuple[str, ...]
     bars: np.ndarray
     between: tuple[np.ndarray, ...]
     about: Mapping[str, Any]
+    apart: tuple[str, ...] = ()
+    whole: bool = False
+    contact: Mapping[str, float] | None = None
 
     @property
     def nodes(self) -> int:
@@ -97,12 +125,12 @@ class CreepTable:
         xi_y: ArrayLike,
         spin: ArrayLike,
         *,
-        a: ArrayLike,
-        b: ArrayLike,
-        load: ArrayLike,
-        mu: ArrayLike,
-        shear: ArrayLike,
-        poisson: ArrayLike | None = None,
+        a: ArrayLike | None = None,
+        b: ArrayLike | None = None,
+        load: ArrayLike | None = None,
+        mu: ArrayLike | None = None,
+        shear: ArrayLike | None = None,
+        **others: ArrayLike | None,
     ) -> Forces:
         """Forces of contacts; all arguments broadcast.
 
@@ -111,67 +139,101 @@ class CreepTable:
         xi_x, xi_y, spin : array_like
             Creepages, and spin in 1/mm; one of each three may be infinite: full slip.
         a, b : array_like
-            Semi-axes in rolling and in lateral direction, mm.
+            Semi-axes in rolling and in lateral direction, mm. Needed, as are the next three, but of
+            the table of one scene, which gives all five.
         load : array_like
             Normal load, N.
         mu : array_like
-            Coefficient of friction.
+            Coefficient of friction, along the axis e1 where it is orthotropic.
         shear : array_like
             Combined shear modulus G, 2/G = 1/G_A + 1/G_B, MPa.
-        poisson : array_like, optional
-            Poisson's ratio; needed of a table with several.
+        **others : array_like
+            Poisson's ratio, ``poisson``, and further axes by their names; each is needed where the
+            table has several values of it.
 
         Raises
         ------
         ValueError
-            If a creepage is no number, a property of the contact not positive and finite, or a/b or
-            Poisson's ratio outside the table.
+            If a creepage is no number, a property of the contact not positive and finite, an axis
+            not given or not of the table, or its value outside the table.
         """
-        given = {"a": a, "b": b, "load": load, "mu": mu, "shear": shear}
-        nu = self.poisson[0] if poisson is None else poisson
-        if poisson is None and len(self.poisson) > 1:
-            raise ValueError(
-                f"poisson: needed, the table has {self.poisson.min():g} to {self.poisson.max():g}"
-            )
-        arrays = np.broadcast_arrays(
-            *(np.asarray(one, float) for one in (xi_x, xi_y, spin, *given.values(), nu))
-        )
-        shape = arrays[0].shape
-        *creepages, a_, b_, load_, mu_, shear_, nu_ = (one.reshape(-1) for one in arrays)
-        for name, one in zip(given, (a_, b_, load_, mu_, shear_), strict=True):
-            if not ((one > 0.0) & np.isfinite(one)).all():
-                raise ValueError(f"{name}: positive and finite numbers are needed")
+        given = self._contact({"a": a, "b": b, "load": load, "mu": mu, "shear": shear})
+        along = self._along(others)
+        arrays = [np.asarray(one, float) for one in (xi_x, xi_y, spin, *given, *along.values())]
+        shape = np.broadcast_shapes(*(one.shape for one in arrays))
+        flat = np.empty((len(arrays), int(np.prod(shape))))
+        for row, one in zip(flat, arrays, strict=True):
+            row.reshape(shape)[...] = one
+        creepages, (a_, b_, load_, mu_, shear_) = flat[:3], flat[3:8]
+        if not ((flat[3:8] > 0.0) & np.isfinite(flat[3:8])).all():
+            proper = ((flat[3:8] > 0.0) & np.isfinite(flat[3:8])).all(axis=1)
+            name = CONTACT[int(proper.argmin())]
+            raise ValueError(f"{name}: positive and finite numbers are needed")
         ratio = a_ / b_
-        self._inside("a/b", np.log(ratio), self.law.axes[0], np.exp)
-        self._inside("poisson", nu_, self.law.axes[1], float)
+        points = dict(zip(along, flat[8:], strict=True))
+        if self.contact is None:
+            points = {RATIO: np.log(ratio)} | points
+        for name, nodes in zip(self.names, self.law.axes, strict=False):
+            self._inside(name, points[name], nodes)
         c, bound = np.sqrt(a_ * b_), mu_ * load_
-        unit = bound * np.stack([np.ones_like(c), np.ones_like(c), c])
-        scale = shear_ * c**2 / bound
-        by_creepage = np.stack([scale, scale, scale * c])
-        where = Coordinates.of(np.stack(creepages) * by_creepage, ratio)
-        points = (np.log(ratio), nu_, where.heading, where.tilt, where.u)
-        values = unit * where.signs * self.law(points)
-        error = unit * self.error_at(points)
-        Qx, Qy, Mz = (one.reshape(shape) for one in values)
-        at = points, where, by_creepage, unit, shape
-        return Forces(Qx, Qy, Mz, error.reshape(3, *shape), self, at)
+        unit = np.array([bound, bound, bound * c])
+        scale = shear_ * (c * c) / bound
+        by_creepage = np.array([scale, scale, scale * c])
+        where = Coordinates.of(creepages * by_creepage, ratio, self.whole)
+        at = (*(points[name] for name in self.names), *where.points)
+        Qx, Qy, Mz = (unit * where.signs * self.law(at)).reshape(3, *shape)
+        return Forces(Qx, Qy, Mz, self, (at, where, by_creepage, unit, shape))
+
+    def _contact(self, given: dict[str, Any]) -> list[Any]:
+        for name, one in given.items():
+            if self.contact is None and one is None:
+                raise ValueError(f"{name}: needed, of tables of any contact")
+            if self.contact is not None and one is not None:
+                raise ValueError(f"{name}: the scene of the table gives it; leave it out")
+        return [*(given if self.contact is None else self.contact).values()]
+
+    def _along(self, others: dict[str, Any]) -> dict[str, Any]:
+        """Values along all axes but a/b and creepages."""
+        axes = {k: v for k, v in zip(self.names, self.law.axes, strict=False) if k != RATIO}
+        for name in others:
+            if name not in axes:
+                known = ", ".join(axes) or "none"
+                raise ValueError(f"{name}: no axis of the table, which has {known}")
+        found = {}
+        for name, nodes in axes.items():
+            found[name] = others.get(name)
+            if found[name] is None:
+                if len(nodes) > 1:
+                    low, high = nodes[0], nodes[-1]
+                    raise ValueError(f"{name}: needed, the table has {low:g} to {high:g}")
+                found[name] = nodes[0]
+        return found
 
     @property
     def ellipticity(self) -> tuple[float, float]:
         """Least and largest a/b."""
+        if self.contact is not None:
+            return (self.contact["a"] / self.contact["b"],) * 2
         low, high = np.exp(self.law.axes[0][[0, -1]])
         return float(low), float(high)
 
-    @property
-    def poisson(self) -> np.ndarray:
-        """Poisson's ratios at the nodes."""
-        return self.law.axes[1]
+    def axis(self, name: str) -> np.ndarray:
+        """The nodes along one of the axes `names`."""
+        return self.law.axes[self.names.index(name)]
 
-    def _inside(self, name, values, nodes, told) -> None:
-        margin = 1e-9
-        outside = (values < nodes[0] - margin) | (values > nodes[-1] + margin)
-        if outside.any():
-            low, high, one = (float(told(v)) for v in (nodes[0], nodes[-1], values[outside][0]))
+    def _inside(self, name: str, values: np.ndarray, nodes: np.ndarray) -> None:
+        if name in self.apart:
+            off = np.abs(values[:, None] - nodes).min(axis=1, initial=np.inf)
+            if not (off <= MARGIN * (1.0 + np.abs(values))).all():
+                known = ", ".join(f"{one:g}" for one in nodes)
+                raise ValueError(f"{name}: {known} are in the table, and nothing between them")
+            return
+        inside = (values >= nodes[0] - MARGIN) & (values <= nodes[-1] + MARGIN)
+        if not inside.all():
+            told = np.array([nodes[0], nodes[-1], values[~inside][0]])
+            if name == RATIO:
+                name, told = "a/b", np.exp(told)
+            low, high, one = (float(v) for v in told)
             raise ValueError(f"{name}: {low:.6g} to {high:.6g} are in the table, not {one:.6g}")
 
     def error_at(self, points) -> np.ndarray:

@@ -7,23 +7,29 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tractive_sam.lookup.coordinates import LEAST, POLE, SPIN
+from tractive_sam.lookup.coordinates import LEAST, NAMES, POLE, SPIN
+from tractive_sam.lookup.creep_table import CONTACT, MARGIN, RATIO
 
 if TYPE_CHECKING:
     from tractive_sam.lookup.creep_table import CreepTable
 
+CREEPAGES = ("xi_x", "xi_y", "spin")
+
+MEANS = """, semi-axes in rolling and in
+   lateral direction (mm), normal load (N), coefficient of friction, combined shear modulus (MPa),
+   Poisson's ratio and what else varies"""
+
 HEAD = """\
-/* @TITLE@: creep forces of Hertzian contacts of alike bodies, written by tractive_sam.
+/* @TITLE@: creep forces, written by tractive_sam.
 
-   int @NAME@(xi_x, xi_y, spin, a, b, load, mu, shear, poisson, force, gradient)
+   int @NAME@(@GIVEN@, force, gradient)
 
-   Creepages and spin (1/mm; one of the three may be infinite), semi-axes in rolling and in lateral
-   direction (mm), normal load (N), coefficient of friction, combined shear modulus (MPa), Poisson's
-   ratio. It fills force[3] with Qx, Qy (N) and Mz (N mm) on body A and, unless it is null,
+   Creepages and spin (1/mm; one of the three may be infinite)@MEANS@.
+   It fills force[3] with Qx, Qy (N) and Mz (N mm) on body A and, unless it is null,
    gradient[9] with their derivatives by xi_x, xi_y, spin, those of Qx first. Returns 0; 1 if a
    creepage is no number or several are infinite, 2 if a property is not positive and finite, 3 if
-   a/b is not from @LOW@ to @HIGH@, 4 if Poisson's ratio is not from @NU_LOW@ to @NU_HIGH@; arrays
-   are left as they are then. Tolerance over mu P: @TOLERANCE@. */
+   a/b is not from @LOW@ to @HIGH@, 4 if another value is outside the table:
+@RANGES@   arrays are left as they are then. Tolerance over mu P: @TOLERANCE@. */
 #ifndef @GUARD@
 #define @GUARD@
 #include <math.h>
@@ -71,11 +77,12 @@ static void @NAME@_law(const double *at, int by, double f[3]) {
     }
 }
 
-static int @NAME@(double xi_x, double xi_y, double spin, double a, double b, double load,
-                  double mu, double shear, double poisson, double force[3], double *gradient) {
-    const double given[5] = {a, b, load, mu, shear};
-    double w[3] = {xi_x, xi_y, spin}, sign[3] = {1.0, 1.0, 1.0}, scale[3], unit[3], at[5], f[3];
-    double c, x, y, kappa, t, r, r0, u, heading, tilt, every[5];
+static int @NAME@(@ARGUMENTS@, double force[3],
+                  double *gradient) {
+@CONSTANTS@    const double given[5] = {a, b, load, mu, shear};
+    const double every[] = {@ALONG@, 0.0, 0.0, 0.0};
+    double w[3] = {xi_x, xi_y, spin}, sign[3] = {1.0, 1.0, 1.0}, scale[3], unit[3], at[@N@], f[3];
+    double c, x, y, kappa, t, r, r0, u, heading, tilt;
     int k, m, n, endless = 0;
     for (k = 0; k < 3; k++) {
         if (isnan(w[k])) return 1;
@@ -84,11 +91,7 @@ static int @NAME@(double xi_x, double xi_y, double spin, double a, double b, dou
     if (endless > 1) return 1;
     for (k = 0; k < 5; k++)
         if (!(given[k] > 0.0) || isinf(given[k])) return 2;
-    every[0] = log(a / b);
-    every[1] = poisson;
-    if (!(every[0] >= @LOG_LOW@ - 1e-9 && every[0] <= @LOG_HIGH@ + 1e-9)) return 3;
-    if (!(poisson >= @NU_LOW@ - 1e-9 && poisson <= @NU_HIGH@ + 1e-9)) return 4;
-    c = sqrt(a * b);
+@CHECKS@    c = sqrt(a * b);
     unit[0] = unit[1] = mu * load;
     unit[2] = mu * load * c;
     scale[0] = scale[1] = shear * (c * c) / (mu * load);
@@ -97,10 +100,10 @@ static int @NAME@(double xi_x, double xi_y, double spin, double a, double b, dou
         w[k] *= scale[k];
         if (endless) w[k] = isinf(w[k]) ? (w[k] > 0.0 ? 1.0 : -1.0) : 0.0;
     }
-    if (w[2] < 0.0) sign[1] = sign[2] = -1.0;
-    if (w[0] < 0.0) sign[0] = -1.0;
-    x = sign[0] * w[0];
-    y = sign[1] * w[1];
+    if (w[2] < 0.0 && !@WHOLE@) sign[1] = sign[2] = -1.0;
+    if (w[0] < 0.0 && !@WHOLE@) sign[0] = -1.0;
+    x = sign[0] * w[0] + 0.0; /* of -0, atan2 would make a heading of pi */
+    y = sign[1] * w[1] + 0.0;
     kappa = sign[2] * w[2] * @SPIN@;
     r0 = 2.0 / (3.2 + 0.9 * (a / b));
     t = hypot(x, y);
@@ -108,15 +111,18 @@ static int @NAME@(double xi_x, double xi_y, double spin, double a, double b, dou
     u = endless ? 1.0 : r / (r + r0);
     heading = atan2(y, x);
     tilt = atan2(kappa, t);
-    every[2] = heading;
-    every[3] = tilt;
-    every[4] = u;
-    for (k = 0; k < @N@; k++) at[k] = every[@NAME@_axis[k]];
+    for (k = 0; k < @N@ - 3; k++) at[k] = every[@NAME@_axis[k]];
+    at[@N@ - 3] = heading;
+    at[@N@ - 2] = tilt;
+    at[@N@ - 1] = u;
     @NAME@_law(at, -1, f);
     for (k = 0; k < 3; k++) force[k] = unit[k] * sign[k] * f[k];
     if (gradient) {
         double ch = cos(heading), sh = sin(heading), ct = cos(tilt), st = sin(tilt), stretch;
         double by[3][3], slope[3][3] = {{0.0}};
+        const double most = 0.5 * @PI@ - @POLE@;
+        at[@N@ - 2] = tilt > most ? most : tilt < -most ? -most : tilt;
+        at[@N@ - 1] = u < @LEAST@ ? @LEAST@ : u;
         if (t < @POLE@ * r) t = @POLE@ * r;
         if (r <= @LEAST@ * r0) r = t = @LEAST@ * r0;
         stretch = r0 / (r + r0) / (r + r0);
@@ -129,10 +135,9 @@ static int @NAME@(double xi_x, double xi_y, double spin, double a, double b, dou
         by[2][0] = stretch * ct * ch;
         by[2][1] = stretch * ct * sh;
         by[2][2] = @SPIN@ * stretch * st;
-        for (k = 0; k < @N@; k++) {
-            if (@NAME@_axis[k] < 2) continue;
-            @NAME@_law(at, k, f);
-            for (m = 0; m < 3; m++) slope[m][@NAME@_axis[k] - 2] = f[m];
+        for (k = 0; k < 3; k++) {
+            @NAME@_law(at, @N@ - 3 + k, f);
+            for (m = 0; m < 3; m++) slope[m][k] = f[m];
         }
         for (m = 0; m < 3; m++)
             for (n = 0; n < 3; n++) {
@@ -165,26 +170,29 @@ def c_header(table: CreepTable, name: str = "creep_forces") -> str:
     if not re.fullmatch(r"[A-Za-z]\w*", name, re.ASCII):
         raise ValueError(f"header: a name of letters, digits and _ is needed, not {name!r}")
     axes, data = table.law.axes, table.law.coefficients
-    varies = [k for k, nodes in enumerate(axes) if len(nodes) > 1]
-    kept = [
-        d
-        for d in range(2 ** len(axes))
-        if all(k in varies or not d >> (len(axes) - 1 - k) & 1 for k in range(len(axes)))
-    ]
+    varies, kept = table.law.varying, table.law.kept
     low, high = table.ellipticity
+    arguments = arguments_of(table)
     about = {
-        "TITLE": re.sub(r"[^\w ,.;:()-]", " ", str(table.about.get("title", "")), flags=re.ASCII)
-        or "A table",
+        "TITLE": plain_title(table),
+        "GIVEN": ", ".join(arguments),
+        "ARGUMENTS": ",\n                  ".join(f"double {one}" for one in arguments),
+        "MEANS": "" if table.contact else MEANS,
+        "RANGES": "".join(_told_range(table, one) for one in arguments if one in table.names),
+        "CONSTANTS": "".join(
+            f"    const double {key} = {_number(one)};\n"
+            for key, one in (table.contact or {}).items()
+        ),
+        "ALONG": ", ".join("log(a / b)" if one == RATIO else one for one in table.names) or "0.0",
+        "CHECKS": "".join(_check(table, one) for one in table.names),
+        "WHOLE": str(int(table.whole)),
         "TOLERANCE": f"{float(table.about.get('tolerance', np.nan)):g}",
-        "LOG_LOW": _number(axes[0][0]),
-        "LOG_HIGH": _number(axes[0][-1]),
         "LOW": f"{low:.6g}",
         "HIGH": f"{high:.6g}",
-        "NU_LOW": _number(axes[1][0]),
-        "NU_HIGH": _number(axes[1][-1]),
         "SPIN": _number(SPIN),
         "LEAST": _number(LEAST),
         "POLE": _number(POLE),
+        "PI": _number(np.pi),
         "N": str(len(varies)),
         "GUARD": f"{name.upper()}_H",
         "NAME": name,
@@ -205,6 +213,42 @@ def c_header(table: CreepTable, name: str = "creep_forces") -> str:
     for key, value in about.items():
         text = text.replace(f"@{key}@", value)
     return text
+
+
+def reserved_names() -> set[str]:
+    """Names that the axes of a table cannot have: arguments, and words of the header."""
+    return {RATIO, "poisson", *NAMES, *re.findall(r"[A-Za-z]\w*", BODY)}
+
+
+def arguments_of(table: CreepTable) -> list[str]:
+    """Names of the numbers that the function is given."""
+    contact = [] if table.contact else CONTACT
+    return [*CREEPAGES, *contact, *(one for one in table.names if one != RATIO)]
+
+
+def plain_title(table: CreepTable) -> str:
+    """The title without what a comment of C or an attribute of XML could not hold."""
+    title = str(table.about.get("title", ""))
+    return re.sub(r"[^\w ,.;:()-]", " ", title, flags=re.ASCII) or "A table"
+
+
+def _told_range(table: CreepTable, name: str) -> str:
+    nodes = table.axis(name)
+    if name in table.apart:
+        return f"   {name} is one of {', '.join(f'{one:g}' for one in nodes)};\n"
+    return f"   {name} is from {nodes[0]:.6g} to {nodes[-1]:.6g};\n"
+
+
+def _check(table: CreepTable, name: str) -> str:
+    """What refuses values outside an axis."""
+    nodes, value = table.axis(name), "every[0]" if name == RATIO else name
+    if name in table.apart:
+        near = f"{_number(MARGIN)} * (1.0 + fabs({value}))"
+        inside = " || ".join(f"fabs({value} - {_number(one)}) <= {near}" for one in nodes)
+    else:
+        low, high, near = _number(nodes[0]), _number(nodes[-1]), _number(MARGIN)
+        inside = f"{value} >= {low} - {near} && {value} <= {high} + {near}"
+    return f"    if (!({inside})) return {3 if name == RATIO else 4};\n"
 
 
 def _number(value: float) -> str:

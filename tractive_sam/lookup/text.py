@@ -8,35 +8,43 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tractive_sam.lookup.coordinates import creepages_at
+from tractive_sam.lookup.creep_table import RATIO
 
 if TYPE_CHECKING:
     from tractive_sam.lookup.creep_table import CreepTable
 
-COLUMNS = ("a/b", "poisson", "w1", "w2", "w3", "qx", "qy", "mz", "bar_qx", "bar_qy", "bar_mz")
+COLUMNS = ("w1", "w2", "w3", "qx", "qy", "mz", "bar_qx", "bar_qy", "bar_mz", "full")
+"""After those of the axes beside creepages."""
 
 
 def columns_of(table: CreepTable) -> str:
     """The nodes of a table, one a line, the last creepage coordinate fastest.
 
-    After lines that begin with # and tell the scaling, the columns are `COLUMNS`: a/b, Poisson's
-    ratio, scaled creepages G c² / (mu P) (xi_x, xi_y, c spin), forces (Q_x, Q_y, M_z / c) / (mu P)
-    and their error bars. In full slip the creepages are infinite, and the columns tell their
-    direction; a last column, ``full``, is 1 there, else 0.
+    After lines that begin with # and tell the scaling, the columns are a/b, Poisson's ratio and
+    further axes, and `COLUMNS`: scaled creepages G c² / (mu P) (xi_x, xi_y, c spin), forces
+    (Q_x, Q_y, M_z / c) / (mu P) and their error bars. In full slip the creepages are infinite, and
+    the columns tell their direction; ``full`` is 1 there, else 0.
     """
+    names = ["a/b" if name == RATIO else name for name in table.names]
     lines = [
-        "# creep forces of Hertzian contacts of alike bodies, by tractive_sam",
+        "# creep forces, by tractive_sam",
         "# w = G c^2 / (mu P) (xi_x, xi_y, c spin), c = sqrt(a b); q = (Qx, Qy, Mz/c) / (mu P)",
-        "# (w1, -w2, -w3) gives (qx, -qy, -mz); (-w1, w2, w3) gives (-qx, qy, mz)",
+        "# all headings and tilts"
+        if table.whole
+        else "# (w1, -w2, -w3) gives (qx, -qy, -mz); (-w1, w2, w3) gives (-qx, qy, mz)",
         "# full = 1: full slip, (w1, w2, w3) is the direction of infinite creepages",
-        "# " + " ".join((*COLUMNS, "full")),
     ]
+    if table.contact is not None:
+        lines.append("# " + ", ".join(f"{key} = {one:.9g}" for key, one in table.contact.items()))
+    lines.append("# " + " ".join((*names, *COLUMNS)))
     axes, values = table.law.axes, table.law.coefficients[..., 0, :]
     for place in np.ndindex(values.shape[:-1]):
-        log_ratio, poisson, heading, tilt, u = (
-            float(x[k]) for x, k in zip(axes, place, strict=True)
-        )
-        ratio = math.exp(log_ratio)
+        point = [float(x[k]) for x, k in zip(axes, place, strict=True)]
+        *along, heading, tilt, u = point
+        ratio = table.ellipticity[0] if table.contact is not None else math.exp(along[0])
+        if table.contact is None:
+            along[0] = ratio
         w = creepages_at(ratio, heading, tilt, u) if u else np.zeros(3)
-        numbers = (ratio, poisson, *w, *values[place], *table.bars[place])
+        numbers = (*along, *w, *values[place], *table.bars[place])
         lines.append(" ".join(f"{one:.9g}" for one in numbers) + f" {int(u == 1.0)}")
     return "\n".join(lines) + "\n"

@@ -40,6 +40,7 @@ from tractive_sam.plot.sections import traction_sections
 from tractive_sam.plot.stress import von_mises, von_mises_sections
 from tractive_sam.plot.stress_maxima import stress_maxima as stress_maxima
 from tractive_sam.plot.study import Variable, study_curves, study_map, study_samples
+from tractive_sam.plot.table import table_errors
 from tractive_sam.plot.transient import energies, hysteresis, stick_course
 from tractive_sam.plot.zones import continued as continued
 from tractive_sam.plot.zones import edge_level as edge_level
@@ -79,6 +80,7 @@ __all__ = [
     "study_curves",
     "study_map",
     "study_samples",
+    "table_errors",
     "temperature",
     "traction",
     "traction_curve",

@@ -4,14 +4,24 @@ from __future__ import annotations
 
 from os import PathLike
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 from . import toml
+from .faults import SceneError
 from .table import Table
 
 
 class Document(Table):
     """A table that is read from a TOML file, and written as one."""
+
+    invalid: ClassVar[type[SceneError]] = SceneError
+    """What is raised of its faults."""
+
+    def __init__(self, /, **given: Any) -> None:
+        try:
+            super().__init__(**given)
+        except SceneError as error:
+            raise self.invalid(error.faults) from None
 
     @classmethod
     def from_toml(cls, path: str | PathLike[str]) -> Self:
@@ -20,10 +30,14 @@ class Document(Table):
         Raises
         ------
         SceneError
-            If the file cannot be read, is no TOML, or describes nothing valid.
+            If the file cannot be read, is no TOML, or describes nothing valid; of a study or a
+            table it is a `StudyError` or `TableError`.
         """
         path = Path(path).absolute()
-        return cls(**cls.files_from(path.parent, cls.tables_of(path)))
+        try:
+            return cls(**cls.files_from(path.parent, cls.tables_of(path)))
+        except SceneError as error:
+            raise cls.invalid(error.faults) from None
 
     @classmethod
     def from_toml_text(cls, text: str) -> Self:

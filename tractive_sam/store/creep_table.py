@@ -10,8 +10,12 @@ import numpy as np
 
 from tractive_sam.store.errors import DamagedError, ResultsError, reason
 
-TABLE_FORMAT = "creep-force table 1"
+TABLE_FORMAT = "creep-force table 2"
 """What a file says of itself; another number is another version."""
+
+
+CHECKS = ("check_points", "check_errors", "check_told")
+"""Points that were held out: places, errors, and those that the table tells."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,6 +24,8 @@ class StoredTable:
 
     Attributes
     ----------
+    names : tuple of str
+        Axes.
     axes : tuple of ndarray
         Nodes.
     coefficients, bars : ndarray
@@ -30,6 +36,7 @@ class StoredTable:
         Attributes of the file, and the points that were held out.
     """
 
+    names: tuple[str, ...]
     axes: tuple[np.ndarray, ...]
     coefficients: np.ndarray
     bars: np.ndarray
@@ -37,8 +44,8 @@ class StoredTable:
     about: Mapping[str, Any]
 
 
-def read_creep_table(path: Path, names: tuple[str, ...]) -> StoredTable:
-    """Read the file of a table with these axes.
+def read_creep_table(path: Path) -> StoredTable:
+    """Read the file of a table.
 
     Raises
     ------
@@ -60,6 +67,7 @@ def read_creep_table(path: Path, names: tuple[str, ...]) -> StoredTable:
             cure = "make it again by tractive-sam table"
             raise ResultsError(f"{path} is {told}; this version reads {TABLE_FORMAT}: {cure}")
         try:
+            names = tuple(str(_plain(file.attrs["axes"])).split())
             axes = tuple(file[name][()] for name in names)
             shape = tuple(map(len, axes))
             coefficients, bars = file["coefficients"][()], file["error_bar"][()]
@@ -68,13 +76,13 @@ def read_creep_table(path: Path, names: tuple[str, ...]) -> StoredTable:
                 for name, n in zip(names, shape, strict=True)
             )
             about = {k: _plain(v) for k, v in file.attrs.items() if not k.startswith("_")}
-            about |= {k: file[k][()] for k in ("check_points", "check_errors") if k in file}
+            about |= {k: file[k][()] for k in CHECKS if k in file}
         except (KeyError, OSError) as error:
             raise DamagedError(f"{path} is damaged ({error}); make it again") from error
         whole = coefficients.shape == (*shape, 2 ** len(shape), 3) and bars.shape == (*shape, 3)
         if not whole or not np.isfinite(coefficients).all() or not np.isfinite(bars).all():
             raise DamagedError(f"{path} is damaged: its arrays do not fit; make it again")
-    return StoredTable(axes, coefficients, bars, between, about)
+    return StoredTable(names, axes, coefficients, bars, between, about)
 
 
 def _plain(value: Any) -> Any:

@@ -9,6 +9,9 @@ from .axis import Values as Values
 from .case import Case as Case
 from .case import cases as cases
 from .cluster import SchedulerLostError as SchedulerLostError
+from .cluster import check_installed as check_installed
+from .cluster import computed as computed
+from .cluster import local_cluster as local_cluster
 from .cost import explain_study as explain_study
 from .design import Study as Study
 from .design import StudyError as StudyError

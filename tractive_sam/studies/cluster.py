@@ -10,6 +10,7 @@ import signal
 import socket
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from importlib.util import find_spec
 from multiprocessing import resource_tracker
 from time import monotonic, sleep
 from traceback import format_exception
@@ -267,17 +268,24 @@ def _handed_out(
 
     Yields each task with the length of its chain and its outcome, None if its workers died.
     """
+    calls = [(f"case-{chain[0].case.number}", chain[0].seconds, _work(chain)) for chain in chains]
+    for k, future in _ended(client, calls):
+        for task, outcome in zip(chains[k], _outcomes(future, len(chains[k])), strict=True):
+            yield task, len(chains[k]), outcome
+
+
+Call = tuple[str, float, tuple[Any, ...]]
+"""A name, a priority, and what a worker calls with what."""
+
+
+def _ended(client: "Client", calls: list[Call]) -> Iterator[tuple[int, "Future"]]:
+    """Hand out calls; yields the number of each, and its future, as they end."""
     from distributed import as_completed  # of an extra
 
     round_of = uuid4().hex  # so that the scheduler takes it for nothing that it was asked before
     futures = {
-        client.submit(
-            *_work(chain),
-            key=f"case-{chain[0].case.number}-{round_of}",
-            priority=chain[0].seconds,
-            pure=False,
-        ): chain
-        for chain in chains
+        client.submit(*what, key=f"{name}-{round_of}", priority=priority, pure=False): k
+        for k, (name, priority, what) in enumerate(calls)
     }
     try:
         ended = as_completed(futures, loop=client.loop)
@@ -287,15 +295,87 @@ def _handed_out(
                 sleep(GLANCE)
                 continue
             future = next(ended)
-            chain = futures.pop(future)
-            for task, outcome in zip(chain, _outcomes(future, len(chain)), strict=True):
-                yield task, len(chain), outcome
+            yield futures.pop(future), future
             future.release()
     finally:
         # Where the client goes before its cases are done, those not begun yet are forgotten.
         for future in futures:
             with suppress(OSError, TimeoutError):
                 future.release()
+
+
+def computed(
+    calls: Sequence[tuple[Any, ...]],
+    address: str,
+    say: Callable[[str], None],
+    security: "Security | None" = None,
+) -> Iterator[tuple[int, Any]]:
+    """Have functions called by the workers of a scheduler; yields number and result as they end.
+
+    What a worker that dies was at is handed to others, and all that is left again where the
+    scheduler is lost.
+
+    Parameters
+    ----------
+    calls : sequence of tuple
+        A function and its arguments each.
+    address : str
+        Of the scheduler.
+    say : callable
+        Told when something has to be waited for.
+    security : Security, optional
+        What a client of it needs; by default what dask's configuration says.
+
+    Raises
+    ------
+    ResultsError
+        If that is no address.
+    RuntimeError
+        If every worker died that was handed a call; else whatever a call raises.
+    SchedulerLostError
+        If there is no scheduler there, or none any more for `PATIENCE`.
+    """
+    left, patience = dict(enumerate(calls)), FIRST_CONTACT
+    while left:
+        try:
+            with _client(address, patience, say, security) as client:
+                patience = PATIENCE
+                _look_at_workers(client, say)
+                numbers = [*left]
+                asked = [(f"call-{k}", -float(k), left[k]) for k in numbers]
+                for place, future in _ended(client, asked):
+                    k = numbers[place]
+                    found = _result(future)
+                    del left[k]
+                    yield k, found
+        except _CutOffError:
+            say("the scheduler was lost; what is not complete is handed out again")
+            sleep(PAUSE)
+
+
+def _result(future: "Future") -> Any:
+    from distributed.scheduler import KilledWorker  # of an extra
+
+    if future.status == "finished":
+        return future.result()
+    if future.status != "error":
+        raise _CutOffError
+    error = future.exception()
+    if isinstance(error, KilledWorker):
+        raise RuntimeError("every worker that computed it died; memory may not suffice")
+    raise error
+
+
+def check_installed() -> None:
+    """See that there is dask.distributed.
+
+    Raises
+    ------
+    ResultsError
+        If there is none.
+    """
+    if find_spec("distributed") is None:
+        raise ResultsError(MISSING)
 
 
 def _work(chain: Chain) -> tuple[Any, ...]:

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
-from typing import Any, ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal
 
 from tractive_sam.scene import (
     Check,
@@ -117,6 +117,7 @@ class Study(Document):
         "all",
     )
     checks: ClassVar[tuple[Check, ...]] = (_something_varies, _each_entry_once, _not_too_many)
+    invalid: ClassVar[type[SceneError]] = StudyError
 
     def __init__(
         self,
@@ -143,20 +144,6 @@ class Study(Document):
             faults += error.faults
         if faults:
             raise StudyError(faults)
-
-    @classmethod
-    def from_toml(cls, path: str | PathLike[str]) -> Self:
-        """Read a study file; relative files in it are sought from its folder.
-
-        Raises
-        ------
-        StudyError
-            If the file cannot be read, is no TOML, or describes no valid study.
-        """
-        try:
-            return super().from_toml(path)
-        except SceneError as error:
-            raise StudyError(error.faults) from None
 
     def entries(self) -> dict[str, Any]:
         """Return what was given, with its scene in it and settings made.

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
-from importlib.util import find_spec
 from os import PathLike
 from pathlib import Path
 from time import sleep
@@ -207,8 +206,7 @@ def _ended(
     if workers == 0 and scheduler is None:
         yield from _one_after_another(tasks, say)
         return
-    if find_spec("distributed") is None:
-        raise ResultsError(cluster.MISSING)
+    cluster.check_installed()
     if scheduler is not None:
         chosen: AbstractContextManager = nullcontext((scheduler, None))
     else:

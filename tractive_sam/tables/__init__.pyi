@@ -1,8 +1,10 @@
 """The public names of tables, for `__init__.py` and for type checkers."""
 
+from .axis import TableAxis as TableAxis
 from .building import Progress as Progress
 from .building import build_table as build_table
 from .design import TableDesign as TableDesign
 from .design import TableError as TableError
+from .fmu import write_fmu as write_fmu
 from .opening import builtin_tables as builtin_tables
 from .opening import open_table as open_table

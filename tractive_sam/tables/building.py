@@ -4,37 +4,45 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
 from os import PathLike
 from time import process_time
 
 import numpy as np
 
-from tractive_sam import interrupt
-from tractive_sam.lookup import MIRROR, CreepTable, Hermite, by_coordinates, creepages_at
+from tractive_sam.lookup import CreepTable, Hermite, by_coordinates, cell_of, creepages_at
 from tractive_sam.reference import full_slip_with_spin
 from tractive_sam.scene import Fault
+from tractive_sam.studies import check_installed, local_cluster
 from tractive_sam.tables.coefficients import coefficients
-from tractive_sam.tables.contacts import Contacts, Solved
+from tractive_sam.tables.contacts import Solved
 from tractive_sam.tables.design import TableDesign, TableError
+from tractive_sam.tables.grid import CreepageGrid
+from tractive_sam.tables.solving import SHARE, Job, Solve, elsewhere, here
 
-HEADINGS, TILTS = 5, 4
-FIRST_U = (0.0, 0.2, 0.4, 0.55, 0.7, 0.85, 1.0)
-"""Nodes to begin with."""
+FIRST_U = (0.0, 0.2, 0.4, 0.475, 0.55, 0.625, 0.7, 0.85, 1.0)
+"""Nodes to begin with: closest where the whole contact begins to slip, and forces bend sharply."""
+
+FULL = 1e4
+"""r over r_0 that is solved for full slip where it has no closed form: what still sticks there is
+as small."""
 
 SAMPLES = 5
 """Points held out in the middle of every interval of every axis."""
 
-HELD_OUT = 100
-"""Points held out anywhere in the end."""
+ANYWHERE = 600
+"""Points held out anywhere that ask for nodes, or as many as there are nodes."""
 
-ROUNDS = 12
+MISS = 0.5
+"""Of the tolerance, error of such a point for which a node is added beside it."""
+
+HELD_OUT = 200
+"""Points held out anywhere in the end, to tell the errors by, or as many as there are nodes."""
+
+ROUNDS = 16
 """Most times that nodes are added."""
-
-SHARE = 0.4
-"""Of the tolerance, what an error bar of a node may take, and an interpolation along one axis: of
-three axes along which a table is curved most the errors seldom add up."""
 
 STEP = 1e-4
 """Of differences of closed forms by heading and tilt."""
@@ -61,6 +69,10 @@ def build_table(
     design: TableDesign | str | PathLike[str],
     path: str | PathLike[str] | None = None,
     progress: Callable[[Progress], None] | None = None,
+    *,
+    scheduler: str | None = None,
+    workers: int = 0,
+    say: Callable[[str], None] | None = None,
 ) -> CreepTable:
     """Make a table of creep forces.
 
@@ -71,7 +83,16 @@ def build_table(
     path : path-like, optional
         File to write, netCDF; see `open_table`.
     progress : callable, optional
-        Called with each node.
+        Called whenever contacts have been solved.
+    scheduler : str, optional
+        Address of a scheduler of dask.distributed whose workers solve the contacts; what one that
+        dies was at is handed to others.
+    workers : int
+        Without a scheduler: number of processes on this machine. With 0 the contacts are solved in
+        this process. A script that asks for some does so under ``if __name__ == "__main__":``, as
+        the workers import it.
+    say : callable, optional
+        Called with a word about what is waited for.
 
     Raises
     ------
@@ -79,7 +100,11 @@ def build_table(
         With the faults of the design; or if the tolerance takes more nodes or elements than it
         allows.
     RuntimeError
-        If a contact is not solved.
+        If a contact is not solved, or all workers die of it.
+    ResultsError
+        If dask is not installed, or the address is none.
+    SchedulerLostError
+        If there is no scheduler, or none any more.
 
     Examples
     --------
@@ -92,7 +117,14 @@ def build_table(
     True
     """
     design = design if isinstance(design, TableDesign) else TableDesign.from_toml(design)
-    table = _Builder(design, progress or (lambda _: None)).built()
+    chosen: AbstractContextManager = nullcontext((scheduler, None))
+    if scheduler is not None or workers:
+        check_installed()
+        chosen = chosen if scheduler is not None else local_cluster(workers)
+    with chosen as (address, security):
+        told = say or (lambda _: None)
+        solve = here(design) if address is None else elsewhere(design, address, security, told)
+        table = _Builder(design, solve, progress or (lambda _: None)).built()
     if path is not None:
         from tractive_sam.tables.file import write_table  # noqa: PLC0415 - of an extra
 
@@ -100,69 +132,71 @@ def build_table(
     return table
 
 
+@dataclass(frozen=True)
+class _Node:
+    """A point of the grid, and the contact by which it is known: w = signs w of the contact."""
+
+    job: Job
+    signs: np.ndarray
+
+
 @dataclass(eq=False)
 class _Builder:
     design: TableDesign
+    solve: Solve
     tell: Callable[[Progress], None]
-    axes: list[np.ndarray] = field(default_factory=list)
+    solved: dict[Job, Solved] = field(default_factory=dict)
     nodes: dict[tuple[float, ...], Solved] = field(default_factory=dict)
-    solved: dict[tuple[float, ...], Solved] = field(default_factory=dict)
-    contacts: dict[tuple[float, float], Contacts] = field(default_factory=dict)
+    held_out: list[tuple[float, ...]] = field(default_factory=list)
     round: int = 0
+    contacts: int = 0
+    seconds: float = 0.0
+
+    def __post_init__(self) -> None:
+        design, self.began = self.design, process_time()
+        self.grid = CreepageGrid(*design.symmetries)
+        self.lead = len(design.names)
+        self.axes = [*design.first_nodes, *self.grid.first, np.array(FIRST_U)]
+        self.apart = [design.names.index(name) for name in design.apart]
+        self.random = np.random.default_rng(design.seed)
 
     def built(self) -> CreepTable:
         """The table of the design."""
-        design, began = self.design, process_time()
-        self.axes = [
-            np.log(np.array(design.ellipticity, float)),
-            np.array(design.poisson, float),
-            np.linspace(-0.5 * math.pi, 0.5 * math.pi, HEADINGS),
-            np.linspace(0.0, 0.5 * math.pi, TILTS),
-            np.array(FIRST_U),
-        ]
-        random = np.random.default_rng(design.seed)
         while True:
             table = self._table([np.zeros((max(len(a) - 1, 0), 3)) for a in self.axes])
-            between = self._between(table, random)
-            split = [
-                np.flatnonzero(errors.max(axis=1, initial=0.0) > SHARE * design.tolerance)
-                for errors in between
-            ]
+            between = self._between(table)
+            wanted = SHARE * self.design.tolerance
+            split = [np.flatnonzero(one.max(axis=1, initial=0.0) > wanted) for one in between]
             if not any(map(len, split)):
-                break
+                split = self._misses(table)
+            if not any(map(len, split)):
+                return self._checked(between)
             self.round += 1
             self.axes = [self._refined(k, some) for k, some in enumerate(split)]
             count = math.prod(map(len, self.axes))
-            if count > design.most or self.round > ROUNDS:
-                needs = f"{count} nodes after {self.round} rounds, more than {design.most}"
+            if count > self.design.most or self.round > ROUNDS:
+                needs = f"{count} nodes after {self.round} rounds, more than {self.design.most}"
                 fault = Fault(
                     "tolerance",
-                    f"{design.tolerance:g}, which takes {needs}",
-                    "a larger tolerance, more nodes (most), or a narrower ellipticity",
+                    f"{self.design.tolerance:g}, which takes {needs}",
+                    "a larger tolerance, more nodes (most), or less along the axes",
                 )
                 raise TableError([fault])
-        return self._checked(between, random, began)
 
     def _refined(self, axis: int, split: np.ndarray) -> np.ndarray:
-        """The nodes of an axis with intervals divided; those of heading stay symmetric."""
+        """The nodes of an axis with intervals divided; those of creepages stay symmetric."""
         nodes = self.axes[axis]
-        if axis == 2:
-            split = np.union1d(split, len(nodes) - 2 - split)
+        split = self.grid.alike(axis - self.lead, split, len(nodes) - 1)
         middles = 0.5 * (nodes[split] + nodes[split + 1]) if len(split) else np.empty(0)
         return np.sort(np.concatenate([nodes, middles]))
 
-    def _checked(self, between: list[np.ndarray], random, began: float) -> CreepTable:
+    def _checked(self, between: list[np.ndarray]) -> CreepTable:
         """The table with what points held out anywhere say of its errors."""
         table = self._table(between)
-        shares, errors, points = [], [], []
-        for _ in range(HELD_OUT):
-            point = tuple(float(random.uniform(axis[0], axis[-1])) for axis in self.axes)
-            solved = self._solved(point, gradient=False)
-            error = np.abs(self._at(table, point) - solved.force)
-            told = table.error_at(_column(point))[:, 0]
-            shares.append((error / (told + 1e-12)).max())
-            errors.append(error.max())
-            points.append(point)
+        points = [self._anywhere() for _ in range(min(HELD_OUT, table.nodes))]
+        off = np.abs(self._errors(table, points))
+        told = table.error_at(list(np.array(points).T)).T
+        shares, errors = (off / (told + 1e-12)).max(axis=1), off.max(axis=1)
         # So wide that 95 of 100 of them, and the contact's own bar, are within.
         wider = max(1.0, float(np.quantile(shares, 0.97)))
         design = self.design
@@ -171,32 +205,45 @@ class _Builder:
             "design": design.to_toml(),
             "tolerance": design.tolerance,
             "rounds": self.round,
-            "contacts": sum(one.solved for one in self.contacts.values()),
-            "cpu_seconds": process_time() - began,
+            "contacts": self.contacts,
+            "cpu_seconds": max(self.seconds, process_time() - self.began),
             "held_out": len(errors),
             "held_out_median": float(np.median(errors)),
             "held_out_worst": float(np.max(errors)),
-            "held_out_inside": float(np.mean(np.array(shares) <= wider)),
+            "held_out_inside": float(np.mean(shares <= wider)),
             "widened": wider,
         }
-        checks = {"check_points": np.array(points), "check_errors": np.array(errors)}
+        checks = {"check_points": np.array(points), "check_errors": off, "check_told": wider * told}
         return self._table([wider * one for one in between], about | checks, wider)
 
     def _table(self, between, about=None, wider: float = 1.0) -> CreepTable:
         shape = tuple(map(len, self.axes))
-        values, bars = np.zeros((*shape, 3)), np.zeros((*shape, 3))
-        slopes = np.zeros((*shape, 3, 3))
         places = list(itertools.product(*map(range, shape)))
-        for number, place in enumerate(places):
-            point = tuple(float(axis[k]) for axis, k in zip(self.axes, place, strict=True))
-            if point not in self.nodes:
-                self.nodes[point] = self._node(point)
-                self.tell(Progress(len(places), number + 1, self.round))
-            node = self.nodes[point]
-            values[place], bars[place], slopes[place] = node.force, node.bar, node.gradient
+        points = [
+            tuple(float(axis[k]) for axis, k in zip(self.axes, place, strict=True))
+            for place in places
+        ]
+        new = {point: self._of(point) for point in points if point not in self.nodes}
+        self._solve([one.job for one in new.values() if one is not None], len(points))
+        for point, one in new.items():
+            self.nodes[point] = self._node(point, one)
+        found = [self.nodes[point] for point in points]
+        values = np.array([one.force for one in found]).reshape(*shape, 3)
+        bars = np.array([one.bar for one in found]).reshape(*shape, 3)
+        slopes = np.array([one.gradient for one in found]).reshape(*shape, 3, 3)
         self._end_slopes(values, slopes)
-        law = Hermite(tuple(self.axes), coefficients(self.axes, values, slopes))
-        return CreepTable(law, wider * bars, tuple(between), about or {})
+        derivatives = coefficients(self.axes, values, slopes, self.grid.whole, self.apart)
+        design = self.design
+        return CreepTable(
+            Hermite(tuple(self.axes), derivatives),
+            design.names,
+            wider * bars,
+            tuple(between),
+            about or {},
+            design.apart,
+            self.grid.whole,
+            design.contact,
+        )
 
     def _end_slopes(self, values: np.ndarray, slopes: np.ndarray) -> None:
         """Slopes by u in full slip: of the parabola through the last two nodes and its slope."""
@@ -204,39 +251,46 @@ class _Builder:
         rise = (values[..., -1, :] - values[..., -2, :]) / (u[-1] - u[-2])
         slopes[..., -1, :, 2] = 2.0 * rise - slopes[..., -2, :, 2]
 
-    def _node(self, point: tuple[float, ...]) -> Solved:
+    def _of(self, point: tuple[float, ...]) -> _Node | None:
+        """The contact by which a node is known, None in full slip that has a closed form."""
+        if point[-1] == 1.0 and self.design.closed_form:
+            return None
+        place = point[: self.lead]
+        creepages, signs = self.grid.canonical(point[self.lead :])
+        return _Node(self._job(place, creepages), signs)
+
+    def _job(self, place: tuple[float, ...], creepages, gradient: bool = True) -> Job:
+        heading, tilt, u = creepages
+        w = creepages_at(self.design.ratio(place), heading, tilt, min(u, FULL / (1.0 + FULL)))
+        return Job(place, (float(w[0]), float(w[1]), float(w[2])), gradient)
+
+    def _node(self, point: tuple[float, ...], node: _Node | None) -> Solved:
         """A node: its gradient is by heading, tilt and u."""
-        log_ratio, _, heading, tilt, u = point
-        ratio = math.exp(log_ratio)
-        if u == 1.0:
+        ratio = self.design.ratio(point[: self.lead])
+        heading, tilt, u = point[self.lead :]
+        if node is None:
             return _in_full_slip(ratio, heading, tilt)
-        if tilt == 0.0 and heading < 0.0 < u:  # (w_1, -w_2, 0) of (w_1, w_2, 0)
-            there = self._solved_at((*point[:2], -heading, tilt, u))
-            by_w = MIRROR[:, None] * there.gradient * MIRROR
-            found = Solved(MIRROR * there.force, there.bar, by_w)
-        else:
-            # At rest, and of spin alone, the heading does not count.
-            same = 0.0 if u == 0.0 or tilt == self.axes[3][-1] else heading
-            found = self._solved_at((*point[:2], same, 0.0 if u == 0.0 else tilt, u))
-        by = found.gradient @ by_coordinates(ratio, heading, tilt, u)
-        return Solved(found.force, found.bar, by)
+        found = self.solved[node.job]
+        by_w = node.signs[:, None] * found.gradient * node.signs
+        by = by_w @ by_coordinates(ratio, heading, tilt, min(u, FULL / (1.0 + FULL)))
+        return Solved(node.signs * found.force, found.bar, by)
 
-    def _solved_at(self, point: tuple[float, ...]) -> Solved:
-        """A contact, solved once; its gradient is by scaled creepages."""
-        if point not in self.solved:
-            self.solved[point] = self._solved(point)
-        return self.solved[point]
+    def _solve(self, jobs: Iterable[Job], nodes: int) -> None:
+        """Solve contacts that are not solved yet, neighbours one after another."""
+        new = dict.fromkeys(job for job in jobs if job not in self.solved)
+        left = sorted(new, key=lambda job: job.place)
+        done = 0
+        for first, batch in self.solve(left):
+            self.solved.update(zip(left[first:], batch.found, strict=False))
+            self.contacts += batch.contacts
+            self.seconds += batch.seconds
+            done += len(batch.found)
+            self.tell(Progress(nodes, nodes - len(left) + done, self.round))
+            for found in batch.found:
+                self._check_bar(found)
 
-    def _solved(self, point: tuple[float, ...], gradient: bool = True) -> Solved:
-        interrupt.heed()
-        log_ratio, poisson, heading, tilt, u = point
-        ratio = math.exp(log_ratio)
-        if (ratio, poisson) not in self.contacts:
-            self.contacts[ratio, poisson] = Contacts(ratio, poisson)
-        w = creepages_at(ratio, heading, tilt, u) if u else np.zeros(3)
-        design, wanted = self.design, SHARE * self.design.tolerance
-        contacts = self.contacts[ratio, poisson]
-        found = contacts.solve(w, design.elements, design.finest, wanted, gradient)
+    def _check_bar(self, found: Solved) -> None:
+        design = self.design
         if found.bar.max() > design.tolerance:
             fault = Fault(
                 "tolerance",
@@ -245,34 +299,72 @@ class _Builder:
                 "a larger tolerance, or a larger finest",
             )
             raise TableError([fault])
-        return found
 
-    def _between(self, table: CreepTable, random) -> list[np.ndarray]:
+    def _anywhere(self) -> tuple[float, ...]:
+        """A random point; where nothing is known between nodes, at one of them."""
+        return tuple(
+            float(
+                self.random.choice(axis) if k in self.apart else self.random.uniform(*axis[[0, -1]])
+            )
+            for k, axis in enumerate(self.axes)
+        )
+
+    def _errors(self, table: CreepTable, points: list[tuple[float, ...]]) -> np.ndarray:
+        """What a table is off at points, shape (P, 3)."""
+        jobs = [self._job(point[: self.lead], point[self.lead :], False) for point in points]
+        self._solve(jobs, table.nodes)
+        exact = np.array([self.solved[job].force for job in jobs])
+        return table.law(list(np.array(points).T)).T - exact
+
+    def _between(self, table: CreepTable) -> list[np.ndarray]:
         """Largest errors of interpolation seen in the middle of every interval of every axis."""
-        found = []
+        found, points, where = [], [], []
         for k, nodes in enumerate(self.axes):
-            errors = np.zeros((max(len(nodes) - 1, 0), 3))
+            found.append(np.zeros((max(len(nodes) - 1, 0), 3)))
+            if k in self.apart:
+                continue
             for cell in range(len(nodes) - 1):
                 for _ in range(SAMPLES):
-                    at = [float(random.choice(axis)) for axis in self.axes]
+                    at = [float(self.random.choice(axis)) for axis in self.axes]
                     if k != len(self.axes) - 1:  # neither at rest nor in full slip
-                        at[-1] = float(random.choice(self.axes[-1][1:-1]))
+                        at[-1] = float(self.random.choice(self.axes[-1][1:-1]))
                     at[k] = float(0.5 * (nodes[cell] + nodes[cell + 1]))
-                    solved = self._solved(tuple(at), gradient=False)
-                    error = np.abs(self._at(table, at) - solved.force)
-                    errors[cell] = np.maximum(errors[cell], error)
-            if k == 2:  # the symmetry between headings
-                errors = np.maximum(errors, errors[::-1])
-            found.append(errors)
+                    points.append(tuple(at))
+                    where.append((k, cell))
+        for (k, cell), error in zip(where, np.abs(self._errors(table, points)), strict=True):
+            found[k][cell] = np.maximum(found[k][cell], error)
+        for k, errors in enumerate(found):
+            for one in range(len(errors)):
+                alike = self.grid.alike(k - self.lead, np.array([one]), len(errors))
+                errors[alike] = errors[alike].max(axis=0)
         return found
 
-    @staticmethod
-    def _at(table: CreepTable, point) -> np.ndarray:
-        return table.law(_column(point))[:, 0]
+    def _misses(self, table: CreepTable) -> list[np.ndarray]:
+        """Intervals to divide as points anywhere are too far off.
 
-
-def _column(point) -> list[np.ndarray]:
-    return [np.array([one]) for one in point]
+        Of the axes of such a point it is the one along which the table is furthest off, with the
+        others at the nearest of their nodes.
+        """
+        if not self.held_out:
+            self.held_out = [self._anywhere() for _ in range(min(ANYWHERE, table.nodes))]
+        errors = np.abs(self._errors(table, self.held_out)).max(axis=1)
+        missed = [one for one, error in zip(self.held_out, errors, strict=True)
+                  if error > MISS * self.design.tolerance]  # fmt: skip
+        split: list[set[int]] = [set() for _ in self.axes]
+        if not missed:
+            return [np.empty(0, int) for _ in split]
+        free = [k for k, axis in enumerate(self.axes) if len(axis) > 1 and k not in self.apart]
+        probes: list[tuple[float, ...]] = []
+        for point in missed:
+            node = [float(axis[np.abs(axis - x).argmin()])
+                    for axis, x in zip(self.axes, point, strict=True)]  # fmt: skip
+            node[-1] = min(max(node[-1], self.axes[-1][1]), self.axes[-1][-2])
+            probes += [(*node[:k], point[k], *node[k + 1 :]) for k in free]
+        along = np.abs(self._errors(table, probes)).max(axis=1).reshape(len(missed), len(free))
+        for point, worst in zip(missed, along.argmax(axis=1), strict=True):
+            k = free[worst]
+            split[k].add(int(cell_of(self.axes[k], np.array([point[k]]))[0]))
+        return [np.array(sorted(some), int) for some in split]
 
 
 def _in_full_slip(ratio: float, heading: float, tilt: float) -> Solved:

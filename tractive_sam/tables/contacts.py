@@ -2,14 +2,14 @@
 
 import warnings
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from scipy.special import elliprd
 
-from tractive_sam.contact import Model, State, jacobian_of
+from tractive_sam.contact import Model, State, fitted, jacobian_of
 from tractive_sam.operators import one_blas_thread
-from tractive_sam.run import nearby, under
+from tractive_sam.run import measured_gap, nearby, under
 from tractive_sam.scene import Scene
 
 MARGIN = 2
@@ -47,19 +47,33 @@ class Solved:
 
 
 class Contacts:
-    """Contacts of one a/b and Poisson's ratio.
+    """Contacts of one scene under any creepages.
 
     Parameters
     ----------
-    ratio, poisson : float
-        a/b and Poisson's ratio.
+    scene : Scene
+        Without a mesh and creepages.
+    contact : tuple of float, optional
+        a, b, load, mu and shear by which creepages and forces are scaled; by default its own.
     """
 
-    def __init__(self, ratio: float, poisson: float):
-        self.ratio, self.poisson = ratio, poisson
+    def __init__(self, scene: Scene, contact: tuple[float, ...] | None = None):
+        self.scene = scene
+        if contact is None:
+            hertz, mu = scene.hertz, scene.friction.mu[0]
+            contact = hertz.a, hertz.b, scene.normal_load, mu, scene.material.shear
+        a, b, load, mu, shear = contact
+        c, bound = (a * b) ** 0.5, mu * load
+        self._unit = bound * np.array([1.0, 1.0, c])
+        self._creepage = bound / (shear * c**2) * np.array([1.0, 1.0, 1.0 / c])
         self._models: dict[int, Model] = {}
         self._last: dict[int, State] = {}
         self.solved = 0
+
+    @classmethod
+    def of_hertz(cls, ratio: float, poisson: float) -> "Contacts":
+        """Contacts of alike bodies of an a/b and Poisson's ratio."""
+        return cls(unit_scene(ratio, poisson))
 
     @one_blas_thread()
     def solve(
@@ -88,29 +102,34 @@ class Contacts:
 
     def _model(self, elements: int) -> Model:
         if elements not in self._models:
-            self._models[elements] = Model(scene_of(self.ratio, self.poisson, elements))
+            scene = in_mesh(self.scene, elements, self._reach)
+            self._models[elements] = Model(scene, measured_gap(scene))
         return self._models[elements]
 
-    @property
-    def _scale(self) -> tuple[np.ndarray, np.ndarray]:
-        """Units of (Q_x, Q_y, M_z) and of creepages."""
-        model = next(iter(self._models.values()))
-        scene = model.scene
-        c, bound = scene.hertz.mean_semi_axis, MU * scene.normal_load
-        creepage = bound / (scene.material.shear * c**2)
-        return bound * np.array([1.0, 1.0, c]), creepage * np.array([1.0, 1.0, 1.0 / c])
+    @cached_property
+    def _reach(self) -> tuple[float, float]:
+        """How far the contact reaches from the middle in x and y."""
+        if self.scene.gap is None:
+            return float(self.scene.hertz.a), float(self.scene.hertz.b)
+        smooth = self.scene.replace(friction=None, creepage=None)
+        model, contact = fitted(Model(smooth, measured_gap(smooth)))
+        if not contact.converged:
+            raise RuntimeError(f"without friction: {contact.message}")
+        grid, touches = model.grid, contact.pressure > 0.0
+        x, y = np.abs(grid.x)[touches.any(axis=1)], np.abs(grid.y)[touches.any(axis=0)]
+        return float(x.max() + 0.5 * grid.dx), float(y.max() + 0.5 * grid.dy)
 
     def _scaled(self, contact: State) -> np.ndarray:
         # By the load that the mesh carries is by that asked for, to its tolerance.
-        return np.array([contact.Qx, contact.Qy, contact.Mz]) / self._scale[0]
+        return np.array([contact.Qx, contact.Qy, contact.Mz]) / self._unit
 
     def _state(self, w: np.ndarray, elements: int) -> State:
         model = self._model(elements)
-        creepages = dict(zip(KEYS, w * self._scale[1], strict=True))
+        creepages = dict(zip(KEYS, w * self._creepage, strict=True))
         _, contact = nearby(under(model, creepages), self._last.get(elements))
         self.solved += 1
         if not contact.converged:
-            raise RuntimeError(f"a/b = {self.ratio:g}, w = {w}: {contact.message}")
+            raise RuntimeError(f"{self.scene.title}, w = {w}: {contact.message}")
         self._last[elements] = contact
         return contact
 
@@ -119,8 +138,7 @@ class Contacts:
         model = under(self._model(elements), dict(zip(KEYS, moved, strict=True)))
         jacobian = jacobian_of(model, contact, only=("xi_x", "xi_y", "spin"))
         found = jacobian.loc[["Qx", "Qy", "Mz"], ["xi_x", "xi_y", "spin"]].values
-        force, creepage = self._scale
-        return found / force[:, None] * creepage
+        return found / self._unit[:, None] * self._creepage
 
 
 def _bar(coarse: np.ndarray, middle: np.ndarray, fine: np.ndarray) -> np.ndarray:
@@ -133,9 +151,9 @@ def odd(number: float) -> int:
     return 2 * round(0.5 * (number - 1.0)) + 1
 
 
-@lru_cache(maxsize=8)
-def scene_of(ratio: float, poisson: float, elements: int) -> Scene:
-    """Hertz's contact of this a/b, with so many elements across its shorter axis or more."""
+@lru_cache(maxsize=64)
+def unit_scene(ratio: float, poisson: float) -> Scene:
+    """Hertz's contact of this a/b, without a mesh."""
     # 1/R_x over 1/R_y of an ellipse, see `mechanics.hertz`.
     curvatures = elliprd(0.0, 1.0 / ratio, ratio) / elliprd(0.0, ratio, 1.0 / ratio)
     body = {"young": YOUNG, "poisson": poisson}
@@ -143,17 +161,21 @@ def scene_of(ratio: float, poisson: float, elements: int) -> Scene:
     curved = {"radius_x": RADIUS / curvatures**0.5, "radius_y": RADIUS * curvatures**0.5}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # its numbers are of no steel, and need not be
-        scene = Scene(
+        return Scene(
             title=f"Contact of a/b = {ratio:g}",
             body={"A": body | curved, "B": body | flat},
             load={"pressure": PRESSURE},
             creepage=dict.fromkeys(("longitudinal", "lateral", "spin"), 0.0),
             friction={"mu": MU},
         )
-        a, b = scene.hertz.a, scene.hertz.b
-        across = [
-            odd(elements * max(1.0, side / other / LONGEST)) for side, other in ((a, b), (b, a))
-        ]
-        half = [side * (1.0 + MARGIN / n) for side, n in zip((a, b), across, strict=True)]
-        grid = {"half_length": tuple(half), "elements": tuple(n + MARGIN for n in across)}
+
+
+def in_mesh(scene: Scene, elements: int, reach: tuple[float, float]) -> Scene:
+    """A scene with so many elements across the shorter side of its contact, or more."""
+    a, b = reach
+    across = [odd(elements * max(1.0, side / other / LONGEST)) for side, other in ((a, b), (b, a))]
+    half = [side * (1.0 + MARGIN / n) for side, n in zip((a, b), across, strict=True)]
+    grid = {"half_length": tuple(half), "elements": tuple(n + MARGIN for n in across)}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
         return scene.replace(grid=grid)

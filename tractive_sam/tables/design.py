@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator
-from itertools import pairwise
-from os import PathLike
-from typing import Annotated, ClassVar, Self
+from functools import cached_property
+from itertools import pairwise, product
+from pathlib import Path
+from typing import Annotated, Any, ClassVar
 
+import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field
 
-from tractive_sam.scene import Check, Document, Fault, Known, SceneError, entry, shown
+from tractive_sam.lookup import CONTACT, RATIO
+from tractive_sam.scene import Check, Document, Fault, Known, Scene, SceneError, entry, shown
+from tractive_sam.tables.axis import TableAxis
+from tractive_sam.tables.contacts import Contacts, unit_scene
 
 
 class TableError(SceneError):
@@ -58,8 +64,59 @@ def _finest_is_fine(known: Known) -> Iterator[Fault]:
         yield Fault("finest", shown(known["finest"]), cure)
 
 
+def _of_a_scene_or_of_any(known: Known) -> Iterator[Fault]:
+    if known["scene"] is not None:
+        for key in ("ellipticity", "poisson"):
+            if key in known.given:
+                cure = "an [[axis]] of the scene, such as body.B.radius_y"
+                yield Fault(key, "a table of one scene", cure)
+
+
+def _each_axis_once(known: Known) -> Iterator[Fault]:
+    for what in ("called", "key"):
+        names = [getattr(one, what) for one in known["axis"]]
+        for name in {one for one in names if names.count(one) > 1}:
+            yield Fault("axis", f"{name} {names.count(name)} times", "each once")
+
+
+SCALED = ("friction.mu", "friction.angle")
+"""Entries that keep the scaling of contacts of Hertz, by mu1 P."""
+
+
+def _axes_of_any_contact(known: Known) -> Iterator[Fault]:
+    if known["scene"] is not None:
+        return
+    for k, one in enumerate(known["axis"]):
+        for key in one.dimension().columns:
+            if key not in SCALED:
+                cure = f"{' or '.join(SCALED)}; of others, the [scene] in which they vary"
+                yield Fault(f"axis[{k}].key", shown(key), cure)
+
+
+LEFT_OUT = ("wear", "subsurface", "fatigue", "accuracy", "grid")
+"""Tables of a scene that have no say in its creep forces, or in the meshes of a table."""
+
+
+def _one_steady_contact(known: Known) -> Iterator[Fault]:
+    scene = known["scene"]
+    if scene is None:
+        return
+    for key in ("transient", "duty", "heat"):
+        if getattr(scene, key):
+            yield Fault(f"scene.{key}", "given", "none: contacts are steady, without heat")
+    if scene.friction is None:
+        yield Fault("scene.friction", "nothing", "friction, or there are no creep forces")
+    for key in ("force_x", "force_y"):
+        if getattr(scene.load, key) is not None:
+            yield Fault(f"scene.load.{key}", "given", "none: creepages are the axes of a table")
+    if scene.normal_load is None:
+        yield Fault("scene.load", "no normal load", "load.normal or load.pressure")
+    if scene.hertz is None or scene.body.infinitely_long:
+        yield Fault("scene.body", "no contact of Hertz", "radii that close in x and y")
+
+
 class TableDesign(Document):
-    """A table of creep forces of Hertzian contacts of alike bodies.
+    """A table of creep forces: of any contact of Hertz of alike bodies, or of one scene.
 
     Raises
     ------
@@ -70,9 +127,18 @@ class TableDesign(Document):
     --------
     >>> ts.TableDesign(ellipticity=[0.5, 1.0, 2.0], tolerance=0.01).poisson
     (0.3,)
+    >>> angle = {"key": "friction.angle", "values": [0, 45, 90]}
+    >>> ts.TableDesign(scene="spheres-orthotropic", axis=[angle]).names
+    ('angle',)
     """
 
     title: str = entry("title", "a text", "")
+    scene: Scene | None = entry(
+        "the scene whose contact it is, instead of any contact of Hertz of alike bodies",
+        "a built-in name, a scene file, or the tables of a scene",
+        None,
+    )
+    axis: tuple[TableAxis, ...] = entry("further axes", "a list of tables", ())
     ellipticity: Ratios = entry(
         "a/b, semi-axes in rolling over lateral direction",
         "ascending numbers from 0.1 to 10; values are added between them",
@@ -100,26 +166,138 @@ class TableDesign(Document):
     )
     most: int = entry("nodes at most", "a whole number from 300 to 1e6", 50_000, ge=300, le=10**6)
     seed: int = entry("seed of the points that are held out", "a whole number from 0", 0, ge=0)
-    checks: ClassVar[tuple[Check, ...]] = (_finest_is_fine,)
+    checks: ClassVar[tuple[Check, ...]] = (
+        _finest_is_fine,
+        _of_a_scene_or_of_any,
+        _each_axis_once,
+        _axes_of_any_contact,
+        _one_steady_contact,
+    )
+    invalid: ClassVar[type[SceneError]] = TableError
 
-    def __init__(self, /, **given: object) -> None:
-        try:
-            super().__init__(**given)
-        except TableError:
-            raise
-        except SceneError as error:
-            raise TableError(error.faults) from None
+    def __init__(self, /, **given: Any) -> None:
+        if isinstance(given.get("scene"), str):
+            try:
+                given["scene"] = Scene.named(given["scene"])
+            except SceneError as error:
+                raise TableError(_in_design(error)) from None
+        super().__init__(**given)
+        faults: list[Fault] = []
+        for entries in self._each_entry():
+            try:
+                self._scene_with(entries)
+            except SceneError as error:
+                faults += [one for one in _in_design(error) if str(one) not in map(str, faults)]
+        if faults:
+            raise TableError(faults)
 
     @classmethod
-    def from_toml(cls, path: str | PathLike[str]) -> Self:
-        """Read a file.
+    def files_from(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
+        """The tables, with relative files in them sought from a folder."""
+        match tables:
+            case {"scene": str(name)} if (folder / name).is_file():
+                tables["scene"] = str(folder / name)
+            case {"scene": dict(scene)}:
+                Scene.files_from(folder, scene)
+        for one in tables.get("axis") or ():
+            match one:
+                case {"key": "gap.file", "values": list() | tuple() as files}:
+                    one["values"] = [str(folder / str(file)) for file in files]
+        return tables
 
-        Raises
-        ------
-        TableError
-            If the file cannot be read, is no TOML, or describes no valid table.
-        """
-        try:
-            return super().from_toml(path)
-        except SceneError as error:
-            raise TableError(error.faults) from None
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Axes beside those of creepages."""
+        further = tuple(one.called for one in self.axis)
+        return further if self.scene is not None else (RATIO, "poisson", *further)
+
+    @property
+    def first_nodes(self) -> list[np.ndarray]:
+        """Nodes along the axes `names` to begin with."""
+        further = [one.nodes for one in self.axis]
+        if self.scene is not None:
+            return further
+        return [np.log(np.array(self.ellipticity)), np.array(self.poisson, float), *further]
+
+    @property
+    def apart(self) -> tuple[str, ...]:
+        """Those of `names` between whose nodes nothing is known."""
+        return tuple(one.called for one in self.axis if one.apart)
+
+    @property
+    def contact(self) -> dict[str, float] | None:
+        """What scales the forces of the table of a scene."""
+        if self.scene is None:
+            return None
+        scene = self.scene
+        found = (scene.hertz.a, scene.hertz.b, scene.normal_load, scene.friction.mu[0])
+        return dict(zip(CONTACT, (*map(float, found), scene.material.shear), strict=True))
+
+    @cached_property
+    def symmetries(self) -> tuple[bool, bool]:
+        """Whether forces are mirrored with creepages at y = 0, and reversed with them."""
+        places = [
+            sorted({*nodes, *(() if name in self.apart else 0.5 * (nodes[1:] + nodes[:-1]))})
+            for name, nodes in zip(self.names, self.first_nodes, strict=True)
+        ]
+        scenes = [self.scene_at(place) for place in product(*places)]
+        return all(map(_mirrored, scenes)), all(map(_reversed, scenes))
+
+    @property
+    def closed_form(self) -> bool:
+        """Whether full slip has one: of contacts of Hertz with isotropic friction."""
+        return self.scene is None and not self.axis
+
+    def ratio(self, place: tuple[float, ...]) -> float:
+        """a/b at a place along the axes `names`."""
+        if self.scene is not None:
+            return float(self.scene.hertz.a / self.scene.hertz.b)
+        return float(np.exp(place[0]))
+
+    def contacts(self, place: tuple[float, ...]) -> Contacts:
+        """The contacts at a place along the axes `names`."""
+        scene = self.scene_at(place)
+        return Contacts(scene, None if self.contact is None else tuple(self.contact.values()))
+
+    def scene_at(self, place: tuple[float, ...]) -> Scene:
+        """The scene at a place along the axes `names`, without a mesh and creepages."""
+        further = place if self.scene is not None else place[2:]
+        entries: dict[str, Any] = {}
+        for one, x in zip(self.axis, further, strict=True):
+            entries |= one.entries_at(x)
+        return self._scene_with(entries, place)
+
+    def _scene_with(self, entries: dict[str, Any], place: tuple[float, ...] = (0.0, 0.3)) -> Scene:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # its numbers may be of no steel
+            if self.scene is None:
+                scene = unit_scene(float(np.exp(place[0])), place[1])
+            else:
+                rolls = {"longitudinal": 0.0, "lateral": 0.0, "spin": 0.0}
+                speed = None if self.scene.creepage is None else self.scene.creepage.speed
+                rolls |= {} if speed is None else {"speed": speed}
+                scene = self.scene.replace(**dict.fromkeys(LEFT_OUT), creepage=rolls)
+            return scene.replace(**entries) if entries else scene
+
+    def _each_entry(self) -> Iterator[dict[str, Any]]:
+        """Entries of the scene with one axis at each of its values, others at their first."""
+        first: dict[str, Any] = {}
+        for one in self.axis:
+            first |= one.entries_at(one.nodes[0])
+        for one in self.axis:
+            for x in one.nodes:
+                yield first | one.entries_at(x)
+
+
+def _in_design(error: SceneError) -> list[Fault]:
+    return [one.under("scene") for one in error.faults]
+
+
+def _mirrored(scene: Scene) -> bool:
+    mu1, mu2 = scene.friction.mu
+    aligned = mu1 == mu2 or scene.friction.angle % 90.0 == 0.0
+    return aligned and scene.gap is None
+
+
+def _reversed(scene: Scene) -> bool:
+    return bool(scene.material.coupling == 0.0)

@@ -9,7 +9,7 @@ import xarray
 
 from tractive_sam.lookup import CreepTable
 from tractive_sam.store import TABLE_FORMAT, versions
-from tractive_sam.tables.opening import AXES
+from tractive_sam.tables.opening import CREEPAGES
 
 FORCES = ("Qx", "Qy", "Mz")
 
@@ -21,33 +21,39 @@ MEANINGS = {
     "u": "r / (r + r_0), r^2 = w_1^2 + w_2^2 + (w_3/2)^2, r_0 = 2 / (3.2 + 0.9 a/b)",
 }
 
-SCALING = (
-    "(Qx, Qy, Mz/c) / (mu P) over w = G c^2 / (mu P) (xi_x, xi_y, c spin), c = sqrt(a b); "
-    "(w_1, -w_2, -w_3) gives (Qx, -Qy, -Mz), (-w_1, w_2, w_3) gives (-Qx, Qy, Mz)"
-)
+CHECKS = {
+    "check_points": "points held out, by all axes",
+    "check_errors": "errors of the table there, over mu P",
+    "check_told": "errors that the table tells there",
+}
+
+SCALING = "(Qx, Qy, Mz/c) / (mu P) over w = G c^2 / (mu P) (xi_x, xi_y, c spin), c = sqrt(a b)"
+
+SYMMETRIES = "; (w_1, -w_2, -w_3) gives (Qx, -Qy, -Mz), (-w_1, w_2, w_3) gives (-Qx, Qy, Mz)"
 
 
 def write_table(table: CreepTable, path: str | PathLike[str]) -> None:
     """Write a table; a file that is there is replaced as a whole."""
-    axes, count = table.law.axes, len(AXES)
+    every, axes = (*table.names, *CREEPAGES), table.law.axes
+    count = len(every)
     names = [
-        " ".join(AXES[k] for k in range(count) if d >> (count - 1 - k) & 1) or "value"
+        " ".join(every[k] for k in range(count) if d >> (count - 1 - k) & 1) or "value"
         for d in range(2**count)
     ]
     about = {k: v for k, v in table.about.items() if not k.startswith("check")}
     variables: dict[str, Any] = {
         "coefficients": (
-            (*AXES, "derivative", "force"),
+            (*every, "derivative", "force"),
             table.law.coefficients,
             {"long_name": "value, and derivatives by the axes named", "units": "1"},
         ),
         "error_bar": (
-            (*AXES, "force"),
+            (*every, "force"),
             table.bars,
             {"long_name": "error bar of the contact at the node", "units": "1"},
         ),
     }
-    for name, errors in zip(AXES, table.between, strict=True):
+    for name, errors in zip(every, table.between, strict=True):
         if len(errors):
             meaning = f"largest error of interpolation along {name}, within its intervals"
             variables[f"between_{name}"] = (
@@ -55,15 +61,24 @@ def write_table(table: CreepTable, path: str | PathLike[str]) -> None:
                 errors,
                 {"long_name": meaning, "units": "1"},
             )
-    if "check_points" in table.about:
-        variables["check_points"] = (("check", "axis"), np.asarray(table.about["check_points"]))
-        variables["check_errors"] = (("check",), np.asarray(table.about["check_errors"]))
+    for name, meaning in CHECKS.items():
+        if name in table.about:
+            last = "axis" if name == "check_points" else "force"
+            values = np.asarray(table.about[name])
+            variables[name] = (("check", last), values, {"long_name": meaning, "units": "1"})
     coordinates: dict[str, Any] = {
-        name: ((name,), nodes, {"long_name": MEANINGS[name], "units": "1"})
-        for name, nodes in zip(AXES, axes, strict=True)
+        name: ((name,), nodes, {"long_name": MEANINGS.get(name, name), "units": "1"})
+        for name, nodes in zip(every, axes, strict=True)
     }
     coordinates |= {"derivative": names, "force": list(FORCES)}
-    told = {"format": TABLE_FORMAT, "scaling": SCALING, "version": versions()["tractive-sam"]}
+    told = {
+        "format": TABLE_FORMAT,
+        "axes": " ".join(every),
+        "apart": " ".join(table.apart),
+        "whole": int(table.whole),
+        "scaling": SCALING + ("" if table.whole else SYMMETRIES),
+        "version": versions()["tractive-sam"],
+    } | dict(table.contact or {})
     dataset = xarray.Dataset(variables, coordinates, told | about)
     kept = {name: {"zlib": True, "complevel": 4} for name in ("coefficients", "error_bar")}
     path = Path(path)

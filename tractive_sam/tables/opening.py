@@ -4,11 +4,11 @@ from importlib.resources import files
 from os import PathLike
 from pathlib import Path
 
-from tractive_sam.lookup import CreepTable, Hermite
+from tractive_sam.lookup import CONTACT, CreepTable, Hermite
 from tractive_sam.store import read_creep_table
 
-AXES = ("log_ratio", "poisson", "heading", "tilt", "u")
-"""Names of the axes in a file."""
+CREEPAGES = ("heading", "tilt", "u")
+"""Names of the last axes in a file."""
 
 
 def builtin_tables() -> dict[str, Path]:
@@ -44,6 +44,15 @@ def open_table(name: str | PathLike[str]) -> CreepTable:
     >>> bool(abs(f.error[0]) < 0.05 * 0.3 * 80e3)
     True
     """
-    found = read_creep_table(builtin_tables().get(str(name), Path(name)), AXES)
-    law = Hermite(found.axes, found.coefficients)
-    return CreepTable(law, found.bars, found.between, found.about)
+    found = read_creep_table(builtin_tables().get(str(name), Path(name)))
+    about = found.about
+    return CreepTable(
+        Hermite(found.axes, found.coefficients),
+        found.names[: -len(CREEPAGES)],
+        found.bars,
+        found.between,
+        about,
+        tuple(str(about.get("apart", "")).split()),
+        bool(about.get("whole", 0)),
+        {key: float(about[key]) for key in CONTACT} if CONTACT[0] in about else None,
+    )

@@ -1,0 +1,170 @@
+"""Axes of tables: what they name, what symmetries leave, and what is refused."""
+
+import math
+
+import numpy as np
+import pytest
+
+import tractive_sam as ts
+from tractive_sam.lookup import Hermite, creepages_at
+from tractive_sam.mechanics.full_slip import full_slip_force
+from tractive_sam.tables import TableAxis
+from tractive_sam.tables.building import FULL
+from tractive_sam.tables.coefficients import coefficients
+from tractive_sam.tables.grid import CreepageGrid
+
+STEEL = {"young": 208e3, "poisson": 0.3}
+FLAT = {"radius_x": math.inf, "radius_y": math.inf}
+
+
+def scene(**given):
+    return ts.Scene(
+        **{
+            "body": {"A": STEEL | {"radius_x": 100.0, "radius_y": 100.0}, "B": STEEL | FLAT},
+            "load": {"normal": 1e3},
+            "friction": {"mu": 0.3},
+        }
+        | given
+    )
+
+
+def soft():
+    """A body of rubber on steel."""
+    return scene(
+        body={
+            "A": {"young": 10.0, "poisson": 0.3, "radius_x": 20.0, "radius_y": 20.0},
+            "B": STEEL | FLAT,
+        },
+        load={"normal": 5.0},
+    )
+
+
+RATIO = {"key": "friction.mu", "name": "mu2_over_mu1",
+         "values": [[0.3, 0.15], [0.3, 0.3]], "at": [0.5, 1.0]}  # fmt: skip
+
+
+def test_an_axis_names_entries_of_the_scene():
+    together = {"key": "body.B.poisson", "values": [0.3, 0.25]}
+    axis = TableAxis(key="body.A.poisson", name="nu", values=[0.2, 0.3], zip=[together])
+    assert axis.entries_at(0.25) == pytest.approx({"body.A.poisson": 0.25, "body.B.poisson": 0.275})
+    assert TableAxis(**RATIO).entries_at(0.75)["friction.mu"] == pytest.approx([0.3, 0.225])
+    files = TableAxis(key="gap.file", name="worn", values=["new", "worn"], at=[0.0, 1e3])
+    assert files.apart
+    assert not TableAxis(**RATIO).apart
+
+
+@pytest.mark.parametrize(
+    ("given", "symmetries"),
+    [
+        ({}, (True, True)),
+        ({"axis": [RATIO]}, (True, True)),
+        ({"axis": [{"key": "friction.angle", "values": [0, 90]}, RATIO]}, (False, True)),
+        ({"axis": [{"key": "friction.angle", "values": [0, 90]}]}, (True, True)),
+        ({"scene": soft()}, (True, False)),
+        ({"scene": soft().replace(friction={"mu": [0.3, 0.2], "angle": 20.0})}, (False, False)),
+    ],
+)
+def test_symmetries_are_those_of_all_scenes(given, symmetries):
+    assert ts.TableDesign(**given).symmetries == symmetries
+
+
+@pytest.mark.parametrize(
+    ("given", "named"),
+    [
+        ({"axis": [{"key": "friction.angel", "values": [0, 1]}]}, "friction.angel"),
+        ({"axis": [{"key": "load.normal", "values": [1, 2]}]}, r"axis\[0\].key.*scene"),
+        ({"axis": [RATIO | {"at": None}]}, r"axis\[0\].at"),
+        ({"axis": [RATIO | {"at": [1.0, 0.5]}]}, r"axis\[0\].at"),
+        ({"axis": [RATIO | {"at": [1.0]}]}, r"axis\[0\].at"),
+        ({"axis": [RATIO | {"name": "mu"}]}, r"axis\[0\].name"),
+        ({"axis": [RATIO | {"name": "1st"}]}, r"axis\[0\].name"),
+        ({"axis": [RATIO, RATIO]}, "axis.*2 times"),
+        ({"axis": [{"key": "friction.angle", "values": [90, 0]}]}, r"axis\[0\].values"),
+        ({"axis": [{"key": "friction.angle", "values": [0, 400]}]}, "friction.angle"),
+        ({"scene": scene(), "ellipticity": 2.0}, "ellipticity"),
+        ({"scene": scene(friction=None)}, "scene.friction"),
+        ({"scene": scene(load={"normal": 1e3, "force_x": 10.0})}, "scene.load.force_x"),
+        ({"scene": "no-such-scene"}, "scene"),
+        ({"scene": "twin-discs", "axis": [{"key": "load.normal", "values": [-1, 2]}]}, "load.nor"),
+    ],
+)
+def test_designs_that_are_none(given, named):
+    with pytest.raises(ts.TableError, match=f"(?s){named}"):
+        ts.TableDesign(**given)
+
+
+def test_designs_are_files(tmp_path):
+    text = 'scene = "twin-discs"\ntolerance = 0.1\n[[axis]]\nkey = "load.normal"\n'
+    (tmp_path / "table.toml").write_text(text + "values = [100, 300]\n")
+    design = ts.TableDesign.from_toml(tmp_path / "table.toml")
+    assert design.scene_at((200.0,)).normal_load == 200.0
+    again = ts.TableDesign.from_toml_text(design.to_toml())
+    assert (again.names, again.contact) == (design.names, design.contact)
+
+
+@pytest.mark.parametrize(
+    "asked", [soft(), scene(friction={"mu": [0.3, 0.15], "angle": 30.0})], ids=["soft", "oblique"]
+)
+def test_nodes_are_known_by_the_contacts_of_others(asked):
+    """Half of all creepages are solved; the rest follows by the symmetry that is left."""
+    design = ts.TableDesign(scene=asked, elements=15, tolerance=0.2)
+    grid, contacts = CreepageGrid(*design.symmetries), design.contacts(())
+    assert grid.whole
+    ratio = design.ratio(())
+    for heading, tilt in ((0.7, -0.4), (-2.0, -1.0), (-2.5, 0.0), (1.0, -0.5 * math.pi)):
+        at, signs = grid.canonical((heading, tilt, 0.5))
+        here, there = (contacts.forces(creepages_at(ratio, *one), 9)
+                       for one in ((heading, tilt, 0.5), at))  # fmt: skip
+        assert at[1] >= 0.0
+        np.testing.assert_allclose(here, signs * there, atol=1e-6)  # tolerance of the scenes
+
+
+def test_full_slip_is_that_of_friction():
+    """Solved under huge creepages where there is no closed form: orthotropic, of one direction."""
+    asked = scene(friction={"mu": [0.3, 0.15], "angle": 30.0})
+    design = ts.TableDesign(scene=asked, elements=15, tolerance=0.2)
+    w = np.array([math.cos(0.4), math.sin(0.4), 0.0])
+    found = design.contacts(()).forces(FULL * w, 15)
+    expected = full_slip_force(1.0, (1.0, 0.5), math.radians(30.0), (w[0], w[1]))
+    # Nothing sticks: what is left is the tolerance of the solver.
+    np.testing.assert_allclose(found, [*expected, 0.0], atol=1e-5)
+
+
+def law(heading, tilt, u):
+    """Any smooth function of a vector, without symmetries, and its derivatives by coordinates."""
+    h, t, r = (np.asarray(one, float) for one in (heading, tilt, u))
+    x, y, z = r * np.cos(t) * np.cos(h), r * np.cos(t) * np.sin(h), r * np.sin(t)
+    f = np.stack([np.sin(x + 0.3 * y), np.cos(y - 0.5 * z) + x * z, np.exp(0.3 * z - 0.2 * x)], -1)
+    by = np.stack(
+        [
+            np.stack([np.cos(x + 0.3 * y), 0.3 * np.cos(x + 0.3 * y), 0 * x], -1),
+            np.stack([z, -np.sin(y - 0.5 * z), 0.5 * np.sin(y - 0.5 * z) + x], -1),
+            np.exp(0.3 * z - 0.2 * x)[..., None] * np.array([-0.2, 0.0, 0.3]),
+        ],
+        -2,
+    )
+    moved = np.stack(
+        [
+            np.stack([-y, x, 0 * x], -1),
+            np.stack([-r * np.sin(t) * np.cos(h), -r * np.sin(t) * np.sin(h), r * np.cos(t)], -1),
+            np.stack([np.cos(t) * np.cos(h), np.cos(t) * np.sin(h), np.sin(t)], -1),
+        ],
+        -1,
+    )
+    return f, by @ moved
+
+
+def test_whole_tables_converge_across_the_seam_and_the_poles():
+    random = np.random.default_rng(5)
+    low, high = np.array([-math.pi, -math.pi / 2, 0.0]), np.array([math.pi, math.pi / 2, 1.0])
+    points = random.uniform(low, high, (300, 3)).T
+    exact, worst = law(*points)[0].T, []
+    for n in (1, 2, 4):
+        counts = (8 * n + 1, 4 * n + 1, 4 * n + 1)
+        axes = [np.linspace(*ends) for ends in zip(low, high, counts, strict=True)]
+        values, slopes = law(*np.meshgrid(*axes, indexing="ij"))
+        found = Hermite(tuple(axes), coefficients(axes, values, slopes, whole=True))
+        worst.append(np.abs(found(points) - exact).max())
+    # Mixed derivatives by central differences leave the third order at least.
+    assert worst[0] / worst[1] > 6.0
+    assert worst[1] / worst[2] > 6.0

@@ -1,0 +1,222 @@
+"""Tables with axes of their own and without symmetries: read, and written as C and as FMUs."""
+
+import math
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+
+from tractive_sam.lookup import CreepTable, Hermite, c_header, columns_of
+from tractive_sam.plot import table_errors
+from tractive_sam.store import ResultsError
+from tractive_sam.tables import open_table, write_fmu
+
+needs_cc = pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler")
+CONTACT = {"a": 2.0, "b": 1.0, "load": 1e4, "mu": 0.4, "shear": 8e4}
+
+
+def made_up(names, axes, seed=0, **given):
+    """A table of random numbers: what is read of it, is read of any."""
+    random = np.random.default_rng(seed)
+    axes = (*map(np.array, axes), np.linspace(-math.pi, math.pi, 5),
+            np.linspace(-math.pi / 2, math.pi / 2, 3), np.array([0.0, 0.3, 1.0]))  # fmt: skip
+    shape = tuple(map(len, axes))
+    numbers = random.normal(size=(*shape, 2 ** len(axes), 3))
+    for k, nodes in enumerate(axes):  # an axis of one node has no derivatives
+        if len(nodes) == 1:
+            by = [d for d in range(2 ** len(axes)) if d >> (len(axes) - 1 - k) & 1]
+            numbers[..., by, :] = 0.0
+    bars = np.abs(random.normal(size=(*shape, 3)))
+    between = tuple(np.abs(random.normal(size=(n - 1, 3))) for n in shape)
+    return CreepTable(Hermite(axes, numbers), names, bars, between, {"tolerance": 0.01}, **given)
+
+
+def of_any():
+    axes = [[-0.5, 0.2, 0.9], [0.3], [0.0, 1.0, 3.0]]
+    return made_up(("log_ratio", "poisson", "angle"), axes, whole=True)
+
+
+def of_a_scene():
+    axes = [[0.0, 1e3, 2e3], [1.0, 2.0]]
+    return made_up(("worn", "K"), axes, whole=True, apart=("worn",), contact=CONTACT)
+
+
+CASES = {"any": (of_any, CONTACT | {"poisson": 0.3, "angle": 2.2}),
+         "scene": (of_a_scene, {"worn": 1e3, "K": 1.3})}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", CASES)
+def test_values_follow_slopes_anywhere(kind):
+    """Signs and headings of a whole table: the gradient is that of the values."""
+    make, given = CASES[kind]
+    table, h = make(), 1e-7
+    xi = np.random.default_rng(1).normal(size=(3, 30)) * 2e-3
+    f = table(*xi, **given)
+    for k in range(3):
+        step = h * np.eye(3)[k][:, None]
+        high, low = (table(*(xi + sign * step), **given) for sign in (1.0, -1.0))
+        for one, name in enumerate(("Qx", "Qy", "Mz")):
+            slope = (getattr(high, name) - getattr(low, name)) / (2.0 * h)
+            # Random numbers bend sharply: what is left is of second order in the step.
+            size = np.abs(f.gradient[one, k]).max()
+            np.testing.assert_allclose(f.gradient[one, k], slope, atol=1e-3 * size)
+
+
+@pytest.mark.parametrize(
+    ("kind", "changes", "named"),
+    [
+        ("any", {"angle": None}, "angle: needed"),
+        ("any", {"angle": 4.0}, "angle: 0 to 3"),
+        ("any", {"angel": 1.0}, "angel: no axis"),
+        ("any", {"load": None}, "load: needed"),
+        ("scene", {"load": 1e4}, "load: the scene"),
+        ("scene", {"worn": 500.0}, "worn: 0, 1000, 2000 are"),
+        ("scene", {"worn": math.nan}, "worn: 0"),
+    ],
+)
+def test_what_is_not_in_a_table_is_refused(kind, changes, named):
+    make, given = CASES[kind]
+    with pytest.raises(ValueError, match=named):
+        make()(1e-3, 0.0, 0.0, **given | changes)
+
+
+@pytest.mark.parametrize("kind", CASES)
+def test_tables_are_read_as_they_are_written(kind, tmp_path):
+    writing = pytest.importorskip("tractive_sam.tables.file", reason="xarray is of an extra")
+    make, given = CASES[kind]
+    table = make()
+    writing.write_table(table, tmp_path / "table.nc")
+    again = open_table(tmp_path / "table.nc")
+    assert (again.names, again.apart, again.whole) == (table.names, table.apart, table.whole)
+    assert again.contact == table.contact
+    one, other = (t(1e-3, -2e-3, 1e-3, **given) for t in (table, again))
+    assert (one.Qx, one.Mz) == (other.Qx, other.Mz)
+    np.testing.assert_array_equal(one.error, other.error)
+
+
+def test_a_whole_table_as_text():
+    lines = [line for line in columns_of(of_a_scene()).splitlines() if line[0] != "#"]
+    assert len(lines) == of_a_scene().nodes
+    assert lines[0].split()[:2] == ["0", "1"]
+
+
+def test_errors_are_drawn(tmp_path):
+    random = np.random.default_rng(2)
+    checks = {name: np.abs(random.normal(size=(40, 3))) for name in ("check_errors", "check_told")}
+    table = of_any()
+    table.about.update(checks | {"held_out_inside": 0.97})
+    table_errors(table).savefig(tmp_path / "errors.png")
+    with pytest.raises(ValueError, match="held out"):
+        table_errors(of_a_scene())
+
+
+PROGRAM = """
+#include <stdio.h>
+#include "law.h"
+int main(void) {
+    double p[@COUNT@], force[3], gradient[9];
+    for (;;) {
+        int k, bad;
+        for (k = 0; k < @COUNT@; k++) if (scanf("%lf", p + k) != 1) return 0;
+        bad = law(@GIVEN@, force, gradient);
+        printf("%d", bad);
+        for (k = 0; k < 3; k++) printf(" %.17g", bad ? 0.0 : force[k]);
+        for (k = 0; k < 9; k++) printf(" %.17g", bad ? 0.0 : gradient[k]);
+        printf("\\n");
+    }
+}
+"""
+
+
+def points(given, number=50):
+    """Creepages of all signs and sizes, full slip too, and what else is given."""
+    random = np.random.default_rng(4)
+    xi = random.normal(size=(3, number)) * 10.0 ** random.uniform(-5, 0, number)
+    xi[:, 0], xi[:, 1], xi[:, 2] = 0.0, (math.inf, 1.0, 0.0), (0.0, 0.0, -math.inf)
+    return xi, np.stack(np.broadcast_arrays(*xi, *given.values()), axis=1)
+
+
+def assert_equal(found, expected):
+    # The same products, rounded in another order.
+    size = np.abs(expected).max(axis=0)
+    np.testing.assert_allclose(found / size, expected / size, atol=1e-12)
+
+
+def all_of(forces):
+    gradient = np.moveaxis(forces.gradient, -1, 0).reshape(-1, 9)
+    return np.concatenate([np.stack([forces.Qx, forces.Qy, forces.Mz], axis=1), gradient], axis=1)
+
+
+@needs_cc
+@pytest.mark.parametrize("kind", CASES)
+def test_c_header(kind, tmp_path):
+    make, given = CASES[kind]
+    table, (xi, rows) = make(), points(given)
+    count = rows.shape[1]
+    text = PROGRAM.replace("@COUNT@", str(count))
+    text = text.replace("@GIVEN@", ", ".join(f"p[{k}]" for k in range(count)))
+    (tmp_path / "law.h").write_text(c_header(table, "law"))
+    (tmp_path / "main.c").write_text(text)
+    strict = ["-std=c99", "-O1", "-Wall", "-Wextra", "-Werror", "-pedantic"]
+    subprocess.run(["cc", *strict, "main.c", "-o", "main", "-lm"], cwd=tmp_path, check=True)
+    outside = rows[-1].copy()
+    outside[-1] = 99.0
+    lines = "\n".join(" ".join(map(repr, row)) for row in [*rows.tolist(), outside.tolist()])
+    told = subprocess.run(
+        ["./main"], cwd=tmp_path, input=lines, capture_output=True, text=True, check=True
+    )
+    found = np.array([line.split() for line in told.stdout.splitlines()], float)
+    assert found[:, 0].tolist() == [0] * len(rows) + [4]
+    assert_equal(found[:-1, 1:], all_of(table(*xi, **given)))
+
+
+@needs_cc
+@pytest.mark.parametrize("interface", ["CoSimulation", "ModelExchange"])
+@pytest.mark.parametrize("kind", CASES)
+def test_fmu(kind, interface, tmp_path):
+    """Loaded and stepped: what is put out is what Python finds of the inputs."""
+    fmpy = pytest.importorskip("fmpy", reason="it is of the extra fmu")
+    make, given = CASES[kind]
+    table, (xi, _) = make(), points(given)
+    assert write_fmu(table, tmp_path / "law.fmu")
+    unit = fmpy.read_model_description(tmp_path / "law.fmu")
+    names = [one.name for one in unit.modelVariables if one.causality == "input"]
+    outputs = [one.name for one in unit.modelVariables if one.causality == "output"]
+    signals = np.zeros(len(xi[0]), [("time", float), *((name, float) for name in names)])
+    values = dict(zip(("xi_x", "xi_y", "spin"), np.nan_to_num(xi, posinf=1.0, neginf=-1.0),
+                      strict=True)) | given  # fmt: skip
+    signals["time"] = np.arange(len(signals))
+    for name in names:
+        signals[name] = values[name]
+    found = fmpy.simulate_fmu(
+        str(tmp_path / "law.fmu"), fmi_type=interface, input=signals, output=[*names, *outputs],
+        stop_time=len(signals) - 1.0, output_interval=1.0, step_size=1.0,
+    )  # fmt: skip
+    assert len(found) >= len(signals)
+    forces = table(**{name: found[name] for name in names})
+    assert_equal(np.stack([found[name] for name in outputs], axis=1), all_of(forces))
+
+
+@needs_cc
+def test_fmus_refuse(tmp_path, monkeypatch):
+    fmpy = pytest.importorskip("fmpy", reason="it is of the extra fmu")
+    with pytest.raises(ValueError, match="header"):
+        write_fmu(of_any(), tmp_path / "1.fmu")
+    write_fmu(of_any(), tmp_path / "law.fmu")
+    told = []
+    with pytest.raises(fmpy.fmi1.FMICallException):
+        fmpy.simulate_fmu(
+            str(tmp_path / "law.fmu"), fmi_type="CoSimulation",
+            start_values={"angle": 50.0}, logger=lambda *said: told.append(said),
+        )  # fmt: skip
+    assert any(b"outside the table" in part for said in told for part in said
+               if isinstance(part, bytes))  # fmt: skip
+    monkeypatch.setenv("CC", "no-such-compiler")
+    assert not write_fmu(of_any(), tmp_path / "sources.fmu")
+    assert fmpy.supported_platforms(str(tmp_path / "sources.fmu")) == ["c-code"]
+
+
+def test_a_name_of_no_file(tmp_path):
+    with pytest.raises(ResultsError):
+        open_table(tmp_path / "none.nc")

@@ -1,0 +1,116 @@
+"""An axis of a table beside those of creepages: any entry of a scene."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Any, ClassVar
+
+import numpy as np
+
+from tractive_sam.lookup import reserved_names
+from tractive_sam.scene import Check, Fault, Known, Scene, entry, shown
+from tractive_sam.studies import Axis
+
+NAME = "a name of letters, digits and _, which neither a table nor C uses by itself"
+
+
+def _named(known: Known) -> Iterator[Fault]:
+    name = known["name"] or known["key"].rpartition(".")[2]
+    if not re.fullmatch(r"[A-Za-z]\w*", name, re.ASCII) or name in reserved_names():
+        yield Fault("name", shown(name), NAME)
+
+
+def _along_numbers(known: Known) -> Iterator[Fault]:
+    values, at = known["values"], known["at"]
+    if values is None:  # a range of numbers
+        return
+    if at is None:
+        if not all(map(_is_number, values)):
+            needed = "a number for each of the values, ascending: where they are along the axis"
+            yield Fault("at", "nothing, of values that are no numbers", needed)
+        elif _falls(values):
+            yield Fault("values", shown(values), "ascending numbers, each once")
+    elif len(at) != len(values):
+        yield Fault("at", f"{len(at)} numbers", f"{len(values)}, as many as there are values")
+
+
+def _ascending(known: Known) -> Iterator[Fault]:
+    start, stop = known["start"], known["stop"]
+    if known["at"] is not None and _falls(known["at"]):
+        yield Fault("at", shown(known["at"]), "ascending numbers, each once")
+    if start is not None and stop is not None and stop < start:
+        yield Fault("stop", shown(stop), "more than start")
+
+
+def _falls(values: tuple[float, ...]) -> bool:
+    return any(low >= high for low, high in pairwise(values))
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+class TableAxis(Axis):
+    """An axis of a table: an entry of the scene, and others in step with it.
+
+    Numbers, and lists of them, are interpolated, and nodes added between them; between other
+    values, such as files of gaps, nothing is known.
+
+    Examples
+    --------
+    >>> from tractive_sam.tables import TableAxis
+    >>> ratio = {"name": "mu2_over_mu1", "at": [0.5, 1.0]}
+    >>> axis = TableAxis(key="friction.mu", values=[[0.3, 0.15], [0.3, 0.3]], **ratio)
+    >>> axis.entries_at(0.75)["friction.mu"]
+    [0.3, 0.225]
+    """
+
+    name: str | None = entry(
+        "what a table calls it", "a name; by default the last part of the key", None
+    )
+    at: tuple[float, ...] | None = entry(
+        "where the values are along the axis", "ascending numbers; the values by default", None
+    )
+    checks: ClassVar[tuple[Check, ...]] = (*Axis.checks, _named, _along_numbers, _ascending)
+
+    @property
+    def called(self) -> str:
+        """Its name in a table."""
+        return self.name or self.key.rpartition(".")[2]
+
+    @property
+    def nodes(self) -> np.ndarray:
+        """Where the values are."""
+        return np.array(self.column() if self.at is None else self.at, float)
+
+    @property
+    def apart(self) -> bool:
+        """Whether there is nothing between its values."""
+        return not all(map(_interpolated, self.dimension().columns.items()))
+
+    def entries_at(self, x: float) -> dict[str, Any]:
+        """Entries of the scene at a place along the axis."""
+        columns, nodes = self.dimension().columns, self.nodes
+        near = int(np.abs(nodes - x).argmin())
+        if nodes[near] == x or self.apart:
+            return {key: column[near] for key, column in columns.items()}
+        return {key: _at(x, nodes, column) for key, column in columns.items()}
+
+
+def _interpolated(item: tuple[str, tuple[Any, ...]]) -> bool:
+    key, column = item
+    if Scene.described(key).annotation is int:
+        return False
+    lists = [one for one in column if isinstance(one, list | tuple)]
+    if lists:
+        alike = len(lists) == len(column) and len(set(map(len, lists))) == 1
+        return alike and all(_is_number(x) for one in lists for x in one)
+    return all(map(_is_number, column))
+
+
+def _at(x: float, nodes: np.ndarray, column: tuple[Any, ...]) -> Any:
+    if isinstance(column[0], list | tuple):
+        return [float(np.interp(x, nodes, one)) for one in zip(*column, strict=True)]
+    return float(np.interp(x, nodes, column))

@@ -1,0 +1,208 @@
+"""A table as a unit of the Functional Mock-up Interface 2.0: for co-simulation and model exchange.
+
+The unit is the C header of the table and `unit.c`, compiled for this machine; its sources come with
+it, so that fmpy compiles it for others. It needs no Python where it runs.
+"""
+
+import hashlib
+import os
+import shutil
+import subprocess
+import zipfile
+from importlib.resources import files
+from os import PathLike
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from types import ModuleType
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+
+from tractive_sam.lookup import CreepTable, arguments_of, c_header, plain_title
+from tractive_sam.store import versions
+
+MISSING = "an FMU needs fmpy, of the extra fmu: pip install 'tractive_sam[fmu]'"
+
+HEADERS = ("fmi2TypesPlatform.h", "fmi2FunctionTypes.h", "fmi2Functions.h")
+
+UNITS = {
+    "mm": 'm="1" factor="1e-3"',
+    "1/mm": 'm="-1" factor="1e3"',
+    "N": 'kg="1" m="1" s="-2"',
+    "MPa": 'kg="1" m="-1" s="-2" factor="1e6"',
+    "N.mm": 'kg="1" m="2" s="-2" factor="1e-3"',
+}
+
+INPUTS = {
+    "xi_x": ("longitudinal creepage", "", 0.0),
+    "xi_y": ("lateral creepage", "", 0.0),
+    "spin": ("spin", "1/mm", 0.0),
+    "a": ("semi-axis in rolling direction", "mm", 1.0),
+    "b": ("semi-axis in lateral direction", "mm", 1.0),
+    "load": ("normal load", "N", 1000.0),
+    "mu": ("coefficient of friction", "", 0.3),
+    "shear": ("combined shear modulus", "MPa", 80e3),
+}
+
+FORCES = {
+    "Qx": ("longitudinal force on body A", "N"),
+    "Qy": ("lateral force on body A", "N"),
+    "Mz": ("spin moment on body A", "N.mm"),
+}
+
+
+def write_fmu(table: CreepTable, path: str | PathLike[str]) -> bool:
+    """Write a table as an FMU; the name of the file is that of its model.
+
+    Returns
+    -------
+    bool
+        Whether it was compiled: where there is no C compiler it has its sources alone.
+
+    Raises
+    ------
+    ImportError
+        Without fmpy, which has the headers of the interface and checks the unit.
+    ValueError
+        If the name is none of C.
+    RuntimeError
+        If the compiler refuses, or fmpy finds fault with the unit.
+
+    Examples
+    --------
+    >>> def handed_over(table, path):
+    ...     if not ts.write_fmu(table, path):
+    ...         print("it has its sources alone: fmpy compile adds what this machine needs")
+    """
+    try:
+        import fmpy  # noqa: PLC0415 - of an extra
+        from fmpy.validation import validate_fmu  # noqa: PLC0415
+    except ImportError:
+        raise ImportError(MISSING) from None
+    path, name = Path(path), Path(path).stem
+    header = c_header(table, name)
+    with TemporaryDirectory() as folder:
+        root, sources = Path(folder), Path(folder, "sources")
+        sources.mkdir()
+        for one in HEADERS:
+            shutil.copy(Path(fmpy.__file__).parent / "c-code" / one, sources)
+        (sources / f"{name}.h").write_text(header, encoding="ascii")
+        guid = hashlib.sha256(header.encode()).hexdigest()[:32]
+        (sources / "unit.c").write_text(_code(table, name, guid), encoding="ascii")
+        (root / "modelDescription.xml").write_text(_description(table, name, guid), "utf-8")
+        compiled = _compiled(root, name, fmpy)
+        part = path.with_name(f".{path.name}.part")
+        try:
+            with zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED) as archive:
+                for file in sorted(root.rglob("*")):
+                    if file.is_file():
+                        archive.write(file, file.relative_to(root).as_posix())
+            problems = validate_fmu(str(part))
+            if problems:
+                raise RuntimeError(f"{path}: {'; '.join(problems)}")
+            part.replace(path)
+        finally:
+            part.unlink(missing_ok=True)
+    return compiled
+
+
+def _compiled(root: Path, name: str, fmpy: ModuleType) -> bool:
+    """Compile the unit for this machine if there is a compiler."""
+    compiler = os.environ.get("CC") or "cc"
+    if shutil.which(compiler) is None:
+        return False
+    binaries = root / "binaries" / fmpy.platform
+    binaries.mkdir(parents=True)
+    library = binaries / f"{name}{fmpy.sharedLibraryExtension}"
+    command = [compiler, "-std=c99", "-O2", "-shared", "-fPIC", "-o", str(library), "unit.c", "-lm"]
+    told = subprocess.run(
+        command, cwd=root / "sources", capture_output=True, text=True, check=False
+    )
+    if told.returncode:
+        raise RuntimeError(f"{compiler} refuses the unit: {told.stderr[-500:]}")
+    return True
+
+
+def _code(table: CreepTable, name: str, guid: str) -> str:
+    """The functions of the interface around that of the header."""
+    count = len(arguments_of(table))
+    given = ", ".join(f"unit->value[{k}]" for k in range(count))
+    starts = ", ".join(repr(start) for _, _, start in _inputs(table).values())
+    text = (files("tractive_sam.tables") / "unit.c").read_text(encoding="ascii")
+    for key, value in {
+        "NAME": name, "GUID": guid, "COUNT": str(count), "GIVEN": given, "STARTS": starts,
+    }.items():  # fmt: skip
+        text = text.replace(f"@{key}@", value)
+    return text
+
+
+def _inputs(table: CreepTable) -> dict[str, tuple[str, str, float]]:
+    """Meaning, unit and start of each input."""
+    found = {}
+    for name in arguments_of(table):
+        if name in table.names:
+            found[name] = (name, "", float(table.axis(name)[0]))
+        else:
+            found[name] = INPUTS[name]
+    if "a" in found:  # at an a/b of the table
+        meaning, unit, _ = INPUTS["a"]
+        found["a"] = (meaning, unit, float(np.sqrt(np.prod(table.ellipticity))))
+    return found
+
+
+def _description(table: CreepTable, name: str, guid: str) -> str:
+    inputs = _inputs(table)
+    variables = [
+        _variable(place, one, meaning, unit, 'causality="input"', start)
+        for place, (one, (meaning, unit, start)) in enumerate(inputs.items())
+    ]
+    outputs: dict[str, tuple[str, str]] = dict(FORCES)
+    outputs |= {
+        f"{force}_by_{by}": (f"derivative of {force} by {by}", "")
+        for force in FORCES
+        for by in ("xi_x", "xi_y", "spin")
+    }
+    first = len(inputs)
+    variables += [
+        _variable(first + place, one, meaning, unit, 'causality="output" initial="calculated"')
+        for place, (one, (meaning, unit)) in enumerate(outputs.items())
+    ]
+    depends = " ".join(str(k + 1) for k in range(first))
+    unknowns = "".join(
+        f'<Unknown index="{first + k + 1}" dependencies="{depends}"/>' for k in range(len(outputs))
+    )
+    units = "".join(
+        f"<Unit name={quoteattr(unit)}><BaseUnit {base}/></Unit>" for unit, base in UNITS.items()
+    )
+    kind = (
+        f'modelIdentifier="{name}" canNotUseMemoryManagementFunctions="true" '
+        'canGetAndSetFMUstate="true"'
+    )
+    source = '<SourceFiles><File name="unit.c"/></SourceFiles>'
+    version = versions()["tractive-sam"]  # type: ignore[operator]
+    return f"""<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="2.0" modelName="{name}" guid="{guid}"
+  description={quoteattr(plain_title(table))} generationTool="tractive_sam {version}"
+  variableNamingConvention="flat" numberOfEventIndicators="0">
+<ModelExchange {kind}>{source}</ModelExchange>
+<CoSimulation {kind} canHandleVariableCommunicationStepSize="true">{source}</CoSimulation>
+<UnitDefinitions>{units}</UnitDefinitions>
+<LogCategories><Category name="error"/></LogCategories>
+<DefaultExperiment startTime="0" stopTime="1"/>
+<ModelVariables>
+{"".join(variables)}</ModelVariables>
+<ModelStructure><Outputs>{unknowns}</Outputs><InitialUnknowns>{unknowns}</InitialUnknowns>
+</ModelStructure>
+</fmiModelDescription>
+"""
+
+
+def _variable(
+    place: int, name: str, meaning: str, unit: str, kind: str, start: float | None = None
+) -> str:
+    real = f" unit={quoteattr(unit)}" if unit else ""
+    real += "" if start is None else f' start="{start!r}"'
+    about = f'valueReference="{place}" description={quoteattr(meaning)} {kind}'
+    return f'<ScalarVariable name="{name}" {about} variability="continuous"><Real{real}/>' + (
+        "</ScalarVariable>\n"
+    )
