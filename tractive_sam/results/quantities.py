@@ -390,8 +390,8 @@ _FATIGUE = (
              symbol="D", format=".3g", **_OF_BODIES),
     Quantity("damage_at", "mm", "position (no x, y, depth below the unworn surface) of it",
              **_OF_PLACES),
-    Quantity("damage_error", "1", "error of it by the length of the jumps", format=".1g",
-             **_OF_BODIES),
+    Quantity("damage_error", "1", "error of it by the length of the jumps, with [accuracy] by the "
+             "mesh as well", lambda c: c.error_bars.get("damage", {}), format=".1g", **_OF_BODIES),
     Quantity("initiation", "1", "revolution at which it reached 1", format=".4g", **_OF_BODIES),
     Quantity("fatigue_life", "1", "revolutions to a crack by this record's stress, without wear",
              format=".4g", **_OF_BODIES),
@@ -411,6 +411,16 @@ _FATIGUE = (
 )
 # fmt: on
 
+
+def _with_bars(one: Quantity) -> Callable[[Scene], Any]:
+    """Bodies of which a column has error bars: under one load."""
+
+    def when(scene: Scene) -> Any:
+        return one.when(scene) if _accurate(scene) and not scene.duty else ()
+
+    return when
+
+
 STRESSES = tuple(one.name for one in _STRESSES[:-1])
 """Columns of the largest stress in each body."""
 
@@ -421,6 +431,11 @@ COLUMNS = (
     *_OTHERS,
     *_STRESSES[:-1],
     *_FATIGUE,
+    *(
+        replace(_error_bar(one), when=_with_bars(one))
+        for one in _FATIGUE
+        if one.name in ("utilisation", "shakedown_lower")
+    ),
     *(_error_bar(_KNOWN[name]) for name in BARRED),
     _STRESSES[-1],
     Quantity(

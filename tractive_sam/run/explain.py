@@ -295,7 +295,7 @@ def _fatigue(model: Model) -> Section:
         ("records", "every one; fields over (y, depth) with the fields that are kept"),
         (
             "missing",
-            "error bars, bending, residual stress from making the bodies, hardness over the depth",
+            "bending, residual stress from making the bodies, hardness over the depth",
         ),
     ]
     return Section("Fatigue", rows)

@@ -111,6 +111,14 @@ def cycle_fatigue(
     -------
     dict of str to (BodyFatigue, ndarray of shape (contacts, n_y, n))
         By body: the largest utilisation, and that of each contact.
+
+    Examples
+    --------
+    >>> contact = ts.solve(scene.replace(fatigue={"shear_yield": 300.0, "bodies": ["A"]}))
+    >>> depths = cycle_depths(contact)
+    >>> worst, each = cycle_fatigue([contact], depths, [ts.Laws.of(contact.scene)])["A"]
+    >>> each.shape == (1, *worst.path_radius.shape)
+    True
     """
     asked, grid = contacts[0].scene.fatigue, contacts[0].grid
     shape = grid.elements[1], depths.size

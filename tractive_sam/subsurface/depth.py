@@ -35,7 +35,13 @@ def depths(subsurface: Subsurface, a: float) -> np.ndarray:
 
 
 def semi_axes(contact: State) -> tuple[float, float]:
-    """Semi-axes a, b of the unworn Hertz contact, or half widths of the contact without one, mm."""
+    """Semi-axes a, b of the unworn Hertz contact, or half widths of the contact without one, mm.
+
+    Examples
+    --------
+    >>> semi_axes(contact)[0] == contact.scene.hertz.a
+    True
+    """
     hertz = contact.scene.hertz
     if hertz is None:
         return contact.half_width_x, contact.half_width_y

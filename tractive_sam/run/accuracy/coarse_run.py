@@ -7,8 +7,8 @@ import numpy as np
 import scipy  # its parts are loaded when first used
 
 from tractive_sam.contact import Gap, Model
-from tractive_sam.results import Maximum
-from tractive_sam.rolling import Passage, Saves, first_passage, passages
+from tractive_sam.results import BodyFatigue, Maximum
+from tractive_sam.rolling import Passage, Saves, first_passage, followed, passages
 from tractive_sam.run.accuracy.assessment import assess, worst_of
 from tractive_sam.run.accuracy.error_bars import Sample, relative_error_bars
 from tractive_sam.run.accuracy.levels import Levels
@@ -90,7 +90,7 @@ class ErrorEstimator:
         contact, revolution = passage.contacts[block], passage.revolution
         if not contact.converged:
             return {}
-        sample = Sample.of(contact, maxima)
+        sample = Sample.of(contact, maxima, _cycled(passage))
         self.fine[block].add(revolution, sample)
         samples = (*(one[block].at(revolution) for one in (self._coarse, self.middle)), sample)
         assessment = assess(contact, samples, peak=revolution == 0)
@@ -177,9 +177,17 @@ def _coarser(
 
 def _rolled(model: Model) -> CoarseRuns:
     runs = tuple(CoarseRun() for _ in model.blocks)
-    for passage in passages(*first_passage(model)):
+    model, start = first_passage(model)
+    for passage in passages(model, followed(model, start)):
         for run, block, contact in zip(runs, model.blocks, passage.contacts, strict=True):
             if contact.converged:
                 maxima = stress_maxima(contact, block.laws)
-                run.add(passage.revolution, Sample.of(contact, maxima))
+                run.add(passage.revolution, Sample.of(contact, maxima, _cycled(passage)))
     return runs
+
+
+def _cycled(passage: Passage) -> dict[str, BodyFatigue]:
+    """What rolling has done to the bodies; blocks of a duty cycle have it in common."""
+    if passage.tired is None or len(passage.contacts) > 1:
+        return {}
+    return {one.body: one for one in passage.tired.fields}

@@ -16,12 +16,12 @@ all, as at the edge of a step, nor has the stress below it then: their bars are 
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 import numpy as np
 
-from tractive_sam.results import Maximum, State
+from tractive_sam.results import BodyFatigue, Maximum, State
 
 SAFETY = 3.0
 """Error bar over the difference between the last two meshes (benchmarks/error_bars.py)."""
@@ -64,8 +64,27 @@ class LargestStress:
     surface: bool
 
 
-Name = str | LargestStress
+@dataclass(frozen=True)
+class OfBody:
+    """A column of one body.
+
+    Attributes
+    ----------
+    column : str
+        Where it is recorded.
+    body : "A" or "B"
+        The body.
+    """
+
+    column: str
+    body: str
+
+
+Name = str | LargestStress | OfBody
 """A recorded name, or one of the two stresses behind it."""
+
+CYCLED = {"utilisation": "utilisation", "residual_shear": "shakedown_lower"}
+"""Fields of `BodyFatigue`, and the columns of their largest values."""
 
 
 @dataclass(frozen=True)
@@ -82,15 +101,23 @@ class Sample:
         Temperatures: the largest rise above the bulk of a body.
     residual : float
         Relative residual of the contact conditions.
+    factors : mapping of str to float
+        Load factor up to which elastic shakedown is certain, by body.
     """
 
     values: Mapping[Name, float]
     scales: Mapping[Name, float]
     residual: float
+    factors: Mapping[str, float] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, contact: State, maxima: Mapping[str, Maximum]) -> Self:
-        """The sample of a contact and the largest stresses in its bodies."""
+    def of(
+        cls,
+        contact: State,
+        maxima: Mapping[str, Maximum],
+        cycled: Mapping[str, BodyFatigue] | None = None,
+    ) -> Self:
+        """The sample of a contact, the largest stresses in its bodies, and their fatigue."""
         names = ("P", *FORCES, "xi_x", "xi_y", "approach", "p_max")
         values: dict[Name, float] = {name: float(getattr(contact, name)) for name in names}
         values["wear_max"] = float(contact.wear.max())
@@ -113,7 +140,18 @@ class Sample:
             values[inside] = float(np.nan_to_num(largest.interior))
             values[outside] = largest.surface
             scales |= {inside: largest.value, outside: largest.value}
-        return cls(values, scales, contact.residual)
+        for body, one in (cycled or {}).items():
+            for name, column in CYCLED.items():
+                largest = one.largest(name)
+                if math.isnan(largest.value):
+                    continue
+                inside, outside = (LargestStress(column, body, at) for at in (False, True))
+                values |= {inside: largest.interior, outside: largest.surface}
+                scales |= {inside: largest.value, outside: largest.value}
+            damage = OfBody("damage", body)
+            values[damage] = scales[damage] = one.damage_max[0] if one.damage.size else 0.0
+        factors = {body: one.shakedown_lower for body, one in (cycled or {}).items()}
+        return cls(values, scales, contact.residual, factors)
 
 
 def off_given(contact: State) -> dict[str, float]:
@@ -192,6 +230,8 @@ def error_bars(relative: Mapping[Name, float], fine: Sample) -> dict[str, Any]:
     for name, share in relative.items():
         if isinstance(name, str):
             bars[name] = share * fine.scales[name]
+        elif isinstance(name, OfBody):
+            bars.setdefault(name.column, {})[name.body] = share * fine.scales[name]
         elif name.surface:
             inside = replace(name, surface=False)
             high, deep = fine.values[name], fine.values[inside]
@@ -200,5 +240,13 @@ def error_bars(relative: Mapping[Name, float], fine: Sample) -> dict[str, Any]:
             # Either may turn out to be the larger one.
             above = max(deep + by_deep, high + by_high) - top
             below = top - max(deep - by_deep, high - by_high)
-            bars.setdefault(name.column, {})[name.body] = float(max(above, below))
+            bar = float(max(above, below))
+            if name.column == CYCLED["residual_shear"]:
+                bar = _of_factor(fine.factors[name.body], top, bar)
+            bars.setdefault(name.column, {})[name.body] = bar
     return bars
+
+
+def _of_factor(factor: float, shear: float, bar: float) -> float:
+    """The bar of a load factor, which goes with one over a shear stress; inf where that is 0."""
+    return factor * bar / (shear - bar) if bar < shear else math.inf

@@ -4,13 +4,13 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from tractive_sam.contact import Gap, Model, fitted
+from tractive_sam.contact import Gap, Laws, Model, fitted
 from tractive_sam.results import Cost, State
 from tractive_sam.run.accuracy.assessment import assess
 from tractive_sam.run.accuracy.error_bars import Sample
 from tractive_sam.run.accuracy.levels import FIRST, Levels
 from tractive_sam.scene import Scene
-from tractive_sam.subsurface import stress_maxima
+from tractive_sam.subsurface import fatigue, stress_maxima
 
 
 @dataclass(frozen=True)
@@ -56,9 +56,15 @@ def refined(scene: Scene, measured: Gap | None, model_of: Callable[..., Model] =
         cost = contact.cost + cost.scaled(before / elements)
         # A contact of a few elements may fail where a finer one does not.
         solved = contact.converged
-        samples.append(Sample.of(contact, stress_maxima(contact, model.laws)) if solved else None)
+        samples.append(_sample(contact, model.laws) if solved else None)
         assessment = assess(contact, samples, peak=True)
         if not assessment.missed or not levels.allowed(level + 1):
             contact = replace(contact, cost=cost, error_bars=assessment.error_bars)
             return Refined(model, contact, level, assessment.missed)
         level += 1
+
+
+def _sample(contact: State, laws: Laws) -> Sample:
+    tired = contact.scene.fatigue is not None and contact.scene.wear is None
+    cycled = fatigue(contact, laws=laws) if tired else {}
+    return Sample.of(contact, stress_maxima(contact, laws), cycled)
