@@ -9,6 +9,9 @@ from tractive_sam.plot.style import GREY, WIDTH, set_title, styled
 LEAST = 1e-6
 """Of errors drawn: what is less is drawn there."""
 
+NARROWEST = 3e-4
+"""Of errors told that are drawn."""
+
 
 @styled
 def table_errors(table: CreepTable) -> Figure:
@@ -37,13 +40,13 @@ def table_errors(table: CreepTable) -> Figure:
         right.plot(np.sort(error), share, label=name)
     low, high = LEAST, 2.0 * max(told.max(), errors.max(), tolerance)
     left.plot([low, high], [low, high], color=GREY, linewidth=0.8)
-    left.set(xscale="log", yscale="log", xlim=(0.5 * told.min(), high), ylim=(low, high),
+    left.set(xscale="log", yscale="log", xlim=(min(NARROWEST, told.min()), high), ylim=(low, high),
              xlabel=r"error told, over $\mu P$", ylabel=r"error, over $\mu P$")  # fmt: skip
     right.axvline(tolerance, color=GREY, linewidth=0.8)
     right.set(xscale="log", xlim=(low, high), ylim=(0.0, 1.0), ylabel="share of points")
     right.set_xlabel(r"error, over $\mu P$ (line: tolerance)")
     right.legend(loc="upper left")
     title = str(table.about.get("title", "")) or "a table"
-    told_inside = f"{len(errors)} points held out, {table.about['held_out_inside']:.0%} within"
+    told_inside = f"{len(errors)} points held out, {table.about['held_out_inside']:.1%} within"
     set_title(figure, f"{title}: {told_inside} the error told")
     return figure
