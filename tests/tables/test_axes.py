@@ -83,6 +83,7 @@ def test_symmetries_are_those_of_all_scenes(given, symmetries):
         ({"axis": [{"key": "friction.angle", "values": [0, 400]}]}, "friction.angle"),
         ({"scene": scene(), "ellipticity": 2.0}, "ellipticity"),
         ({"scene": scene(friction=None)}, "scene.friction"),
+        ({"scene": "traction-control"}, "scene.transient"),
         ({"scene": scene(load={"normal": 1e3, "force_x": 10.0})}, "scene.load.force_x"),
         ({"scene": "no-such-scene"}, "scene"),
         ({"scene": "twin-discs", "axis": [{"key": "load.normal", "values": [-1, 2]}]}, "load.nor"),
@@ -100,6 +101,24 @@ def test_designs_are_files(tmp_path):
     assert design.scene_at((200.0,)).normal_load == 200.0
     again = ts.TableDesign.from_toml_text(design.to_toml())
     assert (again.names, again.contact) == (design.names, design.contact)
+
+
+@pytest.mark.parametrize("name", ["locomotive", "hot-discs"])
+def test_friction_that_varies_is_of_a_scene(name):
+    speed = {"key": "creepage.speed", "values": [5e3, 2e4]}
+    design = ts.TableDesign(scene=name, axis=[speed])
+    assert design.symmetries == (True, True)
+    slow, fast = (design.contacts((v,)) for v in (5e3, 2e4))
+    w = np.array([-1.5, 0.3, 0.2])
+    h = 1e-4
+    gradient = slow.solve(w, 15, 15, 1.0).gradient
+    for k, step in enumerate(h * np.eye(3)):
+        apart = (slow.forces(w + step, 15) - slow.forces(w - step, 15)) / (2.0 * h)
+        # Elements that change their state within the step.
+        np.testing.assert_allclose(gradient[:, k], apart, atol=2e-3 * np.abs(gradient).max())
+    # Ten times full slip: the faster, the less friction.
+    far = 10.0 * w
+    assert 0.98 * abs(slow.forces(far, 15)[0]) > abs(fast.forces(far, 15)[0])
 
 
 @pytest.mark.parametrize(

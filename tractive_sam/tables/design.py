@@ -101,9 +101,9 @@ def _one_steady_contact(known: Known) -> Iterator[Fault]:
     scene = known["scene"]
     if scene is None:
         return
-    for key in ("transient", "duty", "heat"):
+    for key in ("transient", "duty"):
         if getattr(scene, key):
-            yield Fault(f"scene.{key}", "given", "none: contacts are steady, without heat")
+            yield Fault(f"scene.{key}", "given", "none: the contact of a table is steady")
     if scene.friction is None:
         yield Fault("scene.friction", "nothing", "friction, or there are no creep forces")
     for key in ("force_x", "force_y"):
@@ -276,7 +276,9 @@ class TableDesign(Document):
                 rolls = {"longitudinal": 0.0, "lateral": 0.0, "spin": 0.0}
                 speed = None if self.scene.creepage is None else self.scene.creepage.speed
                 rolls |= {} if speed is None else {"speed": speed}
-                scene = self.scene.replace(**dict.fromkeys(LEFT_OUT), creepage=rolls)
+                answers = self.scene.friction.temperature is not None
+                left_out = dict.fromkeys(LEFT_OUT if answers else (*LEFT_OUT, "heat"))
+                scene = self.scene.replace(**left_out, creepage=rolls)
             return scene.replace(**entries) if entries else scene
 
     def _each_entry(self) -> Iterator[dict[str, Any]]:
