@@ -11,7 +11,7 @@ from tractive_sam.plot.stress import NOTE
 from tractive_sam.plot.style import BLUE, VERMILLION, WIDTH, along, set_title, styled, told_of
 from tractive_sam.results import BODIES, History
 
-NO_MAXIMUM = "Where a line is interrupted, stress has no maximum inside."
+NO_MAXIMUM = "Where a line ends, no maximum is deeper than two elements any more."
 
 COLOURS = {"A": BLUE, "B": VERMILLION}
 """Of the bodies."""
@@ -141,7 +141,7 @@ def stress_course(history: History) -> Figure:
     """Largest stress of each body, inside and at its surface, over the course.
 
     By the criterion that it was rolled with. A body that wears may have no maximum inside any more:
-    its line then ends, or is interrupted.
+    its line then ends.
 
     Raises
     ------
