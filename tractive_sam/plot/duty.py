@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from tractive_sam.mechanics import EachBody
+from tractive_sam import mechanics  # its laws load the compiler when first used
 from tractive_sam.plot.profiles import across
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.style import GREY, MICRON, WIDTH, along, set_title, styled, told, told_of
@@ -154,7 +154,7 @@ def _of_bodies(contact: State, laws: "Laws | None") -> dict[str, np.ndarray]:
     fields = contact.pressure, contact.traction, contact.slip
     if law is None or not contact.touching.any():
         return {}
-    if isinstance(law, EachBody):
+    if isinstance(law, mechanics.EachBody):
         own = {body: getattr(law, body) for body in "AB"}
         rates = {body: one.rate(*fields) for body, one in own.items() if one is not None}
     else:
