@@ -4,10 +4,11 @@
     python benchmarks/fatigue.py bounds      # shakedown of 200 random scenes: is lower <= upper?
     python benchmarks/fatigue.py laws        # line contacts and ellipses beside closed forms
 
-The discs roll 15,000 revolutions at beta = 0, 45 and 90, on the paper's mesh and on one of twice as
-many elements each way, at two tolerances of the stepping. The material: k = 300 MPa, Dang Van with
-a = 1/3 and 250 MPa at 1e7 cycles, exponent 10. "without wear" is the damage that the unworn contact
-would do in as many revolutions. Rows are written as they come; seconds are those of the process.
+The discs roll 15,000 revolutions at beta = 0, 45 and 90, on the paper's mesh and on ones of half
+and of twice as many elements each way, at two tolerances of the stepping. The material: k = 300
+MPa, Dang Van with a = 1/3 and 250 MPa at 1e7 cycles, exponent 10. "without wear" is the damage that
+the unworn contact would do in as many revolutions. Rows are written as they come, those first that
+are worth their time; seconds are those of the process.
 """
 
 import sys
@@ -27,12 +28,16 @@ from tractive_sam.reference import line_pressure_stress, line_shear_stress
 MATERIAL = {"shear_yield": 300.0, "sensitivity": 1.0 / 3.0, "limit": 250.0}
 REVOLUTIONS = 15_000
 CASES = (
-    *((beta, (41, 121), 1e-3) for beta in (0, 45, 90)),
+    *((beta, (41, 121), 1e-3) for beta in (45, 0, 90)),
+    *((beta, (21, 61), 1e-3) for beta in (45, 0, 90)),
+    (45, (41, 121), 1e-4),
     (45, (81, 241), 1e-3),
-    *((beta, (41, 121), 1e-4) for beta in (45, 0, 90)),
+    *((beta, (41, 121), 1e-4) for beta in (0, 90)),
     *((beta, (81, 241), 1e-3) for beta in (0, 90)),
-    *((beta, (81, 241), 1e-4) for beta in (0, 45, 90)),
+    *((beta, (81, 241), 1e-4) for beta in (45, 0, 90)),
 )
+"""In the order in which they are worth their time."""
+
 MESHES = (51, 101, 201, 401)
 
 
@@ -52,7 +57,7 @@ def row(beta: float, mesh: tuple[int, int], tolerance: float) -> dict:
     """One roll, and the same without fatigue."""
     scene = discs(beta, mesh, tolerance)
     began = process_time()
-    ts.roll(scene)
+    alone_contacts = int(ts.roll(scene)["solves"].sum())
     alone = process_time() - began
     with tempfile.TemporaryDirectory() as folder:
         began = process_time()
@@ -76,7 +81,14 @@ def row(beta: float, mesh: tuple[int, int], tolerance: float) -> dict:
             }
         worn = history.fatigue("A").worn.max()
     about = {"beta": beta, "mesh": f"{mesh[0]} x {mesh[1]}", "tolerance": tolerance}
-    cost = {"records": len(history), "seconds": seconds, "without": alone}
+    contacts = int(history["solves"].sum())
+    cost = {
+        "records": len(history),
+        "contacts": contacts,
+        "contacts without": alone_contacts,
+        "seconds": seconds,
+        "without": alone,
+    }
     return about | told | {"worn A, mm": float(worn)} | cost
 
 

@@ -328,6 +328,8 @@ def fatigue() -> str:
         "its error": ("error A", number(".1g")),
         "crack at": ("crack at A", lambda text: "none" if text == "nan" else three(text)),
         "removed, %": ("removed A", number(".1f", 100.0)),
+        "contacts": ("contacts", number(".0f")),
+        "without fatigue": ("contacts without", number(".0f")),
         "s": ("seconds", number(".0f")),
         "s without fatigue": ("without", number(".1f")),
     }

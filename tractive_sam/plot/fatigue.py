@@ -231,7 +231,7 @@ def fatigue_course(history: History) -> Figure:
     panels = figure.subplots(len(draws), sharex=True, squeeze=False)[:, 0]
     for axes, draw in zip(panels, draws, strict=True):
         draw(axes, history)
-        axes.legend(loc="best", fontsize=9)
+        axes.legend(loc="best", fontsize=9, ncols=2)
     along(panels[-1], history)
     set_title(figure, told_of(history, "fatigue of each body"))
     return figure

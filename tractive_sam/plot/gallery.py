@@ -99,6 +99,7 @@ def _all(history: History) -> Iterator[tuple[str, Figure]]:
         yield from _of_cycle(history)
         return
     yield from _figures(history)
+    yield from _of_fatigue(history)
     wear = history.scene.wear
     if wear is not None and not wear.together and np.any(history["wear_profile"]):
         yield "wear-regimes", wear_regimes(history)
@@ -125,7 +126,6 @@ def _figures(history: History) -> Iterator[tuple[str, Figure]]:
             yield "creepages", creepages(history)
         if history.bodies:
             yield history.of_role("stress_max").name.replace("_", "-"), stress_course(history)
-    yield from _of_fatigue(history)
     if len(stored) > 1:
         evolutions = _LINE_EVOLUTIONS if history.line else _EVOLUTIONS
         for name, draw in (_MOVING if transient and not history.line else evolutions).items():
@@ -155,6 +155,7 @@ def _of_cycle(history: History) -> Iterator[tuple[str, Figure]]:
         yield name, draw(history)
     if len(history) > 1 and np.isfinite(history["worn_volume"]).any():
         yield "worn-mass", worn_mass(history)
+    yield from _of_fatigue(history)
     for k in range(len(history.scene.duty)):
         for name, figure in _figures(history.block(k)):
             if name not in _OF_BODIES:

@@ -129,7 +129,7 @@ def cycle_fatigue(
     def judge(body: str, cycles: Sequence[np.ndarray]) -> Iterator[np.ndarray]:
         criterion = laws[0].fatigue
         if criterion is None or len(cycles) > 1:
-            yield enclosing_radius(np.concatenate(cycles, axis=1))
+            yield enclosing_radius(_through(cycles))
         for one, cycle in zip(laws, cycles, strict=True):
             if one.fatigue is not None:
                 value, path = judged(one.fatigue, cycle)
@@ -142,7 +142,7 @@ def cycle_fatigue(
         for i, body in enumerate(asked.bodies):
             cycles = [layer[i] for layer in at_depth]
             radius[body][:, k], *values = judge(body, cycles)
-            left[body][:, k] = residual_shear(np.concatenate(cycles, axis=1))
+            left[body][:, k] = residual_shear(_through(cycles))
             for own, value in zip(used[body], values, strict=False):
                 own[:, k] = value
     surfaces = (_surfaces(one, law) for one, law in zip(contacts, laws, strict=True))
@@ -151,8 +151,8 @@ def cycle_fatigue(
         known = np.any([rows for _, _, rows in same], axis=0)
         values = judge(body, cycles)
         radius[body][:, 0] = _of_rows(next(values), known, radius[body][:, 1])
-        whole = np.concatenate(cycles, axis=1)
-        left[body][:, 0] = _of_rows(residual_shear(whole), known, left[body][:, 1])
+        whole = residual_shear(_through(cycles))
+        left[body][:, 0] = _of_rows(whole, known, left[body][:, 1])
         for own, value, (_, _, rows) in zip(used[body], values, same, strict=False):
             own[:, 0] = _of_rows(value, rows, own[:, 1])
     k = asked.shear_yield_stress
@@ -174,6 +174,11 @@ def cycle_fatigue(
     }
 
 
+def _through(cycles: Sequence[np.ndarray]) -> np.ndarray:
+    """The path through all cycles (6, n, n_y)."""
+    return cycles[0] if len(cycles) == 1 else np.concatenate(cycles, axis=1)
+
+
 def _longer(contact: State) -> float:
     grid = contact.grid
     return grid.dx if grid.line else max(grid.dx, grid.dy)
@@ -182,7 +187,6 @@ def _longer(contact: State) -> float:
 def _layers(contact: State, depths: np.ndarray, laws: Laws) -> Iterator[np.ndarray]:
     """Cycles (bodies, 6, n, n_y) at each depth below the surface; the last stress is none."""
     grid, bodies = contact.grid, contact.scene.fatigue.bodies
-    unloaded = np.zeros((len(bodies), 6, 1, grid.elements[1]))
     # The shear stress is largest about as far ahead and behind the contact as the point is deep.
     part = np.ceil(depths[1:] / depths[-1] * LENGTHS) / LENGTHS
     wanted = contact.half_width_x + part * depths[-1] - grid.half_length[0]
@@ -190,7 +194,10 @@ def _layers(contact: State, depths: np.ndarray, laws: Laws) -> Iterator[np.ndarr
     for more, together in groupby(zip(beyond, depths[1:], strict=True), lambda one: one[0]):
         at = [depth for _, depth in together]
         for _, stress in stress_layers(contact, at, bodies, int(more), laws=laws):
-            yield np.concatenate((stress, unloaded), axis=2)
+            # In memory path by path, as the kernels take them: laid out once for all.
+            paths = np.zeros((len(bodies), stress.shape[3], stress.shape[2] + 1, 6))
+            paths[:, :, :-1] = stress.transpose(0, 3, 2, 1)
+            yield paths.transpose(0, 3, 2, 1)
 
 
 def _surfaces(contact: State, laws: Laws) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
