@@ -365,6 +365,18 @@ def tables() -> str:
     return told + "\n\n" + of_columns(rows_of("tables.csv"), columns)
 
 
+def table_cluster() -> str:
+    """A table by one process, and by workers of which one was killed."""
+    columns = {
+        "by": ("way", str),
+        "contacts": ("contacts", str),
+        "s": ("s", number(".0f")),
+        "core-hours": ("core-hours", number(".1e")),
+        "largest difference": ("largest difference", number(".0e")),
+    }
+    return of_columns(rows_of("table_cluster.csv"), columns)
+
+
 def study_scaling() -> str:
     """A study on one and two workers."""
     columns = {
@@ -470,6 +482,7 @@ TABLES = {
         jacobian,
         jacobian_carter,
         tables,
+        table_cluster,
         study_scaling,
         transient_order,
         duty,

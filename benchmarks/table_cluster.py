@@ -1,0 +1,86 @@
+"""A table made by the workers of a scheduler, one of them killed meanwhile.
+
+A table of circular contacts is made in this process, and by ``tractive-sam table --scheduler`` on
+two workers that are started by their command lines, of which one is killed (SIGKILL) while it
+solves contacts; its nanny starts another. Both have the same nodes; what differs is compared, and
+what each cost.
+
+    python benchmarks/table_cluster.py
+"""
+
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from time import perf_counter, sleep
+
+import numpy as np
+from distributed import Client
+from study import cluster
+from timing import show, write
+
+import tractive_sam as ts
+
+DESIGN = ts.TableDesign(ellipticity=1.0, tolerance=0.2, elements=15)
+
+
+def kill_one_at_work(address: str, running: subprocess.Popen) -> int:
+    """Kill a worker that solves contacts; returns how many contacts' batches were with it."""
+    with Client(address, set_as_default=False) as client:
+        while not (busy := {at: calls for at, calls in client.processing().items() if calls}):
+            assert running.poll() is None
+            sleep(0.02)
+        at, calls = next(iter(busy.items()))
+        pid = client.run(os.getpid, workers=[at])[at]
+    os.kill(pid, signal.SIGKILL)
+    return len(calls)
+
+
+def row(way: str, table: ts.CreepTable, took: float) -> dict:
+    """What a table cost."""
+    hours = float(table.about["cpu_seconds"]) / 3600.0
+    contacts = int(table.about["contacts"])
+    return {"way": way, "nodes": table.nodes, "contacts": contacts, "s": took, "core-hours": hours}
+
+
+def main() -> None:
+    """Print and write the comparison."""
+    # Workers look for what `study` has them do.
+    paths = [str(Path(__file__).parent), os.environ.get("PYTHONPATH", "")]
+    os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, paths))
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        began = perf_counter()
+        alone = ts.build_table(DESIGN)
+        rows = [row("one process", alone, perf_counter() - began)]
+        (folder / "table.toml").write_text(DESIGN.to_toml())
+        with cluster(2, folder) as address:
+            command = [
+                sys.executable,
+                "-m",
+                "tractive_sam",
+                "table",
+                "table.toml",
+                "-o",
+                "table.nc",
+            ]
+            began = perf_counter()
+            running = subprocess.Popen([*command, "--scheduler", address], cwd=folder)
+            lost = kill_one_at_work(address, running)
+            assert running.wait() == 0
+            took = perf_counter() - began
+        together = ts.open_table(folder / "table.nc")
+    rows.append(row(f"two workers, one killed with {lost} batches", together, took))
+    for one, other in zip(alone.law.axes, together.law.axes, strict=True):
+        np.testing.assert_array_equal(one, other)
+    values = [one.law.coefficients[..., 0, :] for one in (alone, together)]
+    for one in rows:
+        one["largest difference"] = float(np.abs(values[0] - values[1]).max())
+    show("A table by a scheduler", rows)
+    print(write("table_cluster", rows))
+
+
+if __name__ == "__main__":
+    main()
