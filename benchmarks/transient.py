@@ -5,7 +5,7 @@
   applications of operators per step;
 - `killed`: 40 of them stopped after a random record and resumed: how far the two histories differ,
   over the largest value;
-- `steps`: applications per step on 91 x 91 elements, of three courses;
+- `steps`: applications per step on 91 x 91 elements, of several courses;
 - `order`: error of Q_x after a step of creepage, over the mesh and over the step, against the
   extrapolated finest one.
 
@@ -152,17 +152,36 @@ def steps() -> None:
     """Applications per step at 91 x 91 elements."""
     dx, rows = 2.0 * 4.08 / 91, []
     wave = 0.5 * MU * P * np.sin(0.1 * np.pi * np.arange(41))
-    tables = {
-        "creepage, from rest": {"creepage.longitudinal": [-0.003] * 2},
-        "force held after a shift": {"load.force_x": [0.657 * MU * P] * 2},
-        "oscillating force": {"load.force_x": wave.tolist()},
+    x = np.linspace(-12.0, 16.0, 400)
+    bump = 1e-3 * np.sin(np.pi * x / 3.0)
+    profile = {"x": x, "y": [-9.0, 9.0], "separation": np.stack((bump, bump), axis=1)}
+    creeping = {"creepage.longitudinal": [-0.003] * 2}
+    cases = {
+        "creepage, from rest": ({}, creeping),
+        "creepage, changed while rolling": (
+            {},
+            {"start": "steady", "creepage.longitudinal": [-0.001, -0.003, -0.003]},
+        ),
+        "creepage and spin": (
+            {},
+            {"creepage.longitudinal": [-0.001] * 2, "creepage.spin": [0.002 / A] * 2},
+        ),
+        "orthotropic": ({"friction.mu": (0.4, 0.2), "friction.angle": 30.0}, creeping),
+        "dissimilar": ({"body.B.shear": 3.0}, creeping),
+        "force held after a shift": ({}, {"load.force_x": [0.657 * MU * P] * 2}),
+        "oscillating force": ({}, {"load.force_x": wave.tolist()}),
+        "load that rises": ({}, creeping | {"load.normal": [0.7 * P, 1.3 * P]}),
+        "profile that travels": ({}, creeping | {"profile.B": profile}),
     }
     for slip in ("auto", "upwind"):
-        for name, table in tables.items():
-            count = len(next(iter(table.values())))
-            knots = np.linspace(0.0, 40.0 * dx, count).tolist()
+        for name, (changes, table) in cases.items():
+            count = max(len(v) for k, v in table.items() if k.startswith(("load", "creep")))
+            knots = np.linspace(0.0, 40.0 * dx, count)
+            if count == 3:
+                knots[1] = 0.0
             scene = SPHERES.replace(
-                transient=table | {"distance": knots},
+                transient=table | {"distance": knots.tolist()},
+                **changes,
                 **{"grid.elements": (91, 91), "solver.slip": slip},
             )
             taken = ts.roll(scene)["operator_applications"][1:]

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
+from tractive_sam.contact import Asked, Model, Stepper
 
 SPHERES = ts.Scene.builtin("spheres").replace(subsurface=None, creepage=None)
 P, MU = SPHERES.normal_load, SPHERES.friction.mu[0]
@@ -249,3 +250,31 @@ def test_figures_of_a_transient(tmp_path):
     for draw in (ts.plot.hysteresis, ts.plot.energies, ts.plot.stick_course):
         with pytest.raises(ValueError, match="transient"):
             draw(ts.roll(SPHERES.replace(**{"grid.elements": (15, 15)})))
+
+
+@pytest.mark.parametrize(
+    "changes", [{}, {"body.B.shear": 3.0}, {"friction.mu": (0.4, 0.2), "friction.angle": 30.0}]
+)
+def test_steps_are_those_of_newtons_method_at_less_cost(changes):
+    table = {"distance": [0, 3], "creepage.longitudinal": [-0.003] * 2, "creepage.spin": [1e-4] * 2}
+    ours, plain = (
+        ts.roll(scene(table, **changes, **{"solver.method": method}))
+        for method in ("auto", "newton")
+    )
+    # Both to the tolerance of the scene, 1e-8, summed over a dozen steps.
+    np.testing.assert_allclose(ours["Qx"], plain["Qx"], atol=1e-6 * MU * P)
+    assert ours["operator_applications"].sum() < 0.8 * plain["operator_applications"].sum()
+
+
+def test_what_a_step_reports_solves_its_problem():
+    """Tractions brought back to their bound at the end miss by no more than the tolerance."""
+    sphere = scene({"distance": [0, 1], "creepage.longitudinal": [0, -0.003]})
+    stepper = Stepper(Model(sphere))
+    before = stepper.at_rest(stepper.pressed(Asked(load=P)))
+    found = stepper.step(before, Asked(0.25, (-0.003, 0.001, 0.0), P))
+    again = stepper.step(before, Asked(0.25, (-0.003, 0.001, 0.0), P), found, -1.0)
+    assert found.contact.residual <= sphere.solver.tolerance
+    bound = MU * found.contact.pressure * (1.0 + 1e-12)  # rounding
+    assert (np.hypot(*found.contact.traction) <= bound).all()
+    apart = np.abs(again.contact.traction - found.contact.traction).max()
+    assert apart <= 1e-6 * found.contact.pressure.max()  # a hundred tolerances

@@ -4,7 +4,9 @@ See `operators.step` for the slip of a step. The step before is all that a step 
 its pressure, tractions and gap.
 """
 
+from collections.abc import Callable
 from dataclasses import astuple, dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -13,11 +15,12 @@ from tractive_sam.contact.measured import sampled
 from tractive_sam.contact.model import Model
 from tractive_sam.mechanics import Bound, Friction
 from tractive_sam.operators import Lattice, StepOperators, Way
-from tractive_sam.results import State, Status
+from tractive_sam.results import Cost, State, Status
 from tractive_sam.solvers import (
     ALONE,
     METHODS,
     STEPS,
+    InSequence,
     NormalProblem,
     Note,
     Outcome,
@@ -91,6 +94,8 @@ class Stepped:
         Elastic energy at the end, N mm: of the tractions, of dissimilar bodies with the pressure.
     displacement : ndarray, shape (2 or 3, n_x + reach, n_y)
         Dimensionless, at the nodes of the mesh and ahead of it.
+    normal : NormalProblem, optional
+        What its pressure solves, where tractions do not change that.
     """
 
     contact: State
@@ -100,6 +105,12 @@ class Stepped:
     shifted: bool = False
     energy: float = 0.0
     displacement: np.ndarray = field(default_factory=lambda: np.zeros((2, 0, 0)), repr=False)
+    normal: NormalProblem | None = field(default=None, repr=False)
+
+    def presses_like(self, normal: NormalProblem) -> bool:
+        """Whether its pressure is known to solve a normal problem."""
+        known = self.normal is not None and self.contact.touching.any()
+        return bool(known and normal.is_the_same_as(self.normal))
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,7 +155,9 @@ class Stepper:
             model.stencil,
         )
 
-    def step(self, before: Stepped, asked: Asked, guess: State | None = None) -> Stepped:
+    def step(
+        self, before: Stepped, asked: Asked, earlier: Stepped | None = None, ratio: float = 0.0
+    ) -> Stepped:
         """Take a step.
 
         Parameters
@@ -153,8 +166,10 @@ class Stepper:
             The one before.
         asked : Asked
             What is asked.
-        guess : State, optional
-            First guess, by default the contact before.
+        earlier : Stepped, optional
+            The one before that: what the first guess is extrapolated from.
+        ratio : float
+            Length of the step over that of the one before.
 
         Returns
         -------
@@ -163,11 +178,11 @@ class Stepper:
         """
         model, grid = self.model, self.model.grid
         way = Way.of(asked.distance / grid.dx)
-        past, earlier = before.contact, self._displacement(before, way.reach)
+        past, displacement = before.contact, self._displacement(before, way.reach)
         touching = _ahead((past.pressure > 0.0)[None], way.reach)[0]
         held = way.held(touching) & model.stencil.staggered
         moved = self._rigid(asked, way, held)
-        came = way.before(earlier, held)
+        came = way.before(displacement, held)
 
         gap = np.where(past.touching, 0.0, past.gap) / model.units.gap
         ahead = _ahead(gap[None], way.reach, edge=True)[0]
@@ -178,18 +193,28 @@ class Stepper:
             entering=way.before(ahead, held),
             ahead=way.length,
         )
-        method = STEPS if model.method is METHODS["auto"] else model.method
-        solver = method.dissimilar if model.elasticity.coupled else method.alike
-        start: Start | None = self._start(guess or past, way, asked)
-        normal = problem.normal
-        if normal.load is None and normal.gap.min() >= normal.approach:
-            solver, start = ALONE, None  # they do not touch: nothing to solve
-        elif model.elasticity.coupled and not past.touching.any():
-            start = None  # Newton's method has no contact area to begin with
-        outcome = solver.solve(problem, model.scene.solver.tolerance, start)
+        outcome = self._solved(problem, before, self._start(before, way, asked, earlier, ratio))
         if len(problem.forces) and outcome.creepage is None:
             outcome = _without_contact(problem, outcome)
         return self._stepped(before, asked, way, problem, outcome, came, moved)
+
+    def _solved(self, problem: StepProblem, before: Stepped, start: Start | None) -> Outcome:
+        model, past, tolerance = self.model, before.contact, self.model.scene.solver.tolerance
+        method = STEPS if model.method is METHODS["auto"] else model.method
+        coupled = model.elasticity.coupled
+        solver = method.dissimilar if coupled else method.alike
+        normal = problem.normal
+        if normal.load is None and normal.gap.min() >= normal.approach:
+            # They do not touch: nothing to solve.
+            return ALONE.solve(problem, tolerance)
+        if coupled and not past.touching.any():
+            start = None  # Newton's method has no contact area to begin with
+        if isinstance(solver, InSequence) and before.presses_like(normal):
+            gap, approach = past.gap / model.units.gap, past.approach / model.units.gap
+            pressure = past.pressure / model.units.pressure
+            outcome = solver.solve(problem.holding(pressure, gap), tolerance, start)
+            return replace(outcome, pressure=pressure, gap=gap, approach=approach)
+        return solver.solve(problem, tolerance, start)
 
     def _problem(self, asked: Asked) -> StepProblem:
         """The normal problem and the friction of a step."""
@@ -264,19 +289,33 @@ class Stepper:
         vectors = np.stack([model.frame.matrix[:, k] for k, _ in given])
         return PrescribedForces(vectors, np.array([q / unit for _, q in given]))
 
-    def _start(self, guess: State, way: Way, asked: Asked) -> Start:
-        units, frame = self.model.units, self.model.frame
+    def _start(
+        self, before: Stepped, way: Way, asked: Asked, earlier: Stepped | None, ratio: float
+    ) -> Start:
+        """Where the solution is sought first: on the line through the two steps before."""
+        units, frame, columns = self.model.units, self.model.frame, self.model.grid.elements[0]
         over = (way.length if way.length else 1.0 / self.model.grid.dx) / units.slip
+        first, share = (before, 0.0) if earlier is None else (earlier, ratio)
+
+        def foreseen(of: Callable[[Stepped], Any]) -> Any:
+            now = of(before)
+            return now + share * (now - of(first)) if share else now
+
+        pressure = foreseen(lambda one: one.contact.pressure)
         found = [
-            one
-            for one, force in zip((guess.xi_x, guess.xi_y), asked.forces, strict=True)
+            foreseen(lambda one, k=k: getattr(one.contact, k))
+            for k, force in zip(("xi_x", "xi_y"), asked.forces, strict=True)
             if force is not None
         ]
+        response = foreseen(lambda one: self._displacement(one, 0)[:, :columns])
+        pulled = pressure < 0.0
+        coupled = self.model.elasticity.coupled
         return Start(
-            guess.pressure / units.pressure,
-            frame.to_scaled(guess.traction) / units.pressure,
-            guess.approach / units.gap,
+            np.maximum(pressure, 0.0) / units.pressure,
+            frame.to_scaled(foreseen(lambda one: one.contact.traction)) / units.pressure,
+            foreseen(lambda one: one.contact.approach) / units.gap,
             np.nan_to_num(found) * over,
+            None if coupled and pulled.any() else response,
         )
 
     def _energy(self, fields: np.ndarray, displacement: np.ndarray) -> float:
@@ -306,6 +345,8 @@ class Stepper:
             slip = model.stencil.at_centres(slip)
         contact = finished(model, problem, outcome, slip, tuple(creepages))
         now = Stepped(contact, distance=asked.distance, shifted=not asked.distance)
+        if not model.elasticity.coupled:
+            now = replace(now, normal=problem.normal)
         if not contact.converged:
             return now
         displacement = self._displacement(now, max(way.reach, 1))
@@ -322,8 +363,10 @@ class Stepper:
                 np.concatenate((mean[:1], 0.0 * mean[1:])),
                 np.concatenate((change[:1], 0.0 * change[1:])),
             )
+        cost = contact.cost + Cost(1.0)  # for the displacement
         return replace(
             now,
+            contact=replace(contact, cost=cost),
             supplied=supplied,
             friction=-self._work(mean[-2:], slipped),
             energy=self._energy(fields, displacement),

@@ -384,42 +384,104 @@ def sweep(state, direction, kappa, stiffness, own, smooth, rough, out):
 
 
 @njit(cache=True)
-def share_out(state, direction, kappa, stiffness, own, row, smooth, rough):
+def _unturned(state, direction, across, contact, ahead, rows):
+    """Slip of the leading faces along t, in place of what the rows of slipping elements have.
+
+    The slip opposed is a mean of faces (`turn`): a tridiagonal matrix along x, of the faces of
+    elements that stick known. Where it looks more than half an element back it is solved as if it
+    looked no further, which leaves a part of the phase.
+    """
+    nx, ny = state.shape
+    back = min(0.5 * ahead, 0.5)
+    upper, known = np.empty(nx), np.empty(nx)
+    for j in range(ny):
+        last_upper = last = 0.0  # of the element behind, if it slips
+        for i in range(nx):
+            upper[i] = known[i] = 0.0
+            if state[i, j] != SLIP:
+                last_upper = last = 0.0
+                continue
+            t0, t1 = -direction[1, i, j], direction[0, i, j]
+            turned = across[1, 0, i, j] * t0 + across[1, 1, i, j] * t1
+            value, lower = t0 * rows[0, i, j] + t1 * rows[1, i, j], 0.0
+            b = back if i else 0.0
+            here, before = 1.0 - b, 0.0
+            if i + 2 < nx and contact[i + 1, j] > 0.0 and contact[i + 2, j] > 0.0:
+                before = -0.5 * b * here
+                b, here = 0.5 * b * (1.0 + b), 1.0 - b * b
+            diagonal = across[0, 0, i, j] * t0 + across[0, 1, i, j] * t1 + turned * here
+            if i and state[i - 1, j] == SLIP:
+                lower = turned * b
+            elif i and state[i - 1, j] == STICK:
+                value -= turned * b * (t0 * rows[0, i - 1, j] + t1 * rows[1, i - 1, j])
+            else:
+                diagonal += turned * b
+            if before != 0.0 and state[i + 1, j] == SLIP:
+                upper[i] = turned * before
+            elif before != 0.0 and state[i + 1, j] == STICK:
+                value -= turned * before * (t0 * rows[0, i + 1, j] + t1 * rows[1, i + 1, j])
+            pivot = diagonal - lower * last_upper
+            upper[i] /= pivot
+            known[i] = (value - lower * last) / pivot
+            last_upper, last = upper[i], known[i]
+        after = 0.0
+        for i in range(nx - 1, -1, -1):
+            if state[i, j] == SLIP:
+                after = known[i] - upper[i] * after
+                rows[0, i, j], rows[1, i, j] = (
+                    -direction[1, i, j] * after,
+                    direction[0, i, j] * after,
+                )
+
+
+@njit(cache=True)
+def share_out(
+    state, direction, kappa, across, contact, stiffness, own, ahead, row, share, smooth, rough
+):
     """Divide a residual of a step between the circulant inverse and the local terms.
 
-    As `split`, of rows in the displacement itself: the local term gamma competes with d, the
-    displacement of the element by itself (`gather`).
+    As `split`, of rows in the displacement itself. A local term gamma competes with d, the
+    displacement of the element by itself: of A + gamma an inverse is nearly
+
+        q C q + gamma/(d + gamma)²,    q = d/(d + gamma),
+
+    C the circulant inverse of A: right for any gamma where A is d, and never far off, whether gamma
+    is the same everywhere or not (`gather`).
     """
     nx, ny = state.shape
     for i in range(nx):
         for j in range(ny):
-            smooth[0, i, j] = smooth[1, i, j] = rough[i, j] = 0.0
-            w = stiffness[i, j]
-            if state[i, j] == STICK:
-                d = 0.5 * (own[0] + own[2])
-                share = d / (d + w) * (1.0 + w)
-                smooth[0, i, j], smooth[1, i, j] = share * row[0, i, j], share * row[1, i, j]
-            elif state[i, j] == SLIP:
-                t0, t1, k = -direction[1, i, j], direction[0, i, j], kappa[i, j]
+            scale = 0.0 if state[i, j] == OPEN else (1.0 + stiffness[i, j]) / kappa[i, j]
+            for c in range(2):
+                smooth[c, i, j] = rough[c, i, j] = scale * row[c, i, j]
+    if ahead > 0.0:
+        _unturned(state, direction, across, contact, ahead, smooth)
+    for i in range(nx):
+        for j in range(ny):
+            w, d = stiffness[i, j], 0.5 * (own[0] + own[2])
+            if state[i, j] == SLIP:
+                t0, t1 = -direction[1, i, j], direction[0, i, j]
                 d = own[0] * t0 * t0 + 2.0 * own[1] * t0 * t1 + own[2] * t1 * t1
-                gamma = w + (1.0 + w) * (1.0 / k - 1.0)
-                value = (1.0 + w) * (t0 * row[0, i, j] + t1 * row[1, i, j]) / k
-                share = d / (d + gamma)
-                rough[i, j] = (1.0 - share) * value / (d + gamma)
-                smooth[0, i, j], smooth[1, i, j] = share * value * t0, share * value * t1
+            # A leading element answers with about half the trace that its stiffness is.
+            gamma = 0.5 * w + (1.0 + w) * (1.0 / kappa[i, j] - 1.0)
+            q = share[i, j] = d / (d + gamma)
+            for c in range(2):
+                smooth[c, i, j] *= q
+                rough[c, i, j] *= gamma * (q / d) ** 2
 
 
 @njit(cache=True)
-def gather(state, direction, smooth, rough, out):
-    """Put both shares together: of an element that slips, what is along t (`share_out`)."""
+def gather(state, direction, share, smooth, rough, out):
+    """Put both parts together: of an element that slips, what is along t (`share_out`)."""
     nx, ny = state.shape
     for i in range(nx):
         for j in range(ny):
-            a, b = smooth[0, i, j], smooth[1, i, j]
+            q = share[i, j]
+            a, b = q * smooth[0, i, j] + rough[0, i, j], q * smooth[1, i, j] + rough[1, i, j]
             if state[i, j] == OPEN:
                 a = b = 0.0
             elif state[i, j] == SLIP:
                 t0, t1 = -direction[1, i, j], direction[0, i, j]
-                tau = a * t0 + b * t1 + rough[i, j]
+                tau = a * t0 + b * t1
                 a, b = tau * t0, tau * t1
             out[0, i, j], out[1, i, j] = a, b

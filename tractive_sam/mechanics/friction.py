@@ -482,11 +482,11 @@ class Linearisation:
         Parameters as of `approximate_inverse`; `own` is the displacement of an element by its own
         traction.
         """
-        here = self.state, self.direction
-        smooth, rough = np.empty_like(rows), np.empty(self.kappa.shape)
-        friction.share_out(*here, self.kappa, stiffness, own, rows, smooth, rough)
-        out = np.empty_like(rows)
-        friction.gather(*here, inverse(smooth), rough, out)
+        here, share = (self.state, self.direction), np.empty(self.kappa.shape)
+        smooth, rough, out = (np.empty_like(rows) for _ in range(3))
+        local = self.kappa, self.across, self.contact, stiffness, own, float(self.staggered)
+        friction.share_out(*here, *local, rows, share, smooth, rough)
+        friction.gather(*here, share, inverse(smooth), rough, out)
         return out
 
 

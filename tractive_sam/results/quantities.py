@@ -499,6 +499,7 @@ FIELDS = by_name(
 
 BEFORE = by_name(
     (
+        Quantity("before_pressure", "MPa", "pressure a step before"),
         Quantity("before_x", "MPa", "longitudinal traction on body A a step before"),
         Quantity("before_y", "MPa", "lateral traction on body A a step before"),
     )

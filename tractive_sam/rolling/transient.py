@@ -51,7 +51,7 @@ class Moment:
     shifts : ndarray, shape (3,)
         Shifts of A over B in x and y, mm, and turn, radians, since the start: without the
         creepages that were rolled at, unless these are what is sought.
-    before : State, optional
+    before : Stepped, optional
         The contact a step before.
     solves : int
         Contacts solved for it.
@@ -63,7 +63,7 @@ class Moment:
     length: float = 0.0
     wish: float = 0.0
     shifts: np.ndarray = field(default_factory=lambda: np.zeros(3))
-    before: State | None = None
+    before: Stepped | None = None
     solves: int = 1
 
     @property
@@ -84,8 +84,13 @@ class Moment:
     @property
     def beside(self) -> Mapping[str, np.ndarray]:
         """Fields that rolling goes on from beside those of the contact."""
-        before = self.contact if self.before is None else self.before
-        return {"before_x": before.traction[0], "before_y": before.traction[1]}
+        before = self.contact if self.before is None else self.before.contact
+        traction = before.traction
+        return {
+            "before_pressure": before.pressure,
+            "before_x": traction[0],
+            "before_y": traction[1],
+        }
 
     @property
     def converged(self) -> bool:
@@ -354,23 +359,16 @@ class Transient:
             for key in _CREEPAGES
         )
         asked = self._asked(length if courses.rolls else 0.0, now, creepages, at)
-        guess, expected = contact, None
-        if last.before is not None and last.length > 0.0:
-            ratio = length / last.length
-            expected = contact.traction + ratio * (contact.traction - last.before.traction)
-            found = [
-                (1.0 + ratio) * getattr(contact, k) - ratio * getattr(last.before, k)
-                for k in ("xi_x", "xi_y")
-            ]
-            guess = replace(contact, traction=expected, xi_x=found[0], xi_y=found[1])
-        stepped = self.stepper.step(last.stepped, asked, guess)
+        ratio = length / last.length if last.before is not None and last.length > 0.0 else 0.0
+        stepped = self.stepper.step(last.stepped, asked, last.before, ratio)
         moment = self._moment(last, stepped, at, stretch, length)
         error = 0.0
         # What was foreseen before a knot tells no error beyond it.
         judged = control is not None and last.wish > 0.0
-        if judged and expected is not None and moment.contact.converged:
-            missed = np.linalg.norm(moment.contact.traction - expected)
-            size = np.linalg.norm(moment.contact.traction)
+        if judged and ratio > 0.0 and moment.contact.converged:
+            traction, before = moment.contact.traction, last.before.contact.traction
+            expected = contact.traction + ratio * (contact.traction - before)
+            missed, size = np.linalg.norm(traction - expected), np.linalg.norm(traction)
             error = float(missed / size / courses.table.tolerance) if size > 0.0 else 0.0
         return moment, error
 
@@ -385,5 +383,5 @@ class Transient:
         contact = stepped.contact
         by = np.array([contact.xi_x, contact.xi_y, contact.spin])
         shifts = last.shifts + by * (stepped.distance if stepped.distance else 1.0)
-        before = last.contact if length else None
+        before = last.stepped if length else None
         return Moment(at, stretch, stepped, length, 0.0, shifts, before)

@@ -21,7 +21,7 @@ from tractive_sam.scene import Scene, told
 COLD_APPLICATIONS = 50
 WARM_APPLICATIONS = 40
 JUMP_APPLICATIONS = 50
-STEP_APPLICATIONS = 30  # of a transient (benchmarks/transient.py)
+STEP_APPLICATIONS = 16  # of a transient (benchmarks/transient.py)
 JUMPS = 14  # while the revolutions rolled grow e-fold
 STRESS_APPLICATIONS = 75  # as long as the largest stress of one body takes
 FATIGUE_APPLICATIONS = 10  # as long as a depth of [fatigue] takes, of one body

@@ -26,10 +26,12 @@ def of_contact(model: Model) -> float:
     """Memory that a solve takes, bytes."""
     fields, lattice = fields_together(model), model.operators.lattice
     # Of large meshes, in doubles: spectra and buffers of the transforms, both in double and single
-    # precision, tables on the way to them, and a Krylov space in single precision.
+    # precision, tables on the way to them, and a Krylov space: in single precision, of a transient
+    # in double, with the vectors kept and the responses to them.
+    krylov = 25 if model.scene.transient is None else 125
     spectra = 1.5 * (9 if fields == 3 else 3)
     padded, elements = math.prod(lattice.padded), math.prod(lattice.shape)
-    one = 8.0 * (padded * (spectra + 3.75 * fields + 7) + 25 * fields * elements)
+    one = 8.0 * (padded * (spectra + 3.75 * fields + 7) + krylov * fields * elements)
     return one * len(model.blocks)
 
 

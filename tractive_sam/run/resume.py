@@ -113,12 +113,14 @@ def _last_moment(history: History, path: str | PathLike, row: int, scene: Scene)
     if row:
         length = found["distance"][row] - found["distance"][row - 1]
     if length:
-        before = replace(
+        earlier = replace(
             contact,
+            pressure=state.get("before_pressure", contact.pressure),
             traction=np.stack((state["before_x"], state["before_y"])),
             xi_x=found["xi_x"][row - 1],
             xi_y=found["xi_y"][row - 1],
         )
+        before = Stepped(earlier)
     shifts = np.array([history[name][row] for name in ("shift_x", "shift_y", "turn")])
     return Moment(
         float(found["distance"][row]),

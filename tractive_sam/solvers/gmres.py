@@ -43,7 +43,7 @@ def gmres(
     while k < most and abs(residual[k]) > tolerance * norm:
         # The basis has the precision of rhs. The triangle and the rotations are in double: they
         # are small, and add no rounding of their own to that of the products.
-        w, h, beyond = _orthogonalised(operator(preconditioner(basis[k])), basis[: k + 1])
+        w, h, beyond = orthogonalised(operator(preconditioner(basis[k])), basis[: k + 1])
         # Givens: the rotations so far, then one that takes away what the new vector adds below.
         column = rotation[: k + 1, : k + 1] @ h
         size = np.hypot(column[k], beyond)
@@ -68,7 +68,7 @@ def gmres(
     return np.array(preconditioner(weights @ basis[:k])), k
 
 
-def _orthogonalised(w: np.ndarray, basis: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+def orthogonalised(w: np.ndarray, basis: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
     """The part of w that is orthogonal to the basis, its components along it, and its norm.
 
     Classical Gram-Schmidt: products with the whole basis at once. It is done again where little is

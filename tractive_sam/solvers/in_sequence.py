@@ -27,7 +27,9 @@ class InSequence:
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve a problem whose pressure is free; see `Solver`."""
+        """Solve a problem whose pressure is free, or held; see `Solver`."""
+        if problem.held:
+            return self._tangential(problem, tolerance, start)
         touching = start is not None and start.pressure is not None and start.pressure.any()
         normal = self.normal.solve(problem.normal, tolerance, start if touching else None)
         alone = problem.holding(normal.pressure, normal.gap)
@@ -46,8 +48,7 @@ class InSequence:
             return _beyond(problem, needed)
         box = rectangle(pressure > 0.0)
         if start is not None:
-            traction = None if start.traction is None else start.traction[:, *box]
-            start = Start(traction=traction, creepage=start.creepage)
+            start = _on_part(start, box)
         outcome = self.tangential.solve(problem.within(box), tolerance, start)
         shape = pressure.shape
         return replace(
@@ -55,6 +56,17 @@ class InSequence:
             traction=placed(outcome.traction, box, shape),
             slip=placed(outcome.slip, box, shape),
         )
+
+
+def _on_part(start: Start | Outcome, box: Box) -> Start:
+    """The tangential part of a start on a rectangle."""
+    if start.traction is None:
+        return Start(creepage=start.creepage)
+    traction, response = start.traction[:, *box], getattr(start, "response", None)
+    if response is not None:  # of all tractions, or of none
+        whole = np.count_nonzero(traction) == np.count_nonzero(start.traction)
+        response = response[-2:, *box] if whole else None
+    return Start(traction=traction, creepage=start.creepage, response=response)
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from tractive_sam.solvers.nested import Nested
 from tractive_sam.solvers.newton import Newton
 from tractive_sam.solvers.outcome import Outcome, Solver, Start
 from tractive_sam.solvers.problem import Problem
+from tractive_sam.solvers.recycling import Recycling
 from tractive_sam.solvers.uzawa import Uzawa
 
 
@@ -97,9 +98,6 @@ COUPLED_NEWTON = Nested(COUPLED, begin=ONE_AFTER_THE_OTHER)
 
 _NOT_AUTO = 'try solver.method = "auto"'
 
-SHARP = {"loosest": 0.1, "sharpest": 1e-6}
-"""Of steps, which start close to their solution: few linear systems, solved well."""
-
 METHODS = {
     "auto": Method(
         alike=InSequence(
@@ -120,17 +118,18 @@ METHODS = {
 }
 """By the names that ``solver.method`` may have."""
 
-_HELD, _COUPLED = Newton(krylov=120, **SHARP), Newton(krylov=150, **SHARP)
-
 STEPS = Method(
     alike=InSequence(
         NORMAL,
-        Ladder((Nested(_HELD), Bracketing(_HELD, Continuation(_HELD)), Anderson()), with_forces=2),
+        Ladder(
+            (Nested(Recycling(krylov=120)), Bracketing(HELD, Continuation(HELD)), Anderson()),
+            with_forces=2,
+        ),
     ),
     dissimilar=Ladder(
         (
-            Nested(_COUPLED, begin=ONE_AFTER_THE_OTHER),
-            Bracketing(_COUPLED, Continuation(_COUPLED)),
+            Nested(Recycling(krylov=150), begin=ONE_AFTER_THE_OTHER),
+            Bracketing(COUPLED, Continuation(COUPLED)),
             Anderson(),
         ),
         with_forces=2,

@@ -13,6 +13,7 @@ the upwind sweep (`mechanics.friction.Linearisation`) for the tractions.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -21,7 +22,7 @@ from tractive_sam.solvers.conjugate_gradients import ConjugateGradients
 from tractive_sam.solvers.gmres import gmres
 from tractive_sam.solvers.newton_system import Iterate, System
 from tractive_sam.solvers.outcome import Note, Outcome, Start
-from tractive_sam.solvers.problem import Problem
+from tractive_sam.solvers.problem import Held, Problem
 from tractive_sam.solvers.watched import tell
 
 GOLDEN = 0.5 * (1.0 + 5.0**0.5)
@@ -39,6 +40,8 @@ class Newton:
         Most iterations of GMRES in a step.
     halvings : int
         Most lengths of a step that are tried.
+    rise : float
+        Merit over that before up to which a length is taken at once.
     patience : int
         Steps without a smaller residual after which tractions may leave the bound on their way
         (`Iterate`), and, once they may, after which one is taken as far only as it helps.
@@ -51,6 +54,8 @@ class Newton:
     sharp : float
         That of a step which is taken only as far as it helps: where the residual has stalled, only
         a sharp step is sure to lead down.
+    aim : float
+        Part of the tolerance that a linear system is to leave.
     rough : float
         Relative residual down to which a linear system may be solved in single precision.
     large : int
@@ -60,11 +65,13 @@ class Newton:
     steps: int = 60
     krylov: int = 150
     halvings: int = 6
+    rise: float = 1.5
     patience: int = 3
     hopeless: int = 20
     loosest: float = 0.3
     sharpest: float = 1e-3
     sharp: float = 1e-5
+    aim: float = 0.3
     rough: float = 1e-4
     large: int = 10_000
 
@@ -91,6 +98,7 @@ class Newton:
         if problem.wear is not None:
             raise ValueError("problem.wear: Newton's method takes wear as part of the gap only")
         at, cost = self._first(problem, start)
+        advanced = self._advancing(problem)
         least, since, before, bounded = np.inf, 0, np.inf, True
         status, taken = Status.OUT_OF_ITERATIONS, 0
         for taken in range(self.steps + 1):
@@ -115,7 +123,7 @@ class Newton:
                 least, since = at.residual, taken
             goal = self.sharp if stalled else self.forcing(at.residual, before, tolerance)
             before = at.residual
-            at, spent = self._advanced(problem, at, goal, stalled, bounded)
+            at, spent = advanced(at, goal, stalled, bounded)
             cost = cost + spent
         if not bounded:
             at, cost = at.within_bound(problem), cost + Cost(1.0)
@@ -134,19 +142,28 @@ class Newton:
         )
 
     def _first(self, problem: Problem, start: Start | Outcome | None) -> tuple[Iterate, Cost]:
-        cost, normal = Cost(1.0), problem.normal
+        cost, normal = Cost(), problem.normal
         if start is None and not problem.held:
             found = ConjugateGradients().solve(normal, 1e-3)
             start, cost = Start(found.pressure, approach=found.approach), cost + found.cost
         start = start or Start()
+        answer = getattr(start, "response", None)
         traction = np.zeros_like(problem.rigid) if start.traction is None else start.traction
         creepage = start.creepage
         if creepage is None or not len(problem.forces):
             creepage = np.zeros(len(problem.forces))
-        if problem.held:
-            return Iterate(problem, normal.pressure, traction, 0.0, creepage), cost
-        approach = normal.approach if problem.load is None else start.approach
-        return Iterate(problem, start.pressure, traction, approach, creepage), cost
+        pressure, approach = start.pressure, start.approach
+        if isinstance(normal, Held):
+            pressure, approach = normal.pressure, 0.0
+        elif normal.load is None:
+            approach = normal.approach
+        known = answer is not None
+        at = Iterate(problem, pressure, traction, approach, creepage, 1.0, not known, answer)
+        return at, cost + Cost(at.applications)
+
+    def _advancing(self, problem: Problem) -> Callable[..., tuple[Iterate, Cost]]:
+        """What takes steps, of an iterate, a goal, and whether stalled and bounded."""
+        return partial(self._advanced, problem)
 
     def _advanced(
         self, problem: Problem, at: Iterate, goal: float, stalled: bool, bounded: bool
@@ -159,13 +176,37 @@ class Newton:
         vector = vector.astype(float)
         step = known + system.completed(system.fields(vector))
         extra = vector[system.size :]
-        closer, faster = extra[: system.under_load].sum(), extra[int(system.under_load) :]
+        ahead, trials = self._led(problem, at, step, extra, None, stalled, bounded)
+        return ahead, Cost(system.applications + trials, system.preconditionings)
+
+    def _led(
+        self,
+        problem: Problem,
+        at: Iterate,
+        step: np.ndarray,
+        extra: np.ndarray,
+        response: np.ndarray | None,
+        stalled: bool,
+        bounded: bool,
+    ) -> tuple[Iterate, int]:
+        """The iterate that a step leads to, and the applications it took.
+
+        Parameters
+        ----------
+        step : ndarray, shape (2 or 3, n_x, n_y)
+            Change of the fields.
+        extra : ndarray
+            Of the approach, under a load, and of the creepages.
+        response : ndarray, optional
+            What the operator answers to the step, if that is known.
+        """
+        under_load = problem.load is not None
+        closer, faster = extra[:under_load].sum(), extra[int(under_load) :]
         trials = 0
 
         def trial(length: float) -> Iterate:
             nonlocal trials
-            trials += 1
-            return Iterate(
+            one = Iterate(
                 problem,
                 at.pressure if problem.held else at.pressure + length * step[0],
                 at.traction + length * step[-2:],
@@ -173,11 +214,13 @@ class Newton:
                 at.creepage + length * faster,
                 at.ratio,
                 bounded,
+                None if response is None else at.response + length * response,
             )
+            trials += one.applications
+            return one
 
         length = problem.forces.trust_fraction(at.creepage, faster, at.elastic_slip)
-        ahead = self.damped(trial, at.merit_by(at.ratio), length, stalled)
-        return ahead, Cost(system.applications + trials, system.preconditionings)
+        return self.damped(trial, at.merit_by(at.ratio), length, stalled), trials
 
     def forcing(self, residual: float, before: float, tolerance: float) -> float:
         """Relative residual to which a linear system is worth solving (inexact Newton).
@@ -195,7 +238,7 @@ class Newton:
         """
         gained = min(1.0, residual / before) ** GOLDEN if before < np.inf else 1.0
         loosest = min(self.loosest, residual**0.25)  # the sharper, the nearer the first guess
-        wanted = max(min(loosest, 0.9 * gained), self.sharpest, 0.3 * tolerance / residual)
+        wanted = max(min(loosest, 0.9 * gained), self.sharpest, self.aim * tolerance / residual)
         return float(min(wanted, 0.5))
 
     def precision(self, goal: float, elements: int) -> type:
@@ -211,14 +254,14 @@ class Newton:
     ) -> Iterate:
         """The trial of the length given, or of the longest halving that does not raise the merit.
 
-        The active sets of a step may be worse for a while on the way to a better solution, so a
-        rise by half is allowed; where none is that good, the best one is taken. Where the residual
+        The active sets of a step may be worse for a while on the way to a better solution, so some
+        rise is allowed; where none is that good, the best one is taken. Where the residual
         has stalled, full steps swing between two states: then the best one is taken as well.
         """
         trials = []
         for _ in range(self.halvings):
             trials.append(trial(length))
-            if not stalled and trials[-1].merit <= 1.5 * merit:
+            if not stalled and trials[-1].merit <= self.rise * merit:
                 return trials[-1]
             length *= 0.5
         return min(trials, key=lambda one: one.merit)

@@ -23,6 +23,9 @@ class Iterate:
     zones move. But where mu1 and mu2 are far apart, a step can push an element at its bound, and
     said to stick, outwards along the weak axis; brought back every time, it never gets to slip.
     If not `bounded` it stays outside, and the next linearisation finds that it slips.
+
+    What the operator answers to the fields may be known (`response`); if it is not, or something
+    has been brought back, `applications` is one.
     """
 
     def __init__(
@@ -34,6 +37,7 @@ class Iterate:
         creepage: np.ndarray,
         ratio: float = 1.0,
         bounded: bool = True,
+        response: np.ndarray | None = None,
     ):
         held, normal, forces = problem.held, problem.normal, problem.forces
         self.pressure = pressure if held else np.maximum(pressure, 0.0)
@@ -42,7 +46,10 @@ class Iterate:
         if bounded:
             self.traction = problem.project(traction, self.bound.radius, physical=True)
         self.approach, self.creepage = approach, creepage
-        response = problem.response(self.fields(held))
+        self.applications = 0
+        if response is None or self._brought_back(pressure, traction):
+            response, self.applications = problem.response(self.fields(held)), 1
+        self.response = response
         self.slip = problem.rigid + forces.slip(creepage) + response[-2:]
         self.gap = normal.gap if held else normal.gap + response[0] - approach
         self.seen = problem.friction_slip(self.pressure, self.gap)
@@ -77,6 +84,15 @@ class Iterate:
             self.residual = max(relative(np.sqrt(self._normal), size), self.residual)
             self.ratio = float(max(size / drag, 1.0)) if drag > 0.0 else 1.0
         self.merit = self.merit_by(ratio)
+
+    def _brought_back(self, pressure: np.ndarray, traction: np.ndarray) -> bool:
+        fields = ((self.traction, traction), (self.pressure, pressure))
+        return any(one is not before and (one != before).any() for one, before in fields)
+
+    def creeping(self, problem: Problem, creepage: np.ndarray) -> "Iterate":
+        """The same with other creepages."""
+        fields = self.pressure, self.traction, self.approach
+        return Iterate(problem, *fields, creepage, 1.0, False, self.response)
 
     def within_bound(self, problem: Problem) -> "Iterate":
         """The same with its tractions brought back to their bound."""

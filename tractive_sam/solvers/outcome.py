@@ -39,13 +39,15 @@ class Note:
 class Start:
     """What a solve may start from, on the whole mesh; names and units of `Outcome`.
 
-    An `Outcome` will do as well.
+    An `Outcome` will do as well. What the elastic operator answers to the pressure, of dissimilar
+    bodies, and the tractions may be known: `response`, shape (2 or 3, n_x, n_y).
     """
 
     pressure: np.ndarray | None = None
     traction: np.ndarray | None = None
     approach: float = 0.0
     creepage: np.ndarray | None = None
+    response: np.ndarray | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -52,6 +52,11 @@ class NormalProblem:
     load: float | None
     approach: float = 0.0
 
+    def is_the_same_as(self, other: "NormalProblem") -> bool:
+        """Whether both have the same solution."""
+        asked = self.load == other.load and self.approach == other.approach
+        return asked and np.array_equal(self.gap, other.gap)
+
     def coarsened(self) -> "NormalProblem":
         """The same problem on elements of twice the size."""
         block = self.operators.lattice.block
