@@ -170,7 +170,7 @@ def orthotropic_angles():
         settings = [f"friction.angle={angle}"]
         scene = Scene.builtin("spheres-orthotropic").with_set(settings)
         partial = solved(scene)
-        full = solved(scene.with_set(["creepage.longitudinal=-0.3"]))
+        full = solved(scene.with_set(["creepage.longitudinal=-0.1"]))
         c, s = np.cos(np.deg2rad(angle)), np.sin(np.deg2rad(angle))
         effective = np.hypot(0.4 * c, 0.2 * s)
         rows.append(
