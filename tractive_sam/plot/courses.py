@@ -26,7 +26,7 @@ def forces(history: History) -> Figure:
     >>> plot.forces(history)
     <Figure size ...>
     """
-    figure, axes = _over_course(history, "forces on A")
+    figure, axes = over_course(history, "forces on A")
     for name, label in (("Qx_over_P", "$Q_x/P$"), ("Qy_over_P", "$Q_y/P$")):
         _course(axes, history, history[name], label)
     axes.set_ylabel("force / normal load")
@@ -48,7 +48,7 @@ def widths(history: History) -> Figure:
     """
     scale = Scale.of_history(history)
     told = f"size and pressure of the contact; {replace(scale, drawn_in='hertz').told}"
-    figure, axes = _over_course(history, told)
+    figure, axes = over_course(history, told)
     a, b, p = scale.a_symbol, scale.b_symbol, scale.p_symbol
     _course(axes, history, history["half_width_x"] / scale.a, f"half width in $x$ / ${a}$")
     if not history.line:
@@ -72,7 +72,7 @@ def wear_depth(history: History) -> Figure:
     >>> plot.wear_depth(history)
     <Figure size ...>
     """
-    figure, axes = _over_course(history, "wear of both bodies together")
+    figure, axes = over_course(history, "wear of both bodies together")
     _course(axes, history, 1e3 * history["wear_max"], "")
     axes.set_ylim(bottom=0.0)
     axes.set_ylabel(r"largest wear depth ($\mathrm{\mu m}$)")
@@ -127,7 +127,7 @@ def creepages(history: History) -> Figure:
     """
     if "creepage_found" not in history.columns:
         raise ValueError("no creepage is found: prescribe load.force_x or load.force_y")
-    figure, axes = _over_course(history, "creepage that the forces take")
+    figure, axes = over_course(history, "creepage that the forces take")
     for label, values in zip((r"$\xi_x$", r"$\xi_y$"), history["creepage_found"].T, strict=True):
         if np.isfinite(values).any():
             _course(axes, history, values, label)
@@ -156,7 +156,7 @@ def stress_course(history: History) -> Figure:
     if not history.bodies:
         raise ValueError("no stress was computed: add [subsurface] to the scene")
     scale = Scale.of_history(history)
-    figure, axes = _over_course(history, "largest stress in each body", scale.told)
+    figure, axes = over_course(history, "largest stress in each body", scale.told)
     for kind, style in (("interior", "-"), ("surface", "--")):
         column = history.of_role(f"stress_{kind}")
         for body in history.bodies:
@@ -171,7 +171,8 @@ def stress_course(history: History) -> Figure:
     return figure
 
 
-def _over_course(history: History, told: str, scale: str = "") -> tuple[Figure, Axes]:
+def over_course(history: History, told: str, scale: str = "") -> tuple[Figure, Axes]:
+    """A figure and its axes over the course of a history."""
     figure = Figure(figsize=(WIDTH, 0.66 * WIDTH))
     axes = figure.add_subplot()
     along(axes, history)

@@ -1,22 +1,13 @@
 """Figures of transients: the loop of force and shift, energy, and the course of stick and slip."""
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from tractive_sam.plot.courses import over_course
 from tractive_sam.plot.drawn import Drawn
 from tractive_sam.plot.frame import Frame
 from tractive_sam.plot.map import LEFT, Map
-from tractive_sam.plot.style import (
-    BLUE,
-    TRACTION,
-    VERMILLION,
-    WIDTH,
-    along,
-    set_title,
-    styled,
-    told_of,
-)
+from tractive_sam.plot.style import BLUE, TRACTION, VERMILLION, styled
 from tractive_sam.results import History
 
 
@@ -39,7 +30,8 @@ def hysteresis(history: History) -> Figure:
     _check(history)
     axis = max("xy", key=lambda one: np.ptp(history[f"shift_{one}"]))
     shift = history.columns[f"shift_{axis}"]
-    figure, axes = _figure(history, "force over shift of A over B")
+    figure, axes = over_course(history, "force over shift of A over B")
+    axes.autoscale()  # along the shift, not the course
     axes.plot(1e3 * history[shift.name], history[f"Q{axis}_over_P"], color=BLUE)
     axes.plot(1e3 * history[shift.name][:1], history[f"Q{axis}_over_P"][:1], "o", color=BLUE)
     axes.set_xlabel(rf"shift ${shift.symbol}$ ($\mathrm{{\mu m}}$)")
@@ -62,8 +54,7 @@ def energies(history: History) -> Figure:
     <Figure size ...>
     """
     _check(history)
-    figure, axes = _figure(history, "work since the start, and elastic energy")
-    along(axes, history)
+    figure, axes = over_course(history, "work since the start, and elastic energy")
     at, stored = history[history.coordinate.name], history["elastic_energy"]
     work = np.cumsum(np.append(0.0, history["step_work"][1:]))
     friction = np.cumsum(np.append(0.0, history["step_friction"][1:]))
@@ -93,8 +84,7 @@ def stick_course(history: History) -> Figure:
     <Figure size ...>
     """
     _check(history)
-    figure, axes = _figure(history, "share of the contact that sticks")
-    along(axes, history)
+    figure, axes = over_course(history, "share of the contact that sticks")
     axes.plot(history[history.coordinate.name], history["stick_fraction"], color=BLUE)
     axes.set(ylim=(-0.02, 1.02), ylabel="share that sticks")
     return figure
@@ -122,10 +112,3 @@ def picture(figure: Figure, frame: Frame, state: Drawn, envelope: Drawn) -> None
 def _check(history: History) -> None:
     if history.scene.transient is None:
         raise ValueError("a history of a [transient] is needed; this one is of revolutions")
-
-
-def _figure(history: History, told: str) -> tuple[Figure, Axes]:
-    figure = Figure(figsize=(WIDTH, 0.66 * WIDTH))
-    axes = figure.add_subplot()
-    set_title(figure, told_of(history, told))
-    return figure, axes
