@@ -171,15 +171,24 @@ def test_a_law_of_ones_own_that_becomes_negative_is_told(value):
         ts.solve(scene, laws=ts.Laws.of(scene).replace(friction=law))
 
 
-def test_wears_by_the_way_slid_however_little_friction_is_left():
+@pytest.mark.parametrize("memory", [0.0, 0.2])
+def test_wears_by_the_way_slid_however_little_friction_is_left(memory):
     """Archard's depth is p_n |s|, whatever the friction: in full slip as of the constant law."""
     wear = {"intensity": 1e-7, "revolutions": 1, "turns": "each"}
     full = {"creepage.longitudinal": -0.05, "grid.elements": (25, 25), "wear": wear}
     full |= {"solver.slip": "auto"}
     constant = ts.roll(sphere({"mu": 0.18}, **full))
-    falling = ts.roll(sphere(FALLING, **full))
+    falling = ts.roll(sphere(FALLING | {"memory": memory}, **full))
     assert falling["worn_area"][0] == pytest.approx(constant["worn_area"][0], rel=1e-3)
     # (the slip differs by the elastic one, 1e-3 of it)
+
+
+def test_a_slope_that_a_mesh_cannot_hold_is_told_where_nothing_is_found():
+    thick = {"friction.layer": 3e-4, "friction.half_speed": 300.0, "grid.elements": 41}
+    steep = cylinder(**thick, **{"solver.slip": "auto", "solver.method": "newton"})
+    steep = steep.replace(**{"creepage.longitudinal": -0.01})
+    with pytest.raises(ts.NotConverged, match=r"friction\.memory"):
+        ts.solve(steep)
 
 
 def test_random_scenes_converge_or_are_refused(monkeypatch):

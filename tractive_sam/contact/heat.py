@@ -127,20 +127,25 @@ def _shared(
 
 
 def wear_law_in(model: Model, contact: State) -> WearLaw | None:
-    """The law of wear in a contact: where friction or wear answer to heat, as they do there."""
+    """The law of wear in a contact: by what memory and heat leave of friction, at its heat."""
     law, scene = model.wear_law, model.scene
-    if law is None or scene.heat is None:
+    if law is None:
         return law
-    heat = contact.heat or heat_of(model, contact)  # results files keep none of the last contact
-    temperature = heat.temperature["A"]  # where they touch, that of B too
-    if isinstance(law, ArchardByWork) and law.friction and scene.friction.temperature:
-        law = replace(law, friction=in_warmth(model, temperature))
-    if scene.wear is not None and scene.wear.temperature:
-        factor = np.interp(temperature, *np.array(scene.wear.temperature).T)
-        if isinstance(law, EachBody):
-            return EachBody(*(one and Warmed(one, factor) for one in (law.A, law.B)))
-        return Warmed(law, factor)
-    return law
+    temperature = None
+    if scene.heat is not None:
+        heat = contact.heat or heat_of(model, contact)  # results files keep none of the last one
+        temperature = heat.temperature["A"]  # where they touch, that of B too
+
+    def of(one: WearLaw | None) -> WearLaw | None:
+        if isinstance(one, ArchardByWork) and one.friction:
+            warm = scene.friction.temperature is not None
+            friction = in_warmth(model, temperature) if warm else one.friction
+            one = replace(one, friction=friction, length=model.grid.dx)
+        if one is not None and scene.wear is not None and scene.wear.temperature:
+            one = Warmed(one, np.interp(temperature, *np.array(scene.wear.temperature).T))
+        return one
+
+    return EachBody(of(law.A), of(law.B)) if isinstance(law, EachBody) else of(law)
 
 
 def in_warmth(model: Model, temperature: np.ndarray) -> FallingCoulomb:

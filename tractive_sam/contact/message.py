@@ -61,7 +61,15 @@ def message(status: Status, outcome: Outcome, model: Model, steepness: float = 0
             "the prescribed tangential force may be more than friction can carry beside the other "
             f"creepages and the spin: lower {' or '.join(forces)}, or raise friction.mu"
         )
-    return reached + (too_steep(steepness) if steepness >= 1.0 else model.method.cure)
+    if steepness >= 1.0:
+        return reached + too_steep(steepness)
+    return reached + model.method.cure + (GENTLER if model.friction_law.falls else "")
+
+
+GENTLER = (
+    "; or friction falls too fast with sliding: a larger friction.memory or friction.half_speed, "
+    "or with a friction.layer a coarser mesh, makes it gentler"
+)
 
 
 def too_steep(steepness: float) -> str:

@@ -230,17 +230,23 @@ class FallingCoulomb(Coulomb):
         capped = (bound.radius > 0.0) & (bound.by_pressure == 0.0)
         return np.where(capped, -self.frame.largest_by(axis) * bound.radius, 0.0)
 
-    def left(self, pressure: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """What is left of the coefficients under a slip, without memory, shape (n_x, n_y).
+    def left(self, pressure: np.ndarray, slip: np.ndarray, length: float) -> np.ndarray:
+        """What is left of the coefficients under a slip, shape (n_x, n_y).
 
         Parameters
         ----------
         pressure, slip : ndarray
             As for `bound_sliding`.
+        length : float
+            Of an element along x, mm, over which a memory fades; 0: as if there were none.
         """
         share = np.ones_like(pressure)
         if self.sliding is not None:
-            share = self.sliding.at(self.speed * np.hypot(*slip))[0]
+            size = np.hypot(*slip)
+            share, by_speed = self.sliding.at(self.speed * size)
+            if self.memory > 0.0 and length > 0.0:
+                x = np.array([[0.0], [length]])
+                share = self._remembered(pressure, size, share, by_speed, x, second=True)[0]
         factor = 1.0 if self.warmth is None else self.warmth.factor
         radius = self._capped(pressure, share, factor)[0].radius
         return np.divide(radius, pressure, out=share, where=pressure > 0.0)

@@ -210,15 +210,20 @@ class ArchardByWork(WearLaw):
         Angle beta of the first axis, counter-clockwise from x, radians.
     friction : FallingCoulomb, optional
         Friction that falls: where less is left of it, the same work takes a longer way.
+    length : float
+        Of an element along x, mm, over which a memory of that friction fades; 0: without memory.
     """
 
     intensity: tuple[float, float]
     mu: tuple[float, float]
     angle: float
     friction: FallingCoulomb | None = None
+    length: float = 0.0
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
         """See `WearLaw.rate`; zero where the work is negative, as it is in a few elements."""
         per_work = tuple(i / mu for i, mu in zip(self.intensity, self.mu, strict=True))
         rate = Energy(per_work, self.angle).rate(pressure, traction, slip)
-        return rate if self.friction is None else rate / self.friction.left(pressure, slip)
+        if self.friction is None:
+            return rate
+        return rate / self.friction.left(pressure, slip, self.length)
