@@ -373,6 +373,11 @@ def check_installed() -> None:
     ------
     ResultsError
         If there is none.
+
+    Examples
+    --------
+    >>> from tractive_sam import studies
+    >>> studies.check_installed()
     """
     if find_spec("distributed") is None:
         raise ResultsError(MISSING)

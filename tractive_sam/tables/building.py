@@ -132,7 +132,7 @@ def build_table(
     return table
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Node:
     """A point of the grid, and the contact by which it is known: w = signs w of the contact."""
 
