@@ -93,6 +93,13 @@ def local_cluster(workers: int, encrypted: bool = False) -> Iterator[tuple[str, 
     ------
     ResultsError
         If keys are asked for and cannot be made.
+
+    Examples
+    --------
+    >>> from tractive_sam import studies
+    >>> def by_cluster(study, folder):
+    ...     with studies.local_cluster(2) as (address, _):
+    ...         return studies.study(study, folder, scheduler=address)
     """
     from distributed import Client, LocalCluster  # of an extra
     from distributed.security import Security  # of an extra
@@ -334,6 +341,15 @@ def computed(
         If every worker died that was handed a call; else whatever a call raises.
     SchedulerLostError
         If there is no scheduler there, or none any more for `PATIENCE`.
+
+    Examples
+    --------
+    >>> import math
+    >>> from tractive_sam import studies
+    >>> def roots(numbers, workers=2):
+    ...     calls = [(math.sqrt, number) for number in numbers]
+    ...     with studies.local_cluster(workers) as (address, security):
+    ...         return dict(studies.computed(calls, address, print, security))
     """
     left, patience = dict(enumerate(calls)), FIRST_CONTACT
     while left:
