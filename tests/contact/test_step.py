@@ -71,9 +71,9 @@ def test_the_slip_of_a_step_is_that_of_dense_matrices(builtin, length):
     unit = model.units.slip / (length or 1.0 / model.grid.dx)
     slip = rigid + unit * model.frame.slip_to_physical(moved)
     touching = now.contact.touching
-    # Beyond the mesh of the contact transforms and matrix differ by rounding alone.
-    scale = np.abs(slip).max()
-    np.testing.assert_allclose(now.contact.slip[:, touching], slip[:, touching], atol=1e-11 * scale)
+    # Tractions that are brought back to their bound in the end move it by less than the tolerance.
+    least = model.scene.solver.tolerance * np.abs(slip).max()
+    np.testing.assert_allclose(now.contact.slip[:, touching], slip[:, touching], atol=least)
 
 
 @pytest.mark.slow

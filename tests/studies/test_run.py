@@ -15,6 +15,7 @@ from tractive_sam.studies import (
     Study,
     StudyError,
     cases,
+    cluster,
     cost,
     explain_study,
     open_study,
@@ -272,7 +273,7 @@ def test_what_goes_wrong_in_a_run_is_not_laid_to_the_folder(tmp_path):
 
 
 def test_without_dask_the_cure_is_told(tmp_path, monkeypatch):
-    monkeypatch.setattr(run, "find_spec", lambda name: None)
+    monkeypatch.setattr(cluster, "find_spec", lambda name: None)
     with pytest.raises(
         ResultsError, match=r"pip install '\.\[study\]' in .*; or ask for 0 workers"
     ):
