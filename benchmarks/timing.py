@@ -7,11 +7,16 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from time import process_time
 
+import matplotlib as mpl
 from threadpoolctl import threadpool_limits
+
+from tractive_sam.plot import STYLE
 
 # One thread everywhere: the cores of the machine are shared, and ratios must compare like to like.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 threadpool_limits(1)  # of libraries that were loaded before
+
+mpl.rcParams.update(STYLE)  # charts look like the figures of the package
 
 RESULTS = Path(__file__).parent / "results"
 

@@ -40,6 +40,7 @@ from tractive_sam.plot.sections import traction_sections
 from tractive_sam.plot.stress import von_mises, von_mises_sections
 from tractive_sam.plot.stress_maxima import stress_maxima as stress_maxima
 from tractive_sam.plot.study import Variable, study_curves, study_map, study_samples
+from tractive_sam.plot.style import STYLE
 from tractive_sam.plot.table import table_errors
 from tractive_sam.plot.transient import energies, hysteresis, stick_course
 from tractive_sam.plot.zones import continued as continued
@@ -49,6 +50,7 @@ from tractive_sam.plot.zones import stick_level as stick_level
 __all__ = [
     "DPI",
     "FORMATS",
+    "STYLE",
     "UNITS",
     "Drawn",
     "Scale",

@@ -43,7 +43,7 @@ PRESSURE, TRACTION, SLIP, WEAR, STRESS = "viridis", "magma", "inferno", "cividis
 SIGNED = "RdBu_r"
 """Colour map of what has a sign: white at zero."""
 
-_RC = {
+STYLE = {
     "font.family": ["STIXGeneral", "DejaVu Sans"],
     "mathtext.fontset": "stix",
     "font.size": 11,
@@ -69,6 +69,7 @@ _RC = {
     "figure.dpi": 120,
     "savefig.dpi": 200,
 }
+"""Settings of matplotlib that all figures have: ``plt.style.use(plot.STYLE)`` for one's own."""
 
 
 def told(title: str, *more: str) -> str:
@@ -126,7 +127,7 @@ def styled(draw: Callable[P, Drawn]) -> Callable[P, Drawn]:
 
     @wraps(draw)
     def wrapper(*args: P.args, **kwargs: P.kwargs) -> Drawn:
-        with mpl.rc_context(_RC):
+        with mpl.rc_context(STYLE):
             return draw(*args, **kwargs)
 
     return wrapper
