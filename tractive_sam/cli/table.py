@@ -89,7 +89,7 @@ def table(
             except SchedulerLostError as error:
                 raise stop(Status.INCOMPLETE, str(error)) from None
             except RuntimeError as error:
-                raise stop(Status.INCOMPLETE, f"a contact was not solved: {error}") from None
+                raise stop(Status.INCOMPLETE, str(error)) from None
             except ImportError as error:
                 cure = "pip install 'tractive_sam[study]'"
                 raise stop(Status.INVALID, f"table: {error.name} is needed: {cure}") from None

@@ -48,7 +48,7 @@ def heat_of(model: Model, contact: State) -> FlashTemperature:
     """
     bulk, warm = model.scene.heat.bulks, _warm(model, contact.grid)
     made = -model.scene.creepage.speed * (contact.traction * contact.slip).sum(axis=0)
-    into_A = _into_A(warm, made, bulk["B"] - bulk["A"], contact.touching)
+    into_A = _into_A(model, warm, made, bulk["B"] - bulk["A"], contact.touching)
     flux = {"A": into_A, "B": made - into_A}
     temperature = {body: bulk[body] + warm[body](flux[body]) for body in warm}
     return FlashTemperature(contact.grid, contact.touching, temperature, flux)
@@ -69,7 +69,7 @@ def warming(model: Model, contact: State, traction: np.ndarray, slip: np.ndarray
     warm = _warm(model, contact.grid)
     made = (contact.traction * slip + traction * contact.slip).sum(axis=0)
     made *= -model.scene.creepage.speed
-    return warm["A"](_into_A(warm, made, 0.0, contact.touching))
+    return warm["A"](_into_A(model, warm, made, 0.0, contact.touching))
 
 
 def _warm(model: Model, grid: Grid) -> dict[str, SurfaceHeat]:
@@ -82,11 +82,16 @@ def _warm(model: Model, grid: Grid) -> dict[str, SurfaceHeat]:
 
 
 def _into_A(
-    warm: dict[str, SurfaceHeat], made: np.ndarray, colder: float, touching: np.ndarray
+    model: Model,
+    warm: dict[str, SurfaceHeat],
+    made: np.ndarray,
+    colder: float,
+    touching: np.ndarray,
 ) -> np.ndarray:
     """What of the heat made goes into A, where B is colder by so much before; exactly half of
     alike ones."""
-    if warm["A"] is warm["B"] and not colder:
+    thermal = model.scene.thermal
+    if thermal["A"] == thermal["B"] and not colder:
         return 0.5 * made
     return _shared(warm["A"], warm["B"], made, colder, touching)
 

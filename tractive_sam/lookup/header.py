@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from keyword import kwlist
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +15,11 @@ if TYPE_CHECKING:
     from tractive_sam.lookup.creep_table import CreepTable
 
 CREEPAGES = ("xi_x", "xi_y", "spin")
+
+C_WORDS = set(
+    ["auto", "break", "case", "char", "const", "continue", "default", "do", "double", "else", "enum", "extern", "float", "for", "goto", "if", "inline", "int", "long", "register", "restrict", "return", "short", "signed", "sizeof", "static", "struct", "switch", "typedef", "union", "unsigned", "void", "volatile", "while"]
+)
+"""Words of C that no variable may have as its name (C99, 6.4.1)."""
 
 MEANS = """, semi-axes in rolling and in
    lateral direction (mm), normal load (N), coefficient of friction, combined shear modulus (MPa),
@@ -216,8 +222,9 @@ def c_header(table: CreepTable, name: str = "creep_forces") -> str:
 
 
 def reserved_names() -> set[str]:
-    """Names that the axes of a table cannot have: arguments, and words of the header."""
-    return {RATIO, "poisson", *NAMES, *re.findall(r"[A-Za-z]\w*", BODY)}
+    """Names that the axes of a table cannot have: arguments, and words of C and Python."""
+    words = re.findall(r"[A-Za-z]\w*", BODY)
+    return {RATIO, "poisson", "self", "Qx", "Qy", "Mz", *NAMES, *words, *C_WORDS, *kwlist}
 
 
 def arguments_of(table: CreepTable) -> list[str]:

@@ -20,8 +20,8 @@ class Maximum:
     value, at : float, tuple of float
         The larger one of the two below.
     interior, interior_at : float, tuple of float
-        The largest local maximum at least one element below the surface; nan where the stress
-        falls from the surface down. One element deep it is a bound: a maximum nearer to the
+        The largest local maximum at least two elements below the surface; nan where the stress
+        falls from the surface down. Two elements deep it is a bound: a maximum nearer to the
         surface than that.
     surface, surface_at : float, tuple of float
         The largest value at the surface; see `subsurface.surface.largest_at_surface`.

@@ -114,7 +114,7 @@ class Contacts:
         smooth = self.scene.replace(friction=None, creepage=None)
         model, contact = fitted(Model(smooth, measured_gap(smooth)))
         if not contact.converged:
-            raise RuntimeError(f"without friction: {contact.message}")
+            raise RuntimeError(f"a contact without friction was not solved: {contact.message}")
         grid, touches = model.grid, contact.pressure > 0.0
         x, y = np.abs(grid.x)[touches.any(axis=1)], np.abs(grid.y)[touches.any(axis=0)]
         return float(x.max() + 0.5 * grid.dx), float(y.max() + 0.5 * grid.dy)
@@ -129,7 +129,9 @@ class Contacts:
         _, contact = nearby(under(model, creepages), self._last.get(elements))
         self.solved += 1
         if not contact.converged:
-            raise RuntimeError(f"{self.scene.title}, w = {w}: {contact.message}")
+            raise RuntimeError(
+                f"a contact was not solved: {self.scene.title}, w = {w}: {contact.message}"
+            )
         self._last[elements] = contact
         return contact
 

@@ -199,10 +199,12 @@ class TableDesign(Document):
                 tables["scene"] = str(folder / name)
             case {"scene": dict(scene)}:
                 Scene.files_from(folder, scene)
-        for one in tables.get("axis") or ():
-            match one:
-                case {"key": "gap.file", "values": list() | tuple() as files}:
-                    one["values"] = [str(folder / str(file)) for file in files]
+        for axis in tables.get("axis") or ():
+            zipped = axis.get("zip") if isinstance(axis, dict) else None
+            for one in (axis, *(zipped or ())):
+                match one:
+                    case {"key": "gap.file", "values": list() | tuple() as files}:
+                        one["values"] = [str(folder / str(file)) for file in files]
         return tables
 
     @property

@@ -203,6 +203,5 @@ def _variable(
     real = f" unit={quoteattr(unit)}" if unit else ""
     real += "" if start is None else f' start="{start!r}"'
     about = f'valueReference="{place}" description={quoteattr(meaning)} {kind}'
-    return f'<ScalarVariable name="{name}" {about} variability="continuous"><Real{real}/>' + (
-        "</ScalarVariable>\n"
-    )
+    kept = f'<ScalarVariable name="{name}" {about} variability="continuous">'
+    return f"{kept}<Real{real}/></ScalarVariable>\n"
