@@ -16,9 +16,10 @@ if TYPE_CHECKING:
 
 CREEPAGES = ("xi_x", "xi_y", "spin")
 
-C_WORDS = set(
-    ["auto", "break", "case", "char", "const", "continue", "default", "do", "double", "else", "enum", "extern", "float", "for", "goto", "if", "inline", "int", "long", "register", "restrict", "return", "short", "signed", "sizeof", "static", "struct", "switch", "typedef", "union", "unsigned", "void", "volatile", "while"]
-)
+C_WORDS = """
+auto break case char const continue default do double else enum extern float for goto if inline int
+long register restrict return short signed sizeof static struct switch typedef union unsigned void
+volatile while"""
 """Words of C that no variable may have as its name (C99, 6.4.1)."""
 
 MEANS = """, semi-axes in rolling and in
@@ -224,7 +225,7 @@ def c_header(table: CreepTable, name: str = "creep_forces") -> str:
 def reserved_names() -> set[str]:
     """Names that the axes of a table cannot have: arguments, and words of C and Python."""
     words = re.findall(r"[A-Za-z]\w*", BODY)
-    return {RATIO, "poisson", "self", "Qx", "Qy", "Mz", *NAMES, *words, *C_WORDS, *kwlist}
+    return {RATIO, "poisson", "self", "Qx", "Qy", "Mz", *NAMES, *words, *C_WORDS.split(), *kwlist}
 
 
 def arguments_of(table: CreepTable) -> list[str]:
