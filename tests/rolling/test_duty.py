@@ -161,8 +161,11 @@ def test_a_block_is_a_history():
     # Contact and forces are told from where the band is.
     assert abs(aside["p_max_at"][-1, 1]) < 0.1
     assert aside.grid.shift == 0.1
-    with pytest.raises(LookupError, match="no block 3"):
-        history.block(3)
+    for place in ("1", np.int64(1)):
+        assert history.block(place).scene == history.block(1).scene
+    for none in (3, -1, "3", "²", 0.5):
+        with pytest.raises(LookupError, match=f"no block {none}"):
+            history.block(none)
     with pytest.raises(LookupError, match=r"history\.block"):
         history.state(60)
 

@@ -115,7 +115,7 @@ def _of_block(opened: "State | History", block: str | None) -> "State | History"
             raise LookupError("--block: a scene is solved without its [[duty]]; run it first")
         return opened
     if block is not None:
-        return opened.block(int(block) if block.isdigit() else block)
+        return opened.block(block)
     if opened.scene.duty:
         names = [label(opened.scene, k) for k in range(len(opened.scene.duty))]
         raise LookupError(f"choose a block of the duty cycle by --block: {', '.join(names)}")

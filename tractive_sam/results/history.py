@@ -448,7 +448,8 @@ class History:
         Parameters
         ----------
         which : int or str
-            Its place in the [[duty]] of the scene, from 0, or its name.
+            Its place in the [[duty]] of the scene, from 0, or its name. A text that is no name may
+            be a place.
 
         Raises
         ------
@@ -465,8 +466,9 @@ class History:
         """
         blocks = self.scene.blocks if self.scene.duty else ()
         names = [label(self.scene, k) for k in range(len(blocks))]
-        k = names.index(which) if which in names else which
-        if not isinstance(k, int) or not 0 <= k < len(blocks):
+        places = {of(k): k for of in (int, str) for k in range(len(blocks))}
+        k = (places | {name: names.index(name) for name in names}).get(which)
+        if k is None:
             there = f"counted from 0: {', '.join(names)}" if names else "add [[duty]]"
             raise LookupError(f"no block {which}; there are {len(blocks)}, {there}")
         apart = (PREFIX, PARTS.name)
