@@ -350,6 +350,7 @@ def test_a_key_by_its_former_name_is_told_the_new_one():
     [
         ({"body.B.radius_y": "inf"}, "number inf without quotes"),
         ({"load.normal": "300"}, "number 300 without quotes"),
+        ({"load.normal": " 1234567.89"}, "number 1234567.89 without quotes"),
         ({"load.normal": "three hundred"}, None),
         ({"load.normal": "-300"}, None),  # nor would the number do
     ],

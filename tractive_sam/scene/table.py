@@ -245,10 +245,10 @@ def _unquoted(adapter: TypeAdapter, given: Any) -> str:
     if not isinstance(given, str):
         return ""
     try:
-        adapter.validate_python(number := float(given))
+        adapter.validate_python(float(given))
     except ValueError:  # also of pydantic
         return ""
-    return f"; the number {number:g} without quotes, perhaps?"
+    return f"; the number {given.strip()} without quotes, perhaps?"
 
 
 def _allowed(info: FieldInfo) -> str:
