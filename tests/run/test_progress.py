@@ -1,6 +1,7 @@
 """A bar is shown where somebody sees it, and taken away."""
 
 import io
+import math
 import sys
 from types import SimpleNamespace
 
@@ -39,13 +40,19 @@ def test_in_a_terminal_where_it_is_asked_for():
     assert not rolled_on(terminal(is_one=False), True)
 
 
-def test_by_itself_only_of_what_takes_longer(monkeypatch):
+@pytest.fixture
+def over_at_once(monkeypatch):
+    """Whatever the load of the machine, nothing takes long."""
+    monkeypatch.setattr(progress, "AT_FIRST", math.inf)
+
+
+def test_by_itself_only_of_what_takes_longer(over_at_once, monkeypatch):
     assert not rolled_on(terminal(), None)
     monkeypatch.setattr(progress, "AT_FIRST", 0.0)
     assert "revolution 3 of 3" in rolled_on(terminal(), None)
 
 
-def test_of_one_contact_the_mesh_and_its_residual(monkeypatch):
+def test_of_one_contact_the_mesh_and_its_residual(over_at_once, monkeypatch):
     def solved_on(terminal, asked):
         with progress.solving_shown(asked, terminal):
             ts.solve(SCENE, progress=False)
@@ -53,7 +60,7 @@ def test_of_one_contact_the_mesh_and_its_residual(monkeypatch):
 
     assert "15 x 21 elements, residual" in solved_on(terminal(), True)
     assert not solved_on(terminal(), False)
-    assert not solved_on(terminal(), None)  # it is over at once
+    assert not solved_on(terminal(), None)
     monkeypatch.setattr(progress, "AT_FIRST", 0.0)
     assert "15 x 21 elements, residual" in solved_on(terminal(), None)
     assert not solved_on(terminal(is_one=False), True)
@@ -84,7 +91,7 @@ def test_in_a_notebook_it_is_one_line_that_is_empty_at_the_end(notebook):
     assert notebook[-1] == ""
 
 
-def test_a_notebook_is_silent_where_that_is_asked_for(notebook):
+def test_a_notebook_is_silent_where_that_is_asked_for(notebook, over_at_once):
     ts.roll(SCENE, progress=False)
     ts.roll(SCENE)  # and by itself of what is over at once
     assert notebook == []
