@@ -158,7 +158,9 @@ class TestUnreadable:
     def test_a_lost_page_is_told_before_rolling_goes_on(self, tmp_path):
         # In a process of its own, which HDF5 may end where it walks a damaged file by itself.
         found = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
-        run = subprocess.run([sys.executable, __file__, tmp_path], env=found, check=False)
+        run = subprocess.run(
+            [sys.executable, __file__, tmp_path], env=found, check=False, timeout=120
+        )
         assert run.returncode == 0
 
     def test_field_lost_after_opening(self, finished):
@@ -215,11 +217,13 @@ def every_page_of_lists_lost(folder):
             writer.append(make_record(number, with_fields=True, grid=mesh(31, 41)))
         writer.finish("done", "")
     whole, page = path.read_bytes(), 4096
-    for at in range(0, len(whole), page):
-        if b"BTHD" in whole[at : at + page]:  # heads of lists of what there is
-            path.write_bytes(whole[:at] + bytes(page) + whole[at + page :])
-            with pytest.raises(ResultsError):
-                HistoryWriter.reopen(path)
+    # Pages that hold heads of lists of what there is.
+    heads = [at for at in range(0, len(whole), page) if b"BTHD" in whole[at : at + page]]
+    assert heads
+    for at in heads:
+        path.write_bytes(whole[:at] + bytes(page) + whole[at + page :])
+        with pytest.raises(ResultsError):
+            HistoryWriter.reopen(path)
 
 
 if __name__ == "__main__":
