@@ -39,9 +39,8 @@ def override(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str,
         Nested tables; left as they are.
     changes : mapping
         New values by dotted key. A missing table is made; None removes an entry. Setting one of
-        two alternatives (young/shear, normal/approach, creepage/traction, gap file/arrays, blocks/
-        load history)
-        removes the other, unless that is set as well; a wear law removes the
+        two alternatives (young/shear, normal/approach, creepage/traction, gap file/arrays, load
+        history/blocks) removes the other, unless that is set as well; a wear law removes the
         coefficients of another one. If fewer revolutions are asked for than are to be saved, those
         beyond are left out of `wear.save` and the last one is added.
 
