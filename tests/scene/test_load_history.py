@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
-from tractive_sam.scene import PlausibilityWarning, files_anywhere
+from tractive_sam.scene import PlausibilityWarning
 from tractive_sam.scene.told import duty_told
 
 RANDOM = np.random.default_rng(5)
@@ -35,6 +35,30 @@ def test_the_error_falls_with_the_levels():
     assert ts.blocks_of(MEASURED, levels=1000).work_error < 1e-5
 
 
+@pytest.mark.parametrize(
+    "columns", [["pressure", "longitudinal"], ["approach"], ["normal", "force_x"], ["force_y"]]
+)
+def test_the_work_is_unknown_where_load_or_creepage_is(columns):
+    two = {name: [1.0, 3.0] for name in columns}
+    assert ts.blocks_of(two, levels=1).work_error is None
+
+
+def test_the_work_of_loads_and_creepages():
+    """1 x 0.001 and 3 x 0.003 have the mean 0.005; their means are 2 and 0.002."""
+    two = {"normal": [1.0, 3.0], "longitudinal": [-0.001, -0.003]}
+    assert ts.blocks_of(two, levels=1).work_error == pytest.approx(1.0 - 0.004 / 0.005, rel=1e-12)
+    one = {"normal": [1.0, 3.0]}
+    assert ts.blocks_of(one, levels=1).work_error == 0.0
+
+
+def test_a_scene_whose_work_is_unknown(loads):
+    loads.write_text("pressure,longitudinal\n900,-0.001\n1100,-0.01\n")
+    scene = DISCS.replace(load_history={"file": str(loads), "levels": 1})
+    assert scene.load_history.work_error is None
+    assert "creepage by" not in duty_told(scene)["load history"]
+    assert ts.Scene.from_toml_text(scene.to_toml()) == scene
+
+
 def test_a_file_is_its_table(tmp_path):
     path = tmp_path / "measured.csv"
     rows = zip(*(values.tolist() for values in MEASURED.values()), strict=True)
@@ -52,6 +76,8 @@ def test_a_file_is_its_table(tmp_path):
         ({"normal": ["a"]}, 2, "columns"),
         ({"revolutions": [1]}, 2, "columns"),
         ({"normal": [1.0], "revolutions": [0]}, 2, "revolutions"),
+        ({"normal": [1.0, 2.0], "revolutions": [1, 1.4]}, 2, "revolutions"),
+        ({"normal": [1.0], "revolutions": [1e300]}, 2, "revolutions"),
         ({"normal": [1.0]}, 0, "levels"),
         ("none.csv", 2, "measured"),
     ],
@@ -92,8 +118,7 @@ def test_its_text_holds_the_blocks(loads):
     """A results file needs the measured one no more."""
     scene = DISCS.replace(load_history={"file": str(loads), "levels": 2})
     loads.unlink()
-    with files_anywhere():
-        again = ts.Scene.from_toml_text(scene.to_toml())
+    again = ts.Scene.from_toml_text(scene.to_toml())
     assert again == scene
     assert hash(again) == hash(scene)
     assert again.fingerprint() == scene.replace(duty=scene.duty).fingerprint()
@@ -101,6 +126,10 @@ def test_its_text_holds_the_blocks(loads):
     assert not scene.replace(load_history=None).duty
     assert not scene.alone.duty
     assert scene.blocks[0].load_history is None
+    longer = scene.replace(**{"wear.revolutions": 2000})
+    assert longer.duty == scene.duty
+    with pytest.raises(ts.SceneError, match=r"load_history\.file: .*existing"):  # rows are needed
+        scene.with_set(["load_history.levels=1"])
 
 
 def test_levels_that_change_the_work_are_noted(loads):
@@ -113,6 +142,7 @@ def test_levels_that_change_the_work_are_noted(loads):
     [
         ({"levels": 2}, "load_history.file"),
         ({"file": "none.csv"}, "load_history.file"),
+        ({"file": "loads.xlsx"}, "load_history.file"),
         ({"file": "{loads}", "levels": 0}, "load_history.levels"),
         ({"file": "{loads}", "binning": "rainflow"}, "load_history.binning"),
         ({"file": "{loads}", "work_error": 0.1}, "load_history.work_error"),
@@ -135,11 +165,12 @@ def test_faults_of_the_table_stand_beside_others(loads, given, key):
         ("normal\n300\nabc\n", "line 3"),
         ("normal;revolutions\n300;1\n", "line 2"),
         ("normal,revolutions\n300,1\n310\n", "line 3"),
+        ("normal, normal\n300,310\n", "each column once"),
     ],
 )
 def test_a_line_that_cannot_be_read_is_told(loads, rows, told):
     loads.write_text(rows)
-    with pytest.raises(ts.SceneError, match=f"load_history.file: given loads.csv, {told}"):
+    with pytest.raises(ts.SceneError, match=f"load_history.file: given loads.csv.*{told}"):
         DISCS.replace(load_history={"file": str(loads)})
 
 

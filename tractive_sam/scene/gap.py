@@ -40,21 +40,31 @@ def files_anywhere() -> Iterator[None]:
         _ANYWHERE.reset(before)
 
 
-def existing(path: Path, suffixes: tuple[str, ...] = SUFFIXES) -> Path:
-    """A file that is there, absolute.
+FilePath = Annotated[
+    Path, BeforeValidator(lambda text: Path(text) if isinstance(text, str) else text)
+]
+"""The path of a file, from a text as well."""
+
+
+def named(path: Path, suffixes: tuple[str, ...]) -> Path:
+    """The absolute path of a file, which need not be there.
 
     Raises
     ------
     ValueError
-        If it is not, or ends in no such suffix.
+        If it ends in no such suffix.
     """
     if path.suffix not in suffixes:
         raise ValueError(f"a file ending in {', '.join(suffixes)}")
-    if not _ANYWHERE.get() and not os.path.isfile(
-        path
-    ):  # unlike Path.is_file, puts up with any text
-        raise ValueError("an existing file")
     return path.absolute()  # scenes are written down and read again, in other folders as well
+
+
+def _existing(path: Path) -> Path:
+    found = named(path, SUFFIXES)
+    # os.path.isfile, unlike Path.is_file, puts up with any text.
+    if not _ANYWHERE.get() and not os.path.isfile(found):
+        raise ValueError("an existing file")
+    return found
 
 
 def _array(value: Any) -> NDArray[np.float64]:
@@ -112,11 +122,7 @@ def _step_of_a_file(known: Known) -> Iterator[Fault]:
 _Unit = Literal["m", "mm", "um", "nm"]
 _UNITS = f"one of {', '.join(LENGTHS)}"
 
-_File = Annotated[
-    Path,
-    BeforeValidator(lambda text: Path(text) if isinstance(text, str) else text),
-    AfterValidator(existing),
-]
+_File = Annotated[FilePath, AfterValidator(_existing)]
 _Array = Annotated[np.ndarray, PlainValidator(_array)]
 _Axis = Annotated[_Array, AfterValidator(_axis)]
 

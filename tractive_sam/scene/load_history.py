@@ -11,54 +11,47 @@ from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import AfterValidator, BeforeValidator
+from pydantic import AfterValidator
 
-from .duty import Block
+from .duty import Block, BlockCreepage, BlockFriction, BlockLoad
 from .faults import Fault, SceneError, shown, suggestion
-from .gap import existing
+from .gap import FilePath, named
 from .quantities import Whole, entry
 from .table import Check, Known, Table
 
 MOST_LEVELS = 1000
 """Of a column."""
 
+MOST_REVOLUTIONS = 10**12
+"""Of a row."""
+
 DOUBTFUL = 0.01
 """Error of the work that is worth a note."""
 
 BY_LEVELS = '"levels": every revolution wears by its own load, and ranges of load roll no distance'
 
+_TABLES: dict[str, type[Table]] = {
+    "load": BlockLoad,
+    "creepage": BlockCreepage,
+    "friction": BlockFriction,
+}
+
 COLUMNS = {
-    "normal": "load.normal",
-    "approach": "load.approach",
-    "pressure": "load.pressure",
-    "force_x": "load.force_x",
-    "force_y": "load.force_y",
-    "longitudinal": "creepage.longitudinal",
-    "lateral": "creepage.lateral",
-    "spin": "creepage.spin",
-    "speed": "creepage.speed",
-    "mu": "friction.mu",
-    "angle": "friction.angle",
+    **{key: f"{name}.{key}" for name, table in _TABLES.items() for key in table.model_fields},
     "shift_y": "shift_y",
     "revolutions": "revolutions",
 }
-"""Columns of a measured load history, by their keys in a block."""
+"""Columns of a measured load history: the key of each in a block."""
 
+WORK_UNKNOWN = {"approach", "pressure", "force_x", "force_y"}
+"""Columns by which the normal load or the creepage is found only where the contact is solved."""
 
-def _csv(path: Path) -> Path:
-    return existing(path, (".csv", ".txt"))
-
-
-_File = Annotated[
-    Path,
-    BeforeValidator(lambda text: Path(text) if isinstance(text, str) else text),
-    AfterValidator(_csv),
-]
+_File = Annotated[FilePath, AfterValidator(lambda path: named(path, (".csv", ".txt")))]
 
 
 def _found_together(known: Known) -> Iterator[Fault]:
     given = known.given & {"rows", "error", "work_error"}
-    if 0 < len(given) < 3:
+    if given and not given >= {"rows", "error"}:
         first = min(given)
         yield Fault(first, shown(known[first]), "nothing: it is written when the file is read")
 
@@ -104,8 +97,8 @@ class LoadHistory(Table):
         None,
     )
     work_error: float | None = entry(
-        "relative error of the mean of |load x creepage|, which Archard's law wears by in full "
-        "slip",
+        "relative error of the mean of |load x creepage| over the revolutions, which Archard's law "
+        "wears by in full slip; unknown where columns give pressure, approach or forces",
         "not to be given: written when the file is read",
         None,
     )
@@ -124,11 +117,9 @@ class Binned:
     blocks : tuple of Block
         The blocks, by ascending level of the first column that varies.
     error : mapping of str to float
-        For each column the root mean square of what a revolution is off its block, over the
-        largest magnitude of the column.
-    work_error : float
-        Relative error of the mean of |load x creepage| over the revolutions, which Archard's law
-        wears by in full slip.
+        By column, as of `LoadHistory`.
+    work_error : float or None
+        As of `LoadHistory`.
     rows : int
         Rows that were measured.
 
@@ -144,7 +135,7 @@ class Binned:
 
     blocks: tuple[Block, ...]
     error: Mapping[str, float]
-    work_error: float
+    work_error: float | None
     rows: int
 
 
@@ -227,9 +218,12 @@ def blocks_of(
         raise SceneError([Fault("binning", shown(binning), BY_LEVELS)])
     columns = _columns(measured)
     rows = next(iter(columns.values())).size
-    counts = np.rint(columns.pop("revolutions", np.ones(rows))).astype(int)
-    if counts.min() < 1:
-        raise SceneError([Fault("revolutions", str(counts.min()), "at least 1 in every row")])
+    given = columns.pop("revolutions", np.ones(rows))
+    wrong = given[(given < 1) | (given > MOST_REVOLUTIONS) | (given % 1 != 0)]
+    if wrong.size:
+        allowed = f"whole numbers from 1 to {MOST_REVOLUTIONS:.0e} in every row"
+        raise SceneError([Fault("revolutions", f"{wrong[0]}", allowed)])
+    counts = given.astype(int)
     bins = np.stack([_levels(values, levels) for values in columns.values()], axis=1)
     _, place = np.unique(bins, axis=0, return_inverse=True)
     place = place.ravel()
@@ -268,8 +262,10 @@ def _work_error(
     means: Mapping[str, np.ndarray],
     place: np.ndarray,
     counts: np.ndarray,
-) -> float:
-    """Of the mean product of load and creepage, as far as they are given."""
+) -> float | None:
+    """Of the mean product of load and creepage; None where they are not what is given."""
+    if WORK_UNKNOWN & columns.keys():
+        return None
 
     def work(of: Mapping[str, np.ndarray]) -> np.ndarray:
         load = of.get("normal", np.ones(1))
@@ -306,7 +302,7 @@ def _read(path: Path) -> dict[str, list[float]]:
         with path.open(encoding="utf-8-sig", newline="") as file:
             lines = [(n, row) for n, row in enumerate(csv.reader(file), 1) if row]
     except (OSError, ValueError, csv.Error):
-        allowed = "a readable CSV file: a line of names, then numbers"
+        allowed = "an existing CSV file that can be read: a line of names, then numbers"
         raise SceneError([Fault("measured", shown(str(path)), allowed)]) from None
     (_, names), *rows = lines or [(0, [])]
     numbers = [_numbers(names, row) or [] for _, row in rows]
@@ -316,7 +312,12 @@ def _read(path: Path) -> dict[str, list[float]]:
         allowed = "a line of names, then as many numbers in each; commas between, decimal points"
         given = f"{path.name}, line {n}: {shown(','.join(row))}"
         raise SceneError([Fault("measured", given, allowed)])
-    return {name.strip(): [row[k] for row in numbers] for k, name in enumerate(names)}
+    names = [name.strip() for name in names]
+    twice = {name: None for name in names if names.count(name) > 1}
+    if twice:
+        given = f"{path.name} with two columns {', '.join(map(shown, twice))}"
+        raise SceneError([Fault("measured", given, "each column once")])
+    return {name: [row[k] for row in numbers] for k, name in enumerate(names)}
 
 
 def _numbers(names: list[str], row: list[str]) -> list[float] | None:

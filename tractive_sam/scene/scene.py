@@ -112,9 +112,10 @@ class Scene(Document):
         if revolutions % cycle:
             told = f"duty: the last of {revolutions} / {cycle} cycles is not whole"
             warnings.warn(told, PlausibilityWarning, stacklevel=3)
-        if self.load_history and self.load_history.work_error > DOUBTFUL:
-            told = f"load_history: load x creepage changes by {self.load_history.work_error:.1%}"
-            warnings.warn(f"{told} in its levels: more of them", PlausibilityWarning, stacklevel=3)
+        if self.load_history and (self.load_history.work_error or 0.0) > DOUBTFUL:
+            off = f"the mean of load x creepage by {self.load_history.work_error:.1%}"
+            told = f"load_history: its levels change {off}; raise load_history.levels"
+            warnings.warn(told, PlausibilityWarning, stacklevel=3)
 
     @property
     def blocks(self) -> tuple[Scene, ...]:

@@ -39,11 +39,14 @@ def _binned_told(scene: Scene) -> str:
     """What levels made of a measured load history, and how far they are off it."""
     history = scene.load_history
     off = ", ".join(f"{name} by {error:.2%}" for name, error in history.error.items() if error)
-    return (
+    rows = (
         f"{history.rows} rows of {history.file.name} in {len(scene.duty)} blocks by "
         f"{history.levels} levels of each column; off their block, root mean square of the "
-        f"largest: {off or 'nothing'}; load x creepage by {history.work_error:.2%}"
+        f"largest: {off or 'nothing'}"
     )
+    if history.work_error is None:
+        return rows
+    return f"{rows}; load x creepage by {history.work_error:.2%}"
 
 
 def _value(value: float | tuple[float, float]) -> str:
