@@ -38,10 +38,13 @@ ANYWHERE = 600
 MISS = 0.5
 """Of the tolerance, error of such a point for which a node is added beside it."""
 
+WORST = 0.5
+"""Of the worst such error, as well: what is less the nodes for the worst ones often mend."""
+
 HELD_OUT = 200
 """Points held out anywhere in the end, to tell the errors by, or as many as there are nodes."""
 
-ROUNDS = 16
+ROUNDS = 24
 """Most times that nodes are added."""
 
 STEP = 1e-4
@@ -147,6 +150,7 @@ class _Builder:
     tell: Callable[[Progress], None]
     solved: dict[Job, Solved] = field(default_factory=dict)
     nodes: dict[tuple[float, ...], Solved] = field(default_factory=dict)
+    middles: dict[tuple[int, float, float], list[tuple[float, ...]]] = field(default_factory=dict)
     held_out: list[tuple[float, ...]] = field(default_factory=list)
     round: int = 0
     contacts: int = 0
@@ -317,20 +321,21 @@ class _Builder:
         return table.law(list(np.array(points).T)).T - exact
 
     def _between(self, table: CreepTable) -> list[np.ndarray]:
-        """Largest errors of interpolation seen in the middle of every interval of every axis."""
+        """Largest errors of interpolation seen in the middle of every interval of every axis.
+
+        An interval keeps its points from round to round: of ever new ones some would be worse.
+        """
         found, points, where = [], [], []
         for k, nodes in enumerate(self.axes):
             found.append(np.zeros((max(len(nodes) - 1, 0), 3)))
             if k in self.apart:
                 continue
-            for cell in range(len(nodes) - 1):
-                for _ in range(SAMPLES):
-                    at = [float(self.random.choice(axis)) for axis in self.axes]
-                    if k != len(self.axes) - 1:  # neither at rest nor in full slip
-                        at[-1] = float(self.random.choice(self.axes[-1][1:-1]))
-                    at[k] = float(0.5 * (nodes[cell] + nodes[cell + 1]))
-                    points.append(tuple(at))
-                    where.append((k, cell))
+            for cell, (low, high) in enumerate(itertools.pairwise(map(float, nodes))):
+                if (k, low, high) not in self.middles:
+                    middle = 0.5 * (low + high)
+                    self.middles[k, low, high] = [self._at(k, middle) for _ in range(SAMPLES)]
+                points += self.middles[k, low, high]
+                where += SAMPLES * [(k, cell)]
         for (k, cell), error in zip(where, np.abs(self._errors(table, points)), strict=True):
             found[k][cell] = np.maximum(found[k][cell], error)
         for k, errors in enumerate(found):
@@ -339,17 +344,24 @@ class _Builder:
                 errors[alike] = errors[alike].max(axis=0)
         return found
 
+    def _at(self, axis: int, x: float) -> tuple[float, ...]:
+        """A random node moved along one axis to x."""
+        at = [float(self.random.choice(nodes)) for nodes in self.axes]
+        if axis != len(self.axes) - 1:  # neither at rest nor in full slip
+            at[-1] = float(self.random.choice(self.axes[-1][1:-1]))
+        return (*at[:axis], x, *at[axis + 1 :])
+
     def _misses(self, table: CreepTable) -> list[np.ndarray]:
         """Intervals to divide as points anywhere are too far off.
 
         Of the axes of such a point it is the one along which the table is furthest off, with the
-        others at the nearest of their nodes.
+        others at the nearest of their nodes, for the share of nodes that are added.
         """
         if not self.held_out:
             self.held_out = [self._anywhere() for _ in range(min(ANYWHERE, table.nodes))]
         errors = np.abs(self._errors(table, self.held_out)).max(axis=1)
-        missed = [one for one, error in zip(self.held_out, errors, strict=True)
-                  if error > MISS * self.design.tolerance]  # fmt: skip
+        least = max(MISS * self.design.tolerance, WORST * errors.max())
+        missed = [one for one, error in zip(self.held_out, errors, strict=True) if error > least]
         split: list[set[int]] = [set() for _ in self.axes]
         if not missed:
             return [np.empty(0, int) for _ in split]
@@ -361,10 +373,17 @@ class _Builder:
             node[-1] = min(max(node[-1], self.axes[-1][1]), self.axes[-1][-2])
             probes += [(*node[:k], point[k], *node[k + 1 :]) for k in free]
         along = np.abs(self._errors(table, probes)).max(axis=1).reshape(len(missed), len(free))
-        for point, worst in zip(missed, along.argmax(axis=1), strict=True):
-            k = free[worst]
-            split[k].add(int(cell_of(self.axes[k], np.array([point[k]]))[0]))
+        for point, seen in zip(missed, along, strict=True):
+            cells = [self._cells(k, point[k]) for k in free]
+            planes = [len(some) / len(self.axes[k]) for k, some in zip(free, cells, strict=True)]
+            worst = int((seen / planes).argmax())
+            split[free[worst]].update(cells[worst].tolist())
         return [np.array(sorted(some), int) for some in split]
+
+    def _cells(self, axis: int, x: float) -> np.ndarray:
+        """The interval of an axis that x is in, with those that symmetries make of it."""
+        nodes = self.axes[axis]
+        return self.grid.alike(axis - self.lead, cell_of(nodes, np.array([x])), len(nodes) - 1)
 
 
 def _in_full_slip(ratio: float, heading: float, tilt: float) -> Solved:

@@ -1,0 +1,76 @@
+"""Where nodes are added, and when that ends, on laws of forces with a closed form."""
+
+from functools import partial
+
+import numpy as np
+import pytest
+
+import tractive_sam as ts
+from tractive_sam.lookup import creepages_at
+from tractive_sam.tables.building import _Builder
+from tractive_sam.tables.contacts import Solved
+from tractive_sam.tables.solving import Batch
+
+RATIO = {"key": "friction.mu", "name": "mu2_over_mu1",
+         "values": [[0.3, 0.15], [0.3, 0.3]], "at": [0.5, 1.0]}  # fmt: skip
+
+
+def force(weights, place, w):
+    """Bends sharply where friction is used up: at other sizes of other creepages, by weights."""
+    w = np.asarray(w) * weights(place)
+    size = np.linalg.norm(w)
+    return -w / size * (1.0 - max(1.0 - 1.2 * size, 0.0) ** 2) if size > 0.0 else np.zeros(3)
+
+
+def solve(weights, jobs):
+    """Solves jobs by that law, slopes by differences."""
+    found = []
+    for one in jobs:
+        w, law = np.array(one.w), partial(force, weights, one.place)
+        h = 1e-6 * max(1.0, np.abs(w).max())
+        slopes = [(law(w + step) - law(w - step)) / (2.0 * h) for step in h * np.eye(3)]
+        found.append(Solved(law(w), np.full(3, 1e-6), np.array(slopes).T))
+    yield 0, Batch(found, len(found), 0.0)
+
+
+def builder(weights, tolerance, seed):
+    design = ts.TableDesign(axis=[RATIO], tolerance=tolerance, seed=seed)
+    return _Builder(design, partial(solve, weights), lambda _: None)
+
+
+def built(weights, tolerance, seed):
+    table = builder(weights, tolerance, seed).built()
+    random = np.random.default_rng(5)
+    points = np.array([random.uniform(*axis[[0, -1]], 2000) for axis in table.law.axes]).T
+    exact = [force(weights, one[:3], creepages_at(1.0, *one[3:])) for one in points]
+    return table, np.abs(table.law(list(points.T)).T - exact).max(axis=1)
+
+
+def orthotropic(place):
+    """So that friction is used up at another u of each heading and tilt."""
+    return np.array([1.0, 0.3 + 0.4 * place[2], 0.8])
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_nodes_are_added_until_points_anywhere_are_within_the_tolerance(seed):
+    table, off = built(orthotropic, 5e-3, seed)
+    assert (off <= 5e-3).mean() >= 0.999
+    # 2,500 and 3,700; with each axis divided once more there would be 16 times as many.
+    assert table.nodes < 5000
+
+
+def test_nodes_are_added_along_the_axis_that_is_to_blame():
+    """The same at all headings and tilts but for cosines: only u asks for nodes."""
+    table, off = built(lambda _: np.array([1.0, 1.0, 0.5]), 3e-3, 0)
+    first = builder(None, 3e-3, 0).axes
+    grown = [len(axis) > len(few) for axis, few in zip(table.law.axes, first, strict=True)]
+    assert off.max() <= 3e-3
+    assert grown == [False, False, False, False, False, True]
+
+
+def test_intervals_that_stay_are_judged_by_the_same_points():
+    """New ones in each round would find ever worse ones, and never end."""
+    one = builder(orthotropic, 5e-3, 0)
+    table = one._table([np.zeros((max(len(axis) - 1, 0), 3)) for axis in one.axes])
+    for first, again in zip(one._between(table), one._between(table), strict=True):
+        np.testing.assert_array_equal(first, again)
