@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+import tractive_sam as ts
 from tractive_sam.mechanics.turns import Turns
 
 SHARE = {"A": 0.3, "B": 0.7}
@@ -51,3 +52,9 @@ def test_swapped_bodies_gain_as_much_on_the_way():
     turns = Turns.of(SHARE, 30.0, 10.0)
     swapped = Turns.of({"A": 0.7, "B": 0.3}, 10.0, 30.0)
     assert turns.gain / 30.0 == pytest.approx(swapped.gain / 10.0, rel=1e-14)  # rounding
+
+
+def test_revolutions_count_the_same_with_and_without_wear():
+    discs = ts.Scene.builtin("twin-discs").replace(**{"wear.turns": "each"})
+    assert discs.replace(wear=None).turns.per_count == discs.turns.per_count
+    assert discs.turns.per_count["B"] == 32.5 / 32.3

@@ -49,7 +49,9 @@ def export(
     body: Annotated[Body, typer.Option(help="Body.")] = Body.A,
     block: Annotated[
         str | None,
-        typer.Option(help="Block of a duty cycle: its name, or its place in [[duty]] from 0."),
+        typer.Option(
+            help="Block of a duty cycle: its name, or its place in the duty cycle from 0."
+        ),
     ] = None,
     surface: Annotated[
         bool,

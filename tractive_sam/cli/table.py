@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -76,6 +77,7 @@ def table(
         raise stop(Status.INVALID, refusal)
     for path in (output, *(path for path, _ in writes)):
         _check_folder(path)
+    _check_code(header, fmu)
     with bad_input_told():
         if made:
             found = open_table(file)
@@ -110,13 +112,23 @@ def _check_folder(file: Path | None) -> None:
         raise stop(Status.INVALID, f"{file}: there is no folder {file.parent}; make it first")
 
 
+def _check_code(header: Path | None, fmu: Path | None) -> None:
+    """Refuse what could not be written, before anything is computed."""
+    from tractive_sam.lookup import check_name
+
+    try:
+        for path in filter(None, (header, fmu)):
+            check_name(path.stem)
+    except ValueError as error:
+        raise stop(Status.INVALID, str(error)) from None
+    if fmu is not None and find_spec("fmpy") is None:
+        raise stop(Status.INVALID, "--fmu needs fmpy: pip install 'tractive_sam[fmu]'")
+
+
 def _header(found, path: Path) -> None:
     from tractive_sam.lookup import c_header
 
-    try:
-        path.write_text(c_header(found, path.stem), encoding="ascii")
-    except ValueError as error:
-        raise stop(Status.INVALID, str(error)) from None
+    path.write_text(c_header(found, path.stem), encoding="ascii")
 
 
 def _fmu(found, path: Path) -> None:
@@ -126,8 +138,6 @@ def _fmu(found, path: Path) -> None:
         if not write_fmu(found, path):
             cure = "fmpy compile adds what a machine with one needs"
             say(("note: ", "bold yellow"), f"{path} has sources alone, there is no cc; {cure}")
-    except (ImportError, ValueError) as error:
-        raise stop(Status.INVALID, str(error)) from None
     except RuntimeError as error:
         raise stop(Status.INCOMPLETE, str(error)) from None
 

@@ -12,7 +12,13 @@ from tractive_sam.lookup.coordinates import (
     creepages_at,
 )
 from tractive_sam.lookup.creep_table import CONTACT, RATIO, CreepTable, Forces
-from tractive_sam.lookup.header import arguments_of, c_header, plain_title, reserved_names
+from tractive_sam.lookup.header import (
+    arguments_of,
+    c_header,
+    check_name,
+    plain_title,
+    reserved_names,
+)
 from tractive_sam.lookup.hermite import Hermite, cell_of
 from tractive_sam.lookup.text import columns_of
 
@@ -29,6 +35,7 @@ __all__ = [
     "by_coordinates",
     "c_header",
     "cell_of",
+    "check_name",
     "columns_of",
     "creepages_at",
     "plain_title",

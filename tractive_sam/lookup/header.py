@@ -174,8 +174,7 @@ def c_header(table: CreepTable, name: str = "creep_forces") -> str:
     ValueError
         If it is no name of C.
     """
-    if not re.fullmatch(r"[A-Za-z]\w*", name, re.ASCII):
-        raise ValueError(f"header: a name of letters, digits and _ is needed, not {name!r}")
+    check_name(name)
     axes, data = table.law.axes, table.law.coefficients
     varies, kept = table.law.varying, table.law.kept
     low, high = table.ellipticity
@@ -220,6 +219,21 @@ def c_header(table: CreepTable, name: str = "creep_forces") -> str:
     for key, value in about.items():
         text = text.replace(f"@{key}@", value)
     return text
+
+
+def check_name(name: str) -> None:
+    """See that a function of C may be called so.
+
+    Raises
+    ------
+    ValueError
+        If it may not.
+    """
+    if not re.fullmatch(r"[A-Za-z]\w*", name, re.ASCII) or name in C_WORDS.split():
+        raise ValueError(
+            f"{name!r} is no name of C, and the file gives its name to what is in it: "
+            "letters, digits and _"
+        )
 
 
 def reserved_names() -> set[str]:

@@ -41,9 +41,12 @@ class Turns:
         share : mapping of str to float
             As of `Turns`.
         radius_A, radius_B : float
-            Radii in the rolling direction, mm: inf for flat, negative for concave; one is finite.
+            Radii in the rolling direction, mm: inf for flat, negative for concave. Two flat bodies
+            count the same passes.
         """
         counted = abs(radius_A if math.isfinite(radius_A) else radius_B)
+        if math.isinf(counted):
+            return cls.equal(share)
         return cls(share, {"A": counted / abs(radius_A), "B": counted / abs(radius_B)})
 
     @property

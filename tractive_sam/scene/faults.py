@@ -112,5 +112,6 @@ def suggestion(name: str, known: Iterable[str]) -> str:
     listed = ", ".join(known)
     if RENAMED.get(name) in known:
         return f"{RENAMED[name]}, which is its name now"
-    nearest = difflib.get_close_matches(name, known, n=1)
+    turned = [one for one in known if sorted(one.split("_")) == sorted(name.split("_"))]
+    nearest = turned or difflib.get_close_matches(name, known, n=1)
     return f"{nearest[0]}, perhaps? One of {listed}" if nearest else f"one of {listed}"

@@ -226,8 +226,8 @@ class Scene(Document):
 
     @property
     def turns(self) -> Turns:
-        """How often each body comes round in a revolution that [wear] counts."""
-        if self.wear is None or self.wear.turns == "equal":
+        """How often each body comes round in a revolution that [wear] and [fatigue] count."""
+        if self.wear is not None and self.wear.turns == "equal":
             return Turns.equal(self.wear_share)
         return Turns.of(self.wear_share, self.body.A.radius_x, self.body.B.radius_x)
 
