@@ -412,6 +412,22 @@ def transient_order() -> str:
     return f"{told}\n\n{markdown(head, body)}\n{also}\n\n{over_steps}"
 
 
+def transient_steps() -> str:
+    """Work of the steps of courses."""
+    columns = {"course": ("course", str)}
+    slips = {"auto": "second order", "upwind": "first order"}
+    columns |= {
+        f"{told}, {of}": (f"{slip} {of}", number("g"))
+        for slip, told in slips.items()
+        for of in ("median", "most")
+    }
+    rows = defaultdict(dict)
+    for row in rows_of("transient_steps.csv"):
+        rows[row["course"]] |= {"course": row["course"]}
+        rows[row["course"]] |= {f"{row['slip']} {of}": row[of] for of in ("median", "most")}
+    return of_columns(rows.values(), columns)
+
+
 def duty() -> str:
     """Jumps of duty cycles against every revolution."""
     columns = {
@@ -485,6 +501,7 @@ TABLES = {
         table_cluster,
         study_scaling,
         transient_order,
+        transient_steps,
         duty,
         duty_cores,
         experiment,

@@ -175,6 +175,6 @@ def test_error_bars_of_fatigue_hold_what_a_finer_mesh_finds():
     for name in ("utilisation", "shakedown_lower"):
         bar = told[f"{name}_error"][0]
         assert (np.abs(told[name][0] - finer[name][0]) < bar).all()
-        assert (bar < 0.3 * told[name][0]).all()
+        assert (bar < 0.15 * told[name][0]).all()  # found 0.04 to 0.09
     worn = {"wear.revolutions": 4, "wear.save": (4,), "accuracy": {"tolerance": 0.1}}
     assert (ts.roll(discs.replace(**worn))["damage_error"][-1] > 0.0).all()

@@ -98,6 +98,18 @@ def test_long_jumps_are_the_sum_of_passes():
     assert not each.error.any()
 
 
+def test_a_row_is_damaged_whatever_its_neighbours_lose():
+    """Beside a deeper one that wears faster, but crosses fewer places of the material."""
+    rates, depths = np.array([8.1e-6, 8e-6]), np.array([0.2, 0.0])
+
+    def after_a_jump(rows):
+        one = material(rates[rows])
+        return rolled(replace(one, now=replace(one.now, worn=depths[rows])), [1000]).now.damage
+
+    # As many parts of the jump, so by rounding; by the one of the deeper row it is 1e-2.
+    np.testing.assert_allclose(after_a_jump([0, 1])[1], after_a_jump([1])[0], rtol=1e-12)
+
+
 def test_a_flat_body_comes_but_once():
     one = replace(material([0.0]), passes=0.0)
     after = rolled(one, [1, 10, 100])
@@ -122,7 +134,7 @@ def test_adaptive_jumps_do_the_damage_of_every_revolution():
     # Miner's sum at the surface is more: what was there has been worn off since.
     lives = np.sum(1.0 / each["fatigue_life"][1:], axis=0)
     assert (each["damage"][-1] < lives).all()
-    assert (each["damage"][-1] > 0.7 * lives).all()
+    assert (each["damage"][-1] > 0.7 * lives).all()  # found .81 and .85
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4])
@@ -156,7 +168,8 @@ def test_file_and_memory_hold_the_same(whole):
         for revolution in (0, 15, 40):
             here, there = (one.fatigue(body, revolution=revolution) for one in (whole, kept))
             for name in ("y", "depth", "zeta", "utilisation", "residual_shear", "damage", "worn"):
-                # Plans of transforms may differ, and with them the last digits.
+                # Plans of transforms may differ, and with them the last digits; of what is nothing
+                # beside the damage of one pass, all of them.
                 np.testing.assert_allclose(
                     getattr(here, name), getattr(there, name), rtol=1e-7, atol=1e-12
                 )
@@ -170,11 +183,12 @@ def test_it_goes_on_with_the_same_damage(whole, tmp_path):
     ts.roll(discs("wear.revolutions=15", "wear.save=[0, 15]"), path)
     on = ts.roll(whole.scene, path, resume=True)
     np.testing.assert_array_equal(on["revolution"], whole["revolution"])
+    # Digits of transforms, by the power of the stress; places and damage that are nothing.
     for name in ("damage", "damage_at", "damage_error", "wear_margin", "fatigue_life"):
         np.testing.assert_allclose(on[name], whole[name], rtol=1e-7, atol=1e-12)
     for body in "AB":
         here, there = on.fatigue(body), whole.fatigue(body)
-        np.testing.assert_allclose(here.damage, there.damage, rtol=1e-7, atol=1e-15)
+        np.testing.assert_allclose(here.damage, there.damage, rtol=1e-7, atol=1e-15)  # as above
 
 
 @pytest.mark.slow
@@ -196,6 +210,24 @@ def test_a_mesh_that_grows_keeps_the_damage(tmp_path):
     np.testing.assert_array_equal(again.damage[4:-4], body.damage)
     assert not again.damage[:4].any()
     assert (on.fatigue("A").damage[4:-4] >= body.damage).all()
+
+
+def test_a_contact_that_leaves_the_mesh_keeps_the_damage_before(tmp_path, monkeypatch):
+    def away(model, last, jump, response):
+        contact = replace(last.contact, status=ts.solvers.Status.OFF_GRID)
+        far = replace(last, contacts=(contact,), revolution=last.revolution + jump, damage=None)
+        return far, math.inf
+
+    monkeypatch.setattr("tractive_sam.rolling.adaptive._many", away)
+    monkeypatch.setattr("tractive_sam.rolling.revolutions.GROWTHS", 0)
+    scene = discs("wear.revolutions=9", "wear.save=[0, 9]").replace(grid=None)
+    for path in (None, tmp_path / "a.h5"):
+        history = ts.roll(scene, path)
+        assert history.status == "off grid"
+        assert "shakedown" in history.message
+        top, _ = history.fatigue("A").damage_max
+        assert top == pytest.approx(history["damage"][-2, 0], rel=1e-12)  # the same numbers
+        assert np.isnan(history["damage"][-1]).all()
 
 
 def test_without_wear_there_is_a_life_and_no_damage():
@@ -254,6 +286,7 @@ def test_blocks_add_up_by_miner(tmp_path):
     half = spectrum.with_set(["wear.revolutions=8", "wear.save=[0, 8]"])
     ts.roll(half, tmp_path / "b.h5")
     on = ts.roll(spectrum, tmp_path / "b.h5", resume=True)
+    # Digits of transforms, by the power of the stress; of the unworn, damage that is nothing.
     np.testing.assert_allclose(on["damage"], jumps["damage"], rtol=1e-7, atol=1e-12)
     assert on.fatigue("A").damage_max[0] == pytest.approx(on["damage"][-1, 0])
     assert on.block(0)["utilisation"].shape == on["utilisation"].shape

@@ -9,6 +9,7 @@ import pytest
 
 import tractive_sam as ts
 from tractive_sam.contact import Asked, Model, Stepper
+from tractive_sam.run.resume import last_passage
 
 SPHERES = ts.Scene.builtin("spheres").replace(subsurface=None, creepage=None)
 P, MU = SPHERES.normal_load, SPHERES.friction.mu[0]
@@ -144,6 +145,21 @@ def test_it_goes_on_where_it_was_stopped(tmp_path, stepping):
         for name in ("Qx", "P", "shift_x", "elastic_energy"):
             size = np.abs(whole[name]).max()
             np.testing.assert_allclose(history[name], whole[name], atol=1e-6 * size)
+
+
+def test_it_goes_on_from_the_two_contacts_that_it_had(tmp_path):
+    transient = {
+        "distance": [0, 2],
+        "creepage.longitudinal": [0, -2e-3],
+        "load.normal": [0.8 * P, P],
+    }
+    rising = scene(transient, 15)
+    history = ts.roll(rising, tmp_path / "a.h5")
+    last = last_passage(history, tmp_path / "a.h5", rising)
+    for one, row in ((last.before, -2), (last.stepped, -1)):
+        for name in ("approach", "xi_x", "Qx"):
+            # Forces are summed once more.
+            assert getattr(one.contact, name) == pytest.approx(history[name][row], rel=1e-12)
 
 
 @pytest.mark.slow

@@ -69,7 +69,7 @@ def _stressed(scene: Scene) -> tuple[str, ...]:
     return () if scene.subsurface is None else scene.subsurface.bodies
 
 
-def _tired(scene: Scene) -> tuple[str, ...]:
+def _followed(scene: Scene) -> tuple[str, ...]:
     return () if scene.fatigue is None else scene.fatigue.bodies
 
 
@@ -87,7 +87,7 @@ def _with_volume_life(scene: Scene) -> tuple[str, ...]:
 
 
 def _with_yield(scene: Scene) -> tuple[str, ...]:
-    return () if _shear_yield(scene) is None else _tired(scene)
+    return () if _shear_yield(scene) is None else _followed(scene)
 
 
 def _shear_yield(scene: Scene) -> float | None:
@@ -398,7 +398,8 @@ _FATIGUE = (
     Quantity("wear_margin", "1", "smallest wear over the wear that balances fatigue, across the "
              "track; below 1 cracks start", format=".3g", **_OF_BODIES),
     Quantity("stressed_volume", "1", "integral of stress over the volume, N and mm by the "
-             "exponents of fatigue.volume", format=".4g", **_IN_VOLUME),
+             "exponents of fatigue.volume; of a flat body over 1 mm of track", format=".4g",
+             **_IN_VOLUME),
     Quantity("volume_life", "1", "revolutions that all of the volume survives, by this record's "
              "stress, with the probability fatigue.volume.survival", format=".4g",
              dims=("body",), when=_with_volume_life),

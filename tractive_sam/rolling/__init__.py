@@ -1,5 +1,6 @@
 """Counts revolutions: what a pass wears is in the way of the next one."""
 
+from tractive_sam.rolling.adaptive import MISSED
 from tractive_sam.rolling.damage import Damage, followed
 from tractive_sam.rolling.forecast import Forecast
 from tractive_sam.rolling.passage import (
@@ -16,6 +17,7 @@ from tractive_sam.rolling.saves import Saves
 from tractive_sam.rolling.transient import Moment, Transient, expected_steps
 
 __all__ = [
+    "MISSED",
     "Damage",
     "ErrorEstimator",
     "Forecast",

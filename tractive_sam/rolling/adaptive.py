@@ -111,6 +111,8 @@ def _next_jump(model: Model, last: Passage, control: Stops) -> Passage:
             now = followed(model, now, last)
             error = max(error, _error_of_damage(model, now))
         if error <= 1.0 or step.length == 1 or (off_grid(now) and model.scene.grid is None):
+            if now.damage is None:  # the contact has left the mesh
+                now = followed(model, now, last)
             return replace(now, solves=solves, jump=control.next(step, error))
         step = control.shorter(step, error)
 
@@ -209,9 +211,9 @@ def _error(model: Model, correction: np.ndarray, profile: np.ndarray) -> float:
 
 def _error_of_damage(model: Model, now: Passage) -> float:
     """What a jump misses of the largest damage, over what the tolerance allows."""
-    if now.tired is None:
+    if now.damage is None:
         return 0.0
-    return now.tired.missed / (MISSED * model.scene.fatigue.tolerance)
+    return now.damage.missed / (MISSED * model.scene.fatigue.tolerance)
 
 
 def _one(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple[Passage, float]:

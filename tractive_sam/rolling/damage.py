@@ -45,7 +45,7 @@ CELLS = 8
 """Of an integral over the depth, between two depths."""
 
 FARTHEST = 400
-"""Most parts of a jump: each wears no more than the distance of places, as far as that goes."""
+"""Most parts of a jump: as many as it wears off places of a row, as far as that goes."""
 
 NODES, WEIGHTS = (
     np.array([0.5 - math.sqrt(0.15), 0.5, 0.5 + math.sqrt(0.15)]),
@@ -247,11 +247,11 @@ def followed(model: Model, now: Passage, before: Passage | None = None) -> Passa
 
     Of a contact that was not solved it is as before.
     """
-    tired = None if before is None else before.tired
+    damage = None if before is None else before.damage
     if now.contact.scene.fatigue is None or not now.converged:
-        return replace(now, tired=tired)
-    tired = Damage.begun(now, model) if tired is None else tired.after(now, model)
-    return replace(now, tired=tired)
+        return replace(now, damage=damage)
+    damage = Damage.begun(now, model) if damage is None else damage.after(now, model)
+    return replace(now, damage=damage)
 
 
 def _cycled(
@@ -366,11 +366,10 @@ def _added(
     if last:
         bend = (second - first) * last - (first - one.before) * length
         bend *= length / (last * (length + last))
-    # In pieces that each wear off no more than one step of the material: the damage of a place ends
-    # where wear takes it away, and no Gauss rule holds across that.
-    row = int(np.argmax(now.worn - before.worn))
-    steps = np.searchsorted(zeta, now.worn[row]) - np.searchsorted(zeta, before.worn[row])
-    parts = int(min(max(1, steps), FARTHEST))
+    # In as many pieces as places are worn off the row that loses most of them: the damage of a
+    # place ends where wear takes it away, and no Gauss rule holds across that.
+    steps = np.searchsorted(zeta, now.worn) - np.searchsorted(zeta, before.worn)
+    parts = int(min(max(1, steps.max()), FARTHEST))
     total, missed = np.zeros_like(end), np.zeros_like(end)
     for part in range(parts):
         for node, weight in zip(NODES, WEIGHTS, strict=True):
@@ -411,10 +410,10 @@ def _down(
     return _per_pass(life, shares, depth, used, root**2) @ weights
 
 
-def fatigue_columns(tired: Damage, model: Model) -> dict[str, Any]:
+def fatigue_columns(damage: Damage, model: Model) -> dict[str, Any]:
     """Columns of what rolling does to the material of each body."""
     life, shares = model.laws.life, model.weights
-    cycled = {body: one.now for body, one in tired.bodies.items()}
+    cycled = {body: one.now for body, one in damage.bodies.items()}
     left = {body: one.largest("residual_shear") for body, one in cycled.items()}
 
     def factors(of: str) -> dict[str, float]:
@@ -428,8 +427,8 @@ def fatigue_columns(tired: Damage, model: Model) -> dict[str, Any]:
         "shakedown_upper": {body: one.shakedown_upper for body, one in cycled.items()},
     }
     if model.laws.volume is not None:
-        columns |= _of_volume(tired, model, model.laws.volume)
-    for body, one in tired.bodies.items():
+        columns |= _of_volume(damage, model, model.laws.volume)
+    for body, one in damage.bodies.items():
         for name, value in one.columns(life, shares).items():
             if name == "balancing_wear":
                 columns[f"{name}_{body}"] = value
@@ -438,11 +437,11 @@ def fatigue_columns(tired: Damage, model: Model) -> dict[str, Any]:
     return columns
 
 
-def _of_volume(tired: Damage, model: Model, law: VolumeLife) -> dict[str, Any]:
+def _of_volume(damage: Damage, model: Model, law: VolumeLife) -> dict[str, Any]:
     """Columns of the life of a volume: of several blocks, lives add up by Miner's rule."""
     asked = model.scene.fatigue
     columns: dict[str, Any] = {"stressed_volume": {}, "volume_life": {}, "volume_at_top": {}}
-    for body, one in tired.bodies.items():
+    for body, one in damage.bodies.items():
         radius = getattr(model.scene.body, body).radius_x
         around = 2.0 * math.pi * abs(radius) if math.isfinite(radius) else 1.0
         stress = one.used * asked.limit
@@ -456,9 +455,9 @@ def _of_volume(tired: Damage, model: Model, law: VolumeLife) -> dict[str, Any]:
     return columns
 
 
-def block_columns(tired: Damage | None, block: int) -> dict[str, Any]:
+def block_columns(damage: Damage | None, block: int) -> dict[str, Any]:
     """Those that each block of a duty cycle has of its own."""
-    bodies = {} if tired is None else tired.bodies
+    bodies = {} if damage is None else damage.bodies
     return _used({k: replace(one.now, utilisation=one.used[block]) for k, one in bodies.items()})
 
 

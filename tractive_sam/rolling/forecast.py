@@ -14,7 +14,8 @@ UNHINDERED = 0.9
 """Jump over the revolutions rolled from which nothing limits it but its own growth: it doubles."""
 
 SHAPED = 0.02
-"""Wear depth over the approach of the bodies from which wear shapes the contact."""
+"""Wear depth over the approach of the bodies from which wear shapes the contact: jumps of spheres
+and twin discs cease to double at .0145 to .018 of it (runs of tests/rolling/test_forecast.py)."""
 
 SHORTENING = 4.0
 """So much shorter than the first one that is cut before a stop do steps get there."""

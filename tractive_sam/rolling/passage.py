@@ -7,7 +7,7 @@ enters.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from tractive_sam.contact import Model, Worn, equilibrium, fitted_blocks, wear_l
 from tractive_sam.mechanics import Turns
 from tractive_sam.results import PARTS, Cost, Grid, State, Status
 from tractive_sam.rolling.transient import Moment, Transient
+
+if TYPE_CHECKING:
+    from tractive_sam.rolling.damage import Damage
 
 CORRECTIONS = 20
 
@@ -75,7 +78,7 @@ class Passage:
         Worn bodies with which the roll began; None of new ones.
     parts : ndarray, shape (blocks, 2, n_y), optional
         Depth with which A and B enter, worn by each block, mm; None where the turns tell it.
-    tired : Damage, optional
+    damage : Damage, optional
         What rolling has done to the material by then, of a scene with [fatigue].
     """
 
@@ -88,7 +91,7 @@ class Passage:
     turns: tuple[Turns, ...] = ()
     began: Worn | None = None
     parts: np.ndarray | None = None
-    tired: Any = None
+    damage: "Damage | None" = None
 
     def __post_init__(self) -> None:
         if not self.turns:
@@ -124,7 +127,7 @@ class Passage:
     @property
     def beside(self) -> Mapping[str, np.ndarray]:
         """What rolling goes on from beside the fields of the contact: the damage."""
-        return {} if self.tired is None else self.tired.state
+        return {} if self.damage is None else self.damage.state
 
     def told(self, block: int | None = None) -> tuple[State, dict[str, Any], bool]:
         """The contact to record, the columns that only stepping knows, and whether it is kept."""

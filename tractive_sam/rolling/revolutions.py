@@ -119,8 +119,10 @@ def recorded(
     measured : Gap, optional
         The measured separation of the scene.
     """
-    spectrum, tired = model.scene.spectrum, _tired(passage)
-    of_material, kept = _of_material(passage, model), () if tired is None else tired.fields
+    spectrum, damage = model.scene.spectrum, _damage(passage)
+    of_material, kept = _of_material(passage, model), ()
+    if isinstance(passage, Passage) and passage.damage is not None:
+        kept = passage.damage.fields  # of a contact that was not solved, as before
     if spectrum is None:
         record = _of_contact(passage, passage.told(), model.laws, estimator, own, measured)
         if not record.fields:
@@ -138,7 +140,7 @@ def recorded(
         for k, one in enumerate(model.blocks)
     ]
     records = [
-        replace(one, values={**one.values, **block_columns(tired, k)})
+        replace(one, values={**one.values, **block_columns(damage, k)})
         for k, one in enumerate(records)
     ]
     _, stepped, _ = passage.told()
@@ -156,14 +158,14 @@ def recorded(
     return replace(put, cycles=kept if put.fields else ())
 
 
-def _tired(passage: Passage | Moment) -> Damage | None:
+def _damage(passage: Passage | Moment) -> Damage | None:
     """What rolling has done to the material, where it is known with its contact."""
-    return passage.tired if isinstance(passage, Passage) and passage.converged else None
+    return passage.damage if isinstance(passage, Passage) and passage.converged else None
 
 
 def _of_material(passage: Passage | Moment, model: Model) -> dict[str, Any]:
-    tired = _tired(passage)
-    return {} if tired is None else fatigue_columns(tired, model)
+    damage = _damage(passage)
+    return {} if damage is None else fatigue_columns(damage, model)
 
 
 def _share_of_alike(spectrum: Spectrum) -> np.ndarray:

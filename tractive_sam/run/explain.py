@@ -8,7 +8,7 @@ import numpy as np
 from tractive_sam.contact import Model, choose_grid
 from tractive_sam.operators import STEPS_FROM, available
 from tractive_sam.results import columns
-from tractive_sam.rolling import Saves, expected_steps
+from tractive_sam.rolling import MISSED, Saves, expected_steps
 from tractive_sam.run import memory
 from tractive_sam.run.accuracy.levels import with_tolerances
 from tractive_sam.run.accuracy.steady import Refined, refined
@@ -88,9 +88,9 @@ def explain(scene: Scene) -> Explanation:
     parts = (_bodies, _contact, _wear, _subsurface, _mesh, _work)
     told = [part(model) for part in parts]
     warm = [] if scene.heat is None else [_heat(model)]
-    tired = [] if scene.fatigue is None else [_fatigue(model)]
+    damaged = [] if scene.fatigue is None else [_fatigue(model)]
     changing = _transient(model)
-    return Explanation((*told[:4], *changing, *warm, *tired, *accuracy, *told[4:]))
+    return Explanation((*told[:4], *changing, *warm, *damaged, *accuracy, *told[4:]))
 
 
 def _accuracy(found: Refined) -> Section:
@@ -283,7 +283,11 @@ def _fatigue(model: Model) -> Section:
             rows.append(("duty cycle", "the damage of its blocks by Miner's rule, in any order"))
         if model.scene.wear is not None and model.scene.wear.stepping == "adaptive":
             rows.append(
-                ("jumps", f"within {asked.tolerance:g} of the largest damage, as far as it is told")
+                (
+                    "jumps",
+                    f"each misses up to {MISSED * asked.tolerance:g} of the largest damage, by its "
+                    "estimate; all together damage_error",
+                )
             )
     rows += [
         (

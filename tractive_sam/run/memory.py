@@ -8,6 +8,7 @@ from tractive_sam.operators import available
 from tractive_sam.results import FIELDS
 from tractive_sam.rolling import Saves
 from tractive_sam.scene import Fault, SceneError
+from tractive_sam.solvers import Recycling
 
 BESIDE = 3.5
 """Numbers that are held beside all planes while the stress of one is computed and written, over
@@ -27,8 +28,9 @@ def of_contact(model: Model) -> float:
     fields, lattice = fields_together(model), model.operators.lattice
     # Of large meshes, in doubles: spectra and buffers of the transforms, both in double and single
     # precision, tables on the way to them, and a Krylov space: in single precision, of a transient
-    # in double, with the vectors kept and the responses to them.
-    krylov = 25 if model.scene.transient is None else 125
+    # in double, as many vectors as one system may come to, the responses to them and
+    # their orthonormal basis.
+    krylov = 25 if model.scene.transient is None else 3 * (Recycling.keeps + Recycling.krylov)
     spectra = 1.5 * (9 if fields == 3 else 3)
     padded, elements = math.prod(lattice.padded), math.prod(lattice.shape)
     one = 8.0 * (padded * (spectra + 3.75 * fields + 7) + krylov * fields * elements)

@@ -85,7 +85,7 @@ class Recording:
         """Roll on from the last of a number of records in the file; arguments as of `begun`."""
         keeper = HistoryWriter.reopen(self.path, self.scene, records)
         if isinstance(last, Passage):
-            last = replace(last, tired=last_damage(self.path, last))
+            last = replace(last, damage=last_damage(self.path, last))
         return self._kept(keeper, model, last, (), estimator, missed)
 
     def _kept(
@@ -166,6 +166,6 @@ def _ended(passage: Passage, missed: str) -> tuple[str, str]:
         message = f"revolution {passage.place}: {message}"
     if contact.scene.transient is not None:
         message = f"after {passage.place:g} mm: {message}"
-    if isinstance(passage, Passage) and passage.tired is not None:
-        message += passage.tired.warning
+    if isinstance(passage, Passage) and passage.damage is not None:
+        message += passage.damage.warning
     return "done" if contact.converged else str(contact.status), message

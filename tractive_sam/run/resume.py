@@ -107,7 +107,8 @@ def last_passage(
 def _last_moment(history: History, path: str | PathLike, row: int, scene: Scene) -> Moment:
     """The moment of a record, and the contact a step before it."""
     state = state_of(path, row)
-    found = {name: history[name] for name in ("distance", "stretch", "next_step", "xi_x", "xi_y")}
+    names = "distance", "stretch", "next_step", "approach", "xi_x", "xi_y"
+    found = {name: history[name] for name in names}
     contact = replace(history.contact(row, state), scene=scene, cost=Cost())
     stretch, length, before = int(found["stretch"][row]), 0.0, None
     if row:
@@ -117,6 +118,7 @@ def _last_moment(history: History, path: str | PathLike, row: int, scene: Scene)
             contact,
             pressure=state.get("before_pressure", contact.pressure),
             traction=np.stack((state["before_x"], state["before_y"])),
+            approach=float(found["approach"][row - 1]),
             xi_x=found["xi_x"][row - 1],
             xi_y=found["xi_y"][row - 1],
         )

@@ -1,4 +1,4 @@
-"""Who watches a solution is told how far it is."""
+"""Progress of a solve: mesh and residual, for whoever shows it."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

@@ -188,6 +188,6 @@ def _rolled(model: Model) -> CoarseRuns:
 
 def _cycled(passage: Passage) -> dict[str, BodyFatigue]:
     """What rolling has done to the bodies; blocks of a duty cycle have it in common."""
-    if passage.tired is None or len(passage.contacts) > 1:
+    if passage.damage is None or len(passage.contacts) > 1:
         return {}
-    return {one.body: one for one in passage.tired.fields}
+    return {one.body: one for one in passage.damage.fields}
