@@ -112,7 +112,7 @@ def _draw(histories: dict[float, ts.History]) -> None:
         "Qx_over_P": ("$Q_x/P$", 1.0),
         "half_width_x": ("half width in x, mm", 1.0),
         "half_width_y": ("half width in y, mm", 1.0),
-        "p_max": ("peak contact pressure, MPa", 1.0),
+        "p_95": ("$p_{95}$, MPa", 1.0),
     }
     for angle, history in histories.items():
         label = rf"$\beta = {angle:g}°$"
