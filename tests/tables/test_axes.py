@@ -187,3 +187,11 @@ def test_whole_tables_converge_across_the_seam_and_the_poles():
     # Mixed derivatives by central differences leave the third order at least.
     assert worst[0] / worst[1] > 6.0
     assert worst[1] / worst[2] > 6.0
+
+
+def test_files_beside_an_axis_are_sought_from_the_folder_of_the_design(tmp_path):
+    zipped = {"key": "gap.file", "values": ["one.csv", "two.csv"]}
+    tables = {"axis": [{"key": "load.normal", "values": [1.0, 2.0], "zip": [zipped]}]}
+    ts.TableDesign.files_from(tmp_path, tables)
+    assert zipped["values"] == [str(tmp_path / "one.csv"), str(tmp_path / "two.csv")]
+    assert ts.TableDesign.files_from(tmp_path, {"axis": 5}) == {"axis": 5}  # told later

@@ -46,10 +46,12 @@ from .tables import (
     WearLaws,
 )
 from .transient import CreepageCourse, FrictionCourse, LoadCourse, Profiles, Transient
+from .varied import FILES, files_of_varied
 
 __all__ = [
     "BY_COEFFICIENT",
     "FEWEST_ELEMENTS",
+    "FILES",
     "LARGEST",
     "LENGTHS",
     "MOST_ELEMENTS",
@@ -102,6 +104,7 @@ __all__ = [
     "builtin_names",
     "entry",
     "files_anywhere",
+    "files_of_varied",
     "groups",
     "label",
     "number",

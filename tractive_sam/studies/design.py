@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, ClassVar, Literal
 
 from tractive_sam.scene import (
+    FILES,
     Check,
     Document,
     Fault,
@@ -19,14 +20,12 @@ from tractive_sam.scene import (
     SceneError,
     builtin_names,
     entry,
+    files_of_varied,
     parse_settings,
     shown,
     suggestion,
 )
 from tractive_sam.studies.axis import MOST, Axis, Dimension, Latin
-
-FILES = ("gap.file", "load_history.file")
-"""Keys of files that a scene names."""
 
 
 class StudyError(SceneError):
@@ -156,18 +155,9 @@ class Study(Document):
     def files_from(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
         """The tables, with relative files in them sought from a folder."""
         match tables:
-            case {"scene": str(name)} if (folder / name).is_file():
-                tables["scene"] = str(folder / name)
-            case {"scene": dict(scene)}:
-                Scene.files_from(folder, scene)
-        match tables:
             case {"set": list(settings)}:
                 tables["set"] = [_setting_from(folder, one) for one in settings]
-        for one in _tables_with_values(tables.get("axis")):
-            match one:
-                case {"key": str(key), "values": list() | tuple() as files} if key in FILES:
-                    one["values"] = [str(folder / str(file)) for file in files]
-        return tables
+        return files_of_varied(folder, tables)
 
     @property
     def dimensions(self) -> tuple[Dimension, ...]:
@@ -204,15 +194,6 @@ def _setting_from(folder: Path, setting: Any) -> Any:
         return setting
     ((key, file),) = parse_settings([setting]).items()
     return f"{key}={folder / str(file)}"
-
-
-def _tables_with_values(axes: Any) -> Iterator[Any]:
-    """The axes and what is zipped with them, as far as they are tables."""
-    for axis in axes if isinstance(axes, list | tuple) else ():
-        yield axis
-        match axis:
-            case {"zip": list() | tuple() as zipped}:
-                yield from zipped
 
 
 def _dimensions(axes: Iterable[Axis], latin: Latin | None) -> tuple[Dimension, ...]:

@@ -13,7 +13,17 @@ import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field
 
 from tractive_sam.lookup import CONTACT, RATIO
-from tractive_sam.scene import Check, Document, Fault, Known, Scene, SceneError, entry, shown
+from tractive_sam.scene import (
+    Check,
+    Document,
+    Fault,
+    Known,
+    Scene,
+    SceneError,
+    entry,
+    files_of_varied,
+    shown,
+)
 from tractive_sam.tables.axis import TableAxis
 from tractive_sam.tables.contacts import Contacts, unit_scene
 
@@ -194,18 +204,7 @@ class TableDesign(Document):
     @classmethod
     def files_from(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
         """The tables, with relative files in them sought from a folder."""
-        match tables:
-            case {"scene": str(name)} if (folder / name).is_file():
-                tables["scene"] = str(folder / name)
-            case {"scene": dict(scene)}:
-                Scene.files_from(folder, scene)
-        for axis in tables.get("axis") or ():
-            zipped = axis.get("zip") if isinstance(axis, dict) else None
-            for one in (axis, *(zipped or ())):
-                match one:
-                    case {"key": "gap.file", "values": list() | tuple() as files}:
-                        one["values"] = [str(folder / str(file)) for file in files]
-        return tables
+        return files_of_varied(folder, tables)
 
     @property
     def names(self) -> tuple[str, ...]:
