@@ -1,5 +1,6 @@
 """Tables of creep forces: laws that they keep, errors that they tell, and what C makes of them."""
 
+import json
 import math
 import shutil
 import subprocess
@@ -14,7 +15,7 @@ from tractive_sam.cli import app
 from tractive_sam.lookup import Hermite, c_header, columns_of
 from tractive_sam.lookup.text import COLUMNS
 from tractive_sam.reference import creep_coefficients, full_slip_with_spin
-from tractive_sam.tables import builtin_tables
+from tractive_sam.tables import builtin_tables, is_design
 from tractive_sam.tables.contacts import Contacts
 
 pytest.importorskip("xarray", reason="xarray is of the extra study")
@@ -315,3 +316,42 @@ def test_command(tmp_path, monkeypatch):
     ):
         assert run(app, command).exit_code == 2, command
     assert not (tmp_path / "bad.nc").exists()
+
+
+def test_a_table_and_its_design_are_told(tmp_path):
+    run, file = CliRunner().invoke, str(builtin_tables()["steel"])
+    for command in (["show", "steel"], ["show", file], ["explain", file]):
+        told = run(app, command)
+        assert told.exit_code == 0
+        assert "Steel on steel" in told.stdout
+        assert "a=..., b=..., load=..., mu=..., shear=...)" in told.stdout
+    told = json.loads(run(app, ["show", "steel", "--json"]).stdout)
+    assert math.prod(map(len, told["axes"].values())) == told["nodes"]
+    (tmp_path / "trams.toml").write_text("ellipticity = [0.5, 2.0]\n")
+    assert "from 0.5 to 2" in run(app, ["explain", str(tmp_path / "trams.toml")]).stdout
+    for command in (
+        ["show", "steel", "--csv"],
+        ["plot", file],
+        ["explain", "steel", "--set", "a=1"],
+    ):
+        assert run(app, command).exit_code == 2, command
+
+
+@pytest.mark.parametrize(
+    ("text", "answer"),
+    [
+        ("tolerance = 0.1", True),
+        ('[[axis]]\nkey = "friction.mu"\nname = "mu2"', True),
+        ('[[axis]]\nkey = "friction.mu"', False),  # a study, or a table: not to be told
+        ("axis = 5", False),
+        ("[load]\nnormal = 1.0", False),
+    ],
+)
+def test_designs_are_known_by_what_they_alone_have(tmp_path, text, answer):
+    (tmp_path / "file.toml").write_text(text)
+    assert is_design(tmp_path / "file.toml") is answer
+
+
+def test_is_no_design(tmp_path):
+    assert not is_design(tmp_path / "missing.toml")
+    assert not is_design("twin-discs")

@@ -1,7 +1,8 @@
 """``tractive-sam explain``: what will be modelled, before it is."""
 
+from collections.abc import Iterable
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.table import Table
@@ -16,6 +17,9 @@ from tractive_sam.cli.output import (
 )
 from tractive_sam.cli.scene_input import SceneName, Settings, read_scene
 
+if TYPE_CHECKING:
+    from tractive_sam.run import explain as explanation
+
 
 def explain(
     scene: SceneName,
@@ -29,27 +33,55 @@ def explain(
 ) -> None:
     """Explain what will be modelled and what is left out, and estimate memory and time.
 
-    A study file is explained, too: its cases, and the time and room that all of them take.
+    A study file is explained, too: its cases, and the time and room that all of them take; and what
+    a table of creep forces is to hold, or holds.
     """
     from tractive_sam.run import explain as explanation
     from tractive_sam.studies import is_study
+    from tractive_sam.tables import is_design, is_table
 
     with bad_input_told():
-        if is_study(scene):
-            asked, sections = _study(Path(scene), settings, workers)
+        if is_table(scene) or is_design(scene):
+            title, sections = _table(scene, settings)
+        elif is_study(scene):
+            title, sections = _study(Path(scene), settings, workers)
         else:
             asked = read_scene(scene, settings)
             with compiling_told(), warnings_told():
-                sections = explanation.explain(asked)
+                title, sections = asked.title, explanation.explain(asked)
+    print_sections(title, sections)
+
+
+def print_sections(title: str, sections: "Iterable[explanation.Section]") -> None:
+    """Print an explanation under its title."""
     out = console()
-    if asked.title:
-        out.print(asked.title, style="bold")
+    if title:
+        out.print(title, style="bold")
     for section in sections:
         out.print(f"\n{section.title}", style="bold")
         table = Table.grid(padding=(0, 2))
         for what, answer in section.rows:
             table.add_row(f"  {what}", answer)
         out.print(table)
+
+
+def _table(file: str, settings: list[str] | None):
+    """A table of creep forces or its design, and what there is to say of it."""
+    from tractive_sam.tables import (
+        TableDesign,
+        explain_design,
+        explain_table,
+        is_table,
+        open_table,
+    )  # fmt: skip
+
+    if settings:
+        raise stop(Status.INVALID, f"--set changes a scene, and {file} is of a table of forces")
+    if is_table(file):
+        table = open_table(file)
+        return str(table.about.get("title", "")), explain_table(table)
+    design = TableDesign.from_toml(file)
+    return design.title, explain_design(design)
 
 
 def _study(file: Path, settings: list[str] | None, workers: int | None):
@@ -62,4 +94,4 @@ def _study(file: Path, settings: list[str] | None, workers: int | None):
         raise stop(Status.INVALID, f"--set changes a scene, {file} is a study; {cure}")
     with warnings_told():
         asked = Study.from_toml(file)
-        return asked, explain_study(asked, workers or cores())
+        return asked.title, explain_study(asked, workers or cores())

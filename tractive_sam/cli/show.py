@@ -8,13 +8,19 @@ from typing import Annotated
 
 import typer
 
+from tractive_sam.cli.explain import print_sections
 from tractive_sam.cli.output import Status, bad_input_told, console, stop, tell
 
 Results = Annotated[Path, typer.Argument(metavar="FILE.h5", help="A results file.")]
 
 
 def show(
-    file: Results,
+    file: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE.h5", help="A results file; or a table of creep forces (FILE.nc, steel)."
+        ),
+    ],
     as_json: Annotated[
         bool, typer.Option("--json", help="Every record as JSON, in place of tables.")
     ] = False,
@@ -22,9 +28,14 @@ def show(
         bool, typer.Option("--csv", help="Every record as a line of CSV, in place of tables.")
     ] = False,
 ) -> None:
-    """Show the history in a results file, also while it is computed."""
+    """Show the history in a results file, also while it is computed; or a table of creep forces."""
     if as_json and as_csv:
         raise stop(Status.INVALID, "--json and --csv: give one of them")
+    from tractive_sam.tables import is_table
+
+    if is_table(file):
+        _show_table(file, as_json, as_csv)
+        return
     with bad_input_told():
         from tractive_sam.store import open_history
 
@@ -46,3 +57,18 @@ def show(
         out.print(tables.records(history))
     if len(history):
         out.print(tables.last_record(history))
+
+
+def _show_table(file: Path, as_json: bool, as_csv: bool) -> None:
+    """What a table of creep forces tells of itself."""
+    from tractive_sam.tables import explain_table, open_table, table_as_dict
+
+    if as_csv:
+        cure = f"tractive-sam table {file} --text FILE.txt writes its nodes"
+        raise stop(Status.INVALID, f"--csv is of results, and {file} a table of forces; {cure}")
+    with bad_input_told():
+        table = open_table(file)
+    if as_json:
+        tell(json.dumps(table_as_dict(table), allow_nan=False))
+    else:
+        print_sections(str(table.about.get("title", "")), explain_table(table))

@@ -63,9 +63,9 @@ def table(
 ) -> None:
     """Make a table of creep forces with gradients and error bars."""
     from tractive_sam.studies import SchedulerLostError
-    from tractive_sam.tables import build_table, builtin_tables, open_table
+    from tractive_sam.tables import build_table, is_table, open_table
 
-    made = file.endswith(".nc") or file in builtin_tables()
+    made = is_table(file)
     writes: tuple[tuple[Path | None, Callable[[Any, Path], None]], ...] = (
         (header, _header), (fmu, _fmu), (text, _text), (figure, _figure),
     )  # fmt: skip

@@ -76,7 +76,11 @@ class Results:
 
     def check_format(self) -> None:
         """See that it is a results file whose format is known."""
-        if self.text("/", "format", "") != layout.FORMAT:
+        kind = self.text("/", "format", "")
+        if kind.startswith("creep-force"):
+            cure = f"tractive-sam show {self.path}, or tractive-sam table {self.path} --figure"
+            raise ResultsError(f"{self.path} is a table of creep forces and no results: {cure}")
+        if kind != layout.FORMAT:
             raise ResultsError(f"{self.path} is an HDF5 file, but not one of tractive-sam")
         if self.version > layout.FORMAT_VERSION:
             told = f"{self.path} has format {self.version}; a newer tractive-sam can read it"

@@ -17,6 +17,11 @@ def builtin_tables() -> dict[str, Path]:
     return {one.stem: one for one in sorted(folder.glob("*.nc"))}
 
 
+def is_table(name: str | PathLike[str]) -> bool:
+    """Whether a name is that of a built-in table, or of a netCDF file."""
+    return str(name).endswith(".nc") or str(name) in builtin_tables()
+
+
 def open_table(name: str | PathLike[str]) -> CreepTable:
     """Open a table of creep forces: one that comes with the package, or a file.
 
