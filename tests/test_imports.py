@@ -22,6 +22,8 @@ except SystemExit:
     pass
 """
 
+SCENE = "import tractive_sam as ts; ts.Scene.builtin('spheres')"
+
 TABLE = """
 import tractive_sam as ts
 ts.open_table("steel")(1e-3, 0.0, 0.0, a=1.0, b=1.0, load=1.0, mu=0.3, shear=1.0).gradient
@@ -39,12 +41,12 @@ def loaded_by(code):
     ("code", "without"),
     [
         ("import tractive_sam", COMPILERS | FIGURES | {"h5py", "numpy"}),
-        (HELP, COMPILERS | FIGURES | {"h5py"}),
-        ("import tractive_sam as ts; ts.Scene.builtin('spheres')", COMPILERS | FIGURES | {"h5py"}),
-        ("import tractive_sam as ts; ts.open_history", COMPILERS | FIGURES),
+        (HELP, COMPILERS | FIGURES | {"h5py", "numpy", "pydantic"}),
+        (SCENE, COMPILERS | FIGURES | {"h5py", "scipy"}),
+        ("import tractive_sam as ts; ts.open_history", COMPILERS | FIGURES | {"scipy"}),
         ("import tractive_sam as ts; ts.open_study", COMPILERS | FIGURES),
         ("import tractive_sam as ts; ts.plot", COMPILERS | {"h5py"}),
-        ("import tractive_sam.studies.worker", FIGURES),
+        ("import tractive_sam.studies.worker", FIGURES | {"scipy.stats"}),
         (TABLE, COMPILERS | FIGURES | {"xarray", "tractive_sam.contact"}),
     ],
     ids=["package", "help", "scene", "history", "study", "plot", "worker", "table"],

@@ -9,7 +9,6 @@ from rich.table import Table
 
 from tractive_sam.cli.output import Status, bad_input_told, console, say, stop, tell
 from tractive_sam.cli.plot import Format
-from tractive_sam.cli.tables import COURSE
 
 if TYPE_CHECKING:
     from tractive_sam.studies import StudyResults
@@ -108,6 +107,8 @@ def _standing(results: "StudyResults") -> str:
 
 def _table(results: "StudyResults") -> Table:
     """The cases, one a row."""
+    from tractive_sam.cli.tables import COURSE
+
     keys = [key for one in results.study.dimensions for key in one.columns]
     line = results.study.scene.line
     shown = [one for one in COURSE if one[0] != "residual" and not (line and "_y" in one[0])]

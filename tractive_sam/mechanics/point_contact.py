@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import elliprd, elliprf
+
+from tractive_sam.mechanics.elliptic import elliprd, elliprf
 
 _ROOT_TOLERANCE = 4 * np.finfo(float).eps
 

@@ -61,7 +61,7 @@ class Table(BaseModel):
         With all faults of the table and of the tables inside it.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", **_CONFIG)
+    model_config = ConfigDict(frozen=True, defer_build=True, extra="forbid", **_CONFIG)
     checks: ClassVar[tuple[Check, ...]] = ()
     """Checks between the entries of the table."""
 

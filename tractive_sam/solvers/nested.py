@@ -7,7 +7,7 @@ the cost; the finest mesh then needs a few steps only, however fine it is.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.ndimage import distance_transform_edt
+import scipy  # its parts are loaded when first used
 
 from tractive_sam.solvers.outcome import Outcome, Solver, Start
 from tractive_sam.solvers.problem import NormalProblem, Problem
@@ -30,7 +30,9 @@ def refine_traction(coarse: np.ndarray, bound: np.ndarray, fine_bound: np.ndarra
     """Tractions on the finer mesh, by their share of the bound, which is smooth up to the edge."""
     inside = bound > 0.0
     share = coarse / np.where(inside, bound, 1.0)
-    nearest = distance_transform_edt(~inside, return_distances=False, return_indices=True)
+    nearest = scipy.ndimage.distance_transform_edt(
+        ~inside, return_distances=False, return_indices=True
+    )
     return refine(share[:, *nearest], fine_bound.shape) * fine_bound
 
 

@@ -8,7 +8,6 @@ from typing import Annotated, Any, ClassVar, Literal, get_args
 
 import numpy as np
 from pydantic import AfterValidator
-from scipy.stats import qmc
 
 from tractive_sam.scene import (
     Check,
@@ -213,6 +212,8 @@ class Latin(Table):
 
     def dimension(self) -> Dimension:
         """The samples by key."""
+        from scipy.stats import qmc  # half a second, which other studies need not wait for
+
         hypercube = qmc.LatinHypercube(len(self.variable), rng=np.random.default_rng(self.seed))
         shares = hypercube.random(self.number).T
         columns = {
