@@ -3,17 +3,21 @@
 All in the scaled tribological frame, where friction is isotropic with unit coefficient: the scaled
 traction lies in a disc, whose radius is the pressure or what another law (`mechanics.friction`) has
 in its place. Fields are arrays of shape (2, n_x, n_y).
+
+Rows of elements are worked on at once where an element does not need the one before it: without
+branches, so that the compiler can use vector instructions.
 """
 
 from math import sqrt
 
 import numpy as np
-from numba import njit
+
+from tractive_sam.kernels.compiled import compiled
 
 OPEN, STICK, SLIP = 0, 1, 2
 
 
-@njit(cache=True)
+@compiled
 def _nearest(a, b, g, w0, w1):
     """Point z of the disc of radius g > 0 nearest to (a, b), and l >= 0 with (1 + l w) z = (a, b).
 
@@ -41,7 +45,7 @@ def _nearest(a, b, g, w0, w1):
     return factor * z0, factor * z1, root
 
 
-@njit(cache=True)
+@compiled
 def project(traction, bound, out, w0=1.0, w1=1.0):
     """Nearest point of the disc of radius ``bound``, element by element; zero where bound <= 0.
 
@@ -51,45 +55,74 @@ def project(traction, bound, out, w0=1.0, w1=1.0):
     for i in range(nx):
         for j in range(ny):
             a, b, g = traction[0, i, j], traction[1, i, j], bound[i, j]
-            if g <= 0.0:
-                out[0, i, j] = out[1, i, j] = 0.0
-            else:
-                out[0, i, j], out[1, i, j], _ = _nearest(a, b, g, w0, w1)
+            square = a * a + b * b
+            outside = square > g * g or g <= 0.0
+            size = sqrt(square) if square > 0.0 else 1.0
+            factor = max(g, 0.0) / size if outside else 1.0
+            out[0, i, j], out[1, i, j] = factor * a, factor * b
+        if w0 != w1:
+            for j in range(ny):
+                a, b, g = traction[0, i, j], traction[1, i, j], bound[i, j]
+                if g > 0.0:
+                    out[0, i, j], out[1, i, j], _ = _nearest(a, b, g, w0, w1)
 
 
-@njit(cache=True)
-def _centred(slip, contact, i, j, ahead):
-    """Slip at the centre of an element, from that of the leading faces, `ahead` / 2 before it.
+@compiled
+def _centred(slip, contact, i, ahead, m0, m1):
+    """Set (m0, m1) to the slip at the centres of row i, from that of the leading faces.
 
-    By a parabola through the faces ahead, its own and behind; of faces half an element before the
-    centres its weights are -1/8, 3/4 and 3/8, which damp odd-even waves as the own face does. By a
-    straight line where the face ahead is that of a leading element, at the edge of contact.
+    The faces lie `ahead` / 2 elements before the centres. By a parabola through the faces ahead,
+    its own and behind; of faces half an element before the centres its weights are -1/8, 3/4 and
+    3/8, which damp odd-even waves as the own face does. By a straight line where the face ahead is
+    that of a leading element, at the edge of contact.
     """
-    a0, a1 = slip[0, i, j], slip[1, i, j]
-    if i == 0:
-        return a0, a1
-    behind, here, before = 0.5 * ahead, 1.0 - 0.5 * ahead, 0.0
-    if i + 2 < contact.shape[0] and contact[i + 1, j] > 0.0 and contact[i + 2, j] > 0.0:
-        before = -0.5 * behind * here
-        behind, here = 0.5 * behind * (1.0 + behind), 1.0 - behind * behind
-    m0, m1 = here * a0 + behind * slip[0, i - 1, j], here * a1 + behind * slip[1, i - 1, j]
-    if before != 0.0:
-        m0, m1 = m0 + before * slip[0, i + 1, j], m1 + before * slip[1, i + 1, j]
-    return m0, m1
+    nx, ny = contact.shape
+    back = 0.5 * ahead if i else 0.0
+    far = i + 2 < nx
+    behind, one, two = max(i - 1, 0), min(i + 1, nx - 1), min(i + 2, nx - 1)
+    for j in range(ny):
+        parabola = far and contact[one, j] > 0.0 and contact[two, j] > 0.0
+        x = 0.5 * back * (1.0 + back) if parabola else back
+        z = -0.5 * back * (1.0 - back) if parabola else 0.0
+        y = 1.0 - x - z
+        m0[j] = y * slip[0, i, j] + x * slip[0, behind, j] + z * slip[0, one, j]
+        m1[j] = y * slip[1, i, j] + x * slip[1, behind, j] + z * slip[1, one, j]
 
 
-@njit(cache=True)
+@compiled
 def centre(slip, contact, out):
     """Slip at the centres of the elements in contact, from that of the leading faces."""
     nx, ny = contact.shape
+    m0, m1 = np.empty(ny), np.empty(ny)
     for i in range(nx):
+        _centred(slip, contact, i, 1.0, m0, m1)
         for j in range(ny):
-            out[0, i, j], out[1, i, j] = slip[0, i, j], slip[1, i, j]
-            if contact[i, j] > 0.0:
-                out[0, i, j], out[1, i, j] = _centred(slip, contact, i, j, 1.0)
+            inside = contact[i, j] > 0.0
+            out[0, i, j] = m0[j] if inside else slip[0, i, j]
+            out[1, i, j] = m1[j] if inside else slip[1, i, j]
 
 
-@njit(cache=True)
+@compiled
+def lead(slip, traction, rows, columns, kept, answer):
+    """Set the slip of leading elements to a share of it and what it answers to their tractions.
+
+    Parameters
+    ----------
+    slip, traction : ndarray, shape (2, nx, ny)
+        Fields; the slip is changed.
+    rows, columns : ndarray of int, shape (m,)
+        Indices of the leading elements.
+    kept, answer : ndarray, shapes (m,) and (m, 2, 2)
+        The share, and the answer to the traction.
+    """
+    for m in range(rows.size):
+        i, j = rows[m], columns[m]
+        for c in range(2):
+            more = answer[m, c, 0] * traction[0, i, j] + answer[m, c, 1] * traction[1, i, j]
+            slip[c, i, j] = kept[m] * slip[c, i, j] + more
+
+
+@compiled
 def remember(target, kept, contact, ahead, out):
     """Shares of a bound that tend to their targets as the material passes, from the leading edge.
 
@@ -105,7 +138,7 @@ def remember(target, kept, contact, ahead, out):
             out[i, j] = kept[i, j] * ahead[i, j] + (1.0 - kept[i, j]) * target[i, j]
 
 
-@njit(cache=True)
+@compiled
 def carried(by_share, by_slip, kept, slip, out):
     """Change of a bound by a change of the slip at the centres, from the leading edge."""
     nx, ny = by_share.shape
@@ -117,31 +150,29 @@ def carried(by_share, by_slip, kept, slip, out):
             out[i, j] = by_share[i, j] * share[j]
 
 
-@njit(cache=True)
+@compiled
 def _share(a0, a1, m0, m1):
     """Share of the centre in the direction opposed, 2 a.m/(a² + m²) and a² + m² (`turn`)."""
     square = a0 * a0 + a1 * a1 + m0 * m0 + m1 * m1
-    if square < 1e-200:
-        return 0.0, 0.0, 1.0
-    agreement = 2.0 * (a0 * m0 + a1 * m1) / square
+    known = square >= 1e-200
+    square = square if known else 1.0
+    agreement = 2.0 * (a0 * m0 + a1 * m1) / square if known else 0.0
     return min(1.0, max(0.0, 2.0 * agreement - 0.5)), agreement, square
 
 
-@njit(cache=True)
+@compiled
 def _turned(a0, a1, m0, m1):
     """The slip opposed, and the ratio of its size to that of the vector it is turned to."""
     share, _, _ = _share(a0, a1, m0, m1)
-    if share == 0.0:
-        return a0, a1, 1.0
     d0, d1 = a0 + share * (m0 - a0), a1 + share * (m1 - a1)
     square = d0 * d0 + d1 * d1
-    if square < 1e-200:
-        return a0, a1, 1.0
-    ratio = sqrt((a0 * a0 + a1 * a1) / square)
-    return ratio * d0, ratio * d1, ratio
+    turns = share > 0.0 and square >= 1e-200
+    ratio = sqrt((a0 * a0 + a1 * a1) / (square if turns else 1.0))
+    ratio = ratio if turns else 1.0
+    return (ratio * d0 if turns else a0), (ratio * d1 if turns else a1), ratio
 
 
-@njit(cache=True)
+@compiled
 def turn(slip, contact, out, ahead=1.0):
     """Slip that the tractions oppose, from that of the leading faces.
 
@@ -154,16 +185,17 @@ def turn(slip, contact, out, ahead=1.0):
     The faces lie `ahead` / 2 elements before the centres.
     """
     nx, ny = contact.shape
+    m0, m1 = np.empty(ny), np.empty(ny)
     for i in range(nx):
+        _centred(slip, contact, i, ahead, m0, m1)
         for j in range(ny):
             a0, a1 = slip[0, i, j], slip[1, i, j]
-            if contact[i, j] > 0.0:
-                m0, m1 = _centred(slip, contact, i, j, ahead)
-                a0, a1, _ = _turned(a0, a1, m0, m1)
-            out[0, i, j], out[1, i, j] = a0, a1
+            s0, s1, _ = _turned(a0, a1, m0[j], m1[j])
+            inside = contact[i, j] > 0.0
+            out[0, i, j], out[1, i, j] = (s0 if inside else a0), (s1 if inside else a1)
 
 
-@njit(cache=True)
+@compiled
 def _respond(slip, m0, m1, staggered, s0, s1, ratio, t0, t1, i, j, across):
     """Derivative, along t, of the slip opposed s over the ratio of sizes (`_turned`).
 
@@ -193,7 +225,7 @@ def _respond(slip, m0, m1, staggered, s0, s1, ratio, t0, t1, i, j, across):
         across[1, 1, i, j] += x * (a1 - agreement * m1)
 
 
-@njit(cache=True)
+@compiled
 def linearise(
     traction, slip, bound, contact, staggered, w0, w1, state, direction, kappa, across, defect
 ):
@@ -234,22 +266,28 @@ def linearise(
     """
     nx, ny = bound.shape
     total = merit = 0.0
+    inverse0, inverse1 = 1.0 / w0, 1.0 / w1
+    centre, turned, ratios = np.empty((2, ny)), np.empty((2, ny)), np.ones(ny)
     for i in range(nx):
+        centre[:], turned[:] = slip[:, i], slip[:, i]
+        if staggered:
+            _centred(slip, contact, i, 1.0 * staggered, centre[0], centre[1])
+            for j in range(ny):
+                turned[0, j], turned[1, j], ratios[j] = _turned(
+                    slip[0, i, j], slip[1, i, j], centre[0, j], centre[1, j]
+                )
         for j in range(ny):
             g = bound[i, j]
             p0, p1 = traction[0, i, j], traction[1, i, j]
-            s0, s1, ratio = slip[0, i, j], slip[1, i, j], 1.0
-            m0, m1 = s0, s1
-            if staggered and g > 0.0:
-                m0, m1 = _centred(slip, contact, i, j, 1.0 * staggered)
-                s0, s1, ratio = _turned(s0, s1, m0, m1)
+            m0, m1 = centre[0, j], centre[1, j]
+            s0, s1, ratio = turned[0, j], turned[1, j], ratios[j]
             direction[0, i, j] = direction[1, i, j] = 0.0
             kappa[i, j] = 1.0
             if g <= 0.0:
                 state[i, j] = OPEN
                 d0, d1 = -p0, -p1
                 total += d0 * d0 + d1 * d1
-                merit += d0 * d0 / w0 + d1 * d1 / w1
+                merit += d0 * d0 * inverse0 + d1 * d1 * inverse1
                 defect[0, i, j], defect[1, i, j] = d0, d1
                 continue
             z0, z1, root = _nearest(p0 - s0, p1 - s1, g, 1.0, 1.0)
@@ -257,7 +295,7 @@ def linearise(
             if w0 != 1.0 or w1 != 1.0:
                 z0, z1, root = _nearest(p0 - w0 * s0, p1 - w1 * s1, g, w0, w1)
             d0, d1 = z0 - p0, z1 - p1
-            merit += d0 * d0 / w0 + d1 * d1 / w1
+            merit += d0 * d0 * inverse0 + d1 * d1 * inverse1
             if root == 0.0:
                 # Here disc(p - w s) - p = -w s. The row asks it of the slip of the leading face,
                 # which has the size of s but is linear in the tractions, unlike the turned one.
@@ -271,9 +309,8 @@ def linearise(
                 along, out = n0 * d1 - n1 * d0, n0 * d0 + n1 * d1
                 if w0 != 1.0 or w1 != 1.0:
                     # From (1 + l w) z = p - w s, differentiated and multiplied by t/w.
-                    scaled = (n1 * n1 / w0 + n0 * n0 / w1) * along + n0 * n1 * (
-                        1 / w1 - 1 / w0
-                    ) * out
+                    scaled = (n1 * n1 * inverse0 + n0 * n0 * inverse1) * along
+                    scaled += n0 * n1 * (inverse1 - inverse0) * out
                     along = k * scaled + (1.0 - k) * along
                 if ratio != 1.0:
                     # In k t.s + (1 - k) t.p what t.s answers is `ratio` times `across`: divided by
@@ -289,7 +326,7 @@ def linearise(
     return total, merit
 
 
-@njit(cache=True)
+@compiled
 def tangent_row(state, direction, kappa, across, contact, step, slip, out, ahead=1.0):
     """Rows of the linearised friction law: s where it sticks, kappa t.s + (1 - kappa) t.p along t.
 
@@ -298,23 +335,21 @@ def tangent_row(state, direction, kappa, across, contact, step, slip, out, ahead
     (`linearise`, `turn`). Components that are no unknowns are set to zero.
     """
     nx, ny = state.shape
+    m0, m1 = np.zeros(ny), np.zeros(ny)
     for i in range(nx):
+        if ahead > 0.0:
+            _centred(slip, contact, i, ahead, m0, m1)
         for j in range(ny):
-            if state[i, j] == STICK:
-                out[0, i, j], out[1, i, j] = slip[0, i, j], slip[1, i, j]
-            elif state[i, j] == SLIP:
-                t0, t1, k = -direction[1, i, j], direction[0, i, j], kappa[i, j]
-                along = across[0, 0, i, j] * slip[0, i, j] + across[0, 1, i, j] * slip[1, i, j]
-                if across[1, 0, i, j] != 0.0 or across[1, 1, i, j] != 0.0:
-                    m0, m1 = _centred(slip, contact, i, j, ahead)
-                    along += across[1, 0, i, j] * m0 + across[1, 1, i, j] * m1
-                value = k * along + (1.0 - k) * (t0 * step[0, i, j] + t1 * step[1, i, j])
-                out[0, i, j], out[1, i, j] = value * t0, value * t1
-            else:
-                out[0, i, j] = out[1, i, j] = 0.0
+            sticks, slips = state[i, j] == STICK, state[i, j] == SLIP
+            t0, t1, k = -direction[1, i, j], direction[0, i, j], kappa[i, j]
+            along = across[0, 0, i, j] * slip[0, i, j] + across[0, 1, i, j] * slip[1, i, j]
+            along += across[1, 0, i, j] * m0[j] + across[1, 1, i, j] * m1[j]
+            value = k * along + (1.0 - k) * (t0 * step[0, i, j] + t1 * step[1, i, j])
+            out[0, i, j] = value * t0 if slips else (slip[0, i, j] if sticks else 0.0)
+            out[1, i, j] = value * t1 if slips else (slip[1, i, j] if sticks else 0.0)
 
 
-@njit(cache=True)
+@compiled
 def split(state, direction, kappa, stiffness, own, row, smooth, rough):
     """Divide a residual between the two halves of the upwind-sweep preconditioner.
 
@@ -330,27 +365,28 @@ def split(state, direction, kappa, stiffness, own, row, smooth, rough):
     slip would be taken for traction there, too large by mu1²/mu2² (`sweep`).
     """
     nx, ny = state.shape
+    trace = own[0] + own[2]
     for i in range(nx):
         for j in range(ny):
-            smooth[0, i, j] = smooth[1, i, j] = rough[i, j] = 0.0
-            if state[i, j] == STICK:
-                d, w = own[0] + own[2], stiffness[i, j]
-                share = d / (d + 0.5 * w) * (1.0 + w)
-                smooth[0, i, j], smooth[1, i, j] = share * row[0, i, j], share * row[1, i, j]
-            elif state[i, j] == SLIP:
-                t0, t1, k = -direction[1, i, j], direction[0, i, j], kappa[i, j]
-                d0, d1 = own[0] * t0 + own[1] * t1, own[1] * t0 + own[2] * t1
-                d = t0 * d0 + t1 * d1
-                w = stiffness[i, j]
-                value = (1.0 + w) * (t0 * row[0, i, j] + t1 * row[1, i, j]) / k
-                # Elastic over elastic and local: the circulant cannot know of a local term, and
-                # given all of a row that is nearly local it would make far too much of it.
-                share = 2.0 * d / (2.0 * d + 0.5 * w + (1.0 + w) * (1.0 / k - 1.0))
-                rough[i, j] = (1.0 - share) * value
-                smooth[0, i, j], smooth[1, i, j] = share * value * d0 / d, share * value * d1 / d
+            sticks, slips = state[i, j] == STICK, state[i, j] == SLIP
+            w, k, r0, r1 = stiffness[i, j], kappa[i, j], row[0, i, j], row[1, i, j]
+            t0, t1 = -direction[1, i, j], direction[0, i, j]
+            d0, d1 = own[0] * t0 + own[1] * t1, own[1] * t0 + own[2] * t1
+            # Elastic over elastic and local: the circulant cannot know of a local term, and given
+            # all of a row that is nearly local it would make far too much of it. Times kappa, so
+            # that one division does.
+            local = 0.5 * w * k + (1.0 + w) * (1.0 - k)
+            whole = 2.0 * k * (t0 * d0 + t1 * d1) + local
+            part = (1.0 + w) / (k * whole if slips else trace + 0.5 * w)
+            of_stick = trace * part if sticks else 0.0
+            of_slip = (t0 * r0 + t1 * r1) * part if slips else 0.0
+            rough[i, j] = local * of_slip
+            of_slip *= 2.0 * k
+            smooth[0, i, j] = of_slip * d0 + of_stick * r0
+            smooth[1, i, j] = of_slip * d1 + of_stick * r1
 
 
-@njit(cache=True)
+@compiled
 def sweep(state, direction, kappa, stiffness, own, smooth, rough, out):
     """Integrate from the leading edge of every row, where the traction is zero.
 
@@ -373,17 +409,16 @@ def sweep(state, direction, kappa, stiffness, own, smooth, rough, out):
                 t0, t1 = -direction[1, i, j], direction[0, i, j]
                 d0 = 2.0 * (own[0] * t0 + own[1] * t1)
                 d1 = 2.0 * (own[1] * t0 + own[2] * t1)
-                d = t0 * d0 + t1 * d1
-                w = stiffness[i, j]
-                # Implicit: where gamma outweighs d, the traction is rough/gamma.
-                gamma = 0.5 * w + (1.0 + w) * (1.0 / kappa[i, j] - 1.0)
-                tau = (d0 * a + d1 * b + rough[i, j]) / (d + gamma)
+                w, k = stiffness[i, j], kappa[i, j]
+                # Implicit: where gamma outweighs d, the traction is rough/gamma. Times kappa.
+                whole = k * (t0 * d0 + t1 * d1 + 0.5 * w) + (1.0 + w) * (1.0 - k)
+                tau = k * (d0 * a + d1 * b + rough[i, j]) / whole
                 a, b = tau * t0, tau * t1
             ahead[0, j], ahead[1, j] = a, b
             out[0, i, j], out[1, i, j] = a, b
 
 
-@njit(cache=True)
+@compiled
 def _unturned(state, direction, across, contact, ahead, rows):
     """Slip of the leading faces along t, in place of what the rows of slipping elements have.
 
@@ -434,7 +469,7 @@ def _unturned(state, direction, across, contact, ahead, rows):
                 )
 
 
-@njit(cache=True)
+@compiled
 def share_out(
     state, direction, kappa, across, contact, stiffness, own, ahead, row, share, smooth, rough
 ):
@@ -470,7 +505,7 @@ def share_out(
                 rough[c, i, j] *= gamma * (q / d) ** 2
 
 
-@njit(cache=True)
+@compiled
 def gather(state, direction, share, smooth, rough, out):
     """Put both parts together: of an element that slips, what is along t (`share_out`)."""
     nx, ny = state.shape

@@ -9,6 +9,7 @@ disc: Coulomb's is the pressure. A law of one's own is a subclass of `FrictionLa
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -399,7 +400,7 @@ class Linearisation:
     falling: "Falling | None" = None
     staggered: float = 1.0
 
-    @property
+    @cached_property
     def known(self) -> np.ndarray:
         """The part of the step that is known beforehand: along n, where an element slips."""
         return (self.defect * self.direction).sum(axis=0) * self.direction

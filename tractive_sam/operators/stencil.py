@@ -37,6 +37,8 @@ from functools import cached_property
 
 import numpy as np
 
+from tractive_sam.kernels.friction import lead
+
 FARTHEST = 1e3
 """Largest ratio of `entry_beyond`: an edge so near a centre is as good as on it."""
 
@@ -211,9 +213,22 @@ class FrictionSlip:
         if not self._gap.size:
             return slip
         slip = slip.copy()
-        share = self._share(traction)
-        slip[:, *self._here] = self._leading(slip, self._gap * share, self._bound * share)
+        lead(slip, traction, *self._here, *self._met)
         return slip
+
+    @cached_property
+    def _answer(self) -> np.ndarray:
+        """What the faces of leading elements slip by their tractions, shape (m, 2, 2)."""
+        answer = self._opening * (self._gap / self._bound)[:, None, None]
+        if self._layer is not None:
+            answer += self._entry[:, None, None] * self._layer
+        return answer
+
+    @cached_property
+    def _met(self) -> tuple[np.ndarray, np.ndarray]:
+        """Factors of slip and tractions of the leading elements in `sticking`."""
+        kept = 1.0 / (1.0 + self._stiffness)
+        return kept, kept[:, None, None] * self._answer
 
     def _share(self, traction: np.ndarray) -> np.ndarray:
         """Traction of the leading elements over their bound, shape (2, m)."""
@@ -285,10 +300,7 @@ class FrictionSlip:
         """
         change = by[:, None, None] * self.sticking(slip, traction)
         if self._gap.size:
-            opened = self._opening * (self._gap / self._bound)[:, None, None]
-            if self._layer is not None:
-                opened = opened + self._entry[:, None, None] * self._layer
-            stiffer = np.einsum("mkk,k->m", opened, 2.0 * by - unit) / (1.0 + self._stiffness)
+            stiffer = np.einsum("mkk,k->m", self._answer, 2.0 * by - unit) / (1.0 + self._stiffness)
             share = self._share(traction)
             change[:, *self._here] -= stiffer * self._leading(
                 slip, self._gap * share, self._bound * share

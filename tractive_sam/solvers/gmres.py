@@ -1,6 +1,7 @@
 """Generalised minimal residuals, preconditioned from the right, without restarts."""
 
 from collections.abc import Callable
+from math import hypot, sqrt
 
 import numpy as np
 
@@ -30,28 +31,32 @@ def gmres(
     iterations : int
         Applications of the operator; the preconditioner was applied once more.
     """
-    norm = float(np.linalg.norm(rhs))
+    norm = sqrt(rhs @ rhs)
     if norm == 0.0:
         return np.zeros_like(rhs), 0
     basis = np.empty((min(most, 15) + 1, rhs.size), rhs.dtype)
     basis[0] = rhs / norm
+    # The basis has the precision of rhs. The triangle and the rotations are in double: they are
+    # small, and add no rounding of their own to that of the products.
     triangle = np.zeros((most, most))
-    rotation = np.eye(most + 1)
+    rotations: list[tuple[float, float]] = []
     residual = np.zeros(most + 1)
     residual[0] = norm
     k = 0
     while k < most and abs(residual[k]) > tolerance * norm:
-        # The basis has the precision of rhs. The triangle and the rotations are in double: they
-        # are small, and add no rounding of their own to that of the products.
         w, h, beyond = orthogonalised(operator(preconditioner(basis[k])), basis[: k + 1])
         # Givens: the rotations so far, then one that takes away what the new vector adds below.
-        column = rotation[: k + 1, : k + 1] @ h
-        size = np.hypot(column[k], beyond)
+        column = h.tolist()
+        for i, (c, s) in enumerate(rotations):
+            here, below = column[i], column[i + 1]
+            column[i], column[i + 1] = c * here + s * below, c * below - s * here
+        size = hypot(column[k], beyond)
         if size == 0.0:
             break
         c, s = column[k] / size, beyond / size
-        rotation[[k, k + 1]] = np.array([[c, s], [-s, c]]) @ rotation[[k, k + 1]]
-        triangle[:k, k], triangle[k, k] = column[:k], size
+        column[k] = size
+        rotations.append((c, s))
+        triangle[: k + 1, k] = column
         residual[k + 1] = -s * residual[k]
         residual[k] *= c
         k += 1
@@ -74,14 +79,14 @@ def orthogonalised(w: np.ndarray, basis: np.ndarray) -> tuple[np.ndarray, np.nda
     Classical Gram-Schmidt: products with the whole basis at once. It is done again where little is
     left, of which rounding has spoilt a part ("twice is enough").
     """
-    before = float(np.linalg.norm(w))
+    before = sqrt(w @ w)
     h = basis @ w
     w = w - h @ basis
-    beyond = float(np.linalg.norm(w))
+    beyond = sqrt(w @ w)
     components = h.astype(float)
     if beyond < 0.5 * before:
         h = basis @ w
         w -= h @ basis
-        beyond = float(np.linalg.norm(w))
+        beyond = sqrt(w @ w)
         components += h
     return w, components, beyond

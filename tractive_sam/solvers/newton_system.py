@@ -50,7 +50,9 @@ class Iterate:
         if response is None or self._brought_back(pressure, traction):
             response, self.applications = problem.response(self.fields(held)), 1
         self.response = response
-        self.slip = problem.rigid + forces.slip(creepage) + response[-2:]
+        self.slip = problem.rigid + response[-2:]
+        if len(forces):
+            self.slip += forces.slip(creepage)
         self.gap = normal.gap if held else normal.gap + response[0] - approach
         self.seen = problem.friction_slip(self.pressure, self.gap)
         # The tractions lie within the bound at rest, the law asks for that under the slip.
@@ -68,9 +70,11 @@ class Iterate:
         # Resultants, given and missed, count as if spread evenly over the contact.
         elements = max(np.count_nonzero(self.active), 1)
         self.load_missed = 0.0 if problem.load is None else problem.load - self.pressure.sum()
-        self.force_missed = forces.target - forces.force(self.traction)
-        missed = np.sum(self.force_missed**2) / elements
-        asked = np.linalg.norm(forces.target) / np.sqrt(elements)
+        self.force_missed, missed, asked = forces.target, 0.0, 0.0
+        if len(forces):
+            self.force_missed = forces.target - forces.force(self.traction)
+            missed = np.sum(self.force_missed**2) / elements
+            asked = np.linalg.norm(forces.target) / np.sqrt(elements)
         drag = max(np.linalg.norm(self.traction + self.law.defect), asked)
         self._tangential = self.law.merit + missed
         self._normal = 0.0
@@ -199,10 +203,11 @@ class System:
             field -= self._rows(step, self._response(step))
         field[:-2] -= np.where(at.active, at.gap, 0.0)
         field[-2:] += at.ratio * law.asked
-        missed = at.ratio * at.force_missed
-        if self.under_load:
-            missed = np.concatenate(([at.load_missed], missed))
-        rhs[self.size :] = self.weight * (missed - self._resultants(known))
+        if self.length > self.size:
+            missed = at.ratio * at.force_missed
+            if self.under_load:
+                missed = np.concatenate(([at.load_missed], missed))
+            rhs[self.size :] = self.weight * (missed - self._resultants(known))
         return rhs, known
 
     def operator(self, vector: np.ndarray) -> np.ndarray:

@@ -225,11 +225,16 @@ class Problem:
 
     def within(self, box: Box) -> Self:
         """The tangential problem, of a pressure that is held, on a rectangle around the contact."""
-        friction, pressure = self.friction, self.normal.pressure[box]
-        held = Held(self.operators.part(pressure.shape), pressure, self.normal.gap[box])
+        friction, normal = self.friction, self.normal
+        # Contiguous, for the vector instructions of the kernels.
+        pressure, gap = (
+            np.ascontiguousarray(field[box]) for field in (normal.pressure, normal.gap)
+        )
+        held = Held(self.operators.part(pressure.shape), pressure, gap)
         x = friction.x[box[0]] if len(friction.x) > 1 else friction.x
         y = friction.y[:, box[1]] if friction.y.shape[1] > 1 else friction.y
-        return replace(self, normal=held, rigid=self.rigid[:, *box], friction=friction.on(x, y))
+        rigid = np.ascontiguousarray(self.rigid[:, *box])
+        return replace(self, normal=held, rigid=rigid, friction=friction.on(x, y))
 
     def coarsened(self) -> Self:
         """The same problem on elements of twice the size."""

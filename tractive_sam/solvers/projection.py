@@ -91,10 +91,12 @@ class ProjectedMap:
 
     def admissible(self, state: Array) -> Array:
         """Pressure not negative, tractions within the bound it gives."""
-        out = np.empty_like(state)
-        out[:-2] = np.maximum(state[:-2], 0.0)
-        radius = self.problem.bound(self._pressure(out)).radius
-        out[-2:] = self.problem.project(state[-2:], radius, physical=False)
+        problem = self.problem
+        if problem.held:
+            radius = problem.bound(problem.normal.pressure).radius
+            return problem.project(state, radius, physical=False)
+        out = np.maximum(state, 0.0)
+        out[1:] = problem.project(state[1:], problem.bound(out[0]).radius, physical=False)
         return out
 
     def __call__(self, state: Array) -> Evaluation:
@@ -107,19 +109,20 @@ class ProjectedMap:
             gap = gap + problem.wear(pressure, state[-2:], slip)
         seen = problem.friction_slip(pressure, gap)
         opposed = problem.opposed(state[-2:], slip, seen)
-        target = np.empty_like(state)
-        target[:-2] = np.maximum(state[:-2] - gap, 0.0)
         bound = problem.bound(pressure)
         radius = problem.bound_sliding(bound, pressure, state[-2:], slip, seen).radius
-        target[-2:] = problem.project(state[-2:] - opposed, radius, physical=False)
-        missed = target - state
-        # A pressure that is held misses nothing.
-        residual = max(
-            relative(np.linalg.norm(missed[k]), np.linalg.norm(target[k]))
-            for k in (slice(None, -2), slice(-2, None))
-        )
-        misses = opposed if problem.held else np.concatenate((gap[None], opposed))
+        target = problem.project(state[-2:] - opposed, radius, physical=False)
+        residual, misses = missed(target, state[-2:]), opposed
+        if not problem.held:
+            pressed = np.maximum(pressure - gap, 0.0)
+            residual = max(missed(pressed, pressure), residual)
+            misses = np.concatenate((gap[None], opposed))
         return Evaluation(self.admissible(state - self.steps * misses), residual, gap, slip)
+
+
+def missed(target: Array, state: Array) -> float:
+    """How far a state is from its projection, relative to that."""
+    return relative(np.linalg.norm(target - state), np.linalg.norm(target))
 
 
 States = Generator[tuple[ProjectedMap, Array], Evaluation, None]
