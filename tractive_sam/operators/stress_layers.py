@@ -86,9 +86,9 @@ class StressLayers:
         # No offset from a loaded element is longer than half a period.
         self._padded = tuple(padded_length(reach(loaded.any(axis=k)) + 1) for k in (1, 0))
         px, py = self._padded
-        fields = tractions.reshape(-1, *lattice.shape)
+        fields = tractions.reshape(-1, *lattice.shape) / (2.0 * np.pi * px * py)
         spectra = transform(len(fields), lattice.shape, self._padded).forward(fields)
-        self._loads = spectra.reshape(*tractions.shape[:2], px, -1) / (2.0 * np.pi * px * py)
+        self._loads = spectra.reshape(*tractions.shape[:2], px, -1).copy()
 
     def at(self, depth: float) -> np.ndarray:
         """Stresses at one depth.

@@ -4,6 +4,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from tractive_sam.kernels import surface_stress as surface_kernels
 from tractive_sam.mechanics import HalfSpaces
 from tractive_sam.operators import influence
 from tractive_sam.operators.fft import spectrum, transform
@@ -34,21 +35,12 @@ def surface_stress(lattice: Lattice, body: HalfSpaces, tractions: np.ndarray) ->
         In the order of `kernels.stress.COMPONENTS`, MPa: of corners that four elements share, or
         of edges that two strips do.
     """
-    p_x, p_y, p_n = np.moveaxis(between(tractions), -3, 0)
-    u = np.moveaxis(_displacements(lattice, body, tractions), -3, 0)
-    (xx, yx), (xy, yy) = slopes(u, lattice.dx, lattice.dy)
-    poisson = body.A.poisson
-    # Displacements are those of unit shear modulus.
-    plane, out = 2.0 / (1.0 - poisson), poisson / (1.0 - poisson) * p_n
-    stress = (
-        plane * (xx + poisson * yy) - out,
-        plane * (yy + poisson * xx) - out,
-        -p_n,
-        xy + yx,
-        -p_x,
-        -p_y,
-    )
-    return np.stack(stress, axis=-3)
+    each = tractions.reshape(-1, 3, *lattice.shape)
+    nx, ny = lattice.shape
+    stress = np.empty((len(each), 6, nx - 1, max(ny - 1, 1)))
+    u, sides = _displacements(lattice, body, each), (lattice.dx, lattice.dy)
+    surface_kernels.at_corners(stress, u, each, *sides, body.A.poisson)
+    return stress.reshape(*tractions.shape[:-3], *stress.shape[1:])
 
 
 def between(fields: np.ndarray) -> np.ndarray:
@@ -73,24 +65,23 @@ def _mean(fields: np.ndarray, axis: int) -> np.ndarray:
 
 
 def _displacements(lattice: Lattice, body: HalfSpaces, tractions: np.ndarray) -> np.ndarray:
-    """(u_x, u_y) at the centres, (..., 2, n_x, n_y); they belong to the transform."""
-    xx, xy, yy, xz, yz = _spectra(lattice, body)
-    fields = tractions.reshape(-1, *lattice.shape)
-    planned = transform(len(fields), lattice.shape, lattice.padded)
-    spectra = planned.forward(fields)
-    for of_body in spectra.reshape(-1, 3, *spectra.shape[1:]):
-        p_x, p_y, p_n = of_body.copy()
-        of_body[0] = xx * p_x + xy * p_y + xz * p_n
-        of_body[1] = xy * p_x + yy * p_y + yz * p_n
-    return planned.backward().reshape(tractions.shape)[..., :2, :, :]
+    """(u_x, u_y) at the centres, (bodies, 2, n_x, n_y); they belong to the transform.
+
+    Of unit shear modulus.
+    """
+    planned = transform(3 * len(tractions), lattice.shape, lattice.padded)
+    spectra = planned.forward(tractions.reshape(-1, *lattice.shape))
+    product = spectra.reshape(-1, 3, *spectra.shape[1:])
+    surface_kernels.displacement_product(product, *_spectra(lattice, body))
+    return planned.backward().reshape(tractions.shape)[:, :2]
 
 
 @lru_cache(maxsize=4)
-def _spectra(lattice: Lattice, body: HalfSpaces) -> tuple[np.ndarray, ...]:
-    """Of the kernels: the even ones have real spectra, the odd ones imaginary."""
+def _spectra(lattice: Lattice, body: HalfSpaces) -> tuple[np.ndarray, np.ndarray]:
+    """Of the kernels: the even ones (3, ...) have real spectra, the odd ones (2, ...) imaginary."""
 
     def of(component: str) -> np.ndarray:
         return spectrum(influence.displacement(lattice, body, component))
 
-    even = tuple(of(component).real for component in ("xx", "xy", "yy"))
-    return even + tuple(1j * of(component).imag for component in ("xz", "yz"))
+    even = np.stack([of(component).real for component in ("xx", "xy", "yy")])
+    return even, np.stack([of(component).imag for component in ("xz", "yz")])

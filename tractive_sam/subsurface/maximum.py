@@ -159,7 +159,7 @@ def _local_maxima(
     Of every layer the largest value in each of the coarsest blocks, where no block beside it has a
     larger one, nor has the layer above or below it there.
     """
-    tops = np.stack([_split(layer.values, blocks).max(axis=(2, 4)) for layer in layers], axis=1)
+    tops = np.stack([_largest_in(layer.values, blocks) for layer in layers], axis=1)
     peaks = tops == _largest_around(tops)
     for body, (values, found) in enumerate(zip(tops, peaks, strict=True)):
         each = _peaks(layers, body, blocks, np.argwhere(found)[np.argsort(-values[found])])
@@ -187,6 +187,15 @@ def _largest_around(values: np.ndarray) -> np.ndarray:
         np.maximum(largest[1:], along[:-1], out=largest[1:])
         np.maximum(largest[:-1], along[1:], out=largest[:-1])
         values = np.moveaxis(largest, 0, axis)
+    return values
+
+
+def _largest_in(values: np.ndarray, blocks: tuple[int, int]) -> np.ndarray:
+    """The largest value in each block; halving by halving, as numpy reduces short axes slowly."""
+    while values.shape[1] > blocks[0]:
+        values = np.maximum(values[:, ::2], values[:, 1::2])
+    while values.shape[2] > blocks[1]:
+        values = np.maximum(values[:, :, ::2], values[:, :, 1::2])
     return values
 
 

@@ -197,13 +197,20 @@ class MultiLevel:
     def _level(self, bx: int, by: int) -> "_Level":
         if (bx, by) not in self._levels:
             x, y = self._x.centres(bx), self._y.centres(by)
-            tractions = self._tractions
-            if bx > 1 or by > 1:
-                tractions = tractions.reshape(-1, 3, x.size, bx, y.size, by).mean(axis=(3, 5))
             lattice = Lattice((x.size, y.size), bx * self._x.step, by * self._y.step)
-            stress = StressLayers(lattice, tractions, self._poisson)
+            stress = StressLayers(lattice, self._means(bx, by), self._poisson)
             self._levels[bx, by] = _Level(x, y, stress)
         return self._levels[bx, by]
+
+    def _means(self, bx: int, by: int) -> np.ndarray:
+        """Tractions (bodies, 3, ...) on blocks, each made of the two halves of its longer side."""
+        if (bx, by) == (1, 1):
+            return self._tractions
+        if bx >= by:
+            halves = self._means(bx // 2, by)
+            return 0.5 * (halves[..., ::2, :] + halves[..., 1::2, :])
+        halves = self._means(bx, by // 2)
+        return 0.5 * (halves[..., ::2] + halves[..., 1::2])
 
 
 def _power_of_two(most: float) -> int:

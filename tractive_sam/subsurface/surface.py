@@ -5,7 +5,6 @@ follows; but each stress has its root on one side only, and is smooth on the oth
 """
 
 from collections.abc import Sequence
-from itertools import product
 
 import numpy as np
 
@@ -171,26 +170,24 @@ def _at_border(
     Midway between a corner that slips and the next one that sticks, in x or in y, where there are
     at most `WIDEST` steps between them and another one of the same kind behind each.
     """
-    found, places = [stress[:, :, :0, 0]], [np.zeros((2, 0))]
-    # Where one of them is nowhere there is no border.
-    axes = [axis for axis in (0, 1) if slips.shape[axis] > 1 and slips.any() and sticks.any()]
+    if not (slips.any() and sticks.any()):
+        return stress[:, :, :0, 0], np.zeros((2, 0))
     slip_at, stick_at, either_at = map(_Shifted, (slips, sticks, sticks | slips))
-    for axis, sign in product(axes, (1, -1)):
-        ends = slips & slip_at(-sign, axis)
-        on = np.zeros((2, 1), dtype=int)
-        on[axis] = sign
-        for steps in range(1, WIDEST + 1):
-            i = np.stack(
-                np.nonzero(ends & stick_at(sign * steps, axis) & stick_at(sign * (steps + 1), axis))
-            )
-            ends = ends & ~either_at(sign * steps, axis)
-            slip, behind = stress[:, :, *i], stress[:, :, *(i - on)]
-            stick, further = (stress[:, :, *(i + k * on)] for k in (steps, steps + 1))
-            at = slip + 0.5 * steps * (slip - behind)
-            at[:, _IN_PLANE] = (stick + 0.5 * steps * (stick - further))[:, _IN_PLANE]
-            found.append(at)
-            places.append(i + 0.5 * steps * on)
-    return np.concatenate(found, axis=-1), np.concatenate(places, axis=1)
+    ways, steps, ends = [], [], []
+    for way in _ways(slips.shape):
+        last = slips & slip_at(-way)
+        for step in range(1, WIDEST + 1):
+            ends.append(last & stick_at(step * way) & stick_at((step + 1) * way))
+            ways.append(way)
+            steps.append(step)
+            last = last & ~either_at(step * way)
+    k, *i = np.nonzero(ends)
+    on, apart = np.array(ways)[k].T, np.array(steps)[k]
+    slip, behind = stress[:, :, *i], stress[:, :, *(i - on)]
+    stick, further = stress[:, :, *(i + apart * on)], stress[:, :, *(i + (apart + 1) * on)]
+    at = slip + 0.5 * apart * (slip - behind)
+    at[:, _IN_PLANE] = (stick + 0.5 * apart * (stick - further))[:, _IN_PLANE]
+    return at, i + 0.5 * apart * on
 
 
 def _at_edge(
@@ -206,35 +203,32 @@ def _at_edge(
     across from it that is. The square of the pressure is a straight line near the edge, which ends
     there.
     """
-    square = between(pressure**2)
-    slope = slopes(pressure**2, lattice.dx, lattice.dy)
-    per_element = slope * np.array([lattice.dx, lattice.dy])[:, None, None]
-    steep = np.abs(per_element)
-    loaded_at = _Shifted(loaded)
-    ends, inner, aways, places = [], [], [], []
-    for axis, sign in product((0, 1) if loaded.shape[1] > 1 else (0,), (1, -1)):
-        rising = sign * per_element[axis]
-        here = loaded & loaded_at(sign, axis) & ~loaded_at(-sign, axis)
-        here &= (steep[axis] >= steep[1 - axis]) & (rising > 0.0) & (square <= FARTHEST * rising)
-        i = np.stack(np.nonzero(here))
-        k = i.copy()
-        k[axis] += sign
-        # As steep further inside, or the edge is sharper than the mesh.
-        even = rising[*k] / rising[*i]
-        i, k = (of[:, (even > 1.0 / EVEN) & (even < EVEN)] for of in (i, k))
-        away = square[*i] / rising[*i]
-        place = i.astype(float)
-        place[axis] -= sign * away
-        for of, what in zip((ends, inner, aways, places), (i, k, away, place), strict=True):
-            of.append(what)
-    i, k = np.concatenate(ends, axis=1), np.concatenate(inner, axis=1)
-    away = np.concatenate(aways)
-    here, further = (
-        _smooth(stress[..., *at], between(pressure)[*at], slope[:, *at], poisson) for at in (i, k)
+    ways, loaded_at = _ways(loaded.shape), _Shifted(loaded)
+    k, *i = np.nonzero([loaded & loaded_at(way) & ~loaded_at(-way) for way in ways])
+    on, i = ways[k].T, np.array(i)
+    square = pressure**2
+    slope = slopes(square, lattice.dx, lattice.dy)
+    sides = np.array([[lattice.dx], [lattice.dy]])
+    here = between(square)[*i]
+    rising, inner = ((on * slope[:, *at] * sides).sum(axis=0) for at in (i, i + on))
+    along = np.abs((~on.astype(bool) * slope[:, *i] * sides).sum(axis=0))
+    # As steep further inside, or the edge is sharper than the mesh.
+    known = (rising >= along) & (rising > 0.0) & (here <= FARTHEST * rising)
+    known &= (inner > rising / EVEN) & (inner < EVEN * rising)
+    i, on, away = i[:, known], on[:, known], here[known] / rising[known]
+    pressures = between(pressure)
+    smooth, further = (
+        _smooth(stress[..., *at], pressures[*at], slope[:, *at], poisson) for at in (i, i + on)
     )
     edge = np.zeros((len(stress), 6, away.size))
-    edge[:, _IN_PLANE] = here + away * (here - further)
-    return edge, np.concatenate(places, axis=1)
+    edge[:, _IN_PLANE] = smooth + away * (smooth - further)
+    return edge, i - away * on
+
+
+def _ways(corners: tuple[int, int]) -> np.ndarray:
+    """Steps (ways, 2) from a corner to its neighbours, in x and, if there are any, in y."""
+    ways = np.array(((1, 0), (-1, 0), (0, 1), (0, -1)))
+    return ways if corners[1] > 1 else ways[:2]
 
 
 def _smooth(
@@ -252,15 +246,15 @@ def _smooth(
 
 
 class _Shifted:
-    """Corners that are so many steps further along an axis; none beyond the last."""
+    """Corners that are a step (in x, in y) further; none beyond the last."""
 
     def __init__(self, corners: np.ndarray) -> None:
         self._shape = corners.shape
         self._within = np.zeros(np.add(corners.shape, 2 * _FARTHEST_SHIFT), dtype=bool)
         self._within[self._view(0, 0)] = corners
 
-    def __call__(self, steps: int, axis: int) -> np.ndarray:
-        return self._within[self._view(*((steps, 0) if axis == 0 else (0, steps)))]
+    def __call__(self, step: np.ndarray) -> np.ndarray:
+        return self._within[self._view(*step)]
 
     def _view(self, *steps: int) -> tuple[slice, ...]:
         first = (_FARTHEST_SHIFT + k for k in steps)
