@@ -22,8 +22,8 @@ SETTLED = 1e-2
 """A step shorter than this share of the depth is the last."""
 
 STEEP = 1e-2
-"""Part of itself by which a value at the floor falls over a fifth of the depth where the way down is
-barred for sure: tops that were found from there fall by a third of that at most."""
+"""Part of itself by which a value at the floor falls over a fifth of the depth where the way down
+is barred for sure: where a top was found from there, it fell by a third of that at most."""
 
 _AXES = np.concatenate((np.eye(3), -np.eye(3)))
 _PAIRS = np.array([e + s * f for e, f in combinations(np.eye(3), 2) for s in (1.0, -1.0)])
