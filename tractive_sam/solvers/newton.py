@@ -73,7 +73,7 @@ class Newton:
     sharp: float = 1e-5
     aim: float = 0.3
     rough: float = 1e-4
-    large: int = 1_000
+    large: int = 5_000
 
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
