@@ -7,9 +7,11 @@
   over the largest value;
 - `steps`: applications per step on 91 x 91 elements, of several courses;
 - `order`: error of Q_x after a step of creepage, over the mesh and over the step, against the
-  extrapolated finest one.
+  extrapolated finest one;
+- `wear`: what passes through a constant course against a steady revolution, over the mesh; a ball
+  that slides to and fro against the closed form, over the step.
 
-    python benchmarks/transient.py [courses killed steps order]
+    python benchmarks/transient.py [courses killed steps order wear]
 """
 
 import sys
@@ -218,8 +220,52 @@ def order() -> None:
     show("Q_x/(mu P) after 3 mm", rows)
 
 
+def wear() -> None:
+    """Errors of the depth, over the largest: of a pass over the mesh, of fretting over the step."""
+    intensity, rows = 1e-3, []
+    once = {"revolutions": 1, "turns": "equal", "stepping": "every-revolution"}
+    for slip in ("auto", "upwind"):
+        for n in (23, 45, 91):
+            changes = {"grid.elements": (n, n), "solver.slip": slip}
+            creepage, end = -0.0031, round(0.93 * n) * 8.16 / n
+            table = {"distance": [0, end], "creepage.longitudinal": [creepage] * 2}
+            worn = SPHERES.replace(
+                wear={"intensity": intensity}, transient=table | {"start": "steady"}, **changes
+            )
+            steady = SPHERES.replace(
+                wear=once | {"intensity": intensity},
+                creepage={"longitudinal": creepage},
+                **changes,
+            )
+            depth = ts.roll(worn)["wear_profile"][-1]
+            revolution = ts.roll(steady)["wear_profile"][1]
+            error = np.abs(depth - revolution).max() / revolution.max()
+            rows.append({"case": "pass", "slip": slip, "n": n, "steps": "", "error": error})
+    # Johnson 1985, eq. 3.91: the displacement of both bodies by full traction mu p in x.
+    G, nu, p0 = 1.0, 0.28, SPHERES.hertz.p0
+    stroke = 1.5 * (2.0 - nu) * MU * P / (G * A)
+    table = {"distance": [0, 1, 2, 3], "creepage.longitudinal": [0, stroke, -stroke, stroke]}
+    for slip in ("auto", "upwind"):
+        for steps in (5, 10, 20, 40):
+            scene = SPHERES.replace(
+                wear={"intensity": intensity},
+                transient=table | {"start": "shift", "step": 1.0 / steps},
+                **{"grid.elements": (61, 61), "solver.slip": slip},
+            )
+            history = ts.roll(scene)
+            x, y = history.x[:, None], history.y[None, :]
+            u = 4.0 * (2.0 - nu) * A**2 - (4.0 - 3.0 * nu) * x**2 - (4.0 - nu) * y**2
+            slipped = 5.0 * (stroke - np.pi * MU * p0 / (16.0 * G * A) * u)
+            hertz = np.sqrt(np.maximum(1.0 - (x**2 + y**2) / A**2, 0.0))
+            exact, inside = intensity * p0 * hertz * slipped, np.hypot(x, y) < 0.9 * A
+            error = np.abs(history.field("wear") - exact)[inside].max() / exact.max()
+            rows.append({"case": "fretting", "slip": slip, "n": 61, "steps": steps, "error": error})
+    write("transient_wear", rows)
+    show("error of the depth", rows)
+
+
 if __name__ == "__main__":
     warnings.simplefilter("ignore", ts.SceneWarning)
-    parts = {"courses": courses, "killed": killed, "steps": steps, "order": order}
+    parts = {"courses": courses, "killed": killed, "steps": steps, "order": order, "wear": wear}
     for name in sys.argv[1:] or parts:
         parts[name]()

@@ -428,6 +428,29 @@ def transient_steps() -> str:
     return of_columns(rows.values(), columns)
 
 
+def transient_wear() -> str:
+    """Errors of the depth that transients wear."""
+    errors = {
+        (row["case"], row["slip"], row["n"], row["steps"]): row["error"]
+        for row in rows_of("transient_wear.csv")
+    }
+    slips = (("second order", "auto"), ("first order", "upwind"))
+    small, tables = number(".2g"), []
+    for case, first, at in (("pass", "elements", 2), ("fretting", "steps a stroke", 3)):
+        places = list(dict.fromkeys(key[at] for key in errors if key[0] == case))
+        body = [
+            (told, *(small(value) for key, value in errors.items() if key[:2] == (case, slip)))
+            for told, slip in slips
+        ]
+        tables.append(markdown((first, *places), body))
+    told = (
+        "Largest error of the depth over the largest depth (spheres). A pass of a constant course "
+        "against a steady revolution, in steps of one element:"
+    )
+    also = "A ball that slides to and fro against the closed form, on 61 x 61 elements:"
+    return f"{told}\n\n{tables[0]}\n{also}\n\n{tables[1]}"
+
+
 def duty() -> str:
     """Jumps of duty cycles against every revolution."""
     columns = {
@@ -502,6 +525,7 @@ TABLES = {
         study_scaling,
         transient_order,
         transient_steps,
+        transient_wear,
         duty,
         duty_cores,
         experiment,

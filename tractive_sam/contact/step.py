@@ -41,6 +41,9 @@ def travelled(model: Model, distance: float) -> np.ndarray | float:
 
 Three = tuple[float, float, float]
 
+MOST_WORN = 1.0
+"""Depth that a step may wear over the elastic depth of a ripple as short as elements are."""
+
 
 @dataclass(frozen=True, eq=False)
 class Asked:
@@ -59,6 +62,8 @@ class Asked:
         (Q_x, Q_y) at the end, N, in place of creepages.
     friction : float
         Factor on the bound of friction at the end.
+    mean_friction : float
+        The same on the mean of the way: what wears goes by it.
     separation : ndarray, shape (n_x, n_y), or float
         What is added to the undeformed gap at the end, mm.
     """
@@ -69,6 +74,7 @@ class Asked:
     approach: float | None = None
     forces: tuple[float | None, float | None] = (None, None)
     friction: float = 1.0
+    mean_friction: float = 1.0
     separation: np.ndarray | float = 0.0
 
 
@@ -96,6 +102,10 @@ class Stepped:
         Dimensionless, at the nodes of the mesh and ahead of it.
     normal : NormalProblem, optional
         What its pressure solves, where tractions do not change that.
+    worn : ndarray, shape (2, n_x, n_y)
+        Depth worn since the start off the particles of A and B that are at the elements, mm.
+    gained : ndarray, shape (2, n_x, n_y)
+        What of it the step wore.
     """
 
     contact: State
@@ -106,6 +116,8 @@ class Stepped:
     energy: float = 0.0
     displacement: np.ndarray = field(default_factory=lambda: np.zeros((2, 0, 0)), repr=False)
     normal: NormalProblem | None = field(default=None, repr=False)
+    worn: np.ndarray = field(default_factory=lambda: np.zeros((2, 0, 0)), repr=False)
+    gained: np.ndarray = field(default_factory=lambda: np.zeros((2, 0, 0)), repr=False)
 
     def presses_like(self, normal: NormalProblem) -> bool:
         """Whether its pressure is known to solve a normal problem."""
@@ -144,7 +156,7 @@ class Stepper:
     def __init__(self, model: Model):
         if model.friction_law.falls or model.elasticity.layer:
             raise ValueError("laws: a transient takes no friction that falls, and no layer")
-        self.model = model
+        self.model, self.wear_law = model, model.wear_law
         grid, (pressure, gap, slip) = model.grid, astuple(model.units)
         self.operators = StepOperators(
             Lattice(grid.elements, grid.dx, grid.dy),
@@ -184,10 +196,12 @@ class Stepper:
         moved = self._rigid(asked, way, held)
         came = way.before(displacement, held)
 
+        worn = self._brought(before, way)
+        foreseen = worn if earlier is None else worn + ratio * before.gained
         gap = np.where(past.touching, 0.0, past.gap) / model.units.gap
         ahead = _ahead(gap[None], way.reach, edge=True)[0]
         problem = replace(
-            self._problem(asked),
+            self._problem(asked, foreseen.sum(axis=0)),
             rigid=moved - came[-2:],
             forces=self._forces(asked),
             entering=way.before(ahead, held),
@@ -196,7 +210,7 @@ class Stepper:
         outcome = self._solved(problem, before, self._start(before, way, asked, earlier, ratio))
         if len(problem.forces) and outcome.creepage is None:
             outcome = _without_contact(problem, outcome)
-        return self._stepped(before, asked, way, problem, outcome, came, moved)
+        return self._stepped(before, asked, way, problem, outcome, came, moved, worn)
 
     def _solved(self, problem: StepProblem, before: Stepped, start: Start | None) -> Outcome:
         model, past, tolerance = self.model, before.contact, self.model.scene.solver.tolerance
@@ -216,14 +230,12 @@ class Stepper:
             return replace(outcome, pressure=pressure, gap=gap, approach=approach)
         return solver.solve(problem, tolerance, start)
 
-    def _problem(self, asked: Asked) -> StepProblem:
-        """The normal problem and the friction of a step."""
+    def _problem(self, asked: Asked, worn: np.ndarray | float = 0.0) -> StepProblem:
+        """The normal problem and the friction of a step, with what was worn since the start."""
         model, grid, units = self.model, self.model.grid, self.model.units
         load = None if asked.load is None else asked.load / (units.pressure * grid.element_area)
         approach = 0.0 if asked.approach is None else asked.approach / units.gap
-        undeformed = model.undeformed_gap + asked.separation
-        if model.worn_before is not None:
-            undeformed = undeformed + model.worn_before
+        undeformed = model.undeformed_gap + asked.separation + self.off(worn)
         law, x, y = model.friction_law, grid.x[:, None], grid.y[None, :]
         return StepProblem(
             NormalProblem(self.operators, undeformed / units.gap, load, approach),
@@ -231,18 +243,33 @@ class Stepper:
             Weakened(law, x, y, units.pressure, factor=asked.friction),
         )
 
+    def off(self, worn: np.ndarray | float) -> np.ndarray:
+        """Depth worn off both bodies, with that before the start, mm."""
+        began = self.model.worn_before
+        return np.zeros(self.model.grid.elements) + worn + (0.0 if began is None else began)
+
+    def _brought(self, before: Stepped, way: Way) -> np.ndarray:
+        """Depths worn off A and B that particles have from before a step; new ones come in."""
+        wide, curved = _ahead(before.worn, way.reach), self.model.stencil.staggered
+        return way.before(wide, np.full(self.model.grid.elements, curved))
+
     def pressed(self, asked: Asked) -> State:
         """The bodies pressed together without traction, whatever else is asked for."""
         problem = self._problem(asked)
         outcome = ALONE.solve(problem, self.model.scene.solver.tolerance)
         slip = np.zeros_like(problem.rigid)
-        return finished(self.model, problem, outcome, slip, (0.0, 0.0, 0.0))
+        creepages, depth = (0.0, 0.0, 0.0), self.off(0.0)
+        return finished(self.model, problem, outcome, slip, creepages, depth)
 
     def at_rest(self, contact: State) -> Stepped:
         """A contact from which steps may be taken: its energy and displacements."""
         displacement = self._displacement(Stepped(contact), 0)
-        energy = self._energy(self._fields(contact), displacement)
-        return Stepped(contact, energy=energy, displacement=displacement)
+        energy, none = self._energy(self._fields(contact), displacement), self._unworn
+        return Stepped(contact, energy=energy, displacement=displacement, worn=none, gained=none)
+
+    @property
+    def _unworn(self) -> np.ndarray:
+        return np.zeros((2, *self.model.grid.elements))
 
     def _fields(self, contact: State) -> np.ndarray:
         """Dimensionless tractions of a contact; of dissimilar bodies after the pressure."""
@@ -331,7 +358,7 @@ class Stepper:
             work += unit * units.gap * float((fields[0] * moved[0]).sum())
         return work
 
-    def _stepped(self, before, asked, way, problem, outcome, came, moved) -> Stepped:
+    def _stepped(self, before, asked, way, problem, outcome, came, moved, worn) -> Stepped:
         model, units = self.model, self.model.units
         known = [k for k in (0, 1) if asked.forces[k] is not None]
         creepages = list(asked.creepages)
@@ -343,8 +370,9 @@ class Stepper:
         slip = units.slip / over * model.frame.slip_to_physical(outcome.slip)
         if way.length:
             slip = model.stencil.at_centres(slip)
-        contact = finished(model, problem, outcome, slip, tuple(creepages))
-        now = Stepped(contact, distance=asked.distance, shifted=not asked.distance)
+        depth = self.off(worn.sum(axis=0))
+        contact = finished(model, problem, outcome, slip, tuple(creepages), depth)
+        now = Stepped(contact, distance=asked.distance, shifted=not asked.distance, worn=worn)
         if not model.elasticity.coupled:
             now = replace(now, normal=problem.normal)
         if not contact.converged:
@@ -353,7 +381,8 @@ class Stepper:
         fields, there = self._fields(contact), self._fields(before.contact)
         # Half the tractions before and half those after do the work of a step: so what is supplied
         # is what friction takes and the change of the elastic energy, by the symmetry of A.
-        came_with = way.before(_ahead(there, way.reach), np.zeros(contact.pressure.shape, bool))
+        straight = np.zeros(contact.pressure.shape, bool)
+        came_with = way.before(_ahead(there, way.reach), straight)
         mean = 0.5 * (fields + came_with)
         change = displacement[:, : fields.shape[1]] - came
         slipped = moved + change[-2:]
@@ -363,15 +392,59 @@ class Stepper:
                 np.concatenate((mean[:1], 0.0 * mean[1:])),
                 np.concatenate((change[:1], 0.0 * change[1:])),
             )
-        cost = contact.cost + Cost(1.0)  # for the displacement
+        contact = replace(contact, cost=contact.cost + Cost(1.0))  # for the displacement
+        gained = self._unworn
+        if self.wear_law is not None:
+            came_pressed = way.before(_ahead(before.contact.pressure, way.reach), straight)
+            pressure = 0.5 * (contact.pressure + came_pressed)
+            gained = self._gained(asked, pressure, mean[-2:], slipped)
+            worn = worn + gained
+            contact = replace(contact, wear=self.off(worn.sum(axis=0)))
+            contact = self._settled(contact, pressure, gained)
         return replace(
             now,
-            contact=replace(contact, cost=cost),
+            contact=contact,
+            worn=worn,
+            gained=gained,
             supplied=supplied,
             friction=-self._work(mean[-2:], slipped),
             energy=self._energy(fields, displacement),
             displacement=displacement,
         )
+
+    def _gained(
+        self, asked: Asked, pressure: np.ndarray, traction: np.ndarray, slipped: np.ndarray
+    ) -> np.ndarray:
+        """Depths that a step wears off A and B, shape (2, n_x, n_y), mm.
+
+        Of each particle by its mean pressure and traction before and after, which do the work of
+        the step, and by all that it has slipped: so a law that goes by the work of friction wears
+        exactly by `Stepped.friction`. A shift wears as if it took the way of an element.
+        """
+        model, units = self.model, self.model.units
+        over = asked.distance or model.grid.dx
+        slip = units.slip * model.grid.dx / over * model.frame.slip_to_physical(slipped)
+        fields = pressure, units.pressure * model.frame.to_physical(traction), slip
+        law = self.wear_law.weakened(asked.mean_friction)
+        return over * law.rates(model.scene.wear_share, *fields)
+
+    def _settled(self, contact: State, pressure: np.ndarray, gained: np.ndarray) -> State:
+        """The contact, not converged where a step wears more than pressure can answer to.
+
+        The gap of a step holds the wear that those before foretell, w' = 2 w_1 - w_2, w_1 of one
+        and w_2 of two steps ago. Pressure answers a ripple of it by its stiffness, and what it
+        wears off, by the mean pressure of a step, is w = w_1 - r (w' + w_1')/2, r the depth of a
+        step over the elastic depth of the ripple: beyond r = 1.15 ripples grow.
+        """
+        units = self.model.units
+        elastic = self.operators.ripple * units.gap * pressure / units.pressure
+        if (gained.sum(axis=0) <= MOST_WORN * elastic).all():
+            return contact
+        note = (
+            "the wear of a step is too deep for the contact to answer to: lower transient.step or "
+            "wear.intensity (wear.coefficient)"
+        )
+        return replace(contact, status=Status.OUT_OF_ITERATIONS, note=note)
 
 
 def _without_contact(problem: StepProblem, outcome: Outcome) -> Outcome:

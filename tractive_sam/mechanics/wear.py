@@ -1,7 +1,8 @@
 """Orthotropic Holm-Archard wear, as the paper has it and by the work that friction does."""
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -55,8 +56,30 @@ class WearLaw(ABC):
         """
         return None
 
+    def rates(
+        self,
+        share: Mapping[str, float],
+        pressure: np.ndarray,
+        traction: np.ndarray,
+        slip: np.ndarray,
+    ) -> np.ndarray:
+        """`rate` of A and of B, shape (2, n_x, n_y); other arguments as there.
+
+        Parameters
+        ----------
+        share : mapping of str to float
+            Part of each body in the depth, where the law has no `shares`.
+        """
+        own = self.shares(pressure, traction, slip)
+        parts = np.array([[share[body]] for body in "AB"]) if own is None else own
+        return parts[:, None, :] * self.rate(pressure, traction, slip)
+
     def on(self, element_area: float) -> "WearLaw":
         """The law on a mesh of elements of this area, mm²; by default no other one."""
+        return self
+
+    def weakened(self, factor: float) -> "WearLaw":
+        """The law where friction is so many times what it was; by default no other one."""
         return self
 
     def beyond_tests(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> str:
@@ -227,3 +250,7 @@ class ArchardByWork(WearLaw):
         if self.friction is None:
             return rate
         return rate / self.friction.left(pressure, slip, self.length)
+
+    def weakened(self, factor: float) -> "ArchardByWork":
+        """See `WearLaw.weakened`: the same work takes a longer way."""
+        return replace(self, mu=(factor * self.mu[0], factor * self.mu[1]))

@@ -4,6 +4,7 @@ The coefficients are in `mechanics.wear_sets`; what is converted is converted he
 and `PER_SECTION`.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -139,6 +140,10 @@ class ByChart(WearLaw):
         rate = self.rate(pressure, traction, slip)
         return np.divide(rate, pressure, out=np.zeros_like(rate), where=pressure > 0.0)
 
+    def weakened(self, factor: float) -> "ByChart":
+        """See `WearLaw.weakened`."""
+        return replace(self, mu=(factor * self.mu[0], factor * self.mu[1]))
+
 
 @dataclass(frozen=True)
 class EachBody(WearLaw):
@@ -185,9 +190,24 @@ class EachBody(WearLaw):
         wears = depth > 0.0
         return np.where(wears, each / np.where(wears, depth, 1.0), share[:, None])
 
+    def rates(
+        self,
+        share: Mapping[str, float],
+        pressure: np.ndarray,
+        traction: np.ndarray,
+        slip: np.ndarray,
+    ) -> np.ndarray:
+        """See `WearLaw.rates`: each by its own law, whatever the share."""
+        return self._of_bodies("rate", pressure, traction, slip)
+
     def on(self, element_area: float) -> "EachBody":
         """See `WearLaw.on`."""
         A, B = (None if law is None else law.on(element_area) for law in (self.A, self.B))
+        return EachBody(A, B)
+
+    def weakened(self, factor: float) -> "EachBody":
+        """See `WearLaw.weakened`."""
+        A, B = (None if law is None else law.weakened(factor) for law in (self.A, self.B))
         return EachBody(A, B)
 
     def beyond_tests(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> str:

@@ -38,6 +38,9 @@ from tractive_sam.operators.convolution import Convolution
 from tractive_sam.operators.elastic import Operators
 from tractive_sam.operators.stencil import FrictionSlip
 
+RIPPLES = 15
+"""Elements of a ripple along each axis, an odd number, of which the middle one tells of any."""
+
 WHOLE = 1e-9
 """Part of an element that a step may differ from whole ones unseen."""
 
@@ -126,6 +129,15 @@ class EnteringSlip(FrictionSlip):
         return super().sticking_change(slip, traction, change, np.zeros_like(gap), at)
 
 
+def _turning(elements: int) -> np.ndarray:
+    """1 and -1 in turn, of a few elements in a row; half at the ends: nothing in all."""
+    if elements == 1:
+        return np.ones(1)
+    signs = (-1.0) ** np.arange(RIPPLES)
+    signs[[0, -1]] *= 0.5
+    return signs
+
+
 class StepOperators(Operators):
     """Operators of a step: its slip is the displacement itself, over the length of an element."""
 
@@ -140,6 +152,15 @@ class StepOperators(Operators):
         alone = self.on(self.lattice.of((1, 1))).tangential
         first, second = (alone(unit.reshape(2, 1, 1)).ravel() for unit in np.eye(2))
         return float(first[0]), float(first[1]), float(second[1])
+
+    @cached_property
+    def ripple(self) -> float:
+        """What A_nn answers to pressure of one that turns its sign from element to element."""
+        first, second = (_turning(n) for n in self.lattice.shape)
+        signs = np.outer(first, second)
+        response = self.on(self.lattice.of(signs.shape)).normal(signs[None])[0]
+        i, j = first.size // 2, second.size // 2
+        return float(signs[i, j] * response[i, j])
 
     @cached_property
     def coupled(self) -> Convolution:

@@ -42,7 +42,7 @@ from tractive_sam.plot.stress_maxima import stress_maxima as stress_maxima
 from tractive_sam.plot.study import Variable, study_curves, study_map, study_samples
 from tractive_sam.plot.style import STYLE
 from tractive_sam.plot.table import table_errors
-from tractive_sam.plot.transient import energies, hysteresis, stick_course
+from tractive_sam.plot.transient import energies, hysteresis, stick_course, worn_track
 from tractive_sam.plot.zones import continued as continued
 from tractive_sam.plot.zones import edge_level as edge_level
 from tractive_sam.plot.zones import stick_level as stick_level
@@ -101,4 +101,5 @@ __all__ = [
     "worn_by_block",
     "worn_mass",
     "worn_profiles",
+    "worn_track",
 ]

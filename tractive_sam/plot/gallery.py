@@ -36,7 +36,7 @@ from tractive_sam.plot.profiles import pressure_profiles, wear_profiles, worn_pr
 from tractive_sam.plot.scale import units as drawn_in
 from tractive_sam.plot.sections import traction_sections
 from tractive_sam.plot.stress import von_mises_sections
-from tractive_sam.plot.transient import energies, hysteresis, stick_course
+from tractive_sam.plot.transient import energies, hysteresis, stick_course, worn_track
 from tractive_sam.results import PARTS, History
 
 FORMATS = ("png", "pdf", "svg")
@@ -130,8 +130,22 @@ def _figures(history: History) -> Iterator[tuple[str, Figure]]:
         evolutions = _LINE_EVOLUTIONS if history.line else _EVOLUTIONS
         for name, draw in (_MOVING if transient and not history.line else evolutions).items():
             yield name, draw(history)
-        if not history.line and np.any(history["wear_profile"]):
+        if not (history.line or transient) and np.any(history["wear_profile"]):
             yield "worn-profiles", worn_profiles(history)
+    if transient and history.scene.wear is not None:
+        yield from _of_moving_wear(history)
+
+
+def _of_moving_wear(history: History) -> Iterator[tuple[str, Figure]]:
+    """Figures of what a transient wears."""
+    if not np.any(history["wear_max"]):
+        return
+    yield "wear-depth", wear_depth(history)
+    if history.scene.transient.rolls:
+        yield "worn-track", worn_track(history)
+    if len(history.saved) > 1 and not history.line:
+        yield "wear-profiles", wear_profiles(history)
+        yield "wear-over-distance", wear_over_revolutions(history)
 
 
 def _of_fatigue(history: History) -> Iterator[tuple[str, Figure]]:

@@ -7,7 +7,7 @@ from tractive_sam.plot.courses import over_course
 from tractive_sam.plot.drawn import Drawn
 from tractive_sam.plot.frame import Frame
 from tractive_sam.plot.map import LEFT, Map
-from tractive_sam.plot.style import BLUE, TRACTION, VERMILLION, styled
+from tractive_sam.plot.style import BLUE, MICRON, TRACTION, VERMILLION, WEAR, styled
 from tractive_sam.results import History
 
 
@@ -87,6 +87,41 @@ def stick_course(history: History) -> Figure:
     figure, axes = over_course(history, "share of the contact that sticks")
     axes.plot(history[history.coordinate.name], history["stick_fraction"], color=BLUE)
     axes.set(ylim=(-0.02, 1.02), ylabel="share that sticks")
+    return figure
+
+
+@styled
+def worn_track(history: History) -> Figure:
+    """Depth worn along the track, of both bodies together, in coordinates of the bodies.
+
+    Raises
+    ------
+    ValueError
+        If the history is not of a [transient] that rolls, with [wear].
+
+    Examples
+    --------
+    >>> slipping = ts.Scene.builtin("traction-control").replace(wear={"coefficient": 1e-4})
+    >>> plot.worn_track(ts.roll(slipping))
+    <Figure size ...>
+    """
+    places, depth = history.worn_track
+    depth = MICRON * depth
+    symbol = r"$w$ ($\mathrm{\mu m}$)"
+    figure, axes = over_course(history, "wear of both bodies along the track")
+    axes.set(xlim=(places[0], places[-1]), xlabel="place on the bodies (mm)")
+    if history.line:
+        axes.plot(places, depth[:, 0], color=BLUE)
+        axes.set_ylim(bottom=0.0)
+        axes.set_ylabel(f"wear depth {symbol}")
+        return figure
+    worn = np.abs(history.y[(depth > 0.0).any(axis=0)])
+    mesh = axes.pcolormesh(places, history.y, depth.T, cmap=WEAR, vmin=0.0, shading="nearest")
+    figure.colorbar(mesh, ax=axes, label=f"wear depth {symbol}")
+    axes.set_ylabel("$y$ (mm)")
+    if worn.size:
+        side = min(1.2 * worn.max(), history.grid.half_length[1])
+        axes.set_ylim(-side, side)
     return figure
 
 

@@ -288,6 +288,8 @@ class History:
     def wear_balance(self) -> np.ndarray:
         """Worn cross section over what the frictional work wears, one number a record.
 
+        Of a transient the volume worn in the step over what the work in it wears.
+
         A unit of work wears i1/mu1 along the first tribological axis, and i2/mu2 along the second.
         Where these differ, the section is compared with what is nearest to it between the two:
         unity is within. nan where nothing wears, or no more than the rounding of the wear so far,
@@ -295,11 +297,16 @@ class History:
         varies, and of duty cycles, whose blocks have it.
         """
         worn, most = self["worn_area"], self["wear_max"] * 2.0 * self.grid.half_length[1]
+        work = self["dissipation"]
+        if "step_worn" in self.columns:
+            worn, work = self["step_worn"], self["step_friction"]
+            most = self["worn_volume"].sum(axis=1)
         wear, friction = self.scene.wear, self.scene.friction
         if (
             wear is None
             or wear.temperature
             or friction.varies
+            or (self.scene.transient is not None and self.scene.transient.friction.mu)
             or self.scene.duty
             or any(law.startswith("wear=") for law in self.laws.split(", "))
         ):
@@ -308,9 +315,33 @@ class History:
         if per_work is None:
             return np.full(len(self), np.nan)
         least, largest = sorted(per_work)
-        work = self["dissipation"]
         wears = (worn > ROUNDING * most) & (work > 0.0)
         return _ratio(worn, np.clip(worn, least * work, largest * work), wears)
+
+    @property
+    def worn_track(self) -> tuple[np.ndarray, np.ndarray]:
+        """What a transient with [wear] has worn along the track, both bodies together.
+
+        Places on the bodies, shape (n,), mm, ascending: the place x is in the middle of the contact
+        when the distance x has been rolled. Depths there, shape (n, n_y), mm: as each record tells
+        them of the material that leaves the mesh, and the last fields of what is still on it.
+
+        Raises
+        ------
+        ValueError
+            If nothing wears, or nothing rolls.
+        """
+        transient, x = self.scene.transient, self.grid.x
+        if "step_worn" not in self.columns or not transient.rolls:
+            raise ValueError("a track is worn by a [transient] that rolls, with [wear]")
+        places, depth = self["distance"] + x[0], self["wear_profile"]
+        if len(self.saved) and len(self):
+            on_mesh = self.saved[-1] + x
+            left = places < on_mesh[0]
+            places = np.append(places[left], on_mesh)
+            depth = np.concatenate((depth[left], self.field("wear")))
+        places, last = np.unique(places[::-1], return_index=True)
+        return places, depth[::-1][last]
 
     @property
     def planes(self) -> tuple[tuple[str, str], ...]:

@@ -36,6 +36,10 @@ def _worn(scene: Scene) -> bool:
     return scene.wear is not None
 
 
+def _worn_on_the_way(scene: Scene) -> bool:
+    return _worn(scene) and _transient(scene)
+
+
 def _measured(scene: Scene) -> bool:
     return scene.gap is not None
 
@@ -264,6 +268,8 @@ _SCALARS = (
              "and, of dissimilar bodies, by the load", per_length=True, when=_transient),
     Quantity("step_friction", "N mm", "work of friction in the step to this record",
              per_length=True, when=_transient),
+    Quantity("step_worn", "mm3", "volume worn off both bodies in the step to this record",
+             per_length=True, when=_worn_on_the_way),
     Quantity("elastic_energy", "N mm", "elastic energy of the tractions, of dissimilar bodies with "
              "the pressure", symbol="W", per_length=True, when=_transient),
     Quantity("next_step", "mm", "how far the next step is to go", when=_transient),
@@ -273,7 +279,8 @@ _SCALARS = (
 _OTHERS = (
     Quantity("p_max_at", "mm", "position (x, y) of the peak contact pressure",
              lambda c: c.p_max_at, ("axis",)),
-    Quantity("wear_profile", "mm", "wear depth behind the contact, both bodies together",
+    Quantity("wear_profile", "mm", "wear depth behind the contact, both bodies together; of "
+             "shifts the deepest along x",
              lambda c: c.wear[0], ("y",)),
     Quantity("entering_profile", "mm", "wear depth before the contact, both bodies together",
              dims=("y",)),
@@ -296,7 +303,8 @@ _OTHERS = (
              _of_heat("temperature_mean"), symbol=r"T_\mathrm{mean}", when=_heated),
     Quantity("heat_share", "1", "share of body A in the heat that friction makes",
              _of_heat("share"), format=".4f", when=_heated),
-    Quantity("worn_volume", "mm3", "volume worn off each body since it was new; none of a flat one",
+    Quantity("worn_volume", "mm3", "volume worn off each body since it was new; of a flat one of "
+             "a transient only",
              lambda c: c.worn_volume, ("body",), symbol="V", per_length=True, when=_worn),
     Quantity("worn_mass", "mg", "mass worn off each body since it was new, by its density",
              lambda c: c.worn_mass, ("body",), symbol="m", per_length=True, when=_worn),

@@ -313,7 +313,7 @@ def begun(model: Model, contacts: tuple[State, ...]) -> Passage:
 def resumed(model: Model, last: Passage | Moment) -> Passage | Moment:
     """A passage that was stored, with what its model tells of it."""
     if isinstance(last, Moment):
-        return last
+        return replace(last, began=model.began)
     known = _of_model(model, last.contacts, last.rolled)
     return replace(last, **known | {"parts": last.parts if "parts" in known else None})
 

@@ -17,8 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from tractive_sam.contact import Asked, Model, Stepped, Stepper, equilibrium, travelled
-from tractive_sam.results import State
+from tractive_sam.contact import Asked, Model, Stepped, Stepper, Worn, equilibrium, travelled
+from tractive_sam.results import BODIES, State
 from tractive_sam.rolling.control import ErrorControl, Step, Stops
 from tractive_sam.scene import Scene
 
@@ -55,6 +55,12 @@ class Moment:
         The contact a step before.
     solves : int
         Contacts solved for it.
+    volumes : ndarray, shape (2,)
+        Worn off A and B since they were new, mm³.
+    deepest : float
+        Largest depth worn off both so far, mm, also where the contact has passed.
+    began : Worn, optional
+        Worn bodies with which it began; None of new ones.
     """
 
     distance: float
@@ -65,6 +71,9 @@ class Moment:
     shifts: np.ndarray = field(default_factory=lambda: np.zeros(3))
     before: Stepped | None = None
     solves: int = 1
+    volumes: np.ndarray = field(default_factory=lambda: np.zeros(2))
+    deepest: float = 0.0
+    began: Worn | None = None
 
     @property
     def contact(self) -> State:
@@ -86,11 +95,14 @@ class Moment:
         """Fields that rolling goes on from beside those of the contact."""
         before = self.contact if self.before is None else self.before.contact
         traction = before.traction
-        return {
+        found = {
             "before_pressure": before.pressure,
             "before_x": traction[0],
             "before_y": traction[1],
         }
+        if self.contact.scene.wear is not None:
+            found |= {"worn": self.stepped.worn, "gained": self.stepped.gained}
+        return found
 
     @property
     def converged(self) -> bool:
@@ -110,6 +122,9 @@ class Moment:
             of_rolling = ("xi_x", "xi_y", "spin", "t_gamma", "work_supplied", "dissipation")
             per_distance = dict.fromkeys((*of_rolling, "t_gamma_over_area"), np.nan)
             per_distance["creepage_found"] = np.full(2, np.nan)
+        if contact.scene.wear is not None:
+            per_distance |= self._worn(course.rolls)
+            contact = replace(contact, volumes=dict(zip(BODIES, self.volumes, strict=True)))
         given = {
             "distance": self.distance,
             "stretch": self.stretch,
@@ -124,6 +139,22 @@ class Moment:
             **per_distance,
         }
         return contact, given, not course.jumps_after(self.stretch, self.distance)
+
+    def _worn(self, rolls: bool) -> dict[str, Any]:
+        """What the step and those before have worn."""
+        wear, grid, each = self.contact.wear, self.contact.grid, self.stepped.worn
+        # Of shifts nothing is behind the contact: there it is the deepest of each row of elements.
+        at, rows = 0 if rolls else wear.argmax(axis=0), np.arange(grid.elements[1])
+        new = np.zeros((2, grid.elements[1])) if self.began is None else self.began.on(grid)
+        found = {
+            "wear_max": self.deepest,
+            "wear_profile": wear[at, rows],
+            "entering_profile": wear[-1] if rolls else new.sum(axis=0),
+            "step_worn": float(self.stepped.gained.sum() * grid.element_area),
+        }
+        for body, before, depth in zip(BODIES, new, each[:, at, rows], strict=True):
+            found[f"wear_profile_{body}"] = before + depth
+        return found if rolls else found | {"worn_area": np.nan}
 
 
 class Courses:
@@ -198,7 +229,11 @@ class Courses:
         """The steady scene of what is asked for at a moment."""
         scene, mu = self.scene, asked["friction.mu"]
         mu1, mu2 = scene.friction.mu
-        changes: dict[str, Any] = {"transient": None, "friction.mu": (mu, mu * mu2 / mu1)}
+        changes: dict[str, Any] = {
+            "transient": None,
+            "wear": None,
+            "friction.mu": (mu, mu * mu2 / mu1),
+        }
         for key in ("load.normal", "load.approach"):
             if key in self._courses:
                 changes[key] = asked[key]
@@ -245,15 +280,18 @@ class Transient:
         now: Mapping[str, float | None],
         creepages: tuple[float, float, float],
         at: float,
+        then: Mapping[str, float | None] | None = None,
     ) -> Asked:
         mu = self.courses.scene.friction.mu[0]
+        factors = [one["friction.mu"] / mu for one in (now, then or now)]
         return Asked(
             distance,
             creepages,
             now["load.normal"],
             now["load.approach"],
             (now["load.force_x"], now["load.force_y"]),
-            now["friction.mu"] / mu,
+            factors[0],
+            sum(factors) / 2.0,
             travelled(self.model, at if self.courses.rolls else 0.0),
         )
 
@@ -262,12 +300,11 @@ class Transient:
         model, first, at = self.model, self.courses.first(), self.courses.knots[0]
         if self.courses.table.start == "steady":
             steady = Model(self.courses.scene_at(first), model.measured, model.grid, model.laws)
-            depth = travelled(model, at)
-            contact = equilibrium(steady, depth if np.ndim(depth) else None)
-            contact = replace(contact, scene=model.scene, wear=np.zeros(model.grid.elements))
-            return Moment(at, -1, self.stepper.at_rest(contact))
+            worn, depth = self.stepper.off(0.0), travelled(model, at)
+            contact = equilibrium(steady, worn + depth)
+            return self._begun(replace(contact, scene=model.scene, wear=worn), at)
         pressed = self.stepper.pressed(self._asked(0.0, first, (0.0, 0.0, 0.0), at))
-        moment = Moment(at, -1, self.stepper.at_rest(pressed))
+        moment = self._begun(pressed, at)
         forced = first["load.force_x"], first["load.force_y"]
         shifts = np.array([first[key] for key in _CREEPAGES])
         if self.courses.rolls:
@@ -276,6 +313,15 @@ class Transient:
             return moment
         asked = self._asked(0.0, first, tuple(shifts), at)
         return self._moment(moment, self.stepper.step(moment.stepped, asked), at, -1, 0.0)
+
+    def _begun(self, contact: State, at: float) -> Moment:
+        """The first moment, of bodies that may be worn already; flat ones begin unworn."""
+        model, volumes = self.model, np.zeros(2)
+        if model.began is not None:
+            lost = contact.volumes_of(dict(zip(BODIES, model.began.on(model.grid), strict=True)))
+            volumes = np.nan_to_num([lost[body] for body in BODIES])
+        stepped, deepest = self.stepper.at_rest(contact), float(contact.wear.max())
+        return Moment(at, -1, stepped, volumes=volumes, deepest=deepest, began=model.began)
 
     def moments(self, last: Moment) -> Iterator[Moment]:
         """Roll on from a moment to the end, or to a contact that is not solved."""
@@ -358,7 +404,7 @@ class Transient:
             share * (then[key] + now[key]) if courses.rolls else now[key] - then[key]
             for key in _CREEPAGES
         )
-        asked = self._asked(length if courses.rolls else 0.0, now, creepages, at)
+        asked = self._asked(length if courses.rolls else 0.0, now, creepages, at, then)
         ratio = length / last.length if last.before is not None and last.length > 0.0 else 0.0
         stepped = self.stepper.step(last.stepped, asked, last.before, ratio)
         moment = self._moment(last, stepped, at, stretch, length)
@@ -383,5 +429,17 @@ class Transient:
         contact = stepped.contact
         by = np.array([contact.xi_x, contact.xi_y, contact.spin])
         shifts = last.shifts + by * (stepped.distance if stepped.distance else 1.0)
-        before = last.stepped if length else None
-        return Moment(at, stretch, stepped, length, 0.0, shifts, before)
+        before, gained = last.stepped if length else None, stepped.gained.sum(axis=(1, 2))
+        return replace(
+            last,
+            distance=at,
+            stretch=stretch,
+            stepped=stepped,
+            length=length,
+            wish=0.0,
+            shifts=shifts,
+            before=before,
+            solves=1,
+            volumes=last.volumes + gained * contact.grid.element_area,
+            deepest=max(last.deepest, float(contact.wear.max())),
+        )

@@ -21,7 +21,8 @@ from tractive_sam.scene import Scene, told
 COLD_APPLICATIONS = 50
 WARM_APPLICATIONS = 40
 JUMP_APPLICATIONS = 50
-STEP_APPLICATIONS = 16  # of a transient (benchmarks/transient.py)
+STEP_APPLICATIONS = 16  # of a transient (benchmarks/transient.py), and with wear
+WORN_APPLICATIONS = 22
 JUMPS = 14  # while the revolutions rolled grow e-fold
 STRESS_APPLICATIONS = 75  # as long as the largest stress of one body takes
 FATIGUE_APPLICATIONS = 10  # as long as a depth of [fatigue] takes, of one body
@@ -197,15 +198,21 @@ def _wear(model: Model) -> Section:
     if wear is None:
         return Section("Wear", [("wear", "left out: the scene has no [wear]")])
     upwind = model.scene.solver.slip == "upwind"
-    rows = [
-        ("law", f"{told.law_told(model.scene)}, {told.wear_told(model.scene)}"),
-        ("revolutions", f"{wear.revolutions}, {_stepping(wear)}"),
-        ("fields kept at", ", ".join(map(str, wear.save))),
-    ]
-    rows += [*told.duty_told(model.scene).items()]
+    rows = [("law", f"{told.law_told(model.scene)}, {told.wear_told(model.scene)}")]
+    if model.scene.transient is None:
+        rows += [
+            ("revolutions", f"{wear.revolutions}, {_stepping(wear)}"),
+            ("fields kept at", ", ".join(map(str, wear.save))),
+            *told.duty_told(model.scene).items(),
+            ("turns", told.turns_told(model.scene)),
+        ]
+    else:
+        stays = "stays with the material, which rolls on"
+        if not model.scene.transient.rolls:
+            stays = "stays where it is, as nothing rolls"
+        rows.append(("depth", f"{stays}, and is part of the gap of the next step"))
     rows += [
         ("of the depth", told.share_told(model.scene)),
-        ("turns", told.turns_told(model.scene)),
         ("worn mass", told.density_told(model.scene)),
     ]
     if upwind:
@@ -413,7 +420,7 @@ def applications(model: Model) -> int:
     jumps = model.scene.wear is not None and model.scene.wear.stepping == "adaptive"
     each = JUMP_APPLICATIONS if jumps else WARM_APPLICATIONS
     if model.scene.transient is not None:
-        each = STEP_APPLICATIONS
+        each = STEP_APPLICATIONS if model.scene.wear is None else WORN_APPLICATIONS
     blocks = len(model.blocks)
     contacts = blocks * (COLD_APPLICATIONS + (count - 1) * each)
     # Coarser meshes that give the error bars take together about as long as the finest.

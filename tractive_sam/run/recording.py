@@ -162,10 +162,10 @@ def _ended(passage: Passage, missed: str) -> tuple[str, str]:
     message = contact.message
     if isinstance(passage, Passage) and len(passage.contacts) > 1 and not contact.converged:
         message = f"{contact.scene.title.split(', ')[-1]}: {message}"
-    if contact.scene.wear is not None:
-        message = f"revolution {passage.place}: {message}"
     if contact.scene.transient is not None:
         message = f"after {passage.place:g} mm: {message}"
+    elif contact.scene.wear is not None:
+        message = f"revolution {passage.place}: {message}"
     if isinstance(passage, Passage) and passage.damage is not None:
         message += passage.damage.warning
     return "done" if contact.converged else str(contact.status), message

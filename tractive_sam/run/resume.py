@@ -124,14 +124,26 @@ def _last_moment(history: History, path: str | PathLike, row: int, scene: Scene)
         )
         before = Stepped(earlier)
     shifts = np.array([history[name][row] for name in ("shift_x", "shift_y", "turn")])
+    none, worn = np.zeros((2, *contact.grid.elements)), {}
+    if scene.wear is not None:
+        if not {"worn", "gained"} <= state.keys():
+            raise DamagedError(f"{path} is damaged: the wear of record {row} is missing")
+        worn = {"volumes": history["worn_volume"][row], "deepest": history["wear_max"][row]}
+    stepped = Stepped(
+        contact,
+        energy=float(history["elastic_energy"][row]),
+        worn=state.get("worn", none),
+        gained=state.get("gained", none),
+    )
     return Moment(
         float(found["distance"][row]),
         stretch,
-        Stepped(contact, energy=float(history["elastic_energy"][row])),
+        stepped,
         length,
         float(found["next_step"][row]),
         shifts,
         before,
+        **worn,
     )
 
 

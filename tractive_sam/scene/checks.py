@@ -141,6 +141,8 @@ def _grid_is_given_to_slender_contacts(known: Known) -> Iterator[Fault]:
 
 def _a_body_comes_round(known: Known) -> Iterator[Fault]:
     wear, radii = known["wear"], (known["body.A.radius_x"], known["body.B.radius_x"])
+    if known["transient"] is not None:
+        return
     if wear is not None and wear.turns == "each" and radii == (math.inf, math.inf):
         cure = 'a finite radius_x of the body whose turns are counted, or "equal"'
         yield Fault("wear.turns", '"each" with two bodies that are flat in x', cure)

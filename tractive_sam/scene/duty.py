@@ -218,6 +218,7 @@ def duty_fits(known: Known) -> Iterator[Fault]:
     yield from _named_apart(duty)
     if known["transient"] is not None:
         yield Fault("duty", "with [transient]", "one of them: blocks are of steady rolling")
+        return
     wear = known["wear"]
     if wear is None:
         yield Fault("duty", "without [wear]", "only with a [wear] table: blocks are rolled")

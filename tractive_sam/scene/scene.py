@@ -84,7 +84,7 @@ class Scene(Document):
             self._check_blocks()
         for doubt in doubts(self):
             warnings.warn(doubt, PlausibilityWarning, stacklevel=2)
-        if self.wear:
+        if self.wear and not self.transient:
             warn_if_unequal(self.body, self.wear, stacklevel=2)
         if self.gap:  # the Hertz ellipse is not the contact
             return
@@ -241,7 +241,7 @@ class Scene(Document):
             key: max(courses[key]) for key in ("load.normal", "load.approach") if key in courses
         }
         heavy = {key: value for key, value in heavy.items() if value > 0.0}
-        return self.replace(transient=None, **heavy) if heavy else self
+        return self.replace(transient=None, wear=None, **heavy)
 
     @property
     def forced(self) -> tuple[bool, bool]:

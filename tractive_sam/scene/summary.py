@@ -31,7 +31,8 @@ def rows(scene: Scene) -> dict[str, str]:
     if scene.friction is not None:
         found["friction"] = friction_told(scene)
     if scene.wear is not None:
-        found["wear"] = f"{wear_told(scene)}; {scene.wear.revolutions} revolutions"
+        rolled = "" if scene.transient else f"; {scene.wear.revolutions} revolutions"
+        found["wear"] = wear_told(scene) + rolled
     others = [key for key in sorted(scene.model_fields_set) if key not in _TOLD]
     tables = [f"[{key}]" for key in others if getattr(scene, key) is not None]
     if tables:

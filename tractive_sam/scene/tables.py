@@ -411,7 +411,7 @@ def _sets_are_known(known: Known) -> Iterator[Fault]:
 
 
 class Wear(Table):
-    """Wear over many revolutions, by Archard's law or by others.
+    """Wear over many revolutions or a [transient], by Archard's law or by others.
 
     Examples
     --------
@@ -450,15 +450,16 @@ class Wear(Table):
         None,
     )
     revolutions: Whole = entry(
-        "number of revolutions of body A, of B where A is flat",
+        "number of revolutions of body A, of B where A is flat; none with [transient]",
         "a whole number from 1 to 1e12",
+        0,
         ge=1,
         le=10**12,
     )
     save: Annotated[tuple[Annotated[Whole, Field(ge=0)], ...], AfterValidator(_ascending)] = entry(
         "revolutions whose fields are stored",
         "ascending whole numbers from 0",
-        default_factory=lambda wear: (0, wear["revolutions"]),
+        default_factory=lambda wear: tuple(sorted({0, wear["revolutions"]})),
         min_length=1,
     )
     temperature: Factors | None = entry(

@@ -17,7 +17,8 @@ def told(scene: Scene) -> dict[str, str]:
     rows = {"load": load_told(scene)}
     if scene.wear is not None:
         rows |= {"wear": wear_told(scene), "of the depth": share_told(scene)}
-        rows["turns"] = turns_told(scene)
+        if scene.transient is None:
+            rows["turns"] = turns_told(scene)
         rows["worn mass"] = density_told(scene)
     return rows | duty_told(scene)
 

@@ -227,7 +227,6 @@ def _transient_is_alone(known: Known) -> Iterator[Fault]:
     if known["transient"] is None:
         return
     for table, why in (
-        ("wear", "one of both: the wear of a transient is not modelled"),
         ("heat", "one of both: the temperature of a transient is not modelled"),
         ("accuracy", "a [grid] in place of it: the error bars are those of steady states"),
     ):
@@ -243,6 +242,43 @@ def _transient_is_alone(known: Known) -> Iterator[Fault]:
     if known["solver.method"] in ("uzawa", "anderson"):
         given = f'solver.method = "{known["solver.method"]}"'
         yield Fault("solver.method", given, '"auto" or "newton" with [transient]')
+
+
+OF_REVOLUTIONS = ("revolutions", "save", "stepping", "turns", "tolerance")
+"""Keys of [wear] that a transient has no use for."""
+
+LINEAR = ("archard", "energy")
+"""Wear laws by which twice the slip wears twice as deep, whatever way is rolled."""
+
+
+def _wears_over_the_distance(known: Known) -> Iterator[Fault]:
+    transient, wear = known["transient"], known["wear"]
+    if wear is None:
+        return
+    if transient is None:
+        if "wear.revolutions" not in known.given:
+            cure = (
+                "how many, a whole number from 1; or a [transient], which wears over its distance"
+            )
+            yield Fault("wear.revolutions", "nothing", cure)
+        return
+    for key in OF_REVOLUTIONS:
+        if f"wear.{key}" in known.given:
+            cure = "nothing: it wears over the distance of the courses"
+            yield Fault(f"wear.{key}", "together with [transient]", cure)
+    for law in sorted({law for law in wear.laws.values() if law and law not in LINEAR}):
+        if not transient.rolls:
+            cure = "archard or energy: others go by the distance rolled, and shifts have none"
+        elif law == "brr" or (law != "jendel" and wear.by == "contact"):
+            cure = "a law of each element: T-gamma of the whole contact tells steady rolling only"
+        else:
+            continue
+        yield Fault("wear.law", f"{law} together with [transient]", cure)
+    radii = (abs(known[f"body.{name}.radius_x"]) for name in "AB")
+    turn, way = 2.0 * math.pi * min(radii), transient.distance[-1] - transient.distance[0]
+    if transient.rolls and way > turn:
+        cure = f"at most {turn:.5g} mm: a body that has turned would meet what it has worn"
+        yield Fault("transient.distance", f"{way:g} mm together with [wear]", cure)
 
 
 def _courses_of_what_is_asked(known: Known) -> Iterator[Fault]:
@@ -275,6 +311,7 @@ def _steps_within_the_contact(known: Known) -> Iterator[Fault]:
 TRANSIENT_CHECKS: tuple[Check, ...] = (
     _transient_needs_friction,
     _transient_is_alone,
+    _wears_over_the_distance,
     _courses_of_what_is_asked,
     _steps_within_the_contact,
 )
