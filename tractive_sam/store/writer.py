@@ -228,6 +228,7 @@ class HistoryWriter:
                 layout.set_status(file, *ended)
             kept = len(file["history/record"])
         self._pending = kept, []
+        self._state = None
 
     def _check_own(self, file: File) -> None:
         """Two runs that were given one file must not mix their records."""
