@@ -99,8 +99,8 @@ def put_state(file: h5py.File, row: int, state: Mapping[str, np.ndarray]) -> Non
         if name not in group:
             layout.add_state(group, name, values)
         dataset = _opened(group, name)
-        values = widened(values, dataset.shape, OUTSIDE.get(name, 0.0))
-        dataset.write(h5py.h5s.ALL, h5py.h5s.ALL, np.ascontiguousarray(values))
+        whole = widened(values, dataset.shape, OUTSIDE.get(name, 0.0))
+        dataset.write(h5py.h5s.ALL, h5py.h5s.ALL, np.ascontiguousarray(whole))
 
 
 def drop_unsolved(file: h5py.File) -> None:
