@@ -12,10 +12,13 @@ element comes into contact r is zero, so that the edge does not jump.
 
 import numpy as np
 
-_PLACE = np.polynomial.Polynomial((-0.1754, 1.0173, 0.3268, 0.3638))
-"""Place of the edge by r, in elements beyond the centre of the outermost one."""
 
-_LAST = _PLACE(0.0) + 1.0
+def _place(r):
+    """Place of the edge by r, in elements beyond the centre of the outermost one."""
+    return -0.1754 + r * (1.0173 + r * (0.3268 + r * 0.3638))
+
+
+_LAST = _place(0.0) + 1.0
 """Its largest value: there, the next element comes into contact. Peaks at a rim are beyond it."""
 
 _ALONE = 0.5
@@ -35,14 +38,16 @@ def beyond(pressure: np.ndarray) -> np.ndarray:
     ndarray, shape (n, m)
         In elements, towards larger indices; nan where it does not end at that element.
     """
-    none = np.zeros((1, pressure.shape[1]))
-    before = np.concatenate((none, pressure[:-1]))
-    after = np.concatenate((pressure[1:], none))
-    last = (pressure > 0.0) & (after <= 0.0)
-    quotient = np.ones(pressure.shape)
-    np.divide(pressure, before, out=quotient, where=last & (before > pressure))
-    place = np.where(before > 0.0, np.minimum(_PLACE(quotient), _LAST), _ALONE)
-    return np.where(last, place, np.nan)
+    touching = pressure > 0.0
+    last = touching.copy()
+    last[:-1] &= ~touching[1:]
+    i, j = np.nonzero(last)
+    here, before = pressure[i, j], pressure[i - 1, j] * (i > 0)
+    place = np.minimum(_place(here / np.maximum(before, here)), _LAST)
+    place[before <= 0.0] = _ALONE
+    found = np.full(pressure.shape, np.nan)
+    found[i, j] = place
+    return found
 
 
 def both_ends(pressure: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -73,20 +78,22 @@ def covered(pressure: np.ndarray) -> float:
     # Cells with centres of elements at their corners, and the edge on their sides, as far from the
     # corner in contact as a side is long: two sides along the first axis, two along the second.
     padded = np.pad(pressure, 1)
-    sides = np.stack((*_on_sides(padded), *(side.T for side in _on_sides(padded.T))))
-    left, right, lower, upper = np.nan_to_num(sides)
-    inside = np.pad(touching, 1).astype(int)
-    corners = inside[:-1, :-1] + inside[1:, :-1] + inside[:-1, 1:] + inside[1:, 1:]
-    cut = np.isfinite(sides).sum(axis=0)
-    one = 0.5 * np.nanprod(sides, axis=0)  # a triangle at the only corner in contact
-    three = 1.0 - 0.5 * np.nanprod(1.0 - sides, axis=0)  # and at the only one without
-    across = 0.5 * np.nansum(sides, axis=0)
-    opposite = np.where(
-        inside[:-1, :-1] > 0, left * lower + right * upper, left * upper + right * lower
+    inside = padded > 0.0
+    corners = inside[:-1, :-1].astype(int) + inside[1:, :-1] + inside[:-1, 1:] + inside[1:, 1:]
+    cells = (corners > 0) & (corners < 4)
+    sides = (*_on_sides(padded), *(side.T for side in _on_sides(padded.T)))
+    sides = np.stack([side[cells] for side in sides])
+    cut = np.isfinite(sides)
+    left, right, lower, upper = places = np.where(cut, sides, 0.0)
+    one = 0.5 * np.where(cut, sides, 1.0).prod(axis=0)  # a triangle at the only corner in contact
+    three = 1.0 - 0.5 * (1.0 - places).prod(axis=0)  # and at the only one without
+    across = 0.5 * places.sum(axis=0)
+    opposite = 0.5 * np.where(
+        inside[:-1, :-1][cells], left * lower + right * upper, left * upper + right * lower
     )
-    shares = [corners == 1, corners == 3, corners == 4, cut == 4]
-    share = np.select(shares, [one, three, 1.0, 0.5 * opposite], np.where(cut == 2, across, 0.0))
-    return float(share.sum())
+    shares = [corners[cells] == 1, corners[cells] == 3, cut.sum(axis=0) == 4]
+    share = np.select(shares, [one, three, opposite], across)
+    return float(np.count_nonzero(corners == 4) + share.sum())
 
 
 def _on_sides(pressure: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
