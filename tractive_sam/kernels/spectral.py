@@ -3,7 +3,7 @@
 One pass over memory each; numpy would take one for every term.
 """
 
-from tractive_sam.kernels.compiled import compiled
+from tractive_sam.kernels.compiled import ANY_ORDER, compiled
 
 
 @compiled
@@ -30,3 +30,27 @@ def full_3x3(s, h):
         h[0, k] = s[0, k] * a + s[1, k] * b + s[2, k] * c
         h[1, k] = s[3, k] * a + s[4, k] * b + s[5, k] * c
         h[2, k] = s[6, k] * a + s[7, k] * b + s[8, k] * c
+
+
+@compiled(fastmath=ANY_ORDER)
+def row_products(out, rows, kernel, places):
+    """Work of each of some rows on each other one, by Parseval.
+
+    Parameters
+    ----------
+    out : ndarray, shape (m, m)
+        Set, symmetric.
+    rows : ndarray of complex, shape (m, n)
+        Spectra of the rows.
+    kernel : ndarray, shape (k, n)
+        Spectra by the distance of two rows, weighed.
+    places : ndarray of int, shape (m,)
+        Where the rows are, ascending.
+    """
+    for i in range(rows.shape[0]):
+        for j in range(i, rows.shape[0]):
+            a, b, c = rows[i], rows[j], kernel[places[j] - places[i]]
+            total = 0.0
+            for k in range(a.shape[0]):
+                total += c[k] * (a[k].real * b[k].real + a[k].imag * b[k].imag)
+            out[i, j] = out[j, i] = total

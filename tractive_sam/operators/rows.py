@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from tractive_sam.kernels.spectral import row_products
 from tractive_sam.mechanics import Elasticity
 from tractive_sam.operators import influence
 from tractive_sam.operators.influence import Lattice
@@ -36,10 +37,6 @@ def row_compliance(lattice: Lattice, elasticity: Elasticity, contact: np.ndarray
     along = np.fft.rfft(influence.displacement(lattice, elasticity, "zz"), axis=0).real / px
     along[1:-1] *= 2.0
     share = np.fft.rfft(share, n=px, axis=0)
-    share = np.ascontiguousarray(np.concatenate((share.real, share.imag)).T)
-    by_offset = np.ascontiguousarray(np.concatenate((along, along)).T)
     compliance = np.empty((len(rows), len(rows)))
-    for j, row in enumerate(rows):
-        compliance[j, j:] = (share[j:] * by_offset[rows[j:] - row]) @ share[j]
-        compliance[j:, j] = compliance[j, j:]
+    row_products(compliance, np.ascontiguousarray(share.T), np.ascontiguousarray(along.T), rows)
     return compliance

@@ -164,6 +164,8 @@ class _Formula:
         from zero, if they did not wear; they wear at half the last rate on the mean.
         """
         new = ~self.worn_before & (self.here.rate <= 0.0) & (rate > 0.0)
+        if not new.any():
+            return self
         unworn = rate - np.diag(response) * (profile - self.here.profile)
         closing = unworn + open_  # may be nothing, where a row only just touches
         part = np.divide(unworn, closing, out=np.ones_like(closing), where=new & (closing > 0.0))
@@ -303,7 +305,9 @@ def _predicted(
         for _ in range(NEW_ROWS):
             profile = fitting.predicted(response, offset)
             expected = offset + response @ profile
-            fitting = formula.with_new_rows(response, open_, profile, expected)
+            before, fitting = fitting, formula.with_new_rows(response, open_, profile, expected)
+            if fitting is before:
+                break
         # A row out of contact neither wears nor answers. Without it the others carry more, so they
         # are asked again; rows only leave, so this ends.
         apart = new & (expected < 0.0)
