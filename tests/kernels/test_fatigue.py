@@ -49,39 +49,44 @@ def turned(cycle, rotation):
     return tensor[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
 
 
-def ball(points, offsets):
-    centre, m = np.empty(points.shape[1]), points.shape[1]
+def ball(points):
+    """The smallest one by either kernel, of the same points (m, n)."""
+    m, n = points.shape
+    squares = np.empty(n)
+    if m == 2:
+        support, weights = np.empty(3, int), np.empty(3)
+        count, radius2 = fatigue.circle(support, weights, points, squares)
+        return support[:count], weights[:count], radius2
     support, weights = np.empty(m + 2, int), np.empty(m + 2)
-    count, radius2 = fatigue.enclosing(centre, support, weights, points, offsets)
-    return centre, support[:count], weights[:count], radius2
+    count, radius2 = fatigue.enclosing(np.empty(m), support, weights, points, squares)
+    return support[:count], weights[:count], radius2
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("m", [1, 2, 5])
+@pytest.mark.parametrize("m", [2, 3, 5])
 @pytest.mark.parametrize("whole", [True, False])
 def test_a_smallest_ball_is_the_optimum_of_its_dual(m, whole):
     """Weights that are positive and add up to one bound any ball from below."""
     for _ in range(60):
         # Whole numbers coincide and lie on common spheres.
-        points = RNG.integers(-2, 3, (25, m)).astype(float) if whole else RNG.normal(size=(25, m))
-        offsets = RNG.integers(0, 3, 25).astype(float)
-        centre, support, weights, radius2 = ball(points, offsets)
+        points = RNG.integers(-2, 3, (m, 25)).astype(float) if whole else RNG.normal(size=(m, 25))
+        support, weights, radius2 = ball(points)
         assert (weights > -1e-12).all()
         assert weights.sum() == pytest.approx(1.0, abs=1e-12)
-        mean = weights @ points[support]
-        bound = weights @ ((points[support] ** 2).sum(axis=1) + offsets[support]) - mean @ mean
+        centre = points[:, support] @ weights
+        bound = weights @ (points[:, support] ** 2).sum(axis=0) - centre @ centre
         assert radius2 == pytest.approx(bound, rel=1e-11)  # rounding of a few digits
-        assert (((points - centre) ** 2).sum(axis=1) + offsets <= radius2 * (1 + 1e-12)).all()
+        assert ((points - centre[:, None]) ** 2).sum(axis=0).max() <= radius2 * (1 + 1e-12)
 
 
 def test_distances_of_deviators_are_those_of_j2():
     cycle = random_cycles(1, 30)
-    deviators = np.empty((30, 5))
+    deviators = np.empty((5, 30))
     fatigue.deviators(deviators, paths(cycle)[0])
     np.testing.assert_allclose(
-        np.linalg.norm(deviators, axis=1), von_mises(cycle)[:, 0] / math.sqrt(3.0), rtol=1e-13
+        np.linalg.norm(deviators, axis=0), von_mises(cycle)[:, 0] / math.sqrt(3.0), rtol=1e-13
     )
-    tresca = [fatigue.tresca(one) for one in deviators]
+    tresca = [fatigue.tresca(one) for one in deviators.T]
     np.testing.assert_allclose(tresca, max_shear(cycle)[:, 0], rtol=1e-9)  # by an arc cosine
 
 
@@ -95,6 +100,52 @@ def test_rotation_of_the_axes_changes_nothing(criterion):
         np.testing.assert_allclose(criterion(turned(cycle, rotation)), before, rtol=1e-10)
 
 
+def room(points):
+    """What the kernels of a plane work in."""
+    return (
+        np.empty((3, points)),
+        np.empty(points),
+        np.empty(3, int),
+        np.empty(3),
+        np.empty((6, 6)),
+        np.empty((4, 6)),
+    )
+
+
+def plane(cycle, normal, sum_k, product_k, within=None):
+    within = room(cycle.shape[1]) if within is None else within
+    return fatigue._plane(paths(cycle)[0], normal, sum_k, product_k, within)
+
+
+@pytest.mark.parametrize(("sum_k", "product_k"), [(0.3, 0.0), (0.0, 0.3)])
+def test_steps_towards_a_critical_plane_are_newtons(sum_k, product_k):
+    """By differences of the value, of planes that the same points hold; of two and of three."""
+    number, difference = {2: 0, 3: 0}, 1e-4
+    for cycle in random_cycles(40).transpose(2, 0, 1):
+        normal, within, near = RNG.normal(size=3), room(12), np.empty(3)
+        normal /= np.linalg.norm(normal)
+
+        def value(a, b, normal=normal, within=within, near=near, cycle=cycle):
+            fatigue._turned(near, normal, a * difference, b * difference)
+            found, held, at = plane(cycle[..., None], near, sum_k, product_k, within)
+            return found, (frozenset(within[2][:held]), at)
+
+        around = {(a, b): value(a, b) for a in (-1, 0, 1) for b in (-1, 0, 1)}
+        if len({points for _, points in around.values()}) > 1:
+            continue
+        here, held, at = plane(cycle[..., None], normal, sum_k, product_k, within)
+        step = fatigue._uphill(paths(cycle[..., None])[0], here, held, at, sum_k, product_k, within)
+        v = {k: one / difference for k, (one, _) in around.items()}
+        ga, gb = 0.5 * (v[1, 0] - v[-1, 0]), 0.5 * (v[0, 1] - v[0, -1])
+        haa, hbb = v[1, 0] + v[-1, 0] - 2.0 * v[0, 0], v[0, 1] + v[0, -1] - 2.0 * v[0, 0]
+        hab = 0.25 * (v[1, 1] + v[-1, -1] - v[1, -1] - v[-1, 1])
+        second = (one / difference for one in (haa, hab, hbb))
+        # The square of the difference, and rounding over it.
+        np.testing.assert_allclose(step, fatigue._newton(here, ga, gb, *second), atol=1e-5)
+        number[held] += 1
+    assert min(number.values()) > 5
+
+
 @pytest.mark.parametrize(("sum_k", "product_k"), [(0.3, 0.0), (0.0, 0.3)])
 def test_the_critical_plane_is_that_of_brute_force(sum_k, product_k):
     """At least as large as on 1e5 planes, and by no more than their distance allows."""
@@ -102,10 +153,7 @@ def test_the_critical_plane_is_that_of_brute_force(sum_k, product_k):
     normals = RNG.normal(size=(100_000, 3))
     normals /= np.linalg.norm(normals, axis=1)[:, None]
     cycle = random_cycles(1)
-    room = np.empty((12, 2)), np.zeros(12), np.empty(2), np.empty(4, np.int64), np.empty(4)
-    best = 0.0
-    for normal in normals:
-        best = max(best, fatigue._plane(paths(cycle)[0], normal, sum_k, product_k, room, best))
+    best = max(plane(cycle, normal, sum_k, product_k)[0] for normal in normals)
     # Planes are .008 apart: beside a maximum values fall by the square.
     assert best * (1.0 - 1e-12) <= float(criterion(cycle)[0]) <= best * (1.0 + 1e-3)
 

@@ -28,24 +28,23 @@ ROOT3 = math.sqrt(3.0)
 
 @compiled
 def deviators(out, path):
-    """Set the deviators (n, 5) of a path, in the coordinates above."""
-    for i in range(path.shape[0]):
-        xx, yy, zz = path[i, 0], path[i, 1], path[i, 2]
-        out[i, 0] = 0.5 * (xx - yy)
-        out[i, 1] = (xx + yy - 2.0 * zz) / (2.0 * ROOT3)
+    """Set the deviators (5, n) of a path, in the coordinates above."""
+    for i in range(path.shape[1]):
+        xx, yy, zz = path[0, i], path[1, i], path[2, i]
+        out[0, i] = 0.5 * (xx - yy)
+        out[1, i] = (xx + yy - 2.0 * zz) / (2.0 * ROOT3)
         for k in range(3):
-            out[i, 2 + k] = path[i, 3 + k]
+            out[2 + k, i] = path[3 + k, i]
 
 
 @compiled
-def enclosing(centre, support, weights, points, offsets):
-    """The smallest ball around points that are some way out of its space.
+def enclosing(centre, support, weights, points, squares):
+    """The smallest ball around points.
 
-    Minimises over c the largest |p_i - c|² + w_i. In the dual c is the mean of some of the points
-    with positive weights, all of which are equally far: an active set of these grows by the
-    farthest point and loses those whose weight falls to zero, until no point is farther. So it ends
-    after few steps with the exact ball (Gärtner, ESA 1999, 325; Fischer, Gärtner & Kutz, ESA 2003,
-    630).
+    Minimises over c the largest |p_i - c|². In the dual c is the mean of some of the points with
+    positive weights, all of which are equally far: an active set of these grows by the farthest
+    point and loses those whose weight falls to zero, until no point is farther. So it ends after
+    few steps with the exact ball (Gärtner, ESA 1999, 325; Fischer, Gärtner & Kutz, ESA 2003, 630).
 
     Parameters
     ----------
@@ -55,57 +54,70 @@ def enclosing(centre, support, weights, points, offsets):
         Its first entries are set to the points that hold the ball.
     weights : ndarray, shape (m + 2,)
         Set to their weights, which add up to 1.
-    points : ndarray, shape (n, m)
+    points : ndarray, shape (m, n)
         The points p_i.
-    offsets : ndarray, shape (n,)
-        w_i >= 0.
+    squares : ndarray, shape (n,)
+        Set to |p_i - c|².
 
     Returns
     -------
     (int, float)
-        How many points hold the ball, and its squared radius: the largest |p_i - c|² + w_i.
+        How many points hold the ball, and its squared radius: the largest |p_i - c|².
     """
-    m = points.shape[1]
+    m = len(points)
     matrix, right = np.empty((m + 1, m + 1)), np.empty(m + 1)
     target = np.empty(m + 2)
     support[0], weights[0], count = 0, 1.0, 1
-    centre[:] = points[0]
-    radius2, largest = offsets[0], 0.0
+    centre[:] = points[:, 0]
+    radius2, largest = 0.0, 0.0
     for _ in range(MOST):
-        far, largest = _farthest(centre, points, offsets)
+        far = _farthest(squares, centre, points)
+        largest = squares[far]
         if largest <= radius2 * (1.0 + 1e-14):
             break
         support[count], weights[count] = far, 0.0
         count += 1
         leaving = 0
         while leaving >= 0:
-            dependent = _equally_far(target, support, count, points, offsets, matrix, right)
+            dependent = _equally_far(target, support, count, points, matrix, right)
             leaving = _moved(weights, target, count, dependent)
             if leaving >= 0:
                 for j in range(leaving, count - 1):
                     support[j], weights[j] = support[j + 1], weights[j + 1]
                 count -= 1
         first = support[0]
-        radius2 = offsets[first]
+        radius2 = 0.0
         for k in range(m):
             centre[k] = 0.0
             for j in range(count):
-                centre[k] += weights[j] * points[support[j], k]
-            radius2 += (points[first, k] - centre[k]) ** 2
+                centre[k] += weights[j] * points[k, support[j]]
+            radius2 += (points[k, first] - centre[k]) ** 2
     return count, largest
 
 
 @compiled
-def _farthest(centre, points, offsets):
-    """The point that is farthest, and its squared distance."""
-    far, largest = 0, -1.0
-    for i in range(points.shape[0]):
-        d = offsets[i]
-        for k in range(points.shape[1]):
-            d += (points[i, k] - centre[k]) ** 2
-        if d > largest:
-            far, largest = i, d
-    return far, largest
+def _farthest(squares, centre, points):
+    """Set the squared distances; the point that is farthest."""
+    # One coordinate after another, so that several points go at once.
+    for k in range(len(points)):
+        own, c = points[k], centre[k]
+        if k == 0:
+            for i in range(squares.size):
+                squares[i] = (own[i] - c) ** 2
+        else:
+            for i in range(squares.size):
+                squares[i] += (own[i] - c) ** 2
+    return _largest(squares)
+
+
+@compiled
+def _largest(values):
+    """Where the largest value is."""
+    at, largest = 0, values[0]
+    for i in range(values.size):
+        if values[i] > largest:
+            at, largest = i, values[i]
+    return at
 
 
 @compiled
@@ -127,26 +139,26 @@ def _moved(weights, target, count, dependent):
 
 
 @compiled
-def _equally_far(target, support, count, points, offsets, matrix, right):
+def _equally_far(target, support, count, points, matrix, right):
     """Set the weights of the point that is equally far from all that hold a ball.
 
     True where the last of them lies in the space of the others: then the change of all weights
     that leaves the mean where it is, with that of the last one 1.
     """
-    m, last = points.shape[1], count - 2
+    last = count - 2
     first = support[0]
     # Cholesky factors of 2 (p_i - p_0).(p_j - p_0), and the right side.
     for i in range(count - 1):
         a = support[i + 1]
         own = 0.0
-        for k in range(m):
-            own += (points[a, k] - points[first, k]) ** 2
-        value = own + offsets[a] - offsets[first]
+        for k in range(len(points)):
+            own += (points[k, a] - points[k, first]) ** 2
+        value = own
         for j in range(i + 1):
             b = support[j + 1]
             dot = 0.0
-            for k in range(m):
-                dot += (points[a, k] - points[first, k]) * (points[b, k] - points[first, k])
+            for k in range(len(points)):
+                dot += (points[k, a] - points[k, first]) * (points[k, b] - points[k, first])
             entry = 2.0 * dot
             for k in range(j):
                 entry -= matrix[i, k] * matrix[j, k]
@@ -188,15 +200,15 @@ def balls(out, paths):
     ----------
     out : ndarray, shape (paths,)
         In the unit of the stress.
-    paths : ndarray, shape (paths, n, 6)
+    paths : ndarray, shape (paths, 6, n)
         Stresses.
     """
-    n = paths.shape[1]
-    points, offsets, centre = np.empty((n, 5)), np.zeros(n), np.empty(5)
+    n = paths.shape[2]
+    points, squares, centre = np.empty((5, n)), np.empty(n), np.empty(5)
     support, weights = np.empty(7, np.int64), np.empty(7)
-    for k in range(paths.shape[0]):
+    for k in range(len(paths)):
         deviators(points, paths[k])
-        out[k] = math.sqrt(enclosing(centre, support, weights, points, offsets)[1])
+        out[k] = math.sqrt(enclosing(centre, support, weights, points, squares)[1])
 
 
 @compiled
@@ -224,27 +236,24 @@ def dang_van(out, radius, paths, a):
     tau is the largest shear stress of s minus the centre of the smallest ball around its path,
     sigma_h the hydrostatic stress; arguments as of `balls`.
     """
-    n = paths.shape[1]
-    points, offsets, centre = np.empty((n, 5)), np.zeros(n), np.empty(5)
+    n = paths.shape[2]
+    points, squares, centre = np.empty((5, n)), np.empty(n), np.empty(5)
     support, weights = np.empty(7, np.int64), np.empty(7)
-    norm, pulled = np.empty(n), np.empty(n)
-    for k in range(paths.shape[0]):
-        deviators(points, paths[k])
-        radius[k] = math.sqrt(enclosing(centre, support, weights, points, offsets)[1])
-        worst, first = -math.inf, 0
+    most, pulled, own = np.empty(n), np.empty(n), np.empty(5)
+    for k in range(len(paths)):
+        path = paths[k]
+        deviators(points, path)
+        radius[k] = math.sqrt(enclosing(centre, support, weights, points, squares)[1])
         for i in range(n):
-            square = 0.0
+            pulled[i] = a * (path[0, i] + path[1, i] + path[2, i]) / 3.0
+            most[i] = math.sqrt(squares[i]) + pulled[i]  # tau is at most sqrt(J2)
+        worst, i = -math.inf, _largest(most)
+        while most[i] > worst:
             for c in range(5):
-                points[i, c] -= centre[c]
-                square += points[i, c] ** 2
-            norm[i] = math.sqrt(square)
-            pulled[i] = a * (paths[k, i, 0] + paths[k, i, 1] + paths[k, i, 2]) / 3.0
-            if norm[i] + pulled[i] > worst:
-                worst, first = norm[i] + pulled[i], i
-        worst = tresca(points[first]) + pulled[first]
-        for i in range(n):
-            if norm[i] + pulled[i] > worst:  # tau is at most sqrt(J2)
-                worst = max(worst, tresca(points[i]) + pulled[i])
+                own[c] = points[c, i] - centre[c]
+            worst = max(worst, tresca(own) + pulled[i])
+            most[i] = -math.inf
+            i = _largest(most)
         out[k] = worst
 
 
@@ -255,18 +264,22 @@ def shakedown_layer(out, paths):
     Residual stresses that rolling leaves do not change along x: rho_xx(y, z) of any form and
     rho_yy(z) of depth alone are in equilibrium and leave the surface free (Melan: a load below the
     yield stress over this is certain to become elastic). In the plane of the first two coordinates
-    of a deviator rho_xx acts along (sqrt 3, 1)/2, and moves the point across it not at all; there
-    rho_yy moves it by r = rho_yy/2, all points of the depth alike. So each path has to fit, along
-    one line, a ball with the offsets (q + r)² + s_xy² + s_xz² + s_yz²; and r is sought for which
-    the largest of these balls is smallest. The points that hold one bound its squared radius from
-    below by A + 2 B r + r² at every r: the next r is where two such bounds, the last from either
-    side, are smallest together.
+    of a deviator rho_xx acts along (sqrt 3, 1)/2, and moves the point by some c there; across it,
+    rho_yy moves all points of the depth by r = rho_yy/2. With p and q the coordinates along and
+    across, 2 J2 of the sum is
+
+        J2 - 2 c p + 2 r q + c² + r²,
+
+    the largest of which along the path is to be smallest over the c of each path, and then the
+    largest of these over r. The worst point of a path bounds this from below at every c, the worst
+    points of a depth at every r, each by A + 2 B c + c²: the next c or r is where two such bounds,
+    the last from either side, are smallest together.
 
     Parameters
     ----------
     out : ndarray, shape (paths,)
         In the unit of the stress.
-    paths : ndarray, shape (paths, n, 6)
+    paths : ndarray, shape (paths, 6, n)
         Stresses at one depth.
 
     Returns
@@ -274,37 +287,33 @@ def shakedown_layer(out, paths):
     float
         rho_yy.
     """
-    count, n = paths.shape[:2]
-    p, q, w = np.empty((count, n, 1)), np.empty((count, n)), np.empty((count, n))
-    deviator = np.empty((n, 5))
+    count, _, n = paths.shape
+    p, q, j2 = np.empty((count, n)), np.empty((count, n)), np.empty((count, n))
+    e = np.empty((5, n))
     for k in range(count):
-        deviators(deviator, paths[k])
+        deviators(e, paths[k])
         for i in range(n):
-            e = deviator[i]
-            p[k, i, 0] = 0.5 * (ROOT3 * e[0] + e[1])
-            q[k, i] = 0.5 * (ROOT3 * e[1] - e[0])
-            w[k, i] = e[2] ** 2 + e[3] ** 2 + e[4] ** 2
-    # With rho_xx = 0 no ball is larger than that around the origin.
-    fits, at = np.zeros(count), np.zeros(count)
+            p[k, i] = 0.5 * (ROOT3 * e[0, i] + e[1, i])
+            q[k, i] = 0.5 * (ROOT3 * e[1, i] - e[0, i])
+            j2[k, i] = e[0, i] ** 2 + e[1, i] ** 2 + e[2, i] ** 2 + e[3, i] ** 2 + e[4, i] ** 2
+    # With rho_xx = 0 no path has more left.
+    fits, at = np.empty(count), np.zeros(count)
     known = np.zeros(count, np.bool_)
     for k in range(count):
-        for i in range(n):
-            fits[k] = max(fits[k], p[k, i, 0] ** 2 + q[k, i] ** 2 + w[k, i])
-    offsets, centre = np.empty(n), np.empty(1)
-    support, weights = np.empty(3, np.int64), np.empty(3)
-    room = offsets, centre, support, weights
+        fits[k] = j2[k, _largest(j2[k])]
+    room = np.empty(n), np.empty(n), np.empty((2, 2)), np.empty(2)
     r, best, best_r, bound = 0.0, math.inf, 0.0, 0.0
     # A and B of the last bounds whose minimum is to the right, and to the left.
     cuts = np.full((2, 2), math.nan)
     for _ in range(MOST):
         likely = int(np.argmax(np.sqrt(fits) + np.abs(r - at)))
-        worst, b = _fitted(p[likely], q[likely], w[likely], r, room)
+        worst, b = _fitted(p[likely], q[likely], j2[likely], r, room)
         fits[likely], at[likely], known[likely] = worst, r, True
         for k in range(count):
-            # A radius changes by no more than r: this one is not the largest.
+            # The root of what is left changes by no more than r: this one is not the largest.
             if k == likely or math.sqrt(fits[k]) + abs(r - at[k]) < math.sqrt(max(bound, worst)):
                 continue
-            fits[k], mean = _fitted(p[k], q[k], w[k], r, room)
+            fits[k], mean = _fitted(p[k], q[k], j2[k], r, room)
             at[k], known[k] = r, True
             if fits[k] > worst:
                 worst, b = fits[k], mean
@@ -319,22 +328,35 @@ def shakedown_layer(out, paths):
             break
     for k in range(count):
         if at[k] != best_r or not known[k]:
-            fits[k], _ = _fitted(p[k], q[k], w[k], best_r, room)
+            fits[k], _ = _fitted(p[k], q[k], j2[k], best_r, room)
         out[k] = math.sqrt(fits[k])
     return 2.0 * best_r
 
 
 @compiled
-def _fitted(p, q, w, r, room):
-    """Squared radius of the ball of one path at r, and the mean q of the points that hold it."""
-    offsets, centre, support, weights = room
-    for i in range(offsets.size):
-        offsets[i] = (q[i] + r) ** 2 + w[i]
-    held, radius2 = enclosing(centre, support, weights, p, offsets)
-    mean = 0.0
-    for j in range(held):
-        mean += weights[j] * q[support[j]]
-    return radius2, mean
+def _fitted(p, q, j2, r, room):
+    """What is left of a path at r, by its best c, and the mean q of the points that hold it."""
+    fixed, values, cuts, means = room
+    for i in range(p.size):
+        fixed[i] = j2[i] + 2.0 * r * q[i]
+    cuts[:] = math.nan
+    c, best, bound, side = 0.0, math.inf, -math.inf, 0
+    for _ in range(MOST):
+        for i in range(p.size):
+            values[i] = fixed[i] - 2.0 * c * p[i]
+        i = _largest(values)
+        best = min(best, values[i] + c * c)
+        side = 0 if c < p[i] else 1
+        cuts[side, 0], cuts[side, 1], means[side] = fixed[i], -p[i], q[i]
+        before = c
+        c, bound = _lowest(cuts[side], cuts[1 - side])
+        if best - bound <= 1e-14 * abs(best) or c == before:
+            break
+    mean, one, other = means[side], -cuts[side, 1], -cuts[1 - side, 1]
+    if one not in (c, other) and not math.isnan(other):
+        share = (c - one) / (other - one)  # by which c is the mean p, too
+        mean = (1.0 - share) * mean + share * means[1 - side]
+    return best + r * r, mean
 
 
 @compiled
@@ -356,48 +378,123 @@ def _lowest(one, other):
 
 
 @compiled
-def _plane(path, normal, sum_k, product_k, room, enough):
+def circle(support, weights, points, squares):
+    """The smallest circle around points in a plane; arguments and result as of `enclosing`.
+
+    Two points hold it, or three that make an acute triangle: the farthest point outside takes the
+    place of one of them (Elzinga & Hearn, Transp. Sci. 6 (1972) 379).
+    """
+    a = _farthest(squares, points[:, 0], points)
+    b = _farthest(squares, points[:, a], points)
+    support[0], support[1], held = a, b, 2
+    weights[0], weights[1] = 0.5, 0.5
+    centre, largest = np.empty(2), 0.0
+    for _ in range(MOST):
+        square = 0.0
+        for k in range(2):
+            centre[k] = 0.0
+            for j in range(held):
+                centre[k] += weights[j] * points[k, support[j]]
+            square += (points[k, support[0]] - centre[k]) ** 2
+        far = _farthest(squares, centre, points)
+        largest = squares[far]
+        if largest <= square * (1.0 + 1e-14):
+            break
+        if held == 3:
+            support[_opposite(support, points, centre, far)] = far
+        else:
+            support[2] = far
+        held = _acute(support, weights, points)
+    return held, largest
+
+
+@compiled
+def _opposite(support, points, centre, far):
+    """Which of three points on a circle gives way to one outside.
+
+    Not the farthest from it; of the others the one on its side of the line from there through the
+    centre.
+    """
+    x, y = points[0, far], points[1, far]
+    away, largest = 0, -1.0
+    for j in range(3):
+        d = (points[0, support[j]] - x) ** 2 + (points[1, support[j]] - y) ** 2
+        if d > largest:
+            away, largest = j, d
+    ox, oy = centre[0], centre[1]
+    lx, ly = ox - points[0, support[away]], oy - points[1, support[away]]
+    side = lx * (y - oy) - ly * (x - ox)
+    for j in range(3):
+        px, py = points[0, support[j]], points[1, support[j]]
+        if j != away and side * (lx * (py - oy) - ly * (px - ox)) > 0.0:
+            return j
+    return (away + 1) % 3
+
+
+@compiled
+def _acute(support, weights, points):
+    """Set the weights of the centre of the circle that three points need; how many hold it."""
+    for j in range(3):
+        a, b, c = support[j], support[(j + 1) % 3], support[(j + 2) % 3]
+        bx, by = points[0, b] - points[0, a], points[1, b] - points[1, a]
+        cx, cy = points[0, c] - points[0, a], points[1, c] - points[1, a]
+        across = bx * cx + by * cy
+        if across <= 0.0:  # an obtuse angle: the other two are enough
+            support[0], support[1] = b, c
+            weights[0], weights[1] = 0.5, 0.5
+            return 2
+        weights[j] = across * ((bx - cx) ** 2 + (by - cy) ** 2)
+    total = weights[0] + weights[1] + weights[2]
+    for j in range(3):
+        weights[j] /= total
+    return 3
+
+
+@compiled
+def _plane(path, normal, sum_k, product_k, room):
     """Value of a critical plane: amplitude of the shear, and the largest normal stress.
 
-    tau_a + sum_k sigma_n,max or tau_a (1 + product_k sigma_n,max), whichever is asked for; less
-    exactly, but never too small, where it is not above `enough`.
+    tau_a + sum_k sigma_n,max or tau_a (1 + product_k sigma_n,max), whichever is asked for; and how
+    many points hold the circle of the shear, and which one has the normal stress.
     """
-    shear, offsets, circle, support, weights = room
-    nx, ny, nz = normal[0], normal[1], normal[2]
-    (ex, ey, ez), (fx, fy, fz) = _axes(nx, ny, nz)
-    high = -math.inf
-    low_e = low_f = math.inf
-    high_e = high_f = -math.inf
-    for i in range(path.shape[0]):
-        xx, yy, zz, xy, xz, yz = path[i]
-        tx = xx * nx + xy * ny + xz * nz
-        ty = xy * nx + yy * ny + yz * nz
-        tz = xz * nx + yz * ny + zz * nz
-        high = max(high, tx * nx + ty * ny + tz * nz)
-        e, f = tx * ex + ty * ey + tz * ez, tx * fx + ty * fy + tz * fz
-        low_e, high_e = min(low_e, e), max(high_e, e)
-        low_f, high_f = min(low_f, f), max(high_f, f)
-        shear[i, 0], shear[i, 1] = e, f
-    amplitude = 0.5 * math.hypot(high_e - low_e, high_f - low_f)
-    factor = max(1.0 + product_k * high, 0.0)
-    if amplitude * factor + sum_k * high > enough:
-        amplitude = math.sqrt(enclosing(circle, support, weights, shear, offsets)[1])
-    return amplitude * factor + sum_k * high
+    on_plane, squares, support, weights, look, _ = room
+    _looking(look, normal)
+    for k in range(3):
+        out, a = on_plane[k], look[k]
+        for i in range(out.size):
+            t = a[0] * path[0, i] + a[1] * path[1, i] + a[2] * path[2, i]
+            out[i] = t + a[3] * path[3, i] + a[4] * path[4, i] + a[5] * path[5, i]
+    held, square = circle(support, weights, on_plane[1:], squares)
+    at = _largest(on_plane[0])
+    high = on_plane[0, at]
+    return math.sqrt(square) * max(1.0 + product_k * high, 0.0) + sum_k * high, held, at
 
 
-CANDIDATES = 4
+@compiled
+def _looking(look, normal):
+    """Set what makes nn, en, fn, ee, ef and ff of the components of a stress (6, 6)."""
+    n = normal[0], normal[1], normal[2]
+    e, f = _axes(n)
+    for k, (u, v) in enumerate(((n, n), (e, n), (f, n), (e, e), (e, f), (f, f))):
+        look[k, 0], look[k, 1], look[k, 2] = u[0] * v[0], u[1] * v[1], u[2] * v[2]
+        look[k, 3] = u[0] * v[1] + u[1] * v[0]
+        look[k, 4] = u[0] * v[2] + u[2] * v[0]
+        look[k, 5] = u[1] * v[2] + u[2] * v[1]
+
+
+CANDIDATES = 6
 """Planes of the first look that are followed to a maximum of their own."""
 
-NEAR = 0.88
+NEAR = 0.95
 """Value of a plane of the first look, over the best one, from which it is followed: half their
 distance beside the maximum of a shear stress its value is .96 of it."""
 
-APART = 0.95
+APART = 0.97
 """Cosine between candidates: nearer ones lead to the same maximum."""
 
-STEPS, DIFFERENCE, LONGEST, SHORTENED = 12, 1e-3, 0.15, 6
-"""Newton steps towards a maximum, the step of their differences and the longest of them, radians,
-and how often one that does not lead up is made shorter."""
+STEPS, LONGEST, SHORTENED, SETTLED = 20, 0.15, 6, 1e-8
+"""Newton steps towards a maximum, the longest of them, radians, how often one that does not lead up
+is made shorter, and the gain, over the value, from which on none is worth its work."""
 
 
 @compiled
@@ -406,39 +503,53 @@ def critical_plane(out, paths, sum_k, product_k, normals):
 
     tau_a + sum_k sigma_n,max (Findley) or tau_a (1 + product_k sigma_n,max) (Fatemi-Socie); tau_a
     is the radius of the smallest circle around the path of the shear stress on the plane. Both are
-    the largest of smooth functions of the normal: at its top so is the value, and from the best of
-    the given planes Newton's steps lead there.
+    the largest of smooth functions of the normal: at its top so is the value, and Newton's steps
+    lead there from the best of the given planes, and from the critical one of the path before.
 
     Parameters
     ----------
     out : ndarray, shape (paths,)
         In the unit of the stress.
-    paths : ndarray, shape (paths, n, 6)
+    paths : ndarray, shape (paths, 6, n)
         Stresses.
     sum_k, product_k : float
         Sensitivities; one of them is zero, the second is per unit of the stress.
     normals : ndarray, shape (m, 3)
         Planes of the first look: unit vectors, spread over half a sphere.
     """
-    n = paths.shape[1]
-    room = np.empty((n, 2)), np.zeros(n), np.empty(2), np.empty(4, np.int64), np.empty(4)
-    chosen = np.empty((CANDIDATES, 3))
-    for k in range(paths.shape[0]):
-        out[k], count = _looked_around(chosen, paths[k], sum_k, product_k, normals, room)
-        for c in range(count):
-            out[k] = max(out[k], _maximised(chosen[c], paths[k], sum_k, product_k, room))
+    n, looks = paths.shape[2], _looks(normals)
+    support, weights = np.empty(3, np.int64), np.empty(3)
+    room = np.empty((3, n)), np.empty(n), support, weights, np.empty((6, 6)), np.empty((4, 6))
+    box, values = np.empty((6, len(normals))), np.empty(len(normals))
+    chosen, last = np.empty((CANDIDATES + 1, 3)), normals[0].copy()
+    for k in range(len(paths)):
+        path = paths[k]
+        _boxes(box, path, looks)
+        count = _looked_around(chosen, values, box, path, sum_k, product_k, normals, room)
+        chosen[count] = last
+        out[k] = 0.0
+        for c in range(count + 1):
+            value = _maximised(chosen[c], path, sum_k, product_k, room)
+            if value > out[k]:
+                out[k], last[:] = value, chosen[c]
 
 
 @compiled
-def _looked_around(chosen, path, sum_k, product_k, normals, room):
-    """Set the best normals that are apart; the value of the best one, and how many they are."""
-    values, best = np.empty(len(normals)), 0.0
+def _looked_around(chosen, values, box, path, sum_k, product_k, normals, room):
+    """Set the best normals that are apart; how many they are."""
+    for c in range(len(normals)):  # with the rectangle's diagonal: it is never too small
+        amplitude = 0.5 * math.hypot(box[3, c] - box[2, c], box[5, c] - box[4, c])
+        factor = max(1.0 + product_k * box[1, c], 0.0)
+        values[c] = amplitude * factor + sum_k * box[1, c]
+    first = _largest(values)
+    best = _plane(path, normals[first], sum_k, product_k, room)[0]
     for c in range(len(normals)):
-        values[c] = _plane(path, normals[c], sum_k, product_k, room, NEAR * best)
-        best = max(best, values[c])
+        if values[c] > NEAR * best:
+            values[c] = _plane(path, normals[c], sum_k, product_k, room)[0]
+            best = max(best, values[c])
     count = 0
     while count < CANDIDATES:
-        c = int(np.argmax(values))
+        c = _largest(values)
         if values[c] < NEAR * best or values[c] <= 0.0:
             break
         values[c] = -math.inf
@@ -448,78 +559,154 @@ def _looked_around(chosen, path, sum_k, product_k, normals, room):
         if apart:
             chosen[count] = normals[c]
             count += 1
-    return best, count
+    return count
+
+
+@compiled
+def _looks(normals):
+    """What makes the normal and both shear stresses on planes of six components (3, 6, m)."""
+    looks, look = np.empty((3, 6, len(normals))), np.empty((6, 6))
+    for c in range(len(normals)):
+        _looking(look, normals[c])
+        looks[:, :, c] = look[:3]
+    return looks
+
+
+@compiled
+def _boxes(box, path, looks):
+    """Set the smallest and the largest (6, m) of the normal and both shear stresses of a path."""
+    box[0::2], box[1::2] = math.inf, -math.inf
+    for i in range(path.shape[1]):
+        xx, yy, zz = path[0, i], path[1, i], path[2, i]
+        xy, xz, yz = path[3, i], path[4, i], path[5, i]
+        for k in range(3):
+            a, low, high = looks[k], box[2 * k], box[2 * k + 1]
+            for c in range(low.size):
+                t = a[0, c] * xx + a[1, c] * yy + a[2, c] * zz
+                t += a[3, c] * xy + a[4, c] * xz + a[5, c] * yz
+                # Written out: so it is done for several planes at once.
+                low[c] = t if t < low[c] else low[c]
+                high[c] = t if t > high[c] else high[c]
 
 
 @compiled
 def _maximised(normal, path, sum_k, product_k, room):
     """The local maximum that Newton's steps lead to from a normal."""
-    trial, e, f, v = np.empty(3), np.empty(3), np.empty(3), np.empty(8)
-    here = _plane(path, normal, sum_k, product_k, room, -1.0)
+    trial = np.empty(3)
+    here, held, at = _plane(path, normal, sum_k, product_k, room)
     for _ in range(STEPS):
-        _across(e, f, normal)
-        for j in range(8):
-            # Around: towards e, e + f, f, f - e, ...
-            length = DIFFERENCE * (1.0 if j % 2 == 0 else math.sqrt(2.0))
-            a, b = math.cos(0.25 * math.pi * j), math.sin(0.25 * math.pi * j)
-            _turned(trial, normal, e, f, length * a, length * b)
-            v[j] = _plane(path, trial, sum_k, product_k, room, -1.0)
-        a, b = _newton(here, v)
-        there = here
+        a, b = _uphill(path, here, held, at, sum_k, product_k, room)
+        gain = 0.0
         for _ in range(SHORTENED):
-            _turned(trial, normal, e, f, a, b)
-            there = _plane(path, trial, sum_k, product_k, room, -1.0)
-            if there > here:
+            _turned(trial, normal, a, b)
+            there, held, at = _plane(path, trial, sum_k, product_k, room)
+            gain = there - here
+            if gain > 0.0:
+                here = there
+                normal[:] = trial
                 break
             a, b = 0.4 * a, 0.4 * b
-        gain = there - here
-        if gain > 0.0:
-            here = there
-            normal[:] = trial
-        if gain <= 1e-13 * here:
+        if gain <= SETTLED * here:  # the next gain would be the square of this one
             break
     return here
 
 
 @compiled
-def _newton(here, v):
-    """The step uphill by values around, a difference away: of Newton where it curves downwards."""
-    ge, gf = (v[0] - v[4]) / (2.0 * DIFFERENCE), (v[2] - v[6]) / (2.0 * DIFFERENCE)
-    hee = (v[0] + v[4] - 2.0 * here) / DIFFERENCE**2
-    hff = (v[2] + v[6] - 2.0 * here) / DIFFERENCE**2
-    hef = (v[1] + v[5] - v[3] - v[7]) / (4.0 * DIFFERENCE**2)
-    largest = 0.5 * (hee + hff) + math.hypot(0.5 * (hee - hff), hef)
+def _uphill(path, here, held, at, sum_k, product_k, room):
+    """Newton's step (a, b) along the axes of the plane last looked at.
+
+    The squared radius is the largest, over weights w of the points that hold the circle, of the
+    weighted mean of their |t_i - t|², t the weighted mean of their shear: at fixed weights its
+    derivatives are those of the shear of stresses, and that the weights follow adds C^T M^-1 C,
+    with M and C the second derivatives by weights, and by weights and axes.
+    """
+    _, _, support, weights, look, seen = room
+    for k in range(6):
+        seen[3, k] = 0.0
+        for j in range(held):
+            seen[j, k] = 0.0
+            for c in range(6):
+                seen[j, k] += look[k, c] * path[c, support[j]]
+            seen[3, k] += weights[j] * seen[j, k]
+    ga = gb = haa = hab = hbb = square = 0.0
+    for j in range(held):
+        for k in range(6):
+            seen[j, k] -= seen[3, k]
+        n, en, fn, ee, ef, ff = seen[j]
+        # Derivatives of the square of the shear stress, en² + fn², as the normal turns.
+        a, b = 2.0 * ((ee - n) * en + ef * fn), 2.0 * (ef * en + (ff - n) * fn)
+        w = weights[j]
+        square += w * (en * en + fn * fn)
+        ga, gb = ga + w * a, gb + w * b
+        haa += w * (2.0 * ((ee - n) ** 2 + ef * ef - fn * fn) - 8.0 * en * en)
+        hbb += w * (2.0 * ((ff - n) ** 2 + ef * ef - en * en) - 8.0 * fn * fn)
+        hab += w * (2.0 * ef * (ee + ff - 2.0 * n) - 6.0 * en * fn)
+        seen[j, 3], seen[j, 4] = a, b
+    if held == 3:
+        x0, y0, x1, y1 = _beside(seen, 1)
+        a0, b0, a1, b1 = _beside(seen, 3)
+        m00, m01, m11 = x0 * x0 + y0 * y0, x0 * x1 + y0 * y1, x1 * x1 + y1 * y1
+        det = 2.0 * (m00 * m11 - m01 * m01)
+        if det > 1e-12 * m00 * m11:
+            haa += (m11 * a0 * a0 - 2.0 * m01 * a0 * a1 + m00 * a1 * a1) / det
+            hbb += (m11 * b0 * b0 - 2.0 * m01 * b0 * b1 + m00 * b1 * b1) / det
+            hab += (m11 * a0 * b0 - m01 * (a0 * b1 + a1 * b0) + m00 * a1 * b1) / det
+    radius = math.sqrt(square)
+    if radius > 0.0:
+        ga, gb = 0.5 * ga / radius, 0.5 * gb / radius
+        haa, hbb = (0.5 * haa - ga * ga) / radius, (0.5 * hbb - gb * gb) / radius
+        hab = (0.5 * hab - ga * gb) / radius
+    # With the normal stress, the derivatives of which are 2 en, 2 fn; 2 (ee - n), 2 ef, 2 (ff - n).
+    for k in range(6):
+        seen[3, k] = 0.0
+        for c in range(6):
+            seen[3, k] += look[k, c] * path[c, at]
+    n, en, fn, ee, ef, ff = seen[3]
+    factor, twice = 1.0 + product_k * n, 2.0 * (product_k * radius + sum_k)
+    haa = factor * haa + 4.0 * product_k * ga * en + twice * (ee - n)
+    hbb = factor * hbb + 4.0 * product_k * gb * fn + twice * (ff - n)
+    hab = factor * hab + 2.0 * product_k * (ga * fn + gb * en) + twice * ef
+    return _newton(here, factor * ga + twice * en, factor * gb + twice * fn, haa, hab, hbb)
+
+
+@compiled
+def _beside(seen, k):
+    """Two columns of what is seen at the second and third point, less that at the first."""
+    x, y = seen[0, k], seen[0, k + 1]
+    return seen[1, k] - x, seen[1, k + 1] - y, seen[2, k] - x, seen[2, k + 1] - y
+
+
+@compiled
+def _newton(here, ga, gb, haa, hab, hbb):
+    """The step by gradient and second derivatives; uphill, too, where it does not curve down."""
+    largest = 0.5 * (haa + hbb) + math.hypot(0.5 * (haa - hbb), hab)
     shift = max(0.0, largest + 0.1 * here)
-    hee, hff = hee - shift, hff - shift
-    det = hee * hff - hef * hef
+    haa, hbb = haa - shift, hbb - shift
+    det = haa * hbb - hab * hab
     if det <= 0.0:
         return 0.0, 0.0
-    a, b = -(hff * ge - hef * gf) / det, -(hee * gf - hef * ge) / det
+    a, b = -(hbb * ga - hab * gb) / det, -(haa * gb - hab * ga) / det
     shorter = min(1.0, LONGEST / max(math.hypot(a, b), 1e-300))
     return a * shorter, b * shorter
 
 
 @compiled
-def _axes(nx, ny, nz):
+def _axes(normal):
     """Two axes across a normal."""
+    nx, ny, nz = normal
     if abs(nz) < 0.9:
         h = math.hypot(nx, ny)
-        ex, ey, ez = -ny / h, nx / h, 0.0
+        e = -ny / h, nx / h, 0.0
     else:
         h = math.hypot(ny, nz)
-        ex, ey, ez = 0.0, nz / h, -ny / h
-    return (ex, ey, ez), (ny * ez - nz * ey, nz * ex - nx * ez, nx * ey - ny * ex)
+        e = 0.0, nz / h, -ny / h
+    return e, (ny * e[2] - nz * e[1], nz * e[0] - nx * e[2], nx * e[1] - ny * e[0])
 
 
 @compiled
-def _across(e, f, normal):
-    """Set two axes across a normal."""
-    (e[0], e[1], e[2]), (f[0], f[1], f[2]) = _axes(normal[0], normal[1], normal[2])
-
-
-@compiled
-def _turned(out, normal, e, f, a, b):
-    """Set the normal turned by (a, b) towards two axes across it."""
+def _turned(out, normal, a, b):
+    """Set the normal turned by (a, b) towards the axes across it."""
+    e, f = _axes((normal[0], normal[1], normal[2]))
     total = 0.0
     for k in range(3):
         out[k] = normal[k] + a * e[k] + b * f[k]

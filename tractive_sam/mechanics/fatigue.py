@@ -10,9 +10,9 @@ from tractive_sam.mechanics.criteria import CycleCriterion
 
 
 def paths(cycle: np.ndarray) -> np.ndarray:
-    """Cycles (6, n, ...) as kernels take them, (number, n, 6)."""
+    """Cycles (6, n, ...) as kernels take them, (number, 6, n)."""
     flat = cycle.reshape(*cycle.shape[:2], -1)
-    return np.ascontiguousarray(flat.transpose(2, 1, 0))
+    return np.ascontiguousarray(flat.transpose(2, 0, 1))
 
 
 def _each(kernel, cycle: np.ndarray, *parameters) -> np.ndarray:

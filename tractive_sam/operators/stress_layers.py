@@ -18,6 +18,10 @@ from tractive_sam.operators.stress_fft import LayerTransform, layer_transform
 KEPT = 64 * 2**20
 """Most memory that transforms kept for further layers take, bytes."""
 
+ROUND = 8
+"""Offsets are rounded up to multiples of this many elements: loads that change a little, as a
+contact does that wears, share plans and transforms."""
+
 
 class _Transforms:
     """Transforms of the integrals over an element, for other tractions on the same mesh.
@@ -84,7 +88,8 @@ class StressLayers:
         self.threads = threads
         loaded = tractions.any(axis=(0, 1))
         # No offset from a loaded element is longer than half a period.
-        self._padded = tuple(padded_length(reach(loaded.any(axis=k)) + 1) for k in (1, 0))
+        farthest = (reach(loaded.any(axis=k)) for k in (1, 0))
+        self._padded = tuple(padded_length(-(-(most + 1) // ROUND) * ROUND) for most in farthest)
         px, py = self._padded
         fields = tractions.reshape(-1, *lattice.shape) / (2.0 * np.pi * px * py)
         spectra = transform(len(fields), lattice.shape, self._padded).forward(fields)

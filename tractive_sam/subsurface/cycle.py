@@ -22,8 +22,9 @@ from tractive_sam.subsurface.surface import surface_cycles
 GRADING = 1.5
 """Depths go with this power of their number: they are closer towards the surface."""
 
-LENGTHS = 3
-"""Different lengths of layers; transforms are kept for each."""
+LENGTHS, ROUND = 3, 4
+"""Different lengths of layers, and what elements beyond the mesh are multiples of: transforms are
+kept for each length, also while wear changes that of the contact."""
 
 
 def cycle_depths(contact: State) -> np.ndarray:
@@ -190,14 +191,14 @@ def _layers(contact: State, depths: np.ndarray, laws: Laws) -> Iterator[np.ndarr
     # The shear stress is largest about as far ahead and behind the contact as the point is deep.
     part = np.ceil(depths[1:] / depths[-1] * LENGTHS) / LENGTHS
     wanted = contact.half_width_x + part * depths[-1] - grid.half_length[0]
-    beyond = np.maximum(0, np.ceil(wanted / grid.dx)).astype(int)
+    beyond = np.maximum(0, ROUND * np.ceil(wanted / grid.dx / ROUND)).astype(int)
     for more, together in groupby(zip(beyond, depths[1:], strict=True), lambda one: one[0]):
         at = [depth for _, depth in together]
         for _, stress in stress_layers(contact, at, bodies, int(more), laws=laws):
             # In memory path by path, as the kernels take them: laid out once for all.
-            paths = np.zeros((len(bodies), stress.shape[3], stress.shape[2] + 1, 6))
-            paths[:, :, :-1] = stress.transpose(0, 3, 2, 1)
-            yield paths.transpose(0, 3, 2, 1)
+            paths = np.zeros((len(bodies), stress.shape[3], 6, stress.shape[2] + 1))
+            paths[..., :-1] = stress.transpose(0, 3, 1, 2)
+            yield paths.transpose(0, 2, 3, 1)
 
 
 def _surfaces(contact: State, laws: Laws) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
