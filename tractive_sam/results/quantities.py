@@ -404,7 +404,7 @@ _FATIGUE = (
     Quantity("fatigue_life", "1", "revolutions to a crack by this record's stress, without wear",
              format=".4g", **_OF_BODIES),
     Quantity("wear_margin", "1", "smallest wear over the wear that balances fatigue, across the "
-             "track; below 1 cracks start", format=".3g", **_OF_BODIES),
+             "track; below 1 cracks start; none without wear", format=".3g", **_OF_BODIES),
     Quantity("stressed_volume", "1", "integral of stress over the volume, N and mm by the "
              "exponents of fatigue.volume; of a flat body over 1 mm of track", format=".4g",
              **_IN_VOLUME),

@@ -53,6 +53,9 @@ NODES, WEIGHTS = (
 )
 """Quadrature of Gauss on a part."""
 
+AT_TOP = 0.9
+"""`VolumeLife.at_the_top` from which the mesh decides on the life of a volume."""
+
 WORKS = 0.1
 """Share of the largest balancing wear from which a row counts where wear is compared with it."""
 
@@ -106,7 +109,7 @@ class Followed:
             "damage_error": float(self.error[_left(self.now)].max(initial=0.0)),
             "initiation": self.initiation,
             "fatigue_life": 1.0 / most if most > 0.0 else math.inf,
-            "wear_margin": float(margin) if self.passes else math.nan,
+            "wear_margin": float(margin) if self.passes and self.rate.any() else math.nan,
             "balancing_wear": balance,
         }
 
@@ -158,17 +161,32 @@ class Damage:
         """What the last jump added to the error of the damage, over the largest damage."""
         return max(one.missed for one in self.bodies.values())
 
-    @property
-    def warning(self) -> str:
-        """Where stress is above the shakedown limit, that it is; else empty."""
+    def warning(self, model: Model) -> str:
+        """Where stress is above the shakedown limit, and where the mesh decides on a life."""
         factors = {body: one.now.shakedown_lower for body, one in self.bodies.items()}
         above = [f"{body} {factor:.2f}" for body, factor in factors.items() if factor < 1.0]
-        if not above:
-            return ""
-        return (
-            f"; stress is above the shakedown limit (load factor of body {', of '.join(above)}): "
-            "elastic as it is, it is not what the material sees"
-        )
+        tops = {} if model.laws.volume is None else self.at_the_top(model)
+        hinge = [body for body, top in tops.items() if top > AT_TOP]
+        said = ""
+        if above:
+            said += (
+                f"; stress is above the shakedown limit (load factor of body {', of '.join(above)})"
+                ": elastic as it is, it is not what the material sees"
+            )
+        if hinge:
+            said += (
+                f"; in body {' and '.join(hinge)} what counts for the stressed volume is largest "
+                "one element deep: smaller elements find more, and a shorter life"
+            )
+        return said
+
+    def at_the_top(self, model: Model) -> dict[str, float]:
+        """`VolumeLife.at_the_top` of each body, the largest of all blocks."""
+        law, limit = model.laws.volume, model.scene.fatigue.limit
+        return {
+            body: max(law.at_the_top(one.now.depth, used * limit) for used in one.used)
+            for body, one in self.bodies.items()
+        }
 
     @property
     def fields(self) -> tuple[BodyFatigue, ...]:
@@ -440,7 +458,7 @@ def fatigue_columns(damage: Damage, model: Model) -> dict[str, Any]:
 def _of_volume(damage: Damage, model: Model, law: VolumeLife) -> dict[str, Any]:
     """Columns of the life of a volume: of several blocks, lives add up by Miner's rule."""
     asked = model.scene.fatigue
-    columns: dict[str, Any] = {"stressed_volume": {}, "volume_life": {}, "volume_at_top": {}}
+    columns: dict[str, Any] = {"stressed_volume": {}, "volume_life": {}}
     for body, one in damage.bodies.items():
         radius = getattr(model.scene.body, body).radius_x
         around = 2.0 * math.pi * abs(radius) if math.isfinite(radius) else 1.0
@@ -451,8 +469,7 @@ def _of_volume(damage: Damage, model: Model, law: VolumeLife) -> dict[str, Any]:
         used = sum(share / each for share, each in zip(model.weights, lives, strict=True))
         columns["stressed_volume"][body] = float(np.dot(model.weights, volumes))
         columns["volume_life"][body] = 1.0 / (used * (one.passes or 1.0)) if used else math.inf
-        columns["volume_at_top"][body] = max(law.at_the_top(depth, each) for each in stress)
-    return columns
+    return columns | {"volume_at_top": damage.at_the_top(model)}
 
 
 def block_columns(damage: Damage | None, block: int) -> dict[str, Any]:

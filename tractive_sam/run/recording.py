@@ -107,7 +107,8 @@ class Recording:
                 if self.progress is not None:
                     self.progress(told)
                 interrupt.heed()
-            status, message = _ended(passage, missed if estimator is None else estimator.missed)
+            missed = missed if estimator is None else estimator.missed
+            status, message = _ended(passage, model, missed)
             keeper.finish(status, message)
         return keeper.history if self.path is None else open_history(self.path)
 
@@ -154,7 +155,7 @@ class _InMemory:
         self.history = History.of_records(self._records, self._scene, self._grid, **end)
 
 
-def _ended(passage: Passage, missed: str) -> tuple[str, str]:
+def _ended(passage: Passage, model: Model, missed: str) -> tuple[str, str]:
     """Status and message of a history that ends with this passage."""
     contact = passage.contact
     if contact.converged and missed:
@@ -167,5 +168,5 @@ def _ended(passage: Passage, missed: str) -> tuple[str, str]:
     elif contact.scene.wear is not None:
         message = f"revolution {passage.place}: {message}"
     if isinstance(passage, Passage) and passage.damage is not None:
-        message += passage.damage.warning
+        message += passage.damage.warning(model)
     return "done" if contact.converged else str(contact.status), message
