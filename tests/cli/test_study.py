@@ -40,6 +40,23 @@ def test_study_and_its_table(call, file):
     assert "friction" in shown.stdout
 
 
+def test_studies_of_transients_tell_shifts_and_work(call, folder):
+    lines = [
+        'scene = "fretting"',
+        'set = ["grid.elements=[17, 17]", "transient.distance=[0, 1]", '
+        '"transient.load.force_x=[0, 45]", "transient.step=0.5"]',
+        '[[axis]]\nkey = "friction.mu"\nvalues = [0.5, 0.6]',
+    ]
+    (folder / "loops.toml").write_text("\n".join(lines))
+    assert call("study", "loops.toml", "-o", "loops", "--workers", 0).exit_code == 0
+    result = call("study-show", "loops")
+    assert "shift x" in result.stdout
+    assert "friction" in result.stdout
+    assert "half x" not in result.stdout
+    file = next((folder / "loops").rglob("*.h5"))
+    assert "shift x" in call("show", file).stdout
+
+
 def test_table_as_csv_dataset_and_figures(call, file, folder):
     call("study", file, "-o", "done", "--workers", "0")
     result = call("study-show", "done", "--csv", "a.csv", "--figures", "b", "--quantity", "Qx")

@@ -177,6 +177,9 @@ def test_a_loop_of_shifts_takes_mindlins_work():
     }
     history = ts.roll(scene(transient, 45))
     assert history.status == "done"
+    np.testing.assert_allclose(
+        history["friction_work"], np.cumsum(history["step_friction"]), rtol=1e-12
+    )
     cycle = history["distance"] > 1.0
     assert history["step_friction"][cycle].sum() == pytest.approx(exact, rel=0.02)
     first, last = (history["shift_x"][history["distance"] == at][0] for at in (1.0, 3.0))
@@ -249,7 +252,10 @@ def test_friction_may_change_on_the_way():
 
 
 def test_what_friction_cannot_carry_ends_with_a_message():
-    history = ts.roll(scene({"distance": [0, 2], "load.force_x": [0, 1.5 * MU * P]}, 15))
+    # Under an approach only the solution tells the load.
+    pressed = scene(None, 15, load={"approach": SPHERES.hertz.approach})
+    courses = {"distance": [0, 2], "load.force_x": [0, 1.5 * MU * P]}
+    history = ts.roll(pressed.replace(transient=courses))
     assert history.status == "diverged"
     assert "force_x" in history.message
     assert "mm" in history.message

@@ -25,6 +25,7 @@ def test_a_course_is_written_in_any_way(creepage):
     assert ts.Scene.from_toml_text(scene.to_toml()) == scene
 
 
+FORCED = {"distance": [0.0, 1.0], "load.force_x": [0.0, 0.1]}
 GOOD = {"distance": [0.0, 1.0, 2.0], "creepage.longitudinal": [0.0, -1e-3, 0.0]}
 
 
@@ -38,6 +39,17 @@ GOOD = {"distance": [0.0, 1.0, 2.0], "creepage.longitudinal": [0.0, -1e-3, 0.0]}
         ({"transient.load.approach": [0.1, 0.1, 0.1]}, "transient.load.approach"),
         ({"transient.load.force_x": [0.0, 0.1, 0.1]}, "transient.creepage.longitudinal"),
         ({"transient.step": 8.0}, "transient.step"),
+        ({"transient": FORCED | {"load.force_x": [0.0, 0.2]}}, "transient.load.force_x"),
+        ({"transient": FORCED | {"load.normal": [0.4705, 0.2]}}, "transient.load.force_x"),
+        ({"transient": FORCED | {"friction.mu": [0.4, 0.1]}}, "transient.load.force_x"),
+        (
+            {"transient": FORCED | {"load.force_y": [0.0, 0.17]}},
+            "transient.load.force_x, transient.load.force_y",
+        ),
+        (
+            {"load.force_y": 0.1, "transient": {"distance": [0, 1], "load.normal": [0.4, 0.2]}},
+            "load.force_y",
+        ),
         ({"transient.save": [3.0]}, "transient.save"),
         ({"transient.save": [1.0, 0.5]}, "transient.save"),
         ({"transient.start": "anywhere"}, "transient.start"),

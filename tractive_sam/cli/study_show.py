@@ -107,11 +107,12 @@ def _standing(results: "StudyResults") -> str:
 
 def _table(results: "StudyResults") -> Table:
     """The cases, one a row."""
-    from tractive_sam.cli.tables import COURSE
+    from tractive_sam.cli.tables import course
 
     keys = [key for one in results.study.dimensions for key in one.columns]
-    line = results.study.scene.line
-    shown = [one for one in COURSE if one[0] != "residual" and not (line and "_y" in one[0])]
+    scene = results.study.scene
+    told, line = course(scene), scene.line
+    shown = [one for one in told if one[0] != "residual" and not (line and "_y" in one[0])]
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column("case", justify="right")
     for key in keys:

@@ -7,10 +7,11 @@ from rich import box
 from rich.table import Table
 
 from tractive_sam.results import balances, numbers, rolled_on_by
-from tractive_sam.scene import told
+from tractive_sam.scene import told as asked_of
 
 if TYPE_CHECKING:
     from tractive_sam.results import History
+    from tractive_sam.scene import Scene
 
 COURSE = (
     ("Qx_over_P", "Qx/P", 1, ".4f"),
@@ -24,10 +25,25 @@ COURSE = (
 )
 """What is told of every record, after the coordinate: name, heading, factor and format."""
 
+MOVED = (
+    ("shift_x", "shift x\nµm", 1e3, ".4g"),
+    ("shift_y", "shift y\nµm", 1e3, ".4g"),
+    ("friction_work", "friction\nN mm", 1, ".4g"),
+)
+"""The same of transients, in place of half widths."""
+
 FOUND = (("xi_x", "xi_x", 1, ".3e"), ("xi_y", "xi_y", 1, ".3e"))
 """The same of creepages, where forces are prescribed."""
 
 MOST_ROWS = 20
+
+
+def course(scene: "Scene") -> tuple[tuple[str, str, float, str], ...]:
+    """What is told of every record of a scene, as `COURSE`."""
+    if scene.transient is None:
+        return COURSE
+    kept = [one for one in COURSE if not one[0].startswith("half_width")]
+    return (*kept[:3], *MOVED, *kept[3:])
 
 
 def about(history: "History") -> Table:
@@ -38,7 +54,7 @@ def about(history: "History") -> Table:
         unworn = f"a0 = {history.a0:.5g} mm, b0 = {history.b0:.5g} mm, p0 = {history.p0:.6g} MPa"
         rows["unworn contact"] = unworn
     rows["records"] = f"{len(history)}, {len(history.saved)} with fields"
-    rows |= told.told(history.scene)
+    rows |= asked_of.told(history.scene)
     if history.started:
         rows["began with"] = history.started
     if others := rolled_on_by(history):
@@ -56,7 +72,7 @@ def about(history: "History") -> Table:
 def asked(history: "History") -> Table:
     """The load and the wear that were asked for, in the units that people have."""
     table = Table.grid(padding=(0, 2))
-    for name, value in told.told(history.scene).items():
+    for name, value in asked_of.told(history.scene).items():
         table.add_row(name, value)
     return table
 
@@ -80,12 +96,13 @@ def records(history: "History") -> Table:
     along = history.coordinate
     heading = along.symbol + ("" if along.unit == "1" else f"\n{along.unit}")
     found = FOUND if "creepage_found" in history.columns else ()
-    course = ((along.name, heading, 1, along.format), *COURSE[:2], *found, *COURSE[2:])
-    for _, heading, _, _ in course:
+    told = course(history.scene)
+    told = ((along.name, heading, 1, along.format), *told[:2], *found, *told[2:])
+    for _, heading, _, _ in told:
         table.add_column(heading, justify="right", no_wrap=True)
     shown = _apart(history[along.name].tolist())
     for row in shown:
-        table.add_row(*(format(history[name][row] * f, form) for name, _, f, form in course))
+        table.add_row(*(format(history[name][row] * f, form) for name, _, f, form in told))
     if len(shown) < count:
         table.caption = f"{len(shown)} of {count} records; show --json tells all"
     return table

@@ -268,6 +268,8 @@ _SCALARS = (
              "and, of dissimilar bodies, by the load", per_length=True, when=_transient),
     Quantity("step_friction", "N mm", "work of friction in the step to this record",
              per_length=True, when=_transient),
+    Quantity("friction_work", "N mm", "work of friction since the start", per_length=True,
+             when=_transient),
     Quantity("step_worn", "mm3", "volume worn off both bodies in the step to this record",
              per_length=True, when=_worn_on_the_way),
     Quantity("elastic_energy", "N mm", "elastic energy of the tractions, of dissimilar bodies with "

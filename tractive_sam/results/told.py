@@ -32,7 +32,7 @@ def number(value: float, error_bar: float = 0.0) -> str:
 def numbers(history: "History", row: int) -> Iterator[tuple[str, str, Quantity]]:
     """What a record tells in numbers: name, number with error bar, and quantity."""
     for name, one in history.of_dims().items():
-        if not name.endswith("_error"):
+        if not (name.endswith("_error") or np.isnan(history[name]).all()):
             yield name, number(history[name][row], error_bar(history, name, row)), one
     for name, one in history.of_dims("body").items():
         for body in one.bodies(history.scene) if not name.endswith("_error") else ():

@@ -55,6 +55,8 @@ class Moment:
         The contact a step before.
     solves : int
         Contacts solved for it.
+    friction : float
+        Work of friction since the start, N mm.
     volumes : ndarray, shape (2,)
         Worn off A and B since they were new, mm³.
     deepest : float
@@ -71,6 +73,7 @@ class Moment:
     shifts: np.ndarray = field(default_factory=lambda: np.zeros(3))
     before: Stepped | None = None
     solves: int = 1
+    friction: float = 0.0
     volumes: np.ndarray = field(default_factory=lambda: np.zeros(2))
     deepest: float = 0.0
     began: Worn | None = None
@@ -134,6 +137,7 @@ class Moment:
             "turn": self.shifts[2],
             "step_work": self.stepped.supplied,
             "step_friction": self.stepped.friction,
+            "friction_work": self.friction,
             "elastic_energy": self.stepped.energy,
             "solves": self.solves,
             **per_distance,
@@ -440,6 +444,7 @@ class Transient:
             shifts=shifts,
             before=before,
             solves=1,
+            friction=last.friction + stepped.friction,
             volumes=last.volumes + gained * contact.grid.element_area,
             deepest=max(last.deepest, float(contact.wear.max())),
         )

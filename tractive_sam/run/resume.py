@@ -124,11 +124,12 @@ def _last_moment(history: History, path: str | PathLike, row: int, scene: Scene)
         )
         before = Stepped(earlier)
     shifts = np.array([history[name][row] for name in ("shift_x", "shift_y", "turn")])
-    none, worn = np.zeros((2, *contact.grid.elements)), {}
+    none = np.zeros((2, *contact.grid.elements))
+    worn = {"friction": float(np.nansum(history["step_friction"][: row + 1]))}
     if scene.wear is not None:
         if not {"worn", "gained"} <= state.keys():
             raise DamagedError(f"{path} is damaged: the wear of record {row} is missing")
-        worn = {"volumes": history["worn_volume"][row], "deepest": history["wear_max"][row]}
+        worn |= {"volumes": history["worn_volume"][row], "deepest": history["wear_max"][row]}
     stepped = Stepped(
         contact,
         energy=float(history["elastic_energy"][row]),

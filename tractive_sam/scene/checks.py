@@ -51,35 +51,70 @@ def _falling_needs_speed(known: Known) -> Iterator[Fault]:
 
 
 def _friction_carries_the_traction(known: Known) -> Iterator[Fault]:
-    load, mu = known["load.normal"], known["friction.mu"]
-    unit = "N/mm" if is_line(known) else "N"
+    forces = known["load.force_x"], known["load.force_y"]
     angle = math.radians(known["friction.angle"])
-    force_x, force_y = known["load.force_x"], known["load.force_y"]
-    if known["load.pressure"] is not None:
-        load = known["body"].normal_load(known["load"])
-    if load is None:  # only the solution tells how much friction can carry
+    for names, given, limit in _beyond(forces, _load(known), known["friction.mu"], angle):
+        yield _too_much(known, [f"load.{name}" for name in names], given, limit)
+
+
+def _friction_carries_the_courses(known: Known) -> Iterator[Fault]:
+    """Find the first knot at which it does not; of a load that is given."""
+    transient, mu = known["transient"], known["friction.mu"]
+    if transient is None or transient.load.approach is not None:
         return
+    courses, angle = transient.courses, math.radians(known["friction.angle"])
+    constant = {
+        "load.force_x": known["load.force_x"],
+        "load.force_y": known["load.force_y"],
+        "load.normal": _load(known),
+        "friction.mu": mu[0],
+    }
+    for k, place in enumerate(transient.distance):
+        now = {key: courses[key][k] if key in courses else constant[key] for key in constant}
+        force_x, force_y, load, mu1 = now.values()
+        weakened = (mu1, mu1 * mu[1] / mu[0])
+        found = [*_beyond((force_x, force_y), load, weakened, angle)]
+        for names, given, limit in found:
+            keys = [f"transient.load.{n}" if f"load.{n}" in courses else f"load.{n}" for n in names]
+            yield _too_much(known, keys, f"{given} at {place:g} mm", limit)
+        if found:
+            return
+
+
+def _load(known: Known) -> float | None:
+    """The normal load where it is given; else only the solution tells what friction carries."""
+    if known["load.pressure"] is not None:
+        return known["body"].normal_load(known["load"])
+    return known["load.normal"]
+
+
+def _beyond(
+    forces: tuple[float | None, float | None],
+    load: float | None,
+    mu: tuple[float, float],
+    angle: float,
+) -> Iterator[tuple[tuple[str, ...], str, float]]:
+    """Forces that friction cannot carry: their names, what is given, and the limit."""
+    if load is None:
+        return
+    force_x, force_y = forces
     if force_x is not None and force_y is not None:
         share = load_to_carry((force_x, force_y), mu, angle) / load
         if share >= 1:
-            given = shown((force_x, force_y))
             limit = math.hypot(force_x, force_y) / share
-            yield _too_much("load.force_x, load.force_y", given, limit, unit)
+            yield ("force_x", "force_y"), shown((force_x, force_y)), limit
         return
-    # With the other force free, friction carries the most in full slip along this axis.
-    most_x, _ = full_slip_force(load, mu, angle, (1.0, 0.0))
-    _, most_y = full_slip_force(load, mu, angle, (0.0, 1.0))
-    if force_x is not None and abs(force_x) >= abs(most_x):
-        yield _too_much("load.force_x", shown(force_x), abs(most_x), unit)
-    if force_y is not None and abs(force_y) >= abs(most_y):
-        yield _too_much("load.force_y", shown(force_y), abs(most_y), unit)
+    for axis, (name, force) in enumerate((("force_x", force_x), ("force_y", force_y))):
+        # With the other force free, friction carries the most in full slip along this axis.
+        most = abs(full_slip_force(load, mu, angle, (1.0 - axis, float(axis)))[axis])
+        if force is not None and abs(force) >= most:
+            yield (name,), shown(force), most
 
 
-def _too_much(key: str, given: str, limit: float, unit: str) -> Fault:
-    allowed = (
-        f"less than {limit:.6g} {unit}: friction can carry at most this much in this direction"
-    )
-    return Fault(key, given, allowed)
+def _too_much(known: Known, keys: list[str], given: str, limit: float) -> Fault:
+    unit = "N/mm" if is_line(known) else "N"
+    cure = f"less than {limit:.6g} {unit}: friction can carry at most this much in this direction"
+    return Fault(", ".join(keys), given, cure)
 
 
 def _forces_are_for_newton(known: Known) -> Iterator[Fault]:
@@ -192,6 +227,7 @@ SCENE_CHECKS: tuple[Check, ...] = (
     _traction_needs_friction,
     _falling_needs_speed,
     _friction_carries_the_traction,
+    _friction_carries_the_courses,
     _forces_are_for_newton,
     _bodies_can_touch,
     _grid_holds_the_contact,
