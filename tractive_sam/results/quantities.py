@@ -445,7 +445,7 @@ COLUMNS = (
     *(
         replace(_error_bar(one), when=_with_bars(one))
         for one in _FATIGUE
-        if one.name in ("utilisation", "shakedown_lower")
+        if one.name in ("utilisation", "shakedown_lower", "shakedown_upper", "fatigue_life")
     ),
     *(_error_bar(_KNOWN[name]) for name in BARRED),
     _STRESSES[-1],

@@ -19,7 +19,7 @@ CLOSED = 5e-3
 def number(value: float, error_bar: float = 0.0) -> str:
     """A number with its error bar, in as many digits as that leaves."""
     if math.isinf(error_bar):
-        return f"{value:.4g}, growing with the mesh"
+        return f"{value:.4g}, without a limit on finer meshes"
     if error_bar > 1e-12 * abs(value):  # less is rounding
         # As many digits as the error bar has, which is told to two.
         decimals = max(0, 1 - math.floor(math.log10(error_bar)))

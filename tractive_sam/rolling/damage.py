@@ -472,6 +472,20 @@ def _of_volume(damage: Damage, model: Model, law: VolumeLife) -> dict[str, Any]:
     return columns | {"volume_at_top": damage.at_the_top(model)}
 
 
+def life_bars(columns: Mapping[str, Any], bars: Mapping[str, float], life: Woehler) -> dict:
+    """Error bars of `fatigue_life` by those of the utilisation: how much longer it is with less.
+
+    The other way it changes by less.
+    """
+    told = {}
+    for body, most in columns["utilisation"].items():
+        low, here = life.damage(np.array([most - bars[body], most]))
+        if here > 0.0 and not math.isnan(bars[body]):
+            longer = here / low - 1.0 if low > 0.0 else math.inf
+            told[body] = columns["fatigue_life"][body] * longer
+    return told
+
+
 def block_columns(damage: Damage | None, block: int) -> dict[str, Any]:
     """Those that each block of a duty cycle has of its own."""
     bodies = {} if damage is None else damage.bodies

@@ -20,7 +20,7 @@ from tractive_sam.results import (
     stress_columns,
 )
 from tractive_sam.rolling.adaptive import adaptive_passages
-from tractive_sam.rolling.damage import Damage, block_columns, fatigue_columns, followed
+from tractive_sam.rolling.damage import Damage, block_columns, fatigue_columns, followed, life_bars
 from tractive_sam.rolling.passage import Passage, next_passage, off_grid, unworn
 from tractive_sam.rolling.saves import Saves
 from tractive_sam.rolling.transient import Moment, Transient
@@ -133,6 +133,9 @@ def recorded(
             known["damage_error"] = {
                 k: v + mesh.get(k, 0.0) for k, v in known["damage_error"].items()
             }
+        if "fatigue_life" in known and "fatigue_life_error" in record.columns:
+            bars = record.values["utilisation_error"]
+            known["fatigue_life_error"] = life_bars(known, bars, model.laws.life)
         values = {**record.values, **known, "seconds": perf_counter() - began}
         return replace(record, values=values, cycles=kept)
     records = [

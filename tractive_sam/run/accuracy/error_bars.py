@@ -83,7 +83,11 @@ class OfBody:
 Name = str | LargestStress | OfBody
 """A recorded name, or one of the two stresses behind it."""
 
-CYCLED = {"utilisation": "utilisation", "residual_shear": "shakedown_lower"}
+CYCLED = {
+    "utilisation": "utilisation",
+    "residual_shear": "shakedown_lower",
+    "path_radius": "shakedown_upper",
+}
 """Fields of `BodyFatigue`, and the columns of their largest values."""
 
 
@@ -101,14 +105,14 @@ class Sample:
         Temperatures: the largest rise above the bulk of a body.
     residual : float
         Relative residual of the contact conditions.
-    factors : mapping of str to float
-        Load factor up to which elastic shakedown is certain, by body.
+    factors : mapping of (str, str) to float
+        Load factors of shakedown, by column and body.
     """
 
     values: Mapping[Name, float]
     scales: Mapping[Name, float]
     residual: float
-    factors: Mapping[str, float] = field(default_factory=dict)
+    factors: Mapping[tuple[str, str], float] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -150,7 +154,11 @@ class Sample:
                 scales |= {inside: largest.value, outside: largest.value}
             damage = OfBody("damage", body)
             values[damage] = scales[damage] = one.damage_max[0] if one.damage.size else 0.0
-        factors = {body: one.shakedown_lower for body, one in (cycled or {}).items()}
+        factors = {
+            (column, body): getattr(one, column)
+            for body, one in (cycled or {}).items()
+            for column in ("shakedown_lower", "shakedown_upper")
+        }
         return cls(values, scales, contact.residual, factors)
 
 
@@ -241,8 +249,9 @@ def error_bars(relative: Mapping[Name, float], fine: Sample) -> dict[str, Any]:
             above = max(deep + by_deep, high + by_high) - top
             below = top - max(deep - by_deep, high - by_high)
             bar = float(max(above, below))
-            if name.column == CYCLED["residual_shear"]:
-                bar = _of_factor(fine.factors[name.body], top, bar)
+            factor = fine.factors.get((name.column, name.body))
+            if factor is not None:
+                bar = _of_factor(factor, top, bar)
             bars.setdefault(name.column, {})[name.body] = bar
     return bars
 
