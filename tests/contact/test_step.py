@@ -138,6 +138,34 @@ def test_places_between_nodes_are_those_of_a_parabola(whole, part):
     np.testing.assert_allclose(line[1], 2.0 * at + 1.0, rtol=1e-12)
 
 
+def test_what_particles_carry_is_kept_and_never_below_zero():
+    x = np.arange(40.0)[:, None]
+    step = np.where((x > 12) & (x < 20), 1.0, 0.0) * np.ones((1, 2))
+    now = step
+    for length in (0.3, 1.0, 0.75, 2.5, 0.45):
+        now = Way.of(length).carried(now)
+        assert now.min() >= 0.0
+        assert now.max() <= 1.0 + 1e-15
+        assert now.sum() == pytest.approx(step.sum(), rel=1e-14)
+    # It has moved by 5.
+    assert (x * now).sum() / now.sum() == pytest.approx(
+        (x * step).sum() / step.sum() - 5.0, abs=0.1
+    )
+
+
+def test_what_particles_carry_is_of_second_order():
+    missed = []
+    for n in (100, 200, 400):
+        x = np.linspace(0.0, 10.0, n, endpoint=False)[:, None]
+        now = np.exp(-((x - 6.0) ** 2))
+        for _ in range(n // 10):
+            now = Way.of(0.4).carried(now)
+        # The limiter flattens the top alone: the mean error is of second order.
+        missed.append(np.abs(now - np.exp(-((x - 5.6) ** 2))).mean())
+    assert missed[1] < 0.3 * missed[0]
+    assert missed[2] < 0.3 * missed[1]
+
+
 @pytest.mark.parametrize(
     "builtin", ["spheres", "spin", "spheres-orthotropic", "spheres-dissimilar"]
 )

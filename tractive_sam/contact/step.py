@@ -196,7 +196,7 @@ class Stepper:
         moved = self._rigid(asked, way, held)
         came = way.before(displacement, held)
 
-        worn = self._brought(before, way)
+        worn = way.carried(before.worn)
         foreseen = worn if earlier is None else worn + ratio * before.gained
         gap = np.where(past.touching, 0.0, past.gap) / model.units.gap
         ahead = _ahead(gap[None], way.reach, edge=True)[0]
@@ -247,11 +247,6 @@ class Stepper:
         """Depth worn off both bodies, with that before the start, mm."""
         began = self.model.worn_before
         return np.zeros(self.model.grid.elements) + worn + (0.0 if began is None else began)
-
-    def _brought(self, before: Stepped, way: Way) -> np.ndarray:
-        """Depths worn off A and B that particles have from before a step; new ones come in."""
-        wide, curved = _ahead(before.worn, way.reach), self.model.stencil.staggered
-        return way.before(wide, np.full(self.model.grid.elements, curved))
 
     def pressed(self, asked: Asked) -> State:
         """The bodies pressed together without traction, whatever else is asked for."""
