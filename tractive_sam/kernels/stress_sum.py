@@ -59,7 +59,7 @@ def stress_at(out, points, centres, tractions, dx, dy, nu):
         out[n, 3], out[n, 4], out[n, 5] = f * xy, f * xz, f * yz
 
 
-WIDEST = 0.25
+WIDEST = 0.3
 """Longest side of a block over its distance. What the stress loses by that is a few thousandths,
 and much the same at points near one another."""
 
@@ -153,17 +153,21 @@ def _node(k, nodes):
     return (k // 2 + 0.5 + offset) / (nodes // 2) - 0.5
 
 
-@compiled
+@compiled(fastmath=ANY_ORDER)
 def _sum_quarters(out, tractions, a, b, m, n):
     """Set the sums (3, 2, 2) of the tractions over the quarters of a block of m x n patches.
 
     So weighed that forces at the nodes have the moments of the quarters. Whether there are any.
     """
-    out[:] = 0.0
-    for i in range(m):
-        for j in range(n):
-            for load in range(3):
-                out[load, 2 * i // m, 2 * j // n] += tractions[load, a + i, b + j]
+    half_x, half_y = (m + 1) // 2, (n + 1) // 2
+    for load in range(3):
+        for i in range(2):
+            for j in range(2):
+                total = 0.0
+                for k in range(a + i * half_x, a + (m if i == 1 else half_x)):
+                    for h in range(b + j * half_y, b + (n if j == 1 else half_y)):
+                        total += tractions[load, k, h]
+                out[load, i, j] = total
     loaded = False
     for load in range(3):
         if m == 1:  # one patch has equal halves

@@ -21,6 +21,9 @@ FLATTEST = 1e-3
 SETTLED = 1e-2
 """A step shorter than this share of the depth is the last."""
 
+NEAR = 0.15
+"""After a step shorter than this share of the depth the next one goes by the same curvatures."""
+
 STEEP = 1e-2
 """Part of itself by which a value at the floor falls over a fifth of the depth where the way down
 is barred for sure: where a top was found from there, it fell by a third of that at most."""
@@ -62,10 +65,15 @@ def maximise(
         here, below, above = function(at + STEP * at[2] * _DOWN, at)
         if here < least and above - below > STEEP * here:
             return None
+    close = False
     for _ in range(STEPS):
-        unit = STEP * at[2]
-        values = function(at + unit * _STENCIL, at).tolist()
-        step = unit * np.array(_step(_gradient(values), _hessian(values), at[2] <= floor))
+        if close:
+            values = function(at + unit * _STENCIL[:7], at).tolist()
+        else:
+            unit = STEP * at[2]
+            values = function(at + unit * _STENCIL, at).tolist()
+            hessian = _hessian(values)
+        step = unit * np.array(_step(_gradient(values), hessian, at[2] <= floor))
         length, longest = hypot(*step), 0.5 * at[2]
         if length > longest:
             step *= longest / length
@@ -74,7 +82,7 @@ def maximise(
         if at[2] <= floor and moved[2] <= floor and values[0] < least:
             return None
         length = hypot(*(moved - at)) / at[2]
-        at = moved
+        at, close = moved, length < NEAR
         if length < SETTLED:
             break
     return at

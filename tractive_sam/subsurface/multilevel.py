@@ -88,6 +88,11 @@ class _Side:
         """The loaded ones among them."""
         return slice(MARGIN, MARGIN + self.loaded.stop - self.loaded.start)
 
+    @property
+    def corner(self) -> float:
+        """Where it begins, mm."""
+        return float(self.origin + (self.loaded.start - MARGIN - 0.5) * self.step)
+
     def block(self, longest: float) -> int:
         """Elements along the longest block up to a length in mm."""
         return min(_power_of_two(longest / self.step), self.coarsest)
@@ -136,6 +141,8 @@ class MultiLevel:
         self._tractions = np.zeros((len(bodies), 3, x.count, y.count))
         self._tractions[:, :, x.inside, y.inside] = tractions[:, :, x.loaded, y.loaded]
         self.blocks = (x.count // x.coarsest, y.count // y.coarsest)
+        self._corner = x.corner, y.corner
+        self._sizes = x.step, y.step, x.unit, y.unit
         self._patches: dict[int, Patches] = {}
         self._levels: dict[tuple[int, int], _Level] = {}
 
@@ -153,12 +160,9 @@ class MultiLevel:
         Smooth as it is exactly: elements that are far are taken together in the same blocks for
         all the points.
         """
-        x, y, level = self._x, self._y, self._level(1, 1)
-        corner = float(level.x[0] - 0.5 * x.step), float(level.y[0] - 0.5 * y.step)
         out = np.empty((len(points), 6))
         tractions, nu = self._tractions[body], self._poisson[body]
-        lengths = corner, tractions, x.step, y.step, x.unit, y.unit
-        stress_sum.stress_around(out, points, around, *lengths, nu)
+        stress_sum.stress_around(out, points, around, self._corner, tractions, *self._sizes, nu)
         return self._criterion(out.T)
 
     def at(self, body: int, points: np.ndarray) -> np.ndarray:
