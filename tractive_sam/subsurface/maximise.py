@@ -65,14 +65,11 @@ def maximise(
         here, below, above = function(at + STEP * at[2] * _DOWN, at)
         if here < least and above - below > STEEP * here:
             return None
-    close = False
+    unit, hessian = STEP * at[2], None
     for _ in range(STEPS):
-        if close:
-            values = function(at + unit * _STENCIL[:7], at).tolist()
-        else:
-            unit = STEP * at[2]
-            values = function(at + unit * _STENCIL, at).tolist()
-            hessian = _hessian(values)
+        stencil = _STENCIL if hessian is None else _STENCIL[:7]
+        values = function(at + unit * stencil, at).tolist()
+        hessian = hessian or _hessian(values)
         step = unit * np.array(_step(_gradient(values), hessian, at[2] <= floor))
         length, longest = hypot(*step), 0.5 * at[2]
         if length > longest:
@@ -82,9 +79,11 @@ def maximise(
         if at[2] <= floor and moved[2] <= floor and values[0] < least:
             return None
         length = hypot(*(moved - at)) / at[2]
-        at, close = moved, length < NEAR
+        at = moved
         if length < SETTLED:
             break
+        if length >= NEAR:
+            unit, hessian = STEP * at[2], None
     return at
 
 
