@@ -67,10 +67,16 @@ def enclosing(centre, support, weights, points, squares):
     m = len(points)
     matrix, right = np.empty((m + 1, m + 1)), np.empty(m + 1)
     target = np.empty(m + 2)
-    support[0], weights[0], count = 0, 1.0, 1
-    centre[:] = points[:, 0]
-    radius2, largest = 0.0, 0.0
+    support[0] = _farthest(squares, points[:, 0], points)
+    support[1] = _farthest(squares, points[:, support[0]], points)
+    weights[0], weights[1], count, largest = 0.5, 0.5, 2, 0.0
     for _ in range(MOST):
+        first, radius2 = support[0], 0.0
+        for k in range(m):
+            centre[k] = 0.0
+            for j in range(count):
+                centre[k] += weights[j] * points[k, support[j]]
+            radius2 += (points[k, first] - centre[k]) ** 2
         far = _farthest(squares, centre, points)
         largest = squares[far]
         if largest <= radius2 * (1.0 + 1e-14):
@@ -85,13 +91,6 @@ def enclosing(centre, support, weights, points, squares):
                 for j in range(leaving, count - 1):
                     support[j], weights[j] = support[j + 1], weights[j + 1]
                 count -= 1
-        first = support[0]
-        radius2 = 0.0
-        for k in range(m):
-            centre[k] = 0.0
-            for j in range(count):
-                centre[k] += weights[j] * points[k, support[j]]
-            radius2 += (points[k, first] - centre[k]) ** 2
     return count, largest
 
 
