@@ -4,7 +4,7 @@ A thousand points that no table has seen: a/b between those of the built-in tabl
 creepages of normal distribution up to full slip, spin as well. The reference is a contact of twice
 to three times the elements of any node of the table. Errors are those of (Q_x, Q_y) over mu P, the
 larger one, and of the moment over mu P c where a way tells one. Times are those of one evaluation
-on one core, of the table also for a million points at once, with gradients and errors, and in C.
+on one core, of the table also in arrays of a million points, with gradients and errors, and in C.
 The points that were held out when the table was made are drawn beside what it tells of them.
 
     python benchmarks/tables.py [POINTS]
@@ -31,6 +31,8 @@ from tractive_sam.tables.contacts import MU, Contacts, unit_scene
 NU, FINE = 0.3, 47
 SPREAD = np.array([0.4, 0.4, 0.8])
 """Of the scaled creepages."""
+
+TABLE = "table of steel"
 
 MANY = 1_000_000
 """Points at once."""
@@ -158,7 +160,7 @@ def main() -> None:
         return np.array([f.Qx, f.Qy, f.Mz])
 
     ways = {
-        "table of steel": looked_up,
+        f"{TABLE}, one by one": looked_up,
         "Kalker's linear theory": linear,
         "Vermeulen-Johnson": by_vermeulen_johnson,
         "FASTSIM, 30 x 30": by_fastsim,
@@ -181,21 +183,21 @@ def main() -> None:
                 "moment": float(np.median(errors[:, 2])),
             }
         )
-        if name == "table of steel":
+        if way is looked_up:
             inside = within(table, found, errors)
     table_row = rows[0]
     w, contact = at_once(found * max(1, MANY // count))
     for name, what in (
-        ("", lambda f: f),
-        (", gradients and errors", lambda f: (f.gradient, f.error)),
+        ("in arrays", lambda f: f),
+        ("in arrays, with gradients", lambda f: (f.gradient, f.error)),
     ):
         began = process_time()
         what(table(*w, **contact))
         each = (process_time() - began) / w.shape[1]
-        rows.append(table_row | {"way": f"the same, {w.shape[1]:.0e} at once{name}", "s": each})
+        rows.append(table_row | {"way": f"{TABLE}, {name}", "s": each})
     in_c = seconds_in_c(table)
     if math.isfinite(in_c):
-        rows.append(table_row | {"way": "the same in C", "s": in_c})
+        rows.append(table_row | {"way": f"{TABLE}, in C", "s": in_c})
     title = f"{count} points: errors over mu P, and time of one; {inside:.1%} are inside the error"
     made = f"{table.nodes} nodes, {table.about['cpu_seconds'] / 3600.0:.3f} core-hours to make"
     show(f"{title} that the table tells; {made}", rows)
@@ -210,18 +212,35 @@ def main() -> None:
     print(path)
 
 
+LABELS = {  # by the way: where its label is, in points from its median, and how it is aligned
+    "Kalker's linear theory": (8, 0, "left"),
+    "Vermeulen-Johnson": (8, -5, "left"),
+    "FASTSIM, 30 x 30": (0, -14, "center"),
+    "first order, 12 x 12": (0, -14, "center"),
+}
+
+
 def draw(rows: list[dict]) -> Path:
     """Median and worst error over the time of an evaluation."""
-    figure, axes = plt.subplots(figsize=(6.4, 4.0), layout="constrained")
+    figure, axes = plt.subplots(figsize=(7.0, 4.2), layout="constrained")
+    others = iter(("C1", "C2", "C3", "C4"))
     for row in rows:
-        (line,) = axes.plot([row["s"]] * 2, [row["median"], row["worst"]], "-", alpha=0.6)
-        axes.plot(row["s"], row["median"], "o", color=line.get_color(), label=row["way"])
-        axes.plot(row["s"], row["worst"], "_", markersize=12, color=line.get_color())
-    axes.set(xscale="log", yscale="log", xlabel="time of an evaluation, s",
-             ylabel=r"error of $Q_x$, $Q_y$ over $\mu P$",
+        name, _, how = row["way"].partition(f"{TABLE}, ")
+        color = "C0" if how else next(others)
+        axes.plot([row["s"]] * 2, [row["median"], row["worst"]], "-", color=color, alpha=0.6)
+        axes.plot(row["s"], row["median"], "o", color=color)
+        axes.plot(row["s"], row["worst"], "_", markersize=12, color=color)
+        x, y, aligned = LABELS.get(name, (4, -8, "right"))
+        axes.annotate(how or name, (row["s"], row["median"]), (x, y), color=color, ha=aligned,
+                      textcoords="offset points", rotation=30 if how else 0,
+                      rotation_mode="anchor", va="top" if how else "center")  # fmt: skip
+    table = next(row for row in rows if row["way"].startswith(TABLE))
+    axes.annotate(TABLE, (table["s"], table["worst"]), (10, -4), color="C0", va="top",
+                  textcoords="offset points")  # fmt: skip
+    axes.set(xscale="log", yscale="log", xlim=(5e-7, 5e-2), ylim=(3e-5, 1.5),
+             xlabel="time of an evaluation, s", ylabel=r"error of $Q_x$, $Q_y$ over $\mu P$",
              title="Median (points) and largest errors (bars)")  # fmt: skip
     axes.grid(alpha=0.3)
-    axes.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5))
     path = RESULTS / "tables.png"
     figure.savefig(path, dpi=150)
     return path

@@ -4,11 +4,13 @@ import math
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import tractive_sam as ts
+from tractive_sam.cli import app
 from tractive_sam.lookup import Hermite, creepages_at
 from tractive_sam.mechanics.full_slip import full_slip_force
-from tractive_sam.tables import TableAxis
+from tractive_sam.tables import TableAxis, building, grid
 from tractive_sam.tables.building import FULL
 from tractive_sam.tables.coefficients import coefficients
 from tractive_sam.tables.grid import CreepageGrid
@@ -127,11 +129,11 @@ def test_friction_that_varies_is_of_a_scene(name):
 def test_nodes_are_known_by_the_contacts_of_others(asked):
     """Half of all creepages are solved; the rest follows by the symmetry that is left."""
     design = ts.TableDesign(scene=asked, elements=15, tolerance=0.2)
-    grid, contacts = CreepageGrid(*design.symmetries), design.contacts(())
-    assert grid.whole
+    nodes, contacts = CreepageGrid(*design.symmetries), design.contacts(())
+    assert nodes.whole
     ratio = design.ratio(())
     for heading, tilt in ((0.7, -0.4), (-2.0, -1.0), (-2.5, 0.0), (1.0, -0.5 * math.pi)):
-        at, signs = grid.canonical((heading, tilt, 0.5))
+        at, signs = nodes.canonical((heading, tilt, 0.5))
         here, there = (contacts.forces(creepages_at(ratio, *one), 9)
                        for one in ((heading, tilt, 0.5), at))  # fmt: skip
         assert at[1] >= 0.0
@@ -187,6 +189,68 @@ def test_whole_tables_converge_across_the_seam_and_the_poles():
     # Mixed derivatives by central differences leave the third order at least.
     assert worst[0] / worst[1] > 6.0
     assert worst[1] / worst[2] > 6.0
+
+
+ANGLE = """
+scene = "spheres-orthotropic"
+tolerance = 0.2
+elements = 15
+[[axis]]
+key = "friction.angle"
+values = [0, 60]
+"""
+
+WORN = """
+tolerance = 0.2
+elements = 15
+[scene]
+body.A = {young = 208e3, poisson = 0.3, radius_x = 460.0, radius_y = inf}
+body.B = {young = 208e3, poisson = 0.3, radius_x = inf, radius_y = 300.0}
+load.normal = 80e3
+friction.mu = 0.3
+[[axis]]
+key = "gap.file"
+name = "worn"
+values = ["new.csv", "worn.csv"]
+at = [0, 1000]
+"""
+
+
+@pytest.mark.slow  # some hundred contacts of each table are solved
+@pytest.mark.parametrize(("text", "name"), [(ANGLE, "angle"), (WORN, "worn")])
+def test_the_command_makes_tables_with_axes(text, name, tmp_path, monkeypatch):
+    """On few nodes: the errors told are those of points anywhere, of all values of the axis."""
+    monkeypatch.setattr(grid, "HEADINGS", 3)
+    monkeypatch.setattr(grid, "TILTS", 2)
+    few = {"FIRST_U": (0.0, 0.4, 0.7, 1.0), "SAMPLES": 2, "ANYWHERE": 40, "HELD_OUT": 40}
+    for constant, value in few.items():
+        monkeypatch.setattr(building, constant, value)
+    y = np.linspace(-20.0, 20.0, 81)
+    for file, depth in (("new", 0.0), ("worn", 0.02)):
+        columns = np.column_stack([y, depth * np.exp(-((y / 4.0) ** 2))])
+        np.savetxt(tmp_path / f"{file}.csv", columns, delimiter=",", header="y, separation",
+                   comments="")  # fmt: skip
+    (tmp_path / "design.toml").write_text(text)
+    made = CliRunner().invoke(
+        app, ["table", str(tmp_path / "design.toml"), "-o", str(tmp_path / "made.nc")]
+    )
+    assert made.exit_code == 0, made.output
+    table = ts.open_table(tmp_path / "made.nc")
+    assert table.names == (name,)
+    assert table.whole
+    assert table.about["held_out_worst"] <= 0.2
+    design, inside = ts.TableDesign.from_toml(tmp_path / "design.toml"), []
+    random, (a, b, load, mu, shear) = np.random.default_rng(3), table.contact.values()
+    c = math.sqrt(a * b)
+    unit = mu * load * np.array([1.0, 1.0, c])
+    creepages = mu * load / (shear * c**2) * np.array([1.0, 1.0, 1.0 / c])
+    for place in table.axis(name):
+        contacts = design.contacts((float(place),))
+        for w in random.normal(size=(6, 3)) * [0.5, 0.5, 1.0]:
+            found = table(*(w * creepages), **{name: place})
+            off = np.abs([found.Qx, found.Qy, found.Mz] / unit - contacts.forces(w, 21))
+            inside.append(bool((off <= found.error / unit + 1e-9).all()))
+    assert np.mean(inside) >= 0.8  # 95 of 100 are to be, of twelve maybe ten
 
 
 def test_files_beside_an_axis_are_sought_from_the_folder_of_the_design(tmp_path):
