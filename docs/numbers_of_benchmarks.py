@@ -434,7 +434,7 @@ def transient_wear() -> str:
         (row["case"], row["slip"], row["n"], row["steps"]): row["error"]
         for row in rows_of("transient_wear.csv")
     }
-    slips = (("second order", "auto"), ("first order", "upwind"))
+    slips = (("by the work of friction (default)", "auto"), ("by pressure (`upwind`)", "upwind"))
     small, tables = number(".2g"), []
     for case, first, at in (("pass", "elements", 2), ("fretting", "steps a stroke", 3)):
         places = list(dict.fromkeys(key[at] for key in errors if key[0] == case))

@@ -42,8 +42,8 @@ def loaded_by(code):
     [
         ("import tractive_sam", COMPILERS | FIGURES | {"h5py", "numpy"}),
         (HELP, COMPILERS | FIGURES | {"h5py", "numpy", "pydantic"}),
-        (SCENE, COMPILERS | FIGURES | {"h5py", "scipy"}),
-        ("import tractive_sam as ts; ts.open_history", COMPILERS | FIGURES | {"scipy"}),
+        (SCENE, COMPILERS | FIGURES | {"h5py", "scipy.stats"}),
+        ("import tractive_sam as ts; ts.open_history", COMPILERS | FIGURES | {"scipy.special"}),
         ("import tractive_sam as ts; ts.open_study", COMPILERS | FIGURES),
         ("import tractive_sam as ts; ts.plot", COMPILERS | {"h5py"}),
         ("import tractive_sam.studies.worker", FIGURES | {"scipy.stats"}),

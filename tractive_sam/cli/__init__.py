@@ -12,8 +12,8 @@ from tractive_sam import interrupt
 __all__ = ["app", "main"]
 
 OBJECTS = 10_000
-"""New objects after which Python looks for what has no use any more. At its own 700 it does so
-hundreds of times while modules are loaded, for a tenth of the time that this takes."""
+"""New objects after which Python looks for what has no use any more, while the program runs. At its
+own 700 it does so hundreds of times while modules are loaded, for a tenth of that time."""
 
 
 def main() -> None:

@@ -53,6 +53,7 @@ def choose_grid(scene: Scene, measured=None, finer: float = 1.0) -> Grid:
     SceneError
         If a measured gap is so much longer than wide that they would be too many.
     """
+    wears, slides = scene.wear is not None, scene.transient and not scene.transient.rolls
     scene = scene.heaviest
     if scene.grid is not None:
         return Grid.of(scene.grid.half_length, scene.grid.elements)
@@ -66,11 +67,12 @@ def choose_grid(scene: Scene, measured=None, finer: float = 1.0) -> Grid:
         across = 0.5 * min(half_length)
         side = (2.0 * across / (ACROSS * finer),) * 2
     else:
-        lateral = MARGIN if scene.wear is None else WORN_MARGIN
+        lateral = WORN_MARGIN if wears else MARGIN
+        along = WORN_MARGIN if wears and slides else MARGIN  # fretting lets it grow in x, too
         shifts = scene.spectrum.shifts if scene.spectrum else (0.0,)
         contacts = [one.hertz for one in (scene.spectrum.scenes if scene.spectrum else (scene,))]
         reach = [lateral * c.b + abs(y) for c, y in zip(contacts, shifts, strict=True)]
-        half_length = (MARGIN * max(c.a for c in contacts), max(reach))
+        half_length = (along * max(c.a for c in contacts), max(reach))
         a, b = (min(getattr(c, axis) for c in contacts) for axis in "ab")
         side = (2.0 * a / (ACROSS * finer), 2.0 * b / (ACROSS * finer))
         side = tuple(min(length, 2.0 * min(side)) for length in side)

@@ -44,6 +44,11 @@ Three = tuple[float, float, float]
 MOST_WORN = 1.0
 """Depth that a step may wear over the elastic depth of a ripple as short as elements are."""
 
+TOO_DEEP = (
+    "the wear of a step is too deep for the contact to answer to: lower transient.step or "
+    "wear.intensity (wear.coefficient)"
+)
+
 
 @dataclass(frozen=True, eq=False)
 class Asked:
@@ -106,6 +111,8 @@ class Stepped:
         Depth worn since the start off the particles of A and B that are at the elements, mm.
     gained : ndarray, shape (2, n_x, n_y)
         What of it the step wore.
+    deep : float
+        What the step wore over the most that pressure can answer to.
     """
 
     contact: State
@@ -118,6 +125,7 @@ class Stepped:
     normal: NormalProblem | None = field(default=None, repr=False)
     worn: np.ndarray = field(default_factory=lambda: np.zeros((2, 0, 0)), repr=False)
     gained: np.ndarray = field(default_factory=lambda: np.zeros((2, 0, 0)), repr=False)
+    deep: float = 0.0
 
     def presses_like(self, normal: NormalProblem) -> bool:
         """Whether its pressure is known to solve a normal problem."""
@@ -388,19 +396,22 @@ class Stepper:
                 np.concatenate((change[:1], 0.0 * change[1:])),
             )
         contact = replace(contact, cost=contact.cost + Cost(1.0))  # for the displacement
-        gained = self._unworn
+        gained, deep = self._unworn, 0.0
         if self.wear_law is not None:
             came_pressed = way.before(_ahead(before.contact.pressure, way.reach), straight)
             pressure = 0.5 * (contact.pressure + came_pressed)
             gained = self._gained(asked, pressure, mean[-2:], slipped)
             worn = worn + gained
             contact = replace(contact, wear=self.off(worn.sum(axis=0)))
-            contact = self._settled(contact, pressure, gained)
+            deep = self._deep(pressure, gained)
+            if deep > 1.0:
+                contact = replace(contact, status=Status.OUT_OF_ITERATIONS, note=TOO_DEEP)
         return replace(
             now,
             contact=contact,
             worn=worn,
             gained=gained,
+            deep=deep,
             supplied=supplied,
             friction=-self._work(mean[-2:], slipped),
             energy=self._energy(fields, displacement),
@@ -414,7 +425,8 @@ class Stepper:
 
         Of each particle by its mean pressure and traction before and after, which do the work of
         the step, and by all that it has slipped: so a law that goes by the work of friction wears
-        exactly by `Stepped.friction`. A shift wears as if it took the way of an element.
+        exactly by `Stepped.friction`. A shift wears as if it took the way of an element, which
+        matters to a law that is not linear in the slip only.
         """
         model, units = self.model, self.model.units
         over = asked.distance or model.grid.dx
@@ -423,8 +435,8 @@ class Stepper:
         law = self.wear_law.weakened(asked.mean_friction)
         return over * law.rates(model.scene.wear_share, *fields)
 
-    def _settled(self, contact: State, pressure: np.ndarray, gained: np.ndarray) -> State:
-        """The contact, not converged where a step wears more than pressure can answer to.
+    def _deep(self, pressure: np.ndarray, gained: np.ndarray) -> float:
+        """What a step wears over the most that pressure can answer to.
 
         The gap of a step holds the wear that those before foretell, w' = 2 w_1 - w_2, w_1 of one
         and w_2 of two steps ago. Pressure answers a ripple of it by its stiffness, and what it
@@ -433,13 +445,8 @@ class Stepper:
         """
         units = self.model.units
         elastic = self.operators.ripple * units.gap * pressure / units.pressure
-        if (gained.sum(axis=0) <= MOST_WORN * elastic).all():
-            return contact
-        note = (
-            "the wear of a step is too deep for the contact to answer to: lower transient.step or "
-            "wear.intensity (wear.coefficient)"
-        )
-        return replace(contact, status=Status.OUT_OF_ITERATIONS, note=note)
+        worn = gained.sum(axis=0)
+        return float(np.max(worn[worn > 0.0] / (MOST_WORN * elastic[worn > 0.0]), initial=0.0))
 
 
 def _without_contact(problem: StepProblem, outcome: Outcome) -> Outcome:

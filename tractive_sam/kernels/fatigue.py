@@ -265,7 +265,7 @@ def shakedown_layer(out, paths):
     yield stress over this is certain to become elastic). In the plane of the first two coordinates
     of a deviator rho_xx acts along (sqrt 3, 1)/2, and moves the point by some c there; across it,
     rho_yy moves all points of the depth by r = rho_yy/2. With p and q the coordinates along and
-    across, 2 J2 of the sum is
+    across, J2 of the sum is
 
         J2 - 2 c p + 2 r q + c² + r²,
 
@@ -355,7 +355,7 @@ def _fitted(p, q, j2, r, room):
     if one not in (c, other) and not math.isnan(other):
         share = (c - one) / (other - one)  # by which c is the mean p, too
         mean = (1.0 - share) * mean + share * means[1 - side]
-    return best + r * r, mean
+    return max(best + r * r, 0.0), mean  # rounding may leave less than none
 
 
 @compiled

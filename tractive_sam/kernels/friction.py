@@ -59,7 +59,7 @@ def project(traction, bound, out, w0=1.0, w1=1.0):
             outside = square > g * g or g <= 0.0
             size = sqrt(square) if square > 0.0 else 1.0
             factor = max(g, 0.0) / size if outside else 1.0
-            out[0, i, j], out[1, i, j] = factor * a, factor * b
+            out[0, i, j], out[1, i, j] = factor * a + 0.0, factor * b + 0.0  # no -0
         if w0 != w1:
             for j in range(ny):
                 a, b, g = traction[0, i, j], traction[1, i, j], bound[i, j]

@@ -6,9 +6,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+import scipy  # its parts are loaded when first used
 from numpy.typing import ArrayLike, NDArray
-
-from tractive_sam.mechanics.elliptic import elliprd, elliprf
 
 _ROOT_TOLERANCE = 4 * np.finfo(float).eps
 
@@ -128,6 +127,7 @@ def hertz(
     _require_positive(e_star=e_star, radius_x=radius_x, radius_y=radius_y)
     ratio = _axis_ratio(radius_x, radius_y)
     # Everything below for an ellipse of the same shape with a b = 1; it scales with c = sqrt(a b).
+    elliprd, elliprf = scipy.special.elliprd, scipy.special.elliprf
     depth = elliprf(0.0, ratio, 1 / ratio)
     bend = (elliprd(0.0, 1 / ratio, ratio) + elliprd(0.0, ratio, 1 / ratio)) / 3
     curvature = (1 / radius_x + 1 / radius_y) / 2
@@ -155,6 +155,7 @@ def _axis_ratio(radius_x: float, radius_y: float) -> float:
 
     def excess(log_ratio: float) -> float:
         ratio = math.exp(log_ratio)
+        elliprd = scipy.special.elliprd
         in_x, in_y = elliprd(0.0, 1 / ratio, ratio), elliprd(0.0, ratio, 1 / ratio)
         return math.log(in_x / in_y) + target
 

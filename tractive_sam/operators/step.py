@@ -39,7 +39,7 @@ from tractive_sam.operators.elastic import Operators
 from tractive_sam.operators.stencil import FrictionSlip
 
 RIPPLES = 15
-"""Elements of a ripple along each axis, an odd number, of which the middle one tells of any."""
+"""Elements along each axis, an odd number, of the ripple by whose middle one its depth is told."""
 
 WHOLE = 1e-9
 """Part of an element that a step may differ from whole ones unseen."""
@@ -100,7 +100,7 @@ class Way:
         return (1.0 - f) * here + f * ahead + curved
 
     def carried(self, nodes: np.ndarray) -> np.ndarray:
-        """What particles carry along, which is none too little for any of them, and kept in all.
+        """Depths that move with the material: none becomes negative, and their sum is kept.
 
         Of parts of an element as the flux from node to node, by slopes that make no new extremes
         (van Leer 1974, J. Comput. Phys. 14, 361-370): of second order, like the parabola, where it

@@ -324,7 +324,8 @@ class History:
 
         Places on the bodies, shape (n,), mm, ascending: the place x is in the middle of the contact
         when the distance x has been rolled. Depths there, shape (n, n_y), mm: as each record tells
-        them of the material that leaves the mesh, and the last fields of what is still on it.
+        them of the material that leaves the mesh, and the fields of the last one, where they are
+        stored, of what is still on it.
 
         Raises
         ------
@@ -335,7 +336,7 @@ class History:
         if "step_worn" not in self.columns or not transient.rolls:
             raise ValueError("a track is worn by a [transient] that rolls, with [wear]")
         places, depth = self["distance"] + x[0], self["wear_profile"]
-        if len(self.saved) and len(self):
+        if len(self.saved) and self.saved[-1] == self["distance"][-1]:
             on_mesh = self.saved[-1] + x
             left = places < on_mesh[0]
             places = np.append(places[left], on_mesh)

@@ -391,7 +391,8 @@ class Transient:
             now, error = self._tried(last, at, control if adaptive else None)
             solves += 1
             shortest = step.length <= 1.000001 * control.control.unit
-            if error <= 1.0 or shortest or not now.contact.converged:
+            refused = now.contact.converged or now.stepped.deep > 1.0
+            if error <= 1.0 or shortest or not refused:
                 break
             step = control.shorter(step, error)
         after = control.next(step, error) if adaptive else wish
@@ -420,6 +421,8 @@ class Transient:
             expected = contact.traction + ratio * (contact.traction - before)
             missed, size = np.linalg.norm(traction - expected), np.linalg.norm(traction)
             error = float(missed / size / courses.table.tolerance) if size > 0.0 else 0.0
+        if control is not None and stepped.deep > 1.0:
+            error = max(error, stepped.deep**2)  # half the way wears half as deep
         return moment, error
 
     def _moment(

@@ -233,6 +233,8 @@ def _subsurface(model: Model) -> Section:
     hertz = model.scene.hertz
     deepest = f"{asked.depth:g} a" if hertz is None else f"{asked.depth * hertz.a:.4g} mm"
     kept = "the unworn bodies" if model.scene.wear is None else "each revolution of wear.save"
+    if model.scene.transient is not None:
+        kept = "each distance of transient.save"
     rows = [
         ("bodies", ", ".join(asked.bodies)),
         ("planes", f"{', '.join(map(str, asked.planes))}, at {kept}"),

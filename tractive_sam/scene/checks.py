@@ -51,6 +51,8 @@ def _falling_needs_speed(known: Known) -> Iterator[Fault]:
 
 
 def _friction_carries_the_traction(known: Known) -> Iterator[Fault]:
+    if known["transient"] is not None:
+        return  # `_friction_carries_the_courses` looks at every knot
     forces = known["load.force_x"], known["load.force_y"]
     angle = math.radians(known["friction.angle"])
     for names, given, limit in _beyond(forces, _load(known), known["friction.mu"], angle):

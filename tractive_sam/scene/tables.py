@@ -451,7 +451,7 @@ class Wear(Table):
     )
     revolutions: Whole = entry(
         "number of revolutions of body A, of B where A is flat; none with [transient]",
-        "a whole number from 1 to 1e12",
+        "a whole number from 1 to 1e12, which only a scene with [transient] may leave out",
         0,
         ge=1,
         le=10**12,

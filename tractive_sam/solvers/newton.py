@@ -59,7 +59,7 @@ class Newton:
     rough : float
         Relative residual down to which a linear system may be solved in single precision.
     large : int
-        Elements from which single precision pays: below, memory does not bound the time.
+        Elements from which single precision pays: below, planning its transforms costs as much.
     """
 
     steps: int = 60
