@@ -35,8 +35,8 @@ SAMPLES = 5
 
 ANYWHERE = 1000
 """Points held out anywhere that ask for nodes, or as many as there are nodes. Those that have done
-so tell less of the others: a table ends only when so many new ones find nothing, either. With 95 %
-confidence `MISS` is then exceeded in less than three in so many, and the tolerance in far less."""
+so tell less of the others: a table ends only when so many new ones find nothing, either. Where three
+in a thousand exceed `MISS`, a thousand at random find one in 95 of 100 cases; these are more even."""
 
 MISS = 0.5
 """Of the tolerance, error of such a point for which a node is added beside it."""
