@@ -35,8 +35,9 @@ SAMPLES = 5
 
 ANYWHERE = 1000
 """Points held out anywhere that ask for nodes, or as many as there are nodes. Those that have done
-so tell less of the others: a table ends only when so many new ones find nothing, either. Where three
-in a thousand exceed `MISS`, a thousand at random find one in 95 of 100 cases; these are more even."""
+so tell less of the others: a table ends only when so many new ones find nothing, either. Where
+three in a thousand exceed `MISS`, a thousand at random find one in 95 of 100 cases; these are
+spread more evenly."""
 
 MISS = 0.5
 """Of the tolerance, error of such a point for which a node is added beside it."""
