@@ -9,6 +9,7 @@ what works best is a fixed multiple.
 from abc import ABC, abstractmethod
 from collections.abc import Generator
 from dataclasses import dataclass, replace
+from math import sqrt
 
 import numpy as np
 
@@ -122,7 +123,8 @@ class ProjectedMap:
 
 def missed(target: Array, state: Array) -> float:
     """How far a state is from its projection, relative to that."""
-    return relative(np.linalg.norm(target - state), np.linalg.norm(target))
+    short = target - state
+    return relative(sqrt(np.vdot(short, short)), sqrt(np.vdot(target, target)))
 
 
 States = Generator[tuple[ProjectedMap, Array], Evaluation, None]
