@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
+from tractive_sam.contact import choose_grid
 from tractive_sam.scene import PlausibilityWarning
 
 SPHERES = ts.Scene.builtin("spheres").replace(subsurface=None, creepage=None)
@@ -254,6 +255,39 @@ def test_what_wears_too_deep_in_a_step_ends_with_a_message():
         history = ts.roll(scene(rolling(8, -0.02), wear=1e3))
     assert history.status == "out of iterations"
     assert "transient.step" in history.message
+
+
+def test_the_track_does_not_hang_on_what_is_stored():
+    whole = ts.roll(scene(rolling(30)))
+    early = ts.roll(scene(rolling(30, save=[5 * DX])))
+    places, depth = early.worn_track
+    assert places[-1] == pytest.approx(early["distance"][-1] + early.grid.x[0])  # nothing beyond it
+    known = np.interp(places, whole.worn_track[0], whole.worn_track[1].max(axis=1))
+    # The same records at the same places, up to the rounding of those.
+    np.testing.assert_allclose(depth.max(axis=1), known, atol=1e-6 * known.max())
+
+
+def test_adaptive_steps_that_wear_too_deep_are_shortened():
+    course = {"distance": [0, 0.35], "creepage.longitudinal": [0, 0.035], "start": "shift"}
+    even, adaptive = {"step": 0.1}, {"step": 0.1, "stepping": "adaptive", "tolerance": 0.1}
+    with pytest.warns(PlausibilityWarning):
+        ended, done = (ts.roll(scene(course | steps, wear=30.0)) for steps in (even, adaptive))
+    assert ended.status == "out of iterations"
+    assert done.status == "done"
+    assert np.diff(done["distance"]).min() < 0.1
+
+
+def test_a_chosen_mesh_is_wide_enough_for_wear():
+    chosen = SPHERES.replace(grid=None)
+    table = {"distance": [0, 1], "creepage.longitudinal": [-0.001] * 2}
+    shifts = {"distance": [0, 1], "creepage.longitudinal": [0, 0.01], "start": "shift"}
+    wear = {"intensity": LITTLE}
+    plain, rolled, slid = (
+        choose_grid(chosen.replace(transient=one, wear=worn)).half_length
+        for one, worn in ((table, None), (table, wear), (shifts, wear))
+    )
+    assert rolled[1] > plain[1]
+    assert rolled[0] == plain[0] < slid[0]
 
 
 def test_scenes_without_wear_have_nothing_of_it():
