@@ -1,8 +1,10 @@
 """Scenes that many tests share."""
 
 import numpy as np
+import pytest
 
 from tractive_sam.contact import Model, equilibrium
+from tractive_sam.run import roll
 from tractive_sam.scene import Scene
 
 
@@ -14,6 +16,23 @@ def steady(name, *settings, elements=None, start=None, solver=None):
         settings.append(f"grid.half_length=[{half}, {half}]")
         settings.append(f"grid.elements=[{elements}, {elements}]")
     return equilibrium(Model(Scene.builtin(name).with_set(settings), solver=solver), start=start)
+
+
+class Stop(Exception):
+    """Ends a roll from its progress."""
+
+
+def interrupted(scene, path, after, **options):
+    """Roll until a number of records is reached."""
+    seen = []
+
+    def progress(record):
+        seen.append(record)
+        if len(seen) == after:
+            raise Stop
+
+    with pytest.raises(Stop):
+        roll(scene, path, progress=progress, **options)
 
 
 def size(field):

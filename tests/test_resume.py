@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from tests.scenes import interrupted
 from tractive_sam.cli.program import app
 from tractive_sam.run.pipeline import roll
 from tractive_sam.scene import Scene
@@ -28,23 +29,6 @@ COARSE = (
 
 def coarse(*settings):
     return Scene.builtin("twin-discs").with_set([*COARSE, *settings])
-
-
-class Stop(Exception):
-    pass
-
-
-def interrupted(scene, path, after, **options):
-    """Roll until a number of records is reached."""
-    seen = []
-
-    def progress(record):
-        seen.append(record)
-        if len(seen) == after:
-            raise Stop
-
-    with pytest.raises(Stop):
-        roll(scene, path, progress=progress, **options)
 
 
 def assert_same(history, wanted, exact=True):

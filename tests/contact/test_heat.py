@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
-from tests.test_resume import interrupted
+from tests.scenes import interrupted
 
 GLASS = {"conductivity": 1.0, "density": 2500.0, "heat_capacity": 800.0}
 

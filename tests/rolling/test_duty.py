@@ -11,6 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 import tractive_sam as ts
+from tests.scenes import interrupted
 from tests.test_resume import KILLED_BY_ITSELF
 from tractive_sam.cli.program import app
 from tractive_sam.scene import PlausibilityWarning
@@ -206,24 +207,13 @@ def test_each_body_by_its_law_in_each_block():
     np.testing.assert_allclose(both, history["wear_profile"], atol=1e-12 * both.max())
 
 
-class Stop(Exception):
-    pass
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("stepping", ["adaptive", "every-revolution"])
 def test_it_resumes_as_if_nothing_had_happened(tmp_path, stepping):
     scene = DISCS.replace(duty=(HEAVY, SLOW, ASIDE))
     scene = scene.replace(**{"wear.stepping": stepping, "wear.revolutions": 20})
-    whole, path, seen = ts.roll(scene), tmp_path / "a.h5", []
-
-    def progress(record):
-        seen.append(record)
-        if len(seen) == 4:
-            raise Stop
-
-    with pytest.raises(Stop):
-        ts.roll(scene, path, progress=progress)
+    whole, path = ts.roll(scene), tmp_path / "a.h5"
+    interrupted(scene, path, 4)
     history = ts.roll(scene, path, resume=True)
     names = set(whole.columns) - {"seconds", "residual", "block_residual"}
     names -= {"operator_applications", "block_operator_applications"}

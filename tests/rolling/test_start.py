@@ -5,6 +5,7 @@ import pytest
 from typer.testing import CliRunner
 
 import tractive_sam as ts
+from tests.scenes import interrupted
 from tractive_sam.cli.program import app
 
 DISCS = ts.Scene.builtin("twin-discs").replace(subsurface=None)
@@ -93,24 +94,13 @@ def test_it_is_kept_where_it_began(tmp_path):
     assert "began with" in shown.stdout
 
 
-class Stop(Exception):
-    pass
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("scene", [SHARED, OWN], ids=["shared", "own"])
 def test_it_resumes_as_it_began(tmp_path, scene):
     first, path = ts.roll(DISCS), tmp_path / "b.h5"
     first = ts.roll(scene)
-    whole, seen = ts.roll(scene, start=first), []
-
-    def progress(record):
-        seen.append(record)
-        if len(seen) == 3:
-            raise Stop
-
-    with pytest.raises(Stop):
-        ts.roll(scene, path, start=first, progress=progress)
+    whole = ts.roll(scene, start=first)
+    interrupted(scene, path, 3, start=first)
     history = ts.roll(scene, path, resume=True)
     for name in ("wear_max", "worn_volume", "wear_profile_A", "wear_profile_B"):
         np.testing.assert_array_equal(history[name], whole[name])

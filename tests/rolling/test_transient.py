@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
+from tests.scenes import interrupted
 from tractive_sam.contact import Asked, Model, Stepper
 from tractive_sam.run.resume import last_passage
 
@@ -124,20 +125,9 @@ def test_it_goes_on_where_it_was_stopped(tmp_path, stepping):
     }
     whole = ts.roll(scene(transient, 15))
 
-    class Stopped(Exception):
-        pass
-
     for count in (1, 4, len(whole) - 2):
-        done = []
-
-        def stop(record, done=done, count=count):
-            done.append(record)
-            if len(done) == count:
-                raise Stopped
-
         path = tmp_path / f"{count}.h5"
-        with pytest.raises(Stopped):
-            ts.roll(scene(transient, 15), path, progress=stop)
+        interrupted(scene(transient, 15), path, count)
         history = ts.roll(scene(transient, 15), path, resume=True)
         assert history.status == "done"
         np.testing.assert_array_equal(history["distance"], whole["distance"])

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
+from tests.scenes import interrupted
 from tractive_sam.contact import choose_grid
 from tractive_sam.scene import PlausibilityWarning
 
@@ -180,20 +181,9 @@ def test_it_goes_on_where_it_was_stopped(tmp_path, start, stepping):
     wears = scene(courses | how, 15, wear=10 * LITTLE)
     whole = ts.roll(wears)
 
-    class Stopped(Exception):
-        pass
-
     for count in (1, 4, len(whole) - 1):
-        done = []
-
-        def stop(record, done=done, count=count):
-            done.append(record)
-            if len(done) == count:
-                raise Stopped
-
         path = tmp_path / f"{count}.h5"
-        with pytest.raises(Stopped):
-            ts.roll(wears, path, progress=stop)
+        interrupted(wears, path, count)
         history = ts.roll(wears, path, resume=True)
         assert history.status == "done"
         np.testing.assert_array_equal(history["distance"], whole["distance"])
