@@ -391,8 +391,8 @@ class Transient:
             now, error = self._tried(last, at, control if adaptive else None)
             solves += 1
             shortest = step.length <= 1.000001 * control.control.unit
-            refused = now.contact.converged or now.stepped.deep > 1.0
-            if error <= 1.0 or shortest or not refused:
+            unsolved = not now.contact.converged and now.stepped.deep <= 1.0
+            if error <= 1.0 or shortest or unsolved:
                 break
             step = control.shorter(step, error)
         after = control.next(step, error) if adaptive else wish
