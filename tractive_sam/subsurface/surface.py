@@ -11,8 +11,15 @@ import numpy as np
 from tractive_sam.mechanics import HalfSpaces, StressCriterion
 from tractive_sam.operators import Lattice, between, slopes, surface_stress
 
-FARTHEST = 1.5
-"""Most elements from a corner that all four elements touch to the edge of the contact."""
+FARTHEST = 2.0
+"""Most elements from a corner that all four elements touch to the edge of the contact, where that
+lies straight ahead; half of one less where it lies across a diagonal. An element is loaded about as
+soon as the edge has passed its centre, one and a half from the corner before: with no more than
+that, an edge that moves would come and go."""
+
+EVENLY = 1.0 - 1e-6
+"""Slope towards the edge over that along it, from which a corner is taken: on a diagonal both are
+the same but for rounding."""
 
 EVEN = 2.0
 """Most by which the slope of the square of the pressure may change from that corner to the next."""
@@ -213,7 +220,7 @@ def _at_edge(
     rising, inner = ((on * slope[:, *at] * sides).sum(axis=0) for at in (i, i + on))
     along = np.abs((~on.astype(bool) * slope[:, *i] * sides).sum(axis=0))
     # As steep further inside, or the edge is sharper than the mesh.
-    known = (rising >= along) & (rising > 0.0) & (here <= FARTHEST * rising)
+    known = (rising >= EVENLY * along) & (rising > 0.0) & (here <= FARTHEST * rising - 0.5 * along)
     known &= (inner > rising / EVEN) & (inner < EVEN * rising)
     i, on, away = i[:, known], on[:, known], here[known] / rising[known]
     pressures = between(pressure)
