@@ -31,6 +31,9 @@ def spheres(coefficient, revolutions, *settings):
     return pytest.param("spheres", worn, id=f"spheres, {coefficient}")
 
 
+SHORT = (20, 50, 200)
+"""Revolutions of rolls that take about ten contacts."""
+
 SMALL = ("grid.half_length=[4.5, 4.5]", "grid.elements=[41, 41]")
 
 
@@ -42,14 +45,16 @@ SMALL = ("grid.half_length=[4.5, 4.5]", "grid.elements=[41, 41]")
         ("twin-discs", (*MESH, "wear.revolutions=2000", "wear.save=[0, 2000]")),
         spheres(1e-4, 20000, "wear.save=[0, 500]"),
         spheres(10.0, 5000, *SMALL, "creepage.longitudinal=-0.005"),
+        *(("twin-discs", (*MESH, f"wear.revolutions={n}", "wear.save=[0]")) for n in SHORT),
+        ("twin-discs", (*MESH, "wear.revolutions=100", "wear.save=[0, 33, 50, 100]")),
+        spheres(1e-3, 50, *SMALL, "wear.save=[0]"),
     ],
 )
 def test_within_a_factor_of_two_from_a_tenth_on(name, settings):
     scene = ts.Scene.builtin(name).replace(subsurface=None).with_set(settings)
     course = [one for one in foreseen(ts.roll(scene)) if one[0] >= 0.1 and one[2] > 0]
-    # The last three contacts may be foreseen as one or six: nobody waits for them.
-    ratios = [left / truly for _, left, truly in course if truly > 3]
-    assert len(ratios) > 8  # or little is told
+    ratios = [left / truly for _, left, truly in course]
+    assert len(ratios) > 4  # or little is told
     assert min(ratios) >= 0.5
     assert max(ratios) <= 2.0
 

@@ -63,7 +63,7 @@ REPEATS, ROUGHNESS = 2, 0.3
 the wear rate of a row, and with it its pressure, by more than a share of the largest: a row that
 came into contact during the jump carries far too much or too little at first."""
 
-SETTLING, SETTLED = 0.25, 0.3
+SETTLING, SETTLED = 0.5, 0.3
 """Longest jump over the distance to the next revolution that is saved, and the jump that is short
 enough at last, over the time in which the shortest waves decay.
 
@@ -180,7 +180,13 @@ class _Formula:
         return 1.0 - 0.5 * self.leading
 
     def _solved(self, response: np.ndarray, rate: np.ndarray) -> np.ndarray:
-        return np.linalg.solve(np.diag(self.leading) - self._share[:, None] * response, rate)
+        """(c_0 - J)^-1 of a rate; rows out of contact, which are not coupled, by themselves."""
+        rows = np.flatnonzero(response.any(axis=0) | response.any(axis=1))
+        system = -self._share[rows, None] * response[np.ix_(rows, rows)]
+        system.flat[:: rows.size + 1] += self.leading[rows]
+        found = rate / self.leading
+        found[rows] = np.linalg.solve(system, rate[rows])
+        return found
 
     def predicted(self, response: np.ndarray, offset: np.ndarray) -> np.ndarray:
         """The profile E with the rate R = offset + J E."""

@@ -1,24 +1,24 @@
 """How many contacts a roll still takes, from the steps that it took."""
 
 from bisect import bisect_right
-from math import ceil, inf
+from math import ceil, inf, sqrt
+
+import numpy as np
 
 from tractive_sam.rolling.adaptive import SETTLING
+from tractive_sam.rolling.control import LONGEST_GROWTH
 from tractive_sam.rolling.saves import Saves
 from tractive_sam.scene import Scene
 
-GROWTH = 0.45
+GROWTH = 0.4
 """Power of the revolutions rolled with which jumps grow once wear shapes the contact."""
 
-UNHINDERED = 0.9
-"""Jump over the revolutions rolled from which nothing limits it but its own growth: it doubles."""
+UNHINDERED = 0.5
+"""Jump over the revolutions rolled from which nothing limits it but its own growth, or a stop."""
 
 SHAPED = 0.02
 """Wear depth over the approach of the bodies from which wear shapes the contact: jumps of spheres
 and twin discs cease to double at .0145 to .018 of it (runs of tests/rolling/test_forecast.py)."""
-
-SHORTENING = 4.0
-"""So much shorter than the first one that is cut before a stop do steps get there."""
 
 RECENT = 20
 """Records whose time per contact is that of those to come."""
@@ -51,8 +51,10 @@ class Forecast:
         self._stops, self.end = saves.stops, saves.end
         self._adaptive = scene.wear is not None and scene.wear.stepping == "adaptive"
         self._wish, self._spent = 0.0, list[tuple[float, float]]()
-        self._here, self._settled = 0.0, inf  # until a step was seen to be cut
-        self._step = 1.0
+        self._here, self._step = 0.0, 1.0
+        # Longest step that may go right to a stop: until one was seen to be cut, the last one that
+        # wear did not hinder, as both go with the time in which waves of the profile decay.
+        self._settled, self._unhindered = 0.0, 1.0
         self.done = self.left = 0.0
 
     def add(
@@ -66,12 +68,13 @@ class Forecast:
             self._learn(place - self._here, self._distance(self._here), self._wish)
         step = place - self._here
         self._step = step if step > 0.0 else self._step
-        self._here, self._wish = place, jump
+        before, self._here, self._wish = self._wish, place, jump
         self._spent = [*self._spent[1 - RECENT :], (solves, seconds)]
         self.done += solves
-        self.left = (
-            self._foreseen(jump, worn) if self._adaptive else (self.end - place) / self._step
-        )
+        left = (self.end - place) / self._step
+        if self._adaptive:
+            left = self._foreseen(jump, before or jump, worn)
+        self.left = left * float(np.mean([solves for solves, _ in self._spent]))
 
     @property
     def seconds_left(self) -> float:
@@ -84,36 +87,34 @@ class Forecast:
 
     def _learn(self, step: float, distance: float, wish: float) -> None:
         """See from a step how short one has to be that may go right to a stop."""
-        nearer = ceil(SETTLING * distance)
-        if step == nearer < wish:
-            self._settled = min(self._settled, step / SHORTENING)
-        elif nearer < step < min(wish, distance):
+        nearer, longest = ceil(SETTLING * distance), min(wish, distance)
+        if nearer < step < longest:
             self._settled = step
-        elif step > nearer:
+        elif step == nearer < longest:
+            self._settled = min(self._settled or self._unhindered, step)
+        elif step > nearer and self._settled:
             self._settled = max(self._settled, step)
 
     def _distance(self, here: float) -> float:
         """To the next stop."""
         return self._stops[bisect_right(self._stops, here)] - here
 
-    def _foreseen(self, jump: float, worn: float) -> float:
-        here, count, settled = self._here, 0, self._settled
-        start = max(here, 1.0)
-        # Up to the revolutions from which wear shapes the contact jumps grow with them.
-        shaped = start
-        if jump >= UNHINDERED * start:
-            shaped = start * max(SHAPED / worn, 1.0) if worn > 0.0 else inf
+    def _foreseen(self, jump: float, before: float, worn: float) -> float:
+        """Steps, by the last two wishes for one: a single one may be lucky."""
+        here, shaped, count = self._here, self._here, 0
+        wish = sqrt(jump * before)
+        if worn < SHAPED and jump >= UNHINDERED * here:
+            wish, shaped = jump, max(here, 1.0) * SHAPED / worn if worn > 0.0 else inf
+            self._unhindered = jump * shaped / max(here, 1.0)
+        settled = self._settled or self._unhindered
         while here < self.end:
             distance = self._distance(here)
-            rolled = max(here, 1.0)
-            even = min(rolled, shaped)
-            wish = jump * even / start * (rolled / even) ** GROWTH
             nearer = ceil(SETTLING * distance)
-            if settled == inf and nearer < wish and rolled >= shaped:
-                settled = nearer / SHORTENING  # as will be learned there
             step = max(1.0, min(wish, distance, max(settled, nearer)))
             if count == LONGEST:
                 return count + (self.end - here) / step
+            grown = (here + step) / max(here, 1.0)
             here += step
+            wish *= LONGEST_GROWTH if here < shaped else grown**GROWTH
             count += 1
         return count
