@@ -2,6 +2,7 @@
 
 import pytest
 
+import tractive_sam as ts
 from tests.scenes import size, steady
 from tractive_sam.contact import Model
 from tractive_sam.contact.message import message
@@ -51,6 +52,19 @@ def dissimilar():
         m: steady("spheres-dissimilar", *mesh, f'solver.method="{m}"')
         for m in ("uzawa", "anderson", "newton")
     }
+
+
+@pytest.mark.parametrize("nearby", [300.0, 100.0])
+def test_a_contact_nearby_changes_nothing(nearby):
+    """Nor does one so much smaller that the contact reaches beyond the rectangle around it."""
+    scene = ts.Scene.builtin("twin-discs").with_set(["grid.elements=[31, 91]"])
+    start = ts.solve(scene.replace(**{"load.normal": nearby}))
+    reference, found = ts.solve(scene), ts.solve(scene, start=start)
+    # The tolerance, 1e-6, times the condition number of the normal operator.
+    assert size(found.pressure - reference.pressure) < 1e-4 * size(reference.pressure)
+    assert found.area == pytest.approx(reference.area, rel=1e-4)
+    if nearby == scene.load.normal:
+        assert found.cost.applications < 0.1 * reference.cost.applications
 
 
 def test_newton_cost_at_the_paper_mesh():

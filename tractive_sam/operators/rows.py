@@ -1,5 +1,7 @@
 """Compliance between the rows of a contact: the wear of one row changes the pressure of all."""
 
+from functools import lru_cache
+
 import numpy as np
 
 from tractive_sam.kernels.spectral import row_products
@@ -32,11 +34,17 @@ def row_compliance(lattice: Lattice, elasticity: Elasticity, contact: np.ndarray
     """
     rows = np.flatnonzero(contact.any(axis=0))
     share = contact[:, rows] / contact[:, rows].sum(axis=0)
+    share = np.fft.rfft(share, n=lattice.padded[0], axis=0)
+    compliance = np.empty((len(rows), len(rows)))
+    row_products(compliance, np.ascontiguousarray(share.T), _along(lattice, elasticity), rows)
+    return compliance
+
+
+@lru_cache(maxsize=2)
+def _along(lattice: Lattice, elasticity: Elasticity) -> np.ndarray:
+    """Spectra along x of the displacement, (p_y, p_x/2 + 1)."""
     px, _ = lattice.padded
     # Even in x: a real spectrum. Parseval over its half: inner frequencies count twice.
     along = np.fft.rfft(influence.displacement(lattice, elasticity, "zz"), axis=0).real / px
     along[1:-1] *= 2.0
-    share = np.fft.rfft(share, n=px, axis=0)
-    compliance = np.empty((len(rows), len(rows)))
-    row_products(compliance, np.ascontiguousarray(share.T), np.ascontiguousarray(along.T), rows)
-    return compliance
+    return np.ascontiguousarray(along.T)

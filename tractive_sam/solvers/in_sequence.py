@@ -5,8 +5,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tractive_sam.results import Cost, Status
+from tractive_sam.solvers.conjugate_gradients import natural_residual
 from tractive_sam.solvers.outcome import Note, Outcome, Solver, Start
-from tractive_sam.solvers.problem import Box, PrescribedForces, Problem
+from tractive_sam.solvers.problem import Box, NormalProblem, PrescribedForces, Problem
+
+NEARBY = 2
+"""Elements around a contact nearby in which the normal problem is solved."""
 
 
 @dataclass(frozen=True)
@@ -31,13 +35,32 @@ class InSequence:
         if problem.held:
             return self._tangential(problem, tolerance, start)
         touching = start is not None and start.pressure is not None and start.pressure.any()
-        normal = self.normal.solve(problem.normal, tolerance, start if touching else None)
+        normal = self._normal(problem.normal, tolerance, start if touching else None)
         alone = problem.holding(normal.pressure, normal.gap)
         if not (normal.converged and self.tangential is not None and normal.pressure.any()):
             return replace(normal, traction=np.zeros_like(alone.rigid), slip=alone.rigid)
         tangential = self._tangential(alone, tolerance, start)
         residual = max(normal.residual, tangential.residual)
         return replace(_with_pressure(tangential.after(normal), normal), residual=residual)
+
+    def _normal(
+        self, problem: NormalProblem, tolerance: float, start: Start | Outcome | None
+    ) -> Outcome:
+        """On the rectangle around a contact nearby; on the whole mesh where it reaches beyond."""
+        if start is None:
+            return self.normal.solve(problem, tolerance)
+        shape = problem.gap.shape
+        box = rectangle(start.pressure > 0.0, NEARBY)
+        if box == tuple(slice(0, n) for n in shape):
+            return self.normal.solve(problem, tolerance, start)
+        near = self.normal.solve(problem.within(box), tolerance, Start(start.pressure[box]))
+        pressure = placed(near.pressure, box, shape)
+        gap = problem.gap + problem.operators.normal(pressure[None])[0] - near.approach
+        residual, cost = natural_residual(pressure, gap), near.cost + Cost(1.0)
+        near = replace(near, pressure=pressure, gap=gap, residual=residual, cost=cost)
+        if near.converged and residual <= tolerance:
+            return near
+        return self.normal.solve(problem, tolerance, near).costing(near)
 
     def _tangential(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None
@@ -116,8 +139,8 @@ def _beyond(problem: Problem, needed: float) -> Outcome:
     )
 
 
-def rectangle(contact: np.ndarray) -> Box:
-    """The contact and a row on both sides.
+def rectangle(contact: np.ndarray, around: int = 0) -> Box:
+    """The contact, a row on both sides in x, and so many elements around it.
 
     The slip at the centre of an element needs that of the row behind it, the slip of a leading
     element the gap ahead.
@@ -125,7 +148,8 @@ def rectangle(contact: np.ndarray) -> Box:
     i = np.flatnonzero(contact.any(axis=1))
     j = np.flatnonzero(contact.any(axis=0))
     nx, ny = contact.shape
-    return _rounded(max(i[0] - 1, 0), min(i[-1] + 2, nx), nx), _rounded(j[0], j[-1] + 1, ny)
+    along = _rounded(i[0] - 1 - around, i[-1] + 2 + around, nx)
+    return along, _rounded(j[0] - around, j[-1] + 1 + around, ny)
 
 
 def _rounded(first: int, end: int, most: int) -> slice:
@@ -134,6 +158,7 @@ def _rounded(first: int, end: int, most: int) -> slice:
     Contacts that grow element by element then share their operators and plans, at the price of at
     most a sixteenth more elements, or three.
     """
+    first, end = max(first, 0), min(end, most)
     step = max(4, 2 ** int(np.log2((end - first) / 16 + 1)))
     length = min(-(-(end - first) // step) * step, most)
     first = min(first, most - length)
@@ -142,6 +167,6 @@ def _rounded(first: int, end: int, most: int) -> slice:
 
 def placed(field: np.ndarray, box: Box, shape: tuple[int, int]) -> np.ndarray:
     """A field on the rectangle as a field on the mesh, zero around it."""
-    whole = np.zeros((2, *shape))
-    whole[:, *box] = field
+    whole = np.zeros((*field.shape[:-2], *shape))
+    whole[..., *box] = field
     return whole

@@ -57,6 +57,11 @@ class NormalProblem:
         asked = self.load == other.load and self.approach == other.approach
         return asked and np.array_equal(self.gap, other.gap)
 
+    def within(self, box: Box) -> "NormalProblem":
+        """The problem of the elements of a rectangle, as if there were no others."""
+        gap = np.ascontiguousarray(self.gap[box])
+        return replace(self, operators=self.operators.part(gap.shape), gap=gap)
+
     def coarsened(self) -> "NormalProblem":
         """The same problem on elements of twice the size."""
         block = self.operators.lattice.block
