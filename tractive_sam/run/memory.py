@@ -8,7 +8,7 @@ from tractive_sam.operators import available
 from tractive_sam.results import FIELDS
 from tractive_sam.rolling import Saves
 from tractive_sam.scene import Fault, SceneError
-from tractive_sam.solvers import Recycling
+from tractive_sam.solvers import Sparing
 
 BESIDE = 3.5
 """Numbers that are held beside all planes while the stress of one is computed and written, over
@@ -30,7 +30,7 @@ def of_contact(model: Model) -> float:
     # precision, tables on the way to them, and a Krylov space: in single precision, of a transient
     # in double, as many vectors as one system may come to, the responses to them and
     # their orthonormal basis.
-    krylov = 25 if model.scene.transient is None else 3 * (Recycling.keeps + Recycling.krylov)
+    krylov = 25 if model.scene.transient is None else 3 * Sparing.krylov
     spectra = 1.5 * (9 if fields == 3 else 3)
     padded, elements = math.prod(lattice.padded), math.prod(lattice.shape)
     one = 8.0 * (padded * (spectra + 3.75 * fields + 7) + krylov * fields * elements)

@@ -11,7 +11,7 @@ from tractive_sam.solvers.nested import Nested
 from tractive_sam.solvers.newton import Newton
 from tractive_sam.solvers.outcome import Outcome, Solver, Start
 from tractive_sam.solvers.problem import Problem
-from tractive_sam.solvers.recycling import Recycling
+from tractive_sam.solvers.sparing import Sparing
 from tractive_sam.solvers.uzawa import Uzawa
 
 
@@ -122,13 +122,13 @@ STEPS = Method(
     alike=InSequence(
         NORMAL,
         Ladder(
-            (Nested(Recycling(krylov=120)), Bracketing(HELD, Continuation(HELD)), Anderson()),
+            (Nested(Sparing(krylov=120)), Bracketing(HELD, Continuation(HELD)), Anderson()),
             with_forces=2,
         ),
     ),
     dissimilar=Ladder(
         (
-            Nested(Recycling(krylov=150), begin=ONE_AFTER_THE_OTHER),
+            Nested(Sparing(krylov=150), begin=ONE_AFTER_THE_OTHER),
             Bracketing(COUPLED, Continuation(COUPLED)),
             Anderson(),
         ),

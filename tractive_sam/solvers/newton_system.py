@@ -4,6 +4,8 @@ Vectors of the system are [fields, approach (under load), creepages]; see `Probl
 Everything tangential is written once, for fields[-2:], whether or not there is a pressure before.
 """
 
+from functools import cached_property
+
 import numpy as np
 
 from tractive_sam.solvers.outcome import relative
@@ -140,7 +142,6 @@ class System:
         self._following = at.law.direction * at.bound.by_pressure if self.free else None
         self._out = np.empty(self.length, kind)
         self._rows_made = self.fields(self._out)
-        self._border()
 
     def fields(self, vector: np.ndarray) -> np.ndarray:
         """The fields of a vector."""
@@ -230,26 +231,28 @@ class System:
         normal = np.where(at.active, operators.normal_inverse(rows[:1])[0], 0.0)
         return np.concatenate((normal[None], step))
 
-    def _border(self) -> None:
+    @cached_property
+    def _border(self) -> tuple[list[np.ndarray], np.ndarray]:
         """Responses to the unknown approach and creepages, and of the resultants to them."""
         count = self.length - self.size
         zero = np.zeros(self.shape if count else (), self.kind)
-        self._responses = [
+        responses = [
             self._approximate_inverse(self._rows(zero, self._extended(zero.copy(), unit)).copy())
             for unit in np.eye(count)
         ]
-        sums = [self._resultants(self.completed(response)) for response in self._responses]
-        self._schur = np.array(sums).T.reshape(count, count)
+        sums = [self._resultants(self.completed(response)) for response in responses]
+        return responses, np.array(sums).T.reshape(count, count)
 
     def preconditioner(self, vector: np.ndarray) -> np.ndarray:
         """Apply the approximate inverse, bordered by the resultants."""
         step = self._approximate_inverse(self.fields(vector))
         out = np.empty(self.length, self.kind)
-        if self._responses:
+        responses, schur = self._border
+        if responses:
             missed = self._resultants(self.completed(step)) - vector[self.size :] / self.weight
             # Least squares: in full slip the forces do not answer the creepages.
-            extra = np.linalg.lstsq(self._schur, missed, rcond=1e-12)[0]
-            for c, response in zip(extra, self._responses, strict=True):
+            extra = np.linalg.lstsq(schur, missed, rcond=1e-12)[0]
+            for c, response in zip(extra, responses, strict=True):
                 step -= c * response
             out[self.size :] = extra
         out[: self.size] = step.ravel()

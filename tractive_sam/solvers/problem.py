@@ -241,6 +241,11 @@ class Problem:
         rigid = np.ascontiguousarray(self.rigid[:, *box])
         return replace(self, normal=held, rigid=rigid, friction=friction.on(x, y))
 
+    @cached_property
+    def nearby(self) -> Self:
+        """Nearly the same problem, whose operators take half the work or less."""
+        return replace(self, normal=replace(self.normal, operators=self.operators.nearby))
+
     def coarsened(self) -> Self:
         """The same problem on elements of twice the size."""
         block = self.operators.lattice.block

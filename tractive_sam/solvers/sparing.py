@@ -1,10 +1,13 @@
-"""Newton's method of a step: its linear systems share their Krylov vectors.
+"""Newton's method of a step: it spares applications of the elastic operator.
 
-From one Newton step to the next only local terms of the matrix change, while stick and slip zones
-move: the elastic operator A remains. Of every vector that it has acted on, the product with the
-next matrix costs no application, so that each linear system goes on where the one before has
-stopped (generalised conjugate residuals, Eisenstat, Elman & Schultz 1983, SIAM J. Numer. Anal. 20,
-345-357, on vectors that are kept). For the same reason the slip that a step leads to is known
+A step of a transient begins near its solution, and what it costs are the last digits of its linear
+systems. They are solved by generalised conjugate residuals (Eisenstat, Elman & Schultz 1983, SIAM
+J. Numer. Anal. 20, 345-357), each iteration preconditioned by a few ones of GMRES on nearly the
+same system, of half the work or less, whose loads act across the edges of the mesh
+(`Operators.nearby`; van der Vorst & Vuik 1994, Numer. Linear Algebra Appl. 1, 369-386). What an
+iteration cannot foresee are those loads only: it gains a digit and more.
+
+A step is a sum of vectors that the operator has acted on. So the slip that it leads to is known
 without an application, as long as nothing has to be brought back to a bound.
 """
 
@@ -16,7 +19,7 @@ import numpy as np
 
 from tractive_sam.kernels.friction import OPEN
 from tractive_sam.results import Cost
-from tractive_sam.solvers.gmres import orthogonalised
+from tractive_sam.solvers.gmres import gmres, orthogonalised
 from tractive_sam.solvers.newton import Newton
 from tractive_sam.solvers.newton_system import ROUNDING, Iterate, System
 from tractive_sam.solvers.outcome import Outcome, Start
@@ -29,14 +32,14 @@ INSIDE = 0.999
 class WholeSystem(System):
     """The Newton system with the steps that `System` knows beforehand among its unknowns.
 
-    So any field is a step of it, whatever its elements did when it was found: rows of an element
-    that slips ask along its direction for what follows the bound, those of one that has left that
-    pressure and traction vanish.
+    So a step is a sum of fields that the operator has acted on: rows of an element that slips ask
+    along its direction for what follows the bound, those of one that has left that pressure and
+    traction vanish.
     """
 
-    def __init__(self, problem: Problem, at: Iterate):
+    def __init__(self, problem: Problem, at: Iterate, kind: type):
         self._open = at.law.state == OPEN
-        super().__init__(problem, at, float)
+        super().__init__(problem, at, kind)
 
     def completed(self, step: np.ndarray) -> np.ndarray:
         """The step itself: nothing is left to complete."""
@@ -89,95 +92,74 @@ class WholeSystem(System):
         return step
 
 
-class Space:
-    """Vectors and the responses to them, kept from one linear system to the next.
+def conjugate_residuals(
+    system: WholeSystem,
+    preconditioner: Callable[[np.ndarray], np.ndarray],
+    tolerance: float,
+    most: int,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Solve a system to a relative residual with at most so many applications.
 
     Parameters
     ----------
-    keeps : int
-        Most vectors kept.
+    system : WholeSystem
+        The system.
+    preconditioner : callable
+        Nearly the inverse of its matrix; not necessarily linear.
+    tolerance : float
+        Norm of the residual, relative to that of the right-hand side, at which to stop.
+    most : int
+        Most applications.
+
+    Returns
+    -------
+    vector, response : ndarray
+        The solution, and what the operator answers to its fields.
     """
-
-    def __init__(self, keeps: int):
-        self._keeps = keeps
-        self._vectors: list[np.ndarray] = []
-        self._responses: list[np.ndarray] = []
-
-    def solve(
-        self, system: WholeSystem, rhs: np.ndarray, tolerance: float, most: int
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Solve a system to a relative residual with at most so many applications.
-
-        Returns
-        -------
-        vector, response : ndarray
-            The solution, and what the operator answers to its fields.
-        """
-        basis, triangle = self._orthonormal(system)
-        count = len(basis)
-        basis = np.concatenate((basis, np.empty((16, rhs.size))))
-        triangle = np.pad(triangle, (0, most))
-        along = np.zeros(count + most)
-        along[:count] = basis[:count] @ rhs
-        left = rhs - along[:count] @ basis[:count]
-        goal = tolerance * np.linalg.norm(rhs)
-        for k in range(count, count + most):
-            if np.linalg.norm(left) <= goal:
-                break
-            vector = system.preconditioner(left)
-            response = system.response(vector)
-            w, h, beyond = orthogonalised(system.product(vector, response), basis[:k])
-            if beyond <= ROUNDING * np.linalg.norm(h):
-                break
-            if k == len(basis):
-                basis = np.concatenate((basis, np.empty_like(basis[:16])))
-            np.divide(w, beyond, out=basis[k])
-            triangle[:k, k], triangle[k, k] = h, beyond
-            along[k] = basis[k] @ left
-            left = left - along[k] * basis[k]
-            self._vectors.append(vector)
-            self._responses.append(response)
-        found = len(self._vectors)
-        shares = np.linalg.solve(triangle[:found, :found], along[:found])
-        vector, answer = np.zeros(rhs.size), np.zeros(system.shape)
-        for share, one, response in zip(shares, self._vectors, self._responses, strict=True):
-            vector += share * one
-            answer += share * response
-        del self._vectors[: -self._keeps], self._responses[: -self._keeps]
-        return vector, answer
-
-    def _orthonormal(self, system: WholeSystem) -> tuple[np.ndarray, np.ndarray]:
-        """Products of the kept vectors: an orthonormal basis of them and the triangle to it.
-
-        By the Cholesky factor of their products with each other; where rounding spoils it, nothing
-        is kept.
-        """
-        products = np.empty((len(self._vectors), system.length))
-        for row, vector, response in zip(products, self._vectors, self._responses, strict=True):
-            row[:] = system.product(vector, response)
-        try:
-            lower = np.linalg.cholesky(products @ products.T)
-            return np.linalg.solve(lower, products), lower.T
-        except np.linalg.LinAlgError:
-            self._vectors, self._responses = [], []
-            return products[:0], np.zeros((0, 0))
+    left = system.right_hand_side()[0]
+    goal = tolerance * np.linalg.norm(left)
+    basis = np.empty((most, left.size))
+    found: list[tuple[np.ndarray, np.ndarray]] = []
+    triangle, along = np.zeros((most, most)), np.zeros(most)
+    while len(found) < most and np.linalg.norm(left) > goal:
+        k = len(found)
+        vector = preconditioner(left)
+        response = system.response(vector)
+        w, h, beyond = orthogonalised(system.product(vector, response), basis[:k])
+        if beyond <= ROUNDING * np.linalg.norm(h):
+            break
+        np.divide(w, beyond, out=basis[k])
+        triangle[:k, k], triangle[k, k] = h, beyond
+        along[k] = basis[k] @ left
+        left = left - along[k] * basis[k]
+        found.append((vector, response))
+    count = len(found)
+    shares = np.linalg.solve(triangle[:count, :count], along[:count])
+    vector, answer = np.zeros(left.size), np.zeros(system.shape)
+    for share, (one, response) in zip(shares, found, strict=True):
+        vector += share * one
+        answer += share * response
+    return vector, answer
 
 
 @dataclass(frozen=True)
-class Recycling(Newton):
-    """Newton's method whose linear systems share their Krylov vectors; see the module.
+class Sparing(Newton):
+    """Newton's method that spares applications; see the module.
 
     Attributes
     ----------
-    keeps : int
-        Most vectors that a linear system leaves to the next.
+    inner : int
+        Most iterations of GMRES that precondition one of the system.
+    near : float
+        Relative residual at which they end.
     """
 
     halvings: int = 3
     rise: float = 0.5  # what a shorter step leads to is known as well
     loosest: float = 0.5
     aim: float = 0.6
-    keeps: int = 30
+    inner: int = 4
+    near: float = 0.05
 
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
@@ -203,19 +185,26 @@ class Recycling(Newton):
         return at.creeping(problem, at.creepage + change), cost
 
     def _advancing(self, problem: Problem) -> Callable[..., tuple[Iterate, Cost]]:
-        return partial(self._advanced_in, Space(self.keeps), problem)
+        return partial(self._advanced_in, problem.nearby, problem)
 
     def _advanced_in(
         self,
-        space: Space,
+        nearby: Problem,
         problem: Problem,
         at: Iterate,
         goal: float,
         stalled: bool,
         bounded: bool,
     ) -> tuple[Iterate, Cost]:
-        system = WholeSystem(problem, at)
-        vector, answer = space.solve(system, system.right_hand_side()[0], goal, self.krylov)
+        near = WholeSystem(nearby, at, self.precision(self.near, at.pressure.size))
+
+        def preconditioner(left: np.ndarray) -> np.ndarray:
+            rows = left.astype(near.kind)
+            found = gmres(near.operator, near.preconditioner, rows, self.near, self.inner)
+            return found[0].astype(float)
+
+        system = WholeSystem(problem, at, float)
+        vector, answer = conjugate_residuals(system, preconditioner, goal, self.krylov)
         # Bringing tractions back takes an application each: only where leaving them has stalled.
         ahead, trials = self._led(
             problem,
@@ -226,4 +215,4 @@ class Recycling(Newton):
             stalled,
             not bounded,
         )
-        return ahead, Cost(system.applications + trials, system.preconditionings)
+        return ahead, Cost(system.applications + trials, near.preconditionings)
