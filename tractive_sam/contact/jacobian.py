@@ -31,7 +31,6 @@ of every change above, and within the matrix to that of every step (`_WarmSystem
 
 import warnings
 from collections.abc import Callable, Container
-from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -40,7 +39,7 @@ import numpy as np
 from tractive_sam.contact.equilibrium import start_of
 from tractive_sam.contact.heat import in_warmth, warming
 from tractive_sam.contact.model import Model
-from tractive_sam.mechanics import Coulomb, Falling, FallingCoulomb, Slope
+from tractive_sam.mechanics import Coulomb, FallingCoulomb
 from tractive_sam.results import COLUMNS, State, by_name
 from tractive_sam.scene import SceneWarning
 from tractive_sam.solvers import Iterate, Problem, System, gmres
@@ -158,11 +157,6 @@ class _Linearised:
         start = start_of(model, contact)
         self.at = Iterate(problem, start.pressure, start.traction, start.approach, start.creepage)
         law = model.laws.friction
-        if isinstance(law, FallingCoulomb) and self.at.law.falling is None:
-            # So that the step of an element that slips is an unknown along n as well.
-            none = np.zeros(self.at.pressure.shape)
-            still = Slope(none, np.zeros_like(self.at.traction), none)
-            self.at.law = replace(self.at.law, falling=Falling(still, staggered=False))
         self.warm = isinstance(law, FallingCoulomb) and law.warmth is not None
         self.system = (
             _WarmSystem(problem, self.at, self._warmed)
@@ -220,7 +214,9 @@ class _Linearised:
         if isinstance(law, FallingCoulomb):
             # A bound answers to the slip itself, not to that in the frame.
             framed = E[:, None, None] * at.seen.sticking(at.slip, at.traction)
-            bound = bound + law.by_mu(at.bound, axis) - at.law.falling.change(framed, at.seen.bound)
+            bound = bound + law.by_mu(at.bound, axis)
+            if at.law.falling is not None:
+                bound = bound - at.law.falling.change(framed, at.seen.bound)
         return self._answer(
             gap,
             self._seen(response[-2:], stretched, gap) + turned,
@@ -280,7 +276,7 @@ class _Linearised:
         border[under_load:] = system.weight * at.ratio * forces
 
         vector = self._solved(rhs)
-        step, extra = system.completed(system.fields(vector)), vector[system.size :]
+        step, extra = system.fields(vector), vector[system.size :]
         traction = self._force * model.frame.to_physical(step[-2:] + stretched)
         x, y = model.grid.x[:, None], model.grid.y[None, :]
         moment = (x * traction[1] - y * traction[0]).sum()

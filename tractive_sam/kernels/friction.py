@@ -328,11 +328,12 @@ def linearise(
 
 @compiled
 def tangent_row(state, direction, kappa, across, contact, step, slip, out, ahead=1.0):
-    """Rows of the linearised friction law: s where it sticks, kappa t.s + (1 - kappa) t.p along t.
+    """Rows of the linearised friction law.
 
-    ``step`` and ``slip`` are a change of traction and the change of slip of the leading faces it
-    causes; ``t`` is perpendicular to the direction of slip, and ``across`` says what t.s is there
-    (`linearise`, `turn`). Components that are no unknowns are set to zero.
+    s where it sticks; kappa t.s + (1 - kappa) t.p along t and n.p along n, the direction of the
+    traction, where it slips; p where it is open. ``step`` and ``slip`` are a change p of traction
+    and the change s of slip of the leading faces it causes, and ``across`` says what t.s is
+    (`linearise`, `turn`).
     """
     nx, ny = state.shape
     m0, m1 = np.zeros(ny), np.zeros(ny)
@@ -344,9 +345,11 @@ def tangent_row(state, direction, kappa, across, contact, step, slip, out, ahead
             t0, t1, k = -direction[1, i, j], direction[0, i, j], kappa[i, j]
             along = across[0, 0, i, j] * slip[0, i, j] + across[0, 1, i, j] * slip[1, i, j]
             along += across[1, 0, i, j] * m0[j] + across[1, 1, i, j] * m1[j]
-            value = k * along + (1.0 - k) * (t0 * step[0, i, j] + t1 * step[1, i, j])
-            out[0, i, j] = value * t0 if slips else (slip[0, i, j] if sticks else 0.0)
-            out[1, i, j] = value * t1 if slips else (slip[1, i, j] if sticks else 0.0)
+            p0, p1 = step[0, i, j], step[1, i, j]
+            value, out_of = k * along + (1.0 - k) * (t0 * p0 + t1 * p1), t1 * p0 - t0 * p1
+            slid0, slid1 = value * t0 + out_of * t1, value * t1 - out_of * t0
+            out[0, i, j] = slid0 if slips else (slip[0, i, j] if sticks else p0)
+            out[1, i, j] = slid1 if slips else (slip[1, i, j] if sticks else p1)
 
 
 @compiled
@@ -387,21 +390,23 @@ def split(state, direction, kappa, stiffness, own, row, smooth, rough):
 
 
 @compiled
-def sweep(state, direction, kappa, stiffness, own, smooth, rough, out):
+def sweep(state, direction, kappa, stiffness, own, row, smooth, rough, out):
     """Integrate from the leading edge of every row, where the traction is zero.
 
     ``smooth`` is what the circulant inverse made of its share: the increment of traction from one
     element to the next. An element that slips keeps only the part along t, whose slip is that of
     the whole: t.D (t tau) = t.D (ahead + smooth). Its local term gamma holds it back:
-    2 t.D (t tau - ahead - smooth) + gamma tau = rough.
+    2 t.D (t tau - ahead - smooth) + gamma tau = rough. The part along its direction, and all of an
+    open one, is what ``row`` says.
     """
     nx, ny = state.shape
     ahead = np.zeros((2, ny))
     for i in range(nx - 1, -1, -1):
         for j in range(ny):
+            r0, r1 = row[0, i, j], row[1, i, j]
             if state[i, j] == OPEN:
                 ahead[0, j] = ahead[1, j] = 0.0
-                out[0, i, j] = out[1, i, j] = 0.0
+                out[0, i, j], out[1, i, j] = r0, r1
                 continue
             a = ahead[0, j] + smooth[0, i, j]
             b = ahead[1, j] + smooth[1, i, j]
@@ -413,9 +418,14 @@ def sweep(state, direction, kappa, stiffness, own, smooth, rough, out):
                 # Implicit: where gamma outweighs d, the traction is rough/gamma. Times kappa.
                 whole = k * (t0 * d0 + t1 * d1 + 0.5 * w) + (1.0 + w) * (1.0 - k)
                 tau = k * (d0 * a + d1 * b + rough[i, j]) / whole
+                # What is known of the traction along its direction is no part of the sum: worth as
+                # many iterations, and it leads astray where the coefficients are far apart.
                 a, b = tau * t0, tau * t1
+                out_of = t1 * r0 - t0 * r1
+                out[0, i, j], out[1, i, j] = a + out_of * t1, b - out_of * t0
+            else:
+                out[0, i, j], out[1, i, j] = a, b
             ahead[0, j], ahead[1, j] = a, b
-            out[0, i, j], out[1, i, j] = a, b
 
 
 @compiled
@@ -506,17 +516,21 @@ def share_out(
 
 
 @compiled
-def gather(state, direction, share, smooth, rough, out):
-    """Put both parts together: of an element that slips, what is along t (`share_out`)."""
+def gather(state, direction, share, row, smooth, rough, out):
+    """Put both parts together: of an element that slips, what is along t (`share_out`).
+
+    The part along its direction, and all of an open one, is what ``row`` says.
+    """
     nx, ny = state.shape
     for i in range(nx):
         for j in range(ny):
             q = share[i, j]
             a, b = q * smooth[0, i, j] + rough[0, i, j], q * smooth[1, i, j] + rough[1, i, j]
+            r0, r1 = row[0, i, j], row[1, i, j]
             if state[i, j] == OPEN:
-                a = b = 0.0
+                a, b = r0, r1
             elif state[i, j] == SLIP:
                 t0, t1 = -direction[1, i, j], direction[0, i, j]
-                tau = a * t0 + b * t1
-                a, b = tau * t0, tau * t1
+                tau, out_of = a * t0 + b * t1, t1 * r0 - t0 * r1
+                a, b = tau * t0 + out_of * t1, tau * t1 - out_of * t0
             out[0, i, j], out[1, i, j] = a, b

@@ -9,7 +9,6 @@ disc: Coulomb's is the pressure. A law of one's own is a subclass of `FrictionLa
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 
 import numpy as np
 
@@ -359,10 +358,11 @@ class Friction:
 class Linearisation:
     """A friction law linearised at a state, element by element; vectors in the scaled frame.
 
-    An element is open, sticks or slips. Newton's row asks of one that sticks that its slip vanish.
-    One that slips has its step along n, the direction of its traction, known beforehand, to the rim
-    of the disc; what its row asks along the tangent t is kappa t.s + (1 - kappa) t.p, between slip
-    (just at the bound) and traction (far beyond it, where only the direction is left to find).
+    An element is open, sticks or slips. Newton's rows ask of one that sticks that its slip vanish,
+    of an open one that its traction does. One that slips goes to the rim of the disc along n, the
+    direction of its traction; what is asked along the tangent t is kappa t.s + (1 - kappa) t.p,
+    between slip (just at the bound) and traction (far beyond it, where only the direction is left
+    to find).
 
     Attributes
     ----------
@@ -383,8 +383,7 @@ class Linearisation:
     merit : float
         The same with the weights of the frame, which Newton's steps lessen.
     falling : Falling, optional
-        Of a bound that answers to the slip: then the step along n is an unknown as well, and what
-        its row asks is n.p less the change of the bound.
+        Of a bound that answers to the slip: the row along n is n.p less the change of the bound.
     staggered : float
         As for `FrictionLaw.opposed`.
     """
@@ -400,27 +399,14 @@ class Linearisation:
     falling: "Falling | None" = None
     staggered: float = 1.0
 
-    @cached_property
-    def known(self) -> np.ndarray:
-        """The part of the step that is known beforehand: along n, where an element slips."""
-        return (self.defect * self.direction).sum(axis=0) * self.direction
-
-    @property
-    def asked(self) -> np.ndarray:
-        """What the rows of the step that is left to find are to be, before `known` has acted."""
-        if self.falling is not None:
-            return np.where(self.state == friction.OPEN, 0.0, self.defect)
-        return np.where(self.state == friction.OPEN, 0.0, self.defect - self.known)
-
     def rows(self, step: np.ndarray, slip: np.ndarray, out: np.ndarray) -> None:
         """Set `out` to the rows of a change of traction and the change of slip it causes.
 
         Parameters
         ----------
         step, slip, out : ndarray, shape (2, n_x, n_y)
-            The slip is that of the leading faces, as for `FrictionLaw.linearise`. Of elements that
-            are open the rows are zero, of those that slip they have a part along t only, unless the
-            bound answers to the slip; then the step is one without what follows the pressure.
+            The slip is that of the leading faces, as for `FrictionLaw.linearise`; the step is one
+            without what follows the pressure.
         """
         friction.tangent_row(
             self.state,
@@ -434,7 +420,7 @@ class Linearisation:
             self.staggered,
         )
         if self.falling is not None:
-            out += self.falling.rows(self.direction, self.contact, step, slip)
+            out -= self.falling.change(slip, self.contact) * self.direction
 
     def approximate_inverse(
         self,
@@ -466,9 +452,7 @@ class Linearisation:
         smooth, rough = np.empty_like(rows), np.empty(self.kappa.shape)
         friction.split(*here, rows, smooth, rough)
         out = np.empty_like(rows)
-        friction.sweep(*here, inverse(smooth), rough, out)
-        if self.falling is not None:
-            out += (rows * self.direction).sum(axis=0) * self.direction
+        friction.sweep(*here, rows, inverse(smooth), rough, out)
         return out
 
     def approximate_inverse_of_step(
@@ -487,7 +471,7 @@ class Linearisation:
         smooth, rough, out = (np.empty_like(rows) for _ in range(3))
         local = self.kappa, self.across, self.contact, stiffness, own, float(self.staggered)
         friction.share_out(*here, *local, rows, share, smooth, rough)
-        friction.gather(*here, share, inverse(smooth), rough, out)
+        friction.gather(*here, share, rows, inverse(smooth), rough, out)
         return out
 
 
@@ -505,12 +489,6 @@ class Falling:
 
     slope: Slope
     staggered: bool
-
-    def rows(
-        self, direction: np.ndarray, contact: np.ndarray, step: np.ndarray, slip: np.ndarray
-    ) -> np.ndarray:
-        """Rows along n, shape (2, n_x, n_y): n.p less the change of the radius."""
-        return ((direction * step).sum(axis=0) - self.change(slip, contact)) * direction
 
     def change(self, slip: np.ndarray, contact: np.ndarray) -> np.ndarray:
         """Change of the radius by a change of the slip of the leading faces, shape (n_x, n_y)."""

@@ -170,12 +170,11 @@ class Newton:
     ) -> tuple[Iterate, Cost]:
         """The iterate after a step whose linear system is solved to a relative residual."""
         system = System(problem, at, self.precision(goal, at.pressure.size))
-        rhs, known = system.right_hand_side()
+        rhs = system.right_hand_side()
         vector, _ = gmres(system.operator, system.preconditioner, rhs, goal, self.krylov)
         # What the step leads to is evaluated in double precision.
         vector = vector.astype(float)
-        step = known + system.completed(system.fields(vector))
-        extra = vector[system.size :]
+        step, extra = system.fields(vector), vector[system.size :]
         ahead, trials = self._led(problem, at, step, extra, None, stalled, bounded)
         return ahead, Cost(system.applications + trials, system.preconditionings)
 

@@ -11,9 +11,6 @@ import numpy as np
 from tractive_sam.solvers.outcome import relative
 from tractive_sam.solvers.problem import Problem
 
-ROUNDING = 1e-13
-"""Relative size of a step that has no effect but on digits that rounding has spoilt."""
-
 
 class Iterate:
     """Pressure, tractions, approach, creepages, and what the contact conditions say of them.
@@ -118,9 +115,8 @@ class System:
     """The Newton system at an iterate; `kind` is the type of its numbers.
 
     An element in contact asks that its gap close, one that has left that its pressure vanish, and
-    the friction law for what `Linearisation` says. The step of a slipping traction along its
-    direction follows the bound, and with it the pressure: it is no unknown, but part of a step
-    that is `completed`.
+    the friction law for what `Linearisation` says. A slipping traction follows its bound along its
+    direction, and with it the pressure.
 
     Attributes
     ----------
@@ -147,24 +143,18 @@ class System:
         """The fields of a vector."""
         return vector[: self.size].reshape(self.shape)
 
-    def _response(self, step: np.ndarray) -> np.ndarray:
-        self.applications += 1
-        return self.problem.response(step)
-
     def _rows(self, step: np.ndarray, response: np.ndarray) -> np.ndarray:
-        """Linearised conditions of a completed step and the change of gap and slip by it.
+        """Linearised conditions of a step and the change of gap and slip by it.
 
         They are the fields of the vector that `operator` returns, and overwritten by the next ones.
         """
-        at, rows = self.at, self._rows_made
+        at, rows, own = self.at, self._rows_made, step[-2:]
         if self.free:
-            rows[0] = np.where(at.active, response[0], 0.0)
+            rows[0] = np.where(at.active, response[0], step[0])
             slip = at.seen.sticking_change(response[1:], at.traction, step, response[0], at.slip)
+            own = own - self._following * step[0]
         else:
             slip = at.seen.sticking(response, step)
-        own = step[-2:]
-        if self.free and at.law.falling is not None:
-            own = own - self._following * step[0]
         at.law.rows(own, slip, rows[-2:])
         if at.ratio != 1.0:
             rows[-2:] *= at.ratio
@@ -182,43 +172,38 @@ class System:
             response[-2:] += (extra[int(self.under_load) :] @ self.vectors)[:, None, None]
         return response
 
-    def completed(self, step: np.ndarray) -> np.ndarray:
-        """A step with the change of slipping tractions that follow their changing bound."""
-        if not self.free:
-            return step
-        step = step.copy()
-        step[1:] += self._following * step[0]
-        return step
+    def right_hand_side(self) -> np.ndarray:
+        """What the conditions miss."""
+        at, rhs = self.at, np.zeros(self.length, self.kind)
+        rows = self.fields(rhs)
+        if self.free:
+            rows[0] = np.where(at.active, -at.gap, -at.pressure)
+        rows[-2:] = at.ratio * at.law.defect
+        missed = at.ratio * at.force_missed
+        if self.under_load:
+            missed = np.concatenate(([at.load_missed], missed))
+        rhs[self.size :] = self.weight * missed
+        return rhs
 
-    def right_hand_side(self) -> tuple[np.ndarray, np.ndarray]:
-        """Right-hand side, and the fields of the step that are known beforehand."""
-        at, law = self.at, self.at.law
-        known = np.zeros(self.shape)
-        known[:-2] = np.where(at.leaving, -at.pressure, 0.0)
-        known[-2:] = np.where(at.active, law.known, -at.traction)
-        rhs = np.zeros(self.length, self.kind)
-        field = self.fields(rhs)
-        # Where no element changes between stick and slip, known is what rounding has left.
-        if np.abs(known).max() > ROUNDING * np.abs(at.traction).max():
-            step = known.astype(self.kind)
-            field -= self._rows(step, self._response(step))
-        field[:-2] -= np.where(at.active, at.gap, 0.0)
-        field[-2:] += at.ratio * law.asked
-        if self.length > self.size:
-            missed = at.ratio * at.force_missed
-            if self.under_load:
-                missed = np.concatenate(([at.load_missed], missed))
-            rhs[self.size :] = self.weight * (missed - self._resultants(known))
-        return rhs, known
+    def response(self, vector: np.ndarray) -> np.ndarray:
+        """What the operator answers to the fields of a vector; one application."""
+        self.applications += 1
+        return self.problem.response(self.fields(vector))
 
-    def operator(self, vector: np.ndarray) -> np.ndarray:
-        """Apply the Newton matrix; the result is overwritten by the next one."""
-        step = self.completed(self.fields(vector))
-        response = self._extended(self._response(step), vector[self.size :])
-        self._rows(step, response)
+    def product(self, vector: np.ndarray, response: np.ndarray) -> np.ndarray:
+        """The matrix times a vector of which the response is known; overwritten by the next.
+
+        The response has changed with approach and creepages afterwards.
+        """
+        step = self.fields(vector)
+        self._rows(step, self._extended(response, vector[self.size :]))
         if self.length > self.size:
             self._out[self.size :] = self.weight * self._resultants(step)
         return self._out
+
+    def operator(self, vector: np.ndarray) -> np.ndarray:
+        """Apply the Newton matrix; the result is overwritten by the next one."""
+        return self.product(vector, self.response(vector))
 
     def _approximate_inverse(self, rows: np.ndarray) -> np.ndarray:
         """The circulant inverse for the pressure, and the upwind sweep for the tractions."""
@@ -228,8 +213,8 @@ class System:
         self.preconditionings += 1
         if not self.free:
             return step
-        normal = np.where(at.active, operators.normal_inverse(rows[:1])[0], 0.0)
-        return np.concatenate((normal[None], step))
+        normal = np.where(at.active, operators.normal_inverse(rows[:1])[0], rows[0])
+        return np.concatenate((normal[None], step + self._following * normal))
 
     @cached_property
     def _border(self) -> tuple[list[np.ndarray], np.ndarray]:
@@ -240,7 +225,7 @@ class System:
             self._approximate_inverse(self._rows(zero, self._extended(zero.copy(), unit)).copy())
             for unit in np.eye(count)
         ]
-        sums = [self._resultants(self.completed(response)) for response in responses]
+        sums = [self._resultants(response) for response in responses]
         return responses, np.array(sums).T.reshape(count, count)
 
     def preconditioner(self, vector: np.ndarray) -> np.ndarray:
@@ -249,7 +234,7 @@ class System:
         out = np.empty(self.length, self.kind)
         responses, schur = self._border
         if responses:
-            missed = self._resultants(self.completed(step)) - vector[self.size :] / self.weight
+            missed = self._resultants(step) - vector[self.size :] / self.weight
             # Least squares: in full slip the forces do not answer the creepages.
             extra = np.linalg.lstsq(schur, missed, rcond=1e-12)[0]
             for c, response in zip(extra, responses, strict=True):

@@ -17,83 +17,22 @@ from functools import partial
 
 import numpy as np
 
-from tractive_sam.kernels.friction import OPEN
 from tractive_sam.results import Cost
 from tractive_sam.solvers.gmres import gmres, orthogonalised
 from tractive_sam.solvers.newton import Newton
-from tractive_sam.solvers.newton_system import ROUNDING, Iterate, System
+from tractive_sam.solvers.newton_system import Iterate, System
 from tractive_sam.solvers.outcome import Outcome, Start
 from tractive_sam.solvers.problem import Problem
+
+ROUNDING = 1e-13
+"""Part of a new vector below which rounding has spoilt its digits."""
 
 INSIDE = 0.999
 """Share of the bound below which a first guess is taken to stick."""
 
 
-class WholeSystem(System):
-    """The Newton system with the steps that `System` knows beforehand among its unknowns.
-
-    So a step is a sum of fields that the operator has acted on: rows of an element that slips ask
-    along its direction for what follows the bound, those of one that has left that pressure and
-    traction vanish.
-    """
-
-    def __init__(self, problem: Problem, at: Iterate, kind: type):
-        self._open = at.law.state == OPEN
-        super().__init__(problem, at, kind)
-
-    def completed(self, step: np.ndarray) -> np.ndarray:
-        """The step itself: nothing is left to complete."""
-        return step
-
-    def right_hand_side(self) -> tuple[np.ndarray, np.ndarray]:
-        """Right-hand side, and the fields known beforehand: none."""
-        at, rhs = self.at, np.zeros(self.length)
-        rows = self.fields(rhs)
-        if self.free:
-            rows[0] = np.where(at.active, -at.gap, -at.pressure)
-        rows[-2:] = at.ratio * np.where(self._open, -at.traction, at.law.defect)
-        missed = at.ratio * at.force_missed
-        if self.under_load:
-            missed = np.concatenate(([at.load_missed], missed))
-        rhs[self.size :] = self.weight * missed
-        return rhs, np.zeros(self.shape)
-
-    def response(self, vector: np.ndarray) -> np.ndarray:
-        """What the operator answers to the fields of a vector; one application."""
-        return self._response(self.fields(vector))
-
-    def product(self, vector: np.ndarray, response: np.ndarray) -> np.ndarray:
-        """The matrix times a vector of which the response is known; overwritten by the next."""
-        step = self.fields(vector)
-        self._rows(step, self._extended(response.copy(), vector[self.size :]))
-        if self.length > self.size:
-            self._out[self.size :] = self.weight * self._resultants(step)
-        return self._out
-
-    def _rows(self, step: np.ndarray, response: np.ndarray) -> np.ndarray:
-        at, rows, own = self.at, super()._rows(step, response), step[-2:]
-        if self.free:
-            rows[0] = np.where(at.active, rows[0], step[0])
-            own = own - self._following * step[0]
-        if at.law.falling is None:
-            rows[-2:] += at.ratio * (at.law.direction * own).sum(axis=0) * at.law.direction
-        rows[-2:] = np.where(self._open, at.ratio * step[-2:], rows[-2:])
-        return rows
-
-    def _approximate_inverse(self, rows: np.ndarray) -> np.ndarray:
-        step, law = super()._approximate_inverse(rows), self.at.law
-        tangential = rows[-2:] / self.at.ratio
-        if law.falling is None:
-            step[-2:] += (law.direction * tangential).sum(axis=0) * law.direction
-        if self.free:
-            step[0] = np.where(self.at.active, step[0], rows[0])
-            step[-2:] += self._following * step[0]
-        step[-2:] = np.where(self._open, tangential, step[-2:])
-        return step
-
-
 def conjugate_residuals(
-    system: WholeSystem,
+    system: System,
     preconditioner: Callable[[np.ndarray], np.ndarray],
     tolerance: float,
     most: int,
@@ -102,7 +41,7 @@ def conjugate_residuals(
 
     Parameters
     ----------
-    system : WholeSystem
+    system : System
         The system.
     preconditioner : callable
         Nearly the inverse of its matrix; not necessarily linear.
@@ -116,7 +55,7 @@ def conjugate_residuals(
     vector, response : ndarray
         The solution, and what the operator answers to its fields.
     """
-    left = system.right_hand_side()[0]
+    left = system.right_hand_side()
     goal = tolerance * np.linalg.norm(left)
     basis = np.empty((most, left.size))
     found: list[tuple[np.ndarray, np.ndarray]] = []
@@ -125,7 +64,7 @@ def conjugate_residuals(
         k = len(found)
         vector = preconditioner(left)
         response = system.response(vector)
-        w, h, beyond = orthogonalised(system.product(vector, response), basis[:k])
+        w, h, beyond = orthogonalised(system.product(vector, response.copy()), basis[:k])
         if beyond <= ROUNDING * np.linalg.norm(h):
             break
         np.divide(w, beyond, out=basis[k])
@@ -196,14 +135,14 @@ class Sparing(Newton):
         stalled: bool,
         bounded: bool,
     ) -> tuple[Iterate, Cost]:
-        near = WholeSystem(nearby, at, self.precision(self.near, at.pressure.size))
+        near = System(nearby, at, self.precision(self.near, at.pressure.size))
 
         def preconditioner(left: np.ndarray) -> np.ndarray:
             rows = left.astype(near.kind)
             found = gmres(near.operator, near.preconditioner, rows, self.near, self.inner)
             return found[0].astype(float)
 
-        system = WholeSystem(problem, at, float)
+        system = System(problem, at, float)
         vector, answer = conjugate_residuals(system, preconditioner, goal, self.krylov)
         # Bringing tractions back takes an application each: only where leaving them has stalled.
         ahead, trials = self._led(
