@@ -54,7 +54,7 @@ def ball(points):
     m, n = points.shape
     squares = np.empty(n)
     if m == 2:
-        support, weights = np.empty(3, int), np.empty(3)
+        support, weights = np.zeros(3, int), np.empty(3)
         count, radius2 = fatigue.circle(support, weights, points, squares)
         return support[:count], weights[:count], radius2
     support, weights = np.empty(m + 2, int), np.empty(m + 2)
@@ -105,7 +105,7 @@ def room(points):
     return (
         np.empty((3, points)),
         np.empty(points),
-        np.empty(3, int),
+        np.zeros(3, int),
         np.empty(3),
         np.empty((6, 6)),
         np.empty((4, 6)),
@@ -156,6 +156,48 @@ def test_the_critical_plane_is_that_of_brute_force(sum_k, product_k):
     best = max(plane(cycle, normal, sum_k, product_k)[0] for normal in normals)
     # Planes are .008 apart: beside a maximum values fall by the square.
     assert best * (1.0 - 1e-12) <= float(criterion(cycle)[0]) <= best * (1.0 + 1e-3)
+
+
+def many_cycles():
+    """Random ones, components out of phase, and those below lines: with many maxima close by."""
+    turn = np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)[None, :, None]
+    mean, amplitude, phase = RNG.normal(size=(3, 6, 1, 300))
+    yield mean + amplitude * np.sin(RNG.integers(1, 3, (6, 1, 300)) * turn + 9.0 * phase)
+    yield from (random_cycles(60, points) for points in (5, 40))
+    yield from (line(mu, np.linspace(0.01, 1.5, 12), points=161) for mu in (0.0, 0.1, 0.6))
+
+
+@compiled
+@pytest.mark.slow
+@pytest.mark.parametrize(("sum_k", "product_k"), [(0.0, 0.0), (1.0, 0.0), (0.0, 0.3)])
+def test_no_larger_plane_is_found_from_many_more(sum_k, product_k):
+    """Newton's steps from the best of 700 planes."""
+    number = np.arange(700) + 0.5
+    across, turn = np.sqrt(1.0 - (1.0 - number / 700) ** 2), np.pi * (1.0 + 5**0.5) * number
+    normals = np.stack((across * np.cos(turn), across * np.sin(turn), 1.0 - number / 700), axis=1)
+    for cycles in many_cycles():
+        found = np.empty(cycles.shape[2])
+        fatigue.critical_plane(found, paths(cycles), sum_k, product_k)
+        within = room(cycles.shape[1])
+        for path, value in zip(paths(cycles), found, strict=True):
+            given = path, sum_k, product_k, within
+            each = np.array([fatigue._plane(path, n, *given[1:])[0] for n in normals])
+            near = normals[each > 0.97 * each.max()]
+            best = max(fatigue._maximised(normal.copy(), *given) for normal in near)
+            assert value >= best * (1.0 - fatigue.ENOUGH)
+
+
+@pytest.mark.slow
+@compiled
+def test_balls_begun_by_the_one_before_are_the_same():
+    """Paths beside each other, paths that have nothing in common, and points that coincide."""
+    sliding = paths(line(0.3, np.linspace(0.01, 1.5, 40), points=61))
+    mixed = np.concatenate((sliding, paths(random_cycles(40, 62)), sliding[::-1], 0.0 * sliding))
+    together, alone = np.empty(len(mixed)), np.empty(len(mixed))
+    fatigue.balls(together, mixed)
+    for k in range(len(mixed)):
+        fatigue.balls(alone[k : k + 1], mixed[k : k + 1])
+    np.testing.assert_allclose(together, alone, rtol=1e-12)  # of the last step
 
 
 @pytest.mark.parametrize(("tau", "sigma"), [(180.0, 300.0), (200.0, 330.0)])

@@ -89,15 +89,6 @@ class Crossland(CycleCriterion):
         return radius + self.sensitivity * hydrostatic, radius
 
 
-def _look() -> np.ndarray:
-    """Unit vectors spread over half a sphere, about 12 degrees apart (spiral of Fibonacci)."""
-    count = 150
-    i = np.arange(count) + 0.5
-    z, turn = 1.0 - i / count, np.pi * (1.0 + np.sqrt(5.0)) * i
-    across = np.sqrt(1.0 - z * z)
-    return np.stack((across * np.cos(turn), across * np.sin(turn), z), axis=1)
-
-
 @dataclass(frozen=True)
 class Findley(CycleCriterion):
     """Largest of tau_a + k sigma_n,max over all planes (Findley 1959).
@@ -125,7 +116,7 @@ class Findley(CycleCriterion):
 
     def __call__(self, cycle: np.ndarray) -> np.ndarray:
         """See `CycleCriterion`."""
-        return _each(fatigue.critical_plane, cycle, self.sensitivity, 0.0, _look())
+        return _each(fatigue.critical_plane, cycle, self.sensitivity, 0.0)
 
 
 @dataclass(frozen=True)
@@ -157,7 +148,7 @@ class FatemiSocie(CycleCriterion):
     def __call__(self, cycle: np.ndarray) -> np.ndarray:
         """See `CycleCriterion`."""
         each = self.sensitivity / self.yield_strength
-        return _each(fatigue.critical_plane, cycle, 0.0, each, _look())
+        return _each(fatigue.critical_plane, cycle, 0.0, each)
 
 
 @dataclass(frozen=True)

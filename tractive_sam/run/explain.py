@@ -26,7 +26,7 @@ WORN_APPLICATIONS = 22
 JUMPS = 14  # while the revolutions rolled grow e-fold
 STRESS_APPLICATIONS = 75  # as long as the largest stress of one body takes
 FATIGUE_APPLICATIONS = 10  # as long as a depth of [fatigue] takes, of one body
-PLANES = 8  # as many times as long with a critical plane (benchmarks/fatigue.py)
+PLANES = 15  # as many times as long with a critical plane
 DEPTH_APPLICATIONS = 0.5  # as long as a depth of a plane takes, of both bodies
 
 OF_PROGRAMS = 250
