@@ -164,6 +164,26 @@ def test_tractions_tiny_beside_the_pressure_take_no_finer_mesh():
     assert math.prod(contact.grid.elements) <= 2 * math.prod(usual.elements)
 
 
+def test_error_bars_of_the_life_of_a_volume_hold_what_a_finer_mesh_finds():
+    """And are infinite with friction: the integral has no limit at the surface."""
+    asked = {"criterion": "orthogonal-shear", "limit": 1.0, "volume": {"constant": 1e-34}}
+    discs = ts.Scene.builtin("twin-discs").replace(
+        grid=None, subsurface=None, wear=None, fatigue=asked
+    )
+    smooth = discs.replace(friction=None, creepage=None)
+    told = ts.roll(smooth.replace(accuracy={"tolerance": 0.05}))
+    half = tuple(1.05 * one for one in told.grid.half_length)
+    finer = ts.roll(smooth.replace(grid={"half_length": half, "elements": (101, 101)}))
+    for name in ("stressed_volume", "volume_life"):
+        missed, bar = np.abs(told[name][0] - finer[name][0]), told[f"{name}_error"][0]
+        assert (missed < bar).all()
+        assert (bar < 0.5 * told[name][0]).all()
+    rough = ts.roll(discs.replace(accuracy={"tolerance": 0.05}))
+    hinges = rough["volume_at_top"][0] > 0.9
+    assert hinges.any()
+    assert np.isinf(rough["volume_life_error"][0][hinges]).all()
+
+
 def test_error_bars_of_fatigue_hold_what_a_finer_mesh_finds():
     material = {"shear_yield": 300.0, "sensitivity": 0.333, "limit": 250.0, "elements": 12}
     discs = ts.Scene.builtin("twin-discs").replace(grid=None, subsurface=None, fatigue=material)

@@ -432,6 +432,15 @@ def _with_bars(one: Quantity) -> Callable[[Scene], Any]:
     return when
 
 
+_FATIGUE_BARRED = (
+    "utilisation",
+    "shakedown_lower",
+    "shakedown_upper",
+    "fatigue_life",
+    "stressed_volume",
+    "volume_life",
+)
+
 STRESSES = tuple(one.name for one in _STRESSES[:-1])
 """Columns of the largest stress in each body."""
 
@@ -445,7 +454,7 @@ COLUMNS = (
     *(
         replace(_error_bar(one), when=_with_bars(one))
         for one in _FATIGUE
-        if one.name in ("utilisation", "shakedown_lower", "shakedown_upper", "fatigue_life")
+        if one.name in _FATIGUE_BARRED
     ),
     *(_error_bar(_KNOWN[name]) for name in BARRED),
     _STRESSES[-1],

@@ -30,6 +30,7 @@ from tractive_sam.contact import Model
 from tractive_sam.mechanics import VolumeLife, Woehler, over_depth
 from tractive_sam.results import BodyFatigue, widened
 from tractive_sam.rolling.passage import Passage
+from tractive_sam.scene import Scene
 from tractive_sam.subsurface import cycle_depths, cycle_fatigue, semi_axes
 
 WORN, FINE, GROWTH, COARSE = 0.2, 180, 1.05, 0.25
@@ -457,19 +458,43 @@ def fatigue_columns(damage: Damage, model: Model) -> dict[str, Any]:
 
 def _of_volume(damage: Damage, model: Model, law: VolumeLife) -> dict[str, Any]:
     """Columns of the life of a volume: of several blocks, lives add up by Miner's rule."""
-    asked = model.scene.fatigue
+    survival = model.scene.fatigue.volume.survival
     columns: dict[str, Any] = {"stressed_volume": {}, "volume_life": {}}
     for body, one in damage.bodies.items():
-        radius = getattr(model.scene.body, body).radius_x
-        around = 2.0 * math.pi * abs(radius) if math.isfinite(radius) else 1.0
-        stress = one.used * asked.limit
-        y, depth = one.now.y, one.now.depth
-        volumes = [law.volume(y, depth, each, around) for each in stress]
-        lives = [law.life(volume, asked.volume.survival) for volume in volumes]
+        volumes = [
+            stressed_volume(replace(one.now, utilisation=used), model.scene, law)
+            for used in one.used
+        ]
+        lives = [law.life(volume, survival) for volume in volumes]
         used = sum(share / each for share, each in zip(model.weights, lives, strict=True))
         columns["stressed_volume"][body] = float(np.dot(model.weights, volumes))
         columns["volume_life"][body] = 1.0 / (used * (one.passes or 1.0)) if used else math.inf
     return columns | {"volume_at_top": damage.at_the_top(model)}
+
+
+def stressed_volume(cycled: BodyFatigue, scene: Scene, law: VolumeLife) -> float:
+    """Integral of stress over the volume of a body, of a flat one over 1 mm of track."""
+    radius = getattr(scene.body, cycled.body).radius_x
+    around = 2.0 * math.pi * abs(radius) if math.isfinite(radius) else 1.0
+    return law.volume(cycled.y, cycled.depth, cycled.utilisation * scene.fatigue.limit, around)
+
+
+def volume_bars(
+    columns: Mapping[str, Any], bars: Mapping[str, float], law: VolumeLife
+) -> dict[str, dict[str, float]]:
+    """Error bars of `stressed_volume` and `volume_life`, by that of the mesh; by body.
+
+    Where the mesh decides on the integral, it has no limit.
+    """
+    told: dict[str, dict[str, float]] = {"stressed_volume": {}, "volume_life": {}}
+    for body, volume in columns["stressed_volume"].items():
+        bar = math.inf if columns["volume_at_top"][body] > AT_TOP else bars.get(body, math.nan)
+        told["stressed_volume"][body] = bar
+        if volume > 0.0:
+            left = 1.0 - bar / volume
+            longer = math.inf if left <= 0.0 else left ** (-1.0 / law.slope) - 1.0
+            told["volume_life"][body] = columns["volume_life"][body] * longer
+    return told
 
 
 def life_bars(columns: Mapping[str, Any], bars: Mapping[str, float], life: Woehler) -> dict:

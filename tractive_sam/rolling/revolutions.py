@@ -20,7 +20,14 @@ from tractive_sam.results import (
     stress_columns,
 )
 from tractive_sam.rolling.adaptive import adaptive_passages
-from tractive_sam.rolling.damage import Damage, block_columns, fatigue_columns, followed, life_bars
+from tractive_sam.rolling.damage import (
+    Damage,
+    block_columns,
+    fatigue_columns,
+    followed,
+    life_bars,
+    volume_bars,
+)
 from tractive_sam.rolling.passage import Passage, next_passage, off_grid, unworn
 from tractive_sam.rolling.saves import Saves
 from tractive_sam.rolling.transient import Moment, Transient
@@ -136,6 +143,11 @@ def recorded(
         if "fatigue_life" in known and "fatigue_life_error" in record.columns:
             bars = record.values["utilisation_error"]
             known["fatigue_life_error"] = life_bars(known, bars, model.laws.life)
+        if "stressed_volume" in known and "stressed_volume_error" in record.columns:
+            mesh = record.values["stressed_volume_error"]
+            for name, bars in volume_bars(of_material, mesh, model.laws.volume).items():
+                if f"{name}_error" in record.columns:
+                    known[f"{name}_error"] = bars
         values = {**record.values, **known, "seconds": perf_counter() - began}
         return replace(record, values=values, cycles=kept)
     records = [

@@ -21,7 +21,9 @@ from typing import Any, Self
 
 import numpy as np
 
+from tractive_sam.contact import Laws
 from tractive_sam.results import BodyFatigue, Maximum, State
+from tractive_sam.rolling.damage import stressed_volume
 
 SAFETY = 3.0
 """Error bar over the difference between the last two meshes (benchmarks/error_bars.py)."""
@@ -154,6 +156,9 @@ class Sample:
                 scales |= {inside: largest.value, outside: largest.value}
             damage = OfBody("damage", body)
             values[damage] = scales[damage] = one.damage_max[0] if one.damage.size else 0.0
+            if contact.scene.fatigue.volume is not None:
+                volume, law = OfBody("stressed_volume", body), Laws.of(contact.scene).volume
+                values[volume] = scales[volume] = stressed_volume(one, contact.scene, law)
         factors = {
             (column, body): getattr(one, column)
             for body, one in (cycled or {}).items()
