@@ -417,14 +417,15 @@ def transient_steps() -> str:
     columns = {"course": ("course", str)}
     slips = {"auto": "second order", "upwind": "first order"}
     columns |= {
-        f"{told}, {of}": (f"{slip} {of}", number("g"))
+        f"{told}, {of}": (f"{slip} {of}", number(".2g"))
         for slip, told in slips.items()
-        for of in ("median", "most")
+        for of in ("median", "most", "as long as")
     }
     rows = defaultdict(dict)
     for row in rows_of("transient_steps.csv"):
         rows[row["course"]] |= {"course": row["course"]}
-        rows[row["course"]] |= {f"{row['slip']} {of}": row[of] for of in ("median", "most")}
+        of_slip = ("median", "most", "as long as")
+        rows[row["course"]] |= {f"{row['slip']} {of}": row[of] for of in of_slip}
     return of_columns(rows.values(), columns)
 
 

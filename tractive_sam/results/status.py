@@ -24,8 +24,8 @@ class Cost:
         Applications of the displacement, slip or coupled operator; those on coarser meshes count
         by their share of the elements.
     preconditioner : float
-        Applications of circulant inverses, counted alike; each has the transforms of one
-        application of its operator.
+        Applications of circulant inverses and, within a step of a transient, of the operators on a
+        shorter period, counted alike; each has as many transforms, of a quarter to half the size.
     """
 
     applications: float = 0.0

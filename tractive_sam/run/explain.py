@@ -21,8 +21,7 @@ from tractive_sam.scene import Scene, told
 COLD_APPLICATIONS = 50
 WARM_APPLICATIONS = 40
 JUMP_APPLICATIONS = 50
-STEP_APPLICATIONS = 16  # of a transient (benchmarks/transient.py), and with wear
-WORN_APPLICATIONS = 22
+STEP_APPLICATIONS = 40  # as long as a step of a transient takes (benchmarks/transient.py)
 JUMPS = 14  # while the revolutions rolled grow e-fold
 STRESS_APPLICATIONS = 75  # as long as the largest stress of one body takes
 FATIGUE_APPLICATIONS = 10  # as long as a depth of [fatigue] takes, of one body
@@ -422,7 +421,7 @@ def applications(model: Model) -> int:
     jumps = model.scene.wear is not None and model.scene.wear.stepping == "adaptive"
     each = JUMP_APPLICATIONS if jumps else WARM_APPLICATIONS
     if model.scene.transient is not None:
-        each = STEP_APPLICATIONS if model.scene.wear is None else WORN_APPLICATIONS
+        each = STEP_APPLICATIONS
     blocks = len(model.blocks)
     contacts = blocks * (COLD_APPLICATIONS + (count - 1) * each)
     # Coarser meshes that give the error bars take together about as long as the finest.

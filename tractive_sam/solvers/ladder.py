@@ -122,13 +122,13 @@ STEPS = Method(
     alike=InSequence(
         NORMAL,
         Ladder(
-            (Nested(Sparing(krylov=120)), Bracketing(HELD, Continuation(HELD)), Anderson()),
+            (Nested(Sparing()), Bracketing(HELD, Continuation(HELD)), Anderson()),
             with_forces=2,
         ),
     ),
     dissimilar=Ladder(
         (
-            Nested(Sparing(krylov=150), begin=ONE_AFTER_THE_OTHER),
+            Nested(Sparing(), begin=ONE_AFTER_THE_OTHER),
             Bracketing(COUPLED, Continuation(COUPLED)),
             Anderson(),
         ),

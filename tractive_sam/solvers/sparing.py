@@ -97,8 +97,9 @@ class Sparing(Newton):
     rise: float = 0.5  # what a shorter step leads to is known as well
     loosest: float = 0.5
     aim: float = 0.6
-    inner: int = 4
-    near: float = 0.05
+    krylov: int = 40
+    inner: int = 6
+    near: float = 0.03
 
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
@@ -154,4 +155,4 @@ class Sparing(Newton):
             stalled,
             not bounded,
         )
-        return ahead, Cost(system.applications + trials, near.preconditionings)
+        return ahead, Cost(system.applications + trials, near.applications + near.preconditionings)
