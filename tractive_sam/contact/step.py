@@ -400,7 +400,14 @@ class Stepper:
         if self.wear_law is not None:
             came_pressed = way.before(_ahead(before.contact.pressure, way.reach), straight)
             pressure = 0.5 * (contact.pressure + came_pressed)
-            gained = self._gained(asked, pressure, mean[-2:], slipped)
+            traction = mean[-2:]
+            if not way.length:
+                # A shift slips with the traction that it ends with: where that has turned round
+                # on the way, its mean opposes neither.
+                last = contact.pressure
+                share = np.divide(pressure, last, out=np.zeros_like(last), where=last > 0.0)
+                traction = np.where(last > 0.0, share * fields[-2:], traction)
+            gained = self._gained(asked, pressure, traction, slipped)
             worn = worn + gained
             contact = replace(contact, wear=self.off(worn.sum(axis=0)))
             deep = self._deep(pressure, gained)
@@ -423,10 +430,10 @@ class Stepper:
     ) -> np.ndarray:
         """Depths that a step wears off A and B, shape (2, n_x, n_y), mm.
 
-        Of each particle by its mean pressure and traction before and after, which do the work of
-        the step, and by all that it has slipped: so a law that goes by the work of friction wears
-        exactly by `Stepped.friction`. A shift wears as if it took the way of an element, which
-        matters to a law that is not linear in the slip only.
+        Of each particle by its mean pressure, a traction, and all that it has slipped. Rolling, the
+        traction is the mean of those before and after, so that a law that goes by the work of
+        friction wears exactly by `Stepped.friction`. A shift wears as if it took the way of an
+        element, which matters to a law that is not linear in the slip only.
         """
         model, units = self.model, self.model.units
         over = asked.distance or model.grid.dx

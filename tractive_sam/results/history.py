@@ -288,7 +288,8 @@ class History:
     def wear_balance(self) -> np.ndarray:
         """Worn cross section over what the frictional work wears, one number a record.
 
-        Of a transient the volume worn in the step over what the work in it wears.
+        Of a transient the volume worn in the step over what the work in it wears: unity of steps
+        that roll, and of shifts as far as they are short.
 
         A unit of work wears i1/mu1 along the first tribological axis, and i2/mu2 along the second.
         Where these differ, the section is compared with what is nearest to it between the two:
