@@ -437,8 +437,8 @@ def transient_wear() -> str:
     }
     slips = (("by the work of friction (default)", "auto"), ("by pressure (`upwind`)", "upwind"))
     small, tables = number(".2g"), []
-    for case, first, at in (("pass", "elements", 2), ("fretting", "steps a stroke", 3)):
-        places = list(dict.fromkeys(key[at] for key in errors if key[0] == case))
+    for case, first in (("pass", "elements"), ("fretting", "elements, steps a stroke")):
+        places = list(dict.fromkeys(", ".join(filter(None, k[2:])) for k in errors if k[0] == case))
         body = [
             (told, *(small(value) for key, value in errors.items() if key[:2] == (case, slip)))
             for told, slip in slips
@@ -448,7 +448,7 @@ def transient_wear() -> str:
         "Largest error of the depth over the largest depth (spheres). A pass of a constant course "
         "against a steady revolution, in steps of one element:"
     )
-    also = "A ball that slides to and fro against the closed form, on 61 x 61 elements:"
+    also = "A ball that slides to and fro against the closed form:"
     return f"{told}\n\n{tables[0]}\n{also}\n\n{tables[1]}"
 
 
