@@ -110,6 +110,19 @@ def test_a_row_is_damaged_whatever_its_neighbours_lose():
     np.testing.assert_allclose(after_a_jump([0, 1])[1], after_a_jump([1])[0], rtol=1e-12)
 
 
+def test_jumps_are_judged_where_the_top_lies_above_all_places():
+    """Of stress that falls so fast that the surface has suffered much more than any place."""
+    steep = ts.Woehler(cycles=1e6, exponent=40.0)
+    one = rolled(material([3.46e-7], 1.5 * np.exp(-200.0 * DEPTH**0.5)), [1, 9], steep)
+    suddenly = replace(one, before=0.9 * one.used)  # what a place meets has a bend in it
+    worn = one.now.worn + 31 * one.rate
+    reached = replace(one.now, worn=worn), one.used, worn, one.rate, (1.0,)
+    after = damage._rolled(suddenly, *reached, (31, 9), steep, 10)
+    left = after.now.damage[after.now.zeta[None] >= after.now.worn[:, None]]
+    assert after.now.damage_max[0] > left.max() / damage.NEAR
+    assert after.missed > 0.0
+
+
 def test_a_flat_body_comes_but_once():
     one = replace(material([0.0]), passes=0.0)
     after = rolled(one, [1, 10, 100])

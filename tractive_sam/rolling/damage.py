@@ -344,8 +344,9 @@ def _rolled(
     initiation, (top, _), (was, _) = one.initiation, now.damage_max, before.damage_max
     if math.isnan(initiation) and top >= 1.0:
         initiation = revolution + jump[0] * (1.0 - was) / (top - was)
-    near = _left(now) & (now.damage >= NEAR * top)
-    most = float(missed[near].max(initial=0.0))
+    # Of the places: at the surface, to which the top is taken on, there may be more than at any.
+    left = np.where(_left(now), now.damage, 0.0)
+    most = float(missed[left >= NEAR * left.max()].max(initial=0.0))
     return replace(
         later,
         now=now,
