@@ -6,6 +6,7 @@ import numpy as np
 
 from tractive_sam.results import Cost, Status
 from tractive_sam.solvers.conjugate_gradients import natural_residual
+from tractive_sam.solvers.nested import shares
 from tractive_sam.solvers.outcome import Note, Outcome, Solver, Start
 from tractive_sam.solvers.problem import Box, NormalProblem, PrescribedForces, Problem
 
@@ -71,7 +72,7 @@ class InSequence:
             return _beyond(problem, needed)
         box = rectangle(pressure > 0.0)
         if start is not None:
-            start = _on_part(start, box)
+            start = _on_part(problem, start, box)
         outcome = self.tangential.solve(problem.within(box), tolerance, start)
         shape = pressure.shape
         return replace(
@@ -81,15 +82,18 @@ class InSequence:
         )
 
 
-def _on_part(start: Start | Outcome, box: Box) -> Start:
-    """The tangential part of a start on a rectangle."""
+def _on_part(problem: Problem, start: Start | Outcome, box: Box) -> Start:
+    """The tangential part of a start on a rectangle, by its share of the bound."""
     if start.traction is None:
         return Start(creepage=start.creepage)
-    traction, response = start.traction[:, *box], getattr(start, "response", None)
+    traction, response = start.traction, getattr(start, "response", None)
     if response is not None:  # of all tractions, or of none
-        whole = np.count_nonzero(traction) == np.count_nonzero(start.traction)
+        whole = np.count_nonzero(traction[:, *box]) == np.count_nonzero(traction)
         response = response[-2:, *box] if whole else None
-    return Start(traction=traction, creepage=start.creepage, response=response)
+    elif start.pressure is not None:
+        share = shares(traction, problem.friction.bound(start.pressure).radius)
+        traction = share * problem.bound(problem.normal.pressure).radius
+    return Start(traction=traction[:, *box], creepage=start.creepage, response=response)
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,13 @@ the cost; the finest mesh then needs a few steps only, however fine it is.
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy  # its parts are loaded when first used
 
 from tractive_sam.solvers.outcome import Outcome, Solver, Start
 from tractive_sam.solvers.problem import NormalProblem, Problem
 from tractive_sam.solvers.watched import tell
+
+RINGS = 2
+"""So many elements may come into contact from one solve to the next."""
 
 
 def refine(values: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
@@ -28,12 +30,21 @@ def refine(values: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
 
 def refine_traction(coarse: np.ndarray, bound: np.ndarray, fine_bound: np.ndarray) -> np.ndarray:
     """Tractions on the finer mesh, by their share of the bound, which is smooth up to the edge."""
+    return refine(shares(coarse, bound), fine_bound.shape) * fine_bound
+
+
+def shares(traction: np.ndarray, bound: np.ndarray) -> np.ndarray:
+    """Tractions (2, n_x, n_y) over their bound; for `RINGS` elements around it, as beside them."""
     inside = bound > 0.0
-    share = coarse / np.where(inside, bound, 1.0)
-    nearest = scipy.ndimage.distance_transform_edt(
-        ~inside, return_distances=False, return_indices=True
-    )
-    return refine(share[:, *nearest], fine_bound.shape) * fine_bound
+    share = np.where(inside, traction, 0.0) / np.where(inside, bound, 1.0)
+    for _ in range(RINGS):
+        sums = np.pad(np.concatenate((share, inside[None])), ((0, 0), (1, 1), (1, 1)))
+        sums = sums[:, :-2] + sums[:, 1:-1] + sums[:, 2:]
+        sums = sums[..., :-2] + sums[..., 1:-1] + sums[..., 2:]
+        beside = ~inside & (sums[2] > 0.0)
+        share[:, beside] = sums[:2, beside] / sums[2, beside]
+        inside |= beside
+    return share
 
 
 def refine_pressure(pressure: np.ndarray, gap: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
