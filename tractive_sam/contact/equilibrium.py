@@ -25,6 +25,7 @@ def equilibrium(
     model: Model,
     depth: np.ndarray | DepthInPass | None = None,
     start: State | None = None,
+    tolerance: float | None = None,
 ) -> State:
     """Solve one steady state.
 
@@ -37,19 +38,22 @@ def equilibrium(
         updated within the iteration, as the paper does it; that is for ``method = "uzawa"`` only.
     start : State, optional
         A contact nearby, as first guess.
+    tolerance : float, optional
+        Residual to solve to; by default that of the scene.
 
     Returns
     -------
     State
         Converged or not: see its status and message.
     """
+    tolerance = tolerance or model.scene.solver.tolerance
     if model.scene.heat is None:
-        return _equilibrium(model, depth, start)
-    return warmed(model, lambda warm, start: _equilibrium(warm, depth, start), start)
+        return _equilibrium(model, depth, start, tolerance)
+    return warmed(model, lambda warm, start: _equilibrium(warm, depth, start, tolerance), start)
 
 
 def _equilibrium(
-    model: Model, depth: np.ndarray | DepthInPass | None, start: State | None
+    model: Model, depth: np.ndarray | DepthInPass | None, start: State | None, tolerance: float
 ) -> State:
     gap, in_pass = model.undeformed_gap, None
     if callable(depth):
@@ -67,7 +71,7 @@ def _equilibrium(
         newton = METHODS["newton"] if model.method is METHODS["auto"] else model.method
         nearby = newton.dissimilar if model.elasticity.coupled else newton.alike
         solver = FromRest(solver, nearby, model.starts_sliding)
-    outcome = solver.solve(problem, model.scene.solver.tolerance, first)
+    outcome = solver.solve(problem, tolerance, first)
     return _contact(model, problem, outcome, depth)
 
 

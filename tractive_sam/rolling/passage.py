@@ -21,6 +21,10 @@ if TYPE_CHECKING:
 
 CORRECTIONS = 20
 
+SHARPER = 1e-3
+"""Residual that a contact may leave, over that which the wear of its pass may leave: no jump or
+correction is told apart from its error by so little."""
+
 
 @dataclass(frozen=True, eq=False)
 class ProfilePoint:
@@ -428,8 +432,9 @@ def _pass(
 
     wear = entering + (start.wear - start.wear[-1]) * grown
     contact, cost, solves = start, Cost(), 0
+    sharp = max(model.scene.solver.tolerance, SHARPER * tolerance)
     for _ in range(CORRECTIONS):
-        contact = equilibrium(model, wear, contact)
+        contact = equilibrium(model, wear, contact, sharp)
         solves += 1
         cost = cost + contact.cost
         law = wear_law_in(model, contact)
