@@ -25,6 +25,7 @@ def main() -> None:
 
             run_program()
     finally:
+        atexit.register(gc.freeze)  # what is left goes with the process: a fifth of a second
         atexit.register(interrupt.ignore)  # the last one registered is the first one called
 
 

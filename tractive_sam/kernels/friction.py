@@ -23,14 +23,14 @@ def _nearest(a, b, g, w0, w1):
 
     Nearest where squares of distances count by 1/w: that of the ellipse which the disc is in
     unscaled tractions (`Frame`), if w are the squares of the factors. The root l of |z| = g is
-    found by Newton's method on 1/|z|, which is almost linear in l (Reinsch 1971), from above l = 0.
+    found by Newton's method on 1/|z|, which is almost linear in l (Reinsch 1971), from below.
     """
-    if a * a + b * b <= g * g:
+    size = sqrt(a * a + b * b)
+    if size <= g:
         return a, b, 0.0
+    root = (size / g - 1.0) / max(w0, w1)
     if w0 == w1:
-        size = sqrt(a * a + b * b)
-        return g * a / size, g * b / size, (size / g - 1.0) / w0
-    root = 0.0
+        return g * a / size, g * b / size, root
     for _ in range(50):
         u, v = 1.0 + root * w0, 1.0 + root * w1
         z0, z1 = a / u, b / v
@@ -38,7 +38,7 @@ def _nearest(a, b, g, w0, w1):
         slope = z0 * z0 * w0 / u + z1 * z1 * w1 / v
         step = (size / g - 1.0) * size * size / slope
         root += step
-        if step <= 1e-15 * root:
+        if step <= 1e-8 * root:  # the next one would be its square
             break
     z0, z1 = a / (1.0 + root * w0), b / (1.0 + root * w1)
     factor = g / sqrt(z0 * z0 + z1 * z1)

@@ -86,14 +86,14 @@ def _on_part(problem: Problem, start: Start | Outcome, box: Box) -> Start:
     """The tangential part of a start on a rectangle, by its share of the bound."""
     if start.traction is None:
         return Start(creepage=start.creepage)
-    traction, response = start.traction, getattr(start, "response", None)
+    traction, response = start.traction[:, *box], getattr(start, "response", None)
     if response is not None:  # of all tractions, or of none
-        whole = np.count_nonzero(traction[:, *box]) == np.count_nonzero(traction)
+        whole = np.count_nonzero(traction) == np.count_nonzero(start.traction)
         response = response[-2:, *box] if whole else None
     elif start.pressure is not None:
-        share = shares(traction, problem.friction.bound(start.pressure).radius)
-        traction = share * problem.bound(problem.normal.pressure).radius
-    return Start(traction=traction[:, *box], creepage=start.creepage, response=response)
+        bound = problem.friction.bound(start.pressure).radius[box]
+        traction = shares(traction, bound) * problem.bound(problem.normal.pressure).radius[box]
+    return Start(traction=traction, creepage=start.creepage, response=response)
 
 
 @dataclass(frozen=True)

@@ -12,9 +12,6 @@ from tractive_sam.solvers.outcome import Outcome, Solver, Start
 from tractive_sam.solvers.problem import NormalProblem, Problem
 from tractive_sam.solvers.watched import tell
 
-RINGS = 2
-"""So many elements may come into contact from one solve to the next."""
-
 
 def refine(values: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
     """Bilinear interpolation of the last two axes to elements of half the size, cut to `shape`."""
@@ -34,16 +31,14 @@ def refine_traction(coarse: np.ndarray, bound: np.ndarray, fine_bound: np.ndarra
 
 
 def shares(traction: np.ndarray, bound: np.ndarray) -> np.ndarray:
-    """Tractions (2, n_x, n_y) over their bound; for `RINGS` elements around it, as beside them."""
+    """Tractions (2, n_x, n_y) over their bound; next to where there is one, as beside it."""
     inside = bound > 0.0
     share = np.where(inside, traction, 0.0) / np.where(inside, bound, 1.0)
-    for _ in range(RINGS):
-        sums = np.pad(np.concatenate((share, inside[None])), ((0, 0), (1, 1), (1, 1)))
-        sums = sums[:, :-2] + sums[:, 1:-1] + sums[:, 2:]
-        sums = sums[..., :-2] + sums[..., 1:-1] + sums[..., 2:]
-        beside = ~inside & (sums[2] > 0.0)
-        share[:, beside] = sums[:2, beside] / sums[2, beside]
-        inside |= beside
+    sums = np.pad(np.concatenate((share, inside[None])), ((0, 0), (1, 1), (1, 1)))
+    sums = sums[:, :-2] + sums[:, 1:-1] + sums[:, 2:]
+    sums = sums[..., :-2] + sums[..., 1:-1] + sums[..., 2:]
+    beside = ~inside & (sums[2] > 0.0)
+    share[:, beside] = sums[:2, beside] / sums[2, beside]
     return share
 
 
