@@ -48,6 +48,17 @@ def test_a_jump_of_one_revolution_is_that_revolution(every):
     np.testing.assert_allclose(adaptive[-1].leaving, truth, atol=1e-8 * truth.max())
 
 
+def test_contacts_no_sharper_than_their_jumps(monkeypatch):
+    """They change the profile by a thousandth of what jumps may, in fewer applications."""
+    loose = rolled(100)
+    monkeypatch.setattr("tractive_sam.rolling.passage.SHARPER", 0.0)
+    sharp = rolled(100)
+    assert deviation(loose, sharp) < 1e-6
+    assert all(one.contact.residual <= 1e-3 for one in loose)
+    cost = [sum(one.contact.cost.applications for one in course) for course in (loose, sharp)]
+    assert cost[0] < 0.8 * cost[1]
+
+
 @pytest.mark.slow
 def test_error_falls_with_the_tolerance():
     """Over thousands of revolutions; in few, jumps are short for the sake of the last one."""

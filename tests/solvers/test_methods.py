@@ -1,5 +1,6 @@
 """All methods find the same contact, and report its true residual and cost."""
 
+import numpy as np
 import pytest
 
 import tractive_sam as ts
@@ -8,6 +9,7 @@ from tractive_sam.contact import Model
 from tractive_sam.contact.message import message
 from tractive_sam.results.status import Status
 from tractive_sam.solvers import Uzawa
+from tractive_sam.solvers.nested import shares
 
 METHODS = ("uzawa", "anderson", "newton", "auto")
 
@@ -65,6 +67,15 @@ def test_a_contact_nearby_changes_nothing(nearby):
     assert found.area == pytest.approx(reference.area, rel=1e-4)
     if nearby == scene.load.normal:
         assert found.cost.applications < 0.1 * reference.cost.applications
+
+
+def test_shares_of_the_bound_go_on_next_to_the_contact():
+    bound = np.zeros((5, 6))
+    bound[1:3, 2:4] = [[1.0, 2.0], [3.0, 4.0]]
+    found = shares(np.multiply.outer((0.6, -0.8), bound), bound)
+    beside = np.zeros(bound.shape)
+    beside[:4, 1:5] = 1.0
+    np.testing.assert_allclose(found, np.multiply.outer((0.6, -0.8), beside), rtol=1e-14)
 
 
 def test_newton_cost_at_the_paper_mesh():
