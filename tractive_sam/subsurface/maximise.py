@@ -66,7 +66,7 @@ def maximise(
         here, below, above = function(at + STEP * at[2] * _DOWN, at)
         if here < least and above - below > STEEP * here:
             return None
-    unit, hessian = STEP * at[2], None
+    unit, hessian, barred = STEP * at[2], None, False
     for _ in range(STEPS):
         stencil = _STENCIL if hessian is None else _STENCIL[:7]
         values = function(at + unit * stencil, at).tolist()
@@ -78,7 +78,9 @@ def maximise(
         moved = at + step
         moved[2] = max(moved[2], floor)
         if at[2] <= floor and moved[2] <= floor and values[0] < least:
-            return None
+            if barred:
+                return None
+            barred = True  # beside the start the way down may be free
         length = hypot(*(moved - at)) / at[2]
         at = moved
         if length < SETTLED:
