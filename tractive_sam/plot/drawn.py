@@ -80,13 +80,21 @@ class Drawn:
 
     def told(self, quantity: str, scaled: bool = True) -> str:
         """Title of a figure: of the scene, and what is drawn, where, and over which scale."""
+        scene = self.contact.scene
+        begins = self.coordinate is not REVOLUTION or (scene.wear and not scene.transient)
         return told(
             self.title,
             quantity,
-            self.place if self.contact.scene.wear is not None or self.at else "",
-            friction_told(self.contact.scene),
+            self.place if self.at or begins else "",
+            friction_told(scene),
             self.scale.told if scaled else "",
         )
+
+    @property
+    def ahead(self) -> str:
+        """Where the leading edge is, told after the name of x; of shifts nowhere."""
+        transient = self.contact.scene.transient
+        return ", leading edge right" if transient is None or transient.rolls else ""
 
     @property
     def place(self) -> str:

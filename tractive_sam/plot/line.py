@@ -119,6 +119,6 @@ def over_x(told: str, *states: Drawn) -> tuple[Figure, Axes]:
     figure = Figure(figsize=(1.25 * WIDTH, 0.7 * WIDTH))
     axes = figure.add_subplot()
     axes.set_xlim(inside.min() - MARGIN, inside.max() + MARGIN)
-    axes.set_xlabel(f"{states[0].scale.of_length('x')}, leading edge right")
+    axes.set_xlabel(states[0].scale.of_length("x") + states[0].ahead)
     set_title(figure, states[0].told(told))
     return figure, axes

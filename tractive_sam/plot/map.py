@@ -55,7 +55,7 @@ class Map:
         self.axes = self._axes(left, frame.width)
         across = state.scale.of_length("x")
         if frame.width > ROOM_TO_TELL:
-            across += ", leading edge right"
+            across += state.ahead
         frame.apply(self.axes, across, state.scale.of_length("y"))
         self.contact = contact_edge(self.axes, state, colors="black", linewidths=0.9)
 
@@ -77,7 +77,7 @@ class Map:
         step = frame.width + APART
         width = LEFT + len(states) * step - APART + RIGHT
         scene, scale = states[0].contact.scene, states[0].scale
-        told = f"{told}, leading edge right"
+        told += states[0].ahead
         title = titled(states[0].title, told, friction_told(scene), scale.told)
         figure = paper(width, frame, f"{title}\n")
         charts = [cls(figure, LEFT + k * step, state, frame) for k, state in enumerate(states)]

@@ -38,7 +38,7 @@ def traction_sections(source: Source, at: float | None = None, **named: float) -
     for ax, (name, y) in zip(axes, lines.items(), strict=True):
         section(ax, state, y)
         ax.set_title(name, loc="center")
-        ax.set_xlabel(f"{scale.of_length('x')}, leading edge right")
+        ax.set_xlabel(scale.of_length("x") + state.ahead)
     axes[0].set_ylabel(scale.of_pressure("p"))
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside right center")
     set_title(figure, state.told("tractions on A"))
