@@ -34,6 +34,16 @@ def test_scene(call):
         assert "revolution" not in file.attrs
 
 
+def test_a_distance_of_a_transient(call, folder):
+    coarse = ("--set", "grid.elements=[11, 11]", "--set", "transient.save=[0.5]")
+    assert call("run", "fretting", *coarse, "-o", "f.h5").exit_code == 0
+    arguments = ("export", "f.h5", "-o", "v.vtkhdf", "--elements", 3)
+    assert call(*arguments, "--distance", 0.5).exit_code == 0
+    with h5py.File(folder / "v.vtkhdf") as file:
+        assert file.attrs["distance"] == 0.5
+    assert "no fields of distance 99" in call(*arguments, "--distance", 99).stderr
+
+
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [

@@ -43,8 +43,13 @@ def export(
         ),
     ] = None,
     revolution: Annotated[
-        int | None,
-        typer.Option(help="Revolution, of those whose fields the results file holds; the last."),
+        float | None,
+        typer.Option(
+            "--revolution",
+            "--distance",
+            help="Revolution, of a transient the distance in mm, of those whose fields the results "
+            "file holds; the last.",
+        ),
     ] = None,
     body: Annotated[Body, typer.Option(help="Body.")] = Body.A,
     block: Annotated[
@@ -124,7 +129,7 @@ def _of_block(opened: "State | History", block: str | None) -> "State | History"
     return opened
 
 
-def _opened(source: str, settings: list[str] | None, revolution: int | None) -> "State | History":
+def _opened(source: str, settings: list[str] | None, revolution: float | None) -> "State | History":
     """The history in a results file, or the contact of a scene."""
     if Path(source).suffix in RESULTS:
         from tractive_sam.store import open_history

@@ -443,7 +443,8 @@ class History:
         rows = [] if at is None else np.flatnonzero(np.isclose(self.saved, at, rtol=1e-12, atol=0))
         if not len(rows):
             kept = ", ".join(map(str, self.saved)) or "none"
-            raise LookupError(f"no fields of {coordinate} {at}; there are those of {kept}")
+            asked = "" if at is None else f" {at:g}"
+            raise LookupError(f"no fields of {coordinate}{asked}; there are those of {kept}")
         return int(rows[-1])
 
     def state(self, at: float | None = None, **named: float | None) -> State:
