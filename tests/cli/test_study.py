@@ -38,6 +38,8 @@ def test_study_and_its_table(call, file):
     assert "2 cases: 2 complete" in shown.stderr
     assert shown.stdout.count("complete") == 2
     assert "friction" in shown.stdout
+    for command in ("show", "plot", "report"):  # they take a results file
+        assert "study-show done" in call(command, "done").stderr
 
 
 def test_studies_of_transients_tell_shifts_and_work(call, folder):
@@ -88,6 +90,7 @@ def test_explain(call, file, monkeypatch):
         assert text in result.stdout
     monkeypatch.setattr("tractive_sam.operators.cores", lambda: 7)
     assert "with 7 workers" in call("explain", file).stdout
+    assert "note" not in call("explain", file).stderr  # it cannot be a table
     refused = call("explain", file, "--set", "load.normal=1")
     assert refused.exit_code == 2
     assert "write the setting into the file" in refused.stderr

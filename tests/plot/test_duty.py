@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
 
 import tractive_sam as ts
 from tractive_sam import plot
+from tractive_sam.plot import style
 
 DISCS = ts.Scene.builtin("twin-discs").replace(subsurface=None)
 DISCS = DISCS.with_set(
@@ -63,10 +65,31 @@ def test_each_body_has_its_dots():
 
 @pytest.mark.slow
 def test_every_figure_of_a_cycle_is_saved(spectrum, tmp_path):
-    names = {path.name for path in plot.save_all(spectrum, tmp_path, dpi=30)}
+    paths = plot.save_all(spectrum, tmp_path, dpi=30, blocks=[1])
+    assert all(path.exists() for path in paths)
+    names = {path.relative_to(tmp_path).as_posix() for path in paths}
     assert {"worn-by-block.png", "block-shares.png", "wear-regimes.png"} <= names
-    assert {"block-0-forces.png", "block-1-pressure-20.png"} <= names
-    assert {"block-0-von-mises-x0-20.png", "block-1-von-mises-x0-20.png"} <= names
+    assert {"block-1/forces.png", "block-1/pressure-20.png", "block-1/von-mises-x0-20.png"} <= names
+    assert not any(name.startswith("block-0/") for name in names)
+
+
+def test_a_block_that_is_not_there_is_told_before_any_figure(spectrum, tmp_path):
+    with pytest.raises(LookupError, match="heavy"):
+        plot.save_all(spectrum, tmp_path / "none", blocks=["light"])
+    assert not (tmp_path / "none").exists()
+
+
+def test_many_blocks_have_colours_of_their_own():
+    lines = list(style.COLOURS)
+    assert style.colours(6) == [to_rgb(one) for one in lines]
+    assert len(set(style.colours(30))) == 30
+    duty = [{"revolutions": 1, "load": {"normal": 300.0 + k}} for k in range(14)]
+    history = ts.roll(DISCS.with_set(["wear.revolutions=14"]).replace(duty=duty))
+    figure = plot.block_shares(history)
+    assert len({tuple(one.get_facecolor()[0]) for one in figure.axes[0].collections}) == 14
+    figure.draw_without_rendering()
+    legend = figure.legends[0].get_window_extent()
+    assert 0.0 <= legend.y0 < legend.y1 <= figure.bbox.height
 
 
 def test_nothing_to_draw():

@@ -65,6 +65,15 @@ def test_maps_are_true_to_scale(draw):
     assert box.width / box.height == pytest.approx((right - left) / (top - bottom), rel=1e-6)
 
 
+def test_the_power_of_ten_is_over_its_colour_bar():
+    figure = plot.slip_over_revolutions(strips.history())
+    figure.draw_without_rendering()
+    beside = figure.axes[-1]
+    power = beside.yaxis.get_offset_text()
+    assert power.get_text()
+    assert power.get_window_extent().x0 >= beside.bbox.x0 - 1.0  # a dot
+
+
 def test_maps_side_by_side_share_their_colours():
     figure = plot.pressure_over_revolutions(strips.history())
     *maps, bar = figure.axes

@@ -193,6 +193,16 @@ def test_stored_stress_is_drawn_as_that_of_the_contact(contact, history):
     assert told(plot.von_mises(history, "A", "z=0.5a"))
 
 
+@pytest.mark.parametrize("quantity", ["von_mises", "xx"])
+def test_ticks_are_limits_of_bands(contact, quantity):
+    figure = plot.von_mises(contact, "A", "y=0", quantity=quantity)
+    (bands,) = (one for one in figure.axes[0].collections if getattr(one, "filled", False))
+    ticks = figure.axes[-1].get_yticks()
+    assert set(ticks) <= set(bands.levels)
+    assert 0.0 in ticks
+    assert len(ticks) > 4
+
+
 @pytest.mark.slow
 def test_save_all_draws_each_plane_with_the_bodies_it_was_kept_for(history, tmp_path, monkeypatch):
     drawn = []

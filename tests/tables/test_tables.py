@@ -329,6 +329,11 @@ def test_a_table_and_its_design_are_told(tmp_path):
     assert math.prod(map(len, told["axes"].values())) == told["nodes"]
     (tmp_path / "trams.toml").write_text("ellipticity = [0.5, 2.0]\n")
     assert "from 0.5 to 2" in run(app, ["explain", str(tmp_path / "trams.toml")]).stdout
+    (tmp_path / "either.toml").write_text(
+        'scene = "spheres-orthotropic"\n[[axis]]\nkey = "friction.angle"\nvalues = [0, 45]'
+    )
+    either = run(app, ["explain", str(tmp_path / "either.toml")])
+    assert "tolerance" in either.stderr
     for command in (
         ["show", "steel", "--csv"],
         ["plot", file],

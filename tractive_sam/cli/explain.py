@@ -1,6 +1,7 @@
 """``tractive-sam explain``: what will be modelled, before it is."""
 
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -12,6 +13,7 @@ from tractive_sam.cli.output import (
     bad_input_told,
     compiling_told,
     console,
+    say,
     stop,
     warnings_told,
 )
@@ -45,6 +47,7 @@ def explain(
             title, sections = _table(scene, settings)
         elif is_study(scene):
             title, sections = _study(Path(scene), settings, workers)
+            _tell_if_design(scene)
         else:
             asked = read_scene(scene, settings)
             with compiling_told(), warnings_told():
@@ -82,6 +85,17 @@ def _table(file: str, settings: list[str] | None):
         return str(table.about.get("title", "")), explain_table(table)
     design = TableDesign.from_toml(file)
     return design.title, explain_design(design)
+
+
+def _tell_if_design(study: str) -> None:
+    """Say of a study that it could as well be a table of creep forces."""
+    from tractive_sam.scene import SceneError
+    from tractive_sam.tables import TableDesign
+
+    with suppress(SceneError):
+        TableDesign.from_toml(study)
+        cure = "for a table of creep forces write its tolerance into the file: tolerance = 0.02"
+        say(("note: ", "bold yellow"), f"{study} is read as a study; {cure}")
 
 
 def _study(file: Path, settings: list[str] | None, workers: int | None):

@@ -42,6 +42,14 @@ def plot(
         typer.Option(help="Over the half widths and pressure of Hertz, or in mm and MPa."),
     ] = Units.HERTZ,
     dpi: Annotated[int, typer.Option(min=20, max=1200, help="Dots per inch of PNG figures.")] = 200,
+    block: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="BLOCK",
+            help="Draw a block of a duty cycle as well, by its name, or its place from 0, into a "
+            "folder of its own; all: every block. May be repeated.",
+        ),
+    ] = None,
     animated: Annotated[
         bool,
         typer.Option("--animate", help="Write evolution.gif as well, over the stored revolutions."),
@@ -55,10 +63,11 @@ def plot(
         history = open_history(file)
         try:
             folder = output or Path(f"{file.stem}-figures")
-            paths = save_all(history, folder, format, units=units, dpi=dpi)
+            blocks = range(len(history.scene.duty)) if block == ["all"] else block or ()
+            paths = save_all(history, folder, format, units=units, dpi=dpi, blocks=blocks)
             if animated:
                 paths.append(animate(history, folder / "evolution.gif"))
-        except ValueError as error:
+        except (LookupError, ValueError) as error:
             raise stop(Status.INVALID, str(error)) from None
         except OSError as error:
             raise stop(Status.INVALID, f"the figures cannot be written: {error}") from None
@@ -66,5 +75,10 @@ def plot(
         raise stop(Status.INVALID, f"{file} holds no record to draw yet")
     if not history.finished:
         say(("note: ", "bold yellow"), f"{file} is {history.status}: {history.message}")
+    if history.scene.duty and not block:
+        say(
+            ("note: ", "bold yellow"),
+            "--block NAME draws a block of the duty cycle, --block all each",
+        )
     for path in paths:
         tell(path)

@@ -4,12 +4,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from tractive_sam import mechanics  # its laws load the compiler when first used
+from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.profiles import across
 from tractive_sam.plot.scale import Scale
-from tractive_sam.plot.style import GREY, MICRON, WIDTH, along, set_title, styled, told, told_of
+from tractive_sam.plot.style import (
+    GREY,
+    MICRON,
+    WIDTH,
+    along,
+    colours,
+    set_title,
+    styled,
+    told,
+    told_of,
+)
 from tractive_sam.results import PARTS, History, State
 from tractive_sam.scene import label
 
@@ -19,6 +29,9 @@ if TYPE_CHECKING:
 
 PER_DEPTH = 1e3
 """µg/(m mm²) of a body of 1 kg/m³ that wears as deep as it is rolled."""
+
+ENTRIES = 12
+"""Names of blocks beside a figure, one below the other."""
 
 DECADES = 4.0
 """Decades of frictional work that a map of regimes shows below its largest."""
@@ -41,6 +54,7 @@ def worn_by_block(history: History) -> Figure:
     """
     _check_blocks(history)
     figure, axes = across(history, "wear of both bodies by block")
+    axes.set_prop_cycle(color=colours(len(history.scene.duty)))
     y, depth = history.y / Scale.of_history(history).across, np.zeros(len(history.y))
     for k, part in enumerate(history[PARTS.name][-1].sum(axis=1)):
         below = depth + MICRON * part
@@ -49,7 +63,7 @@ def worn_by_block(history: History) -> Figure:
     axes.plot(y, depth, color="black", linewidth=0.8)
     axes.invert_yaxis()
     axes.set(xlim=(y.min(), y.max()), ylabel=r"wear depth $w$ ($\mathrm{\mu m}$)")
-    figure.legend(loc="outside right center")
+    _legend(figure)
     return figure
 
 
@@ -75,10 +89,11 @@ def block_shares(history: History) -> Figure:
     places, shares = history[history.coordinate.name][worn], history["block_share"][worn]
     names = [label(history.scene, k) for k in range(shares.shape[1])]
     along(axes, history)
+    axes.set_prop_cycle(color=colours(len(names)))
     axes.stackplot(places, 100.0 * shares.T, labels=names, alpha=0.8)
     axes.set(ylim=(0.0, 100.0), ylabel="share of the worn section (%)")
     set_title(figure, told_of(history, "wear of both bodies by block"))
-    figure.legend(loc="outside right center")
+    _legend(figure)
     return figure
 
 
@@ -110,6 +125,7 @@ def wear_regimes(source: History | State, laws: "Laws | None" = None) -> Figure:
     figure = Figure(figsize=(1.25 * WIDTH, 0.8 * WIDTH))
     axes = figure.add_subplot()
     contacts = _contacts(source)
+    axes.set_prop_cycle(color=colours(2 * len(contacts)))
     most = max(float(_work(one).max()) for one in contacts.values())
     drawn = [_dots(axes, name, one, laws, most) for name, one in contacts.items()]
     if not any(drawn):
@@ -120,8 +136,19 @@ def wear_regimes(source: History | State, laws: "Laws | None" = None) -> Figure:
     axes.set_ylabel(r"wear rate ($\mathrm{\mu g}$/(m mm$^2$))")
     scene = source.scene
     set_title(figure, told(scene.title, "wear of each body over the work of each element"))
-    figure.legend(loc="outside right center")
+    _legend(figure)
     return figure
+
+
+def _legend(figure: Figure) -> None:
+    """Name the blocks beside the axes, in as many columns as they need."""
+    names = sum(len(axes.get_legend_handles_labels()[1]) for axes in figure.axes)
+    columns = -(-names // ENTRIES)
+    width, height = figure.get_size_inches()
+    legend = figure.legend(loc="outside right center", ncols=columns, columnspacing=1.0)
+    if columns > 1:  # of room of their own
+        own = legend.get_window_extent().width / figure.dpi
+        figure.set_size_inches(width + own * (1.0 - 1.0 / columns), height)
 
 
 def _check_blocks(history: History) -> None:

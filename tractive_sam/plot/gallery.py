@@ -1,6 +1,7 @@
 """All figures of a history, as files."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -52,6 +53,7 @@ def save_all(
     *,
     units: str = "hertz",
     dpi: float | None = None,
+    blocks: Iterable[int | str] = (),
 ) -> list[Path]:
     """Draw every figure that a history has something to show in.
 
@@ -70,6 +72,14 @@ def save_all(
         "hertz", over the half widths and the pressure of Hertz; or "si-mm", in mm and MPa.
     dpi : float, optional
         Dots per inch of PNG; by default 200.
+    blocks : iterable of int or str
+        Blocks of a duty cycle to draw as well, by place or name: into folders block-0, ... of their
+        places.
+
+    Raises
+    ------
+    LookupError
+        If there is no such block.
 
     Returns
     -------
@@ -83,18 +93,20 @@ def save_all(
     'pressure.svg'
     """
     directory = Path(directory)
+    chosen = {history.place_of(block): history.block(block) for block in blocks}
     directory.mkdir(parents=True, exist_ok=True)
     paths = []
     with drawn_in(units):
-        for name, figure in _all(history):
+        for name, figure in chain(_all(history), _of_blocks(chosen)):
             interrupt.heed()
             paths.append(directory / f"{name}.{format}")
+            paths[-1].parent.mkdir(exist_ok=True)
             figure.savefig(paths[-1], dpi=dpi or DPI)
     return paths
 
 
 def _all(history: History) -> Iterator[tuple[str, Figure]]:
-    """Names of figures, and the figures; of a duty cycle those of its blocks, too."""
+    """Names of figures, and the figures."""
     if history.scene.duty:
         yield from _of_cycle(history)
         return
@@ -163,17 +175,21 @@ def _of_fatigue(history: History) -> Iterator[tuple[str, Figure]]:
 
 
 def _of_cycle(history: History) -> Iterator[tuple[str, Figure]]:
-    """Those of a duty cycle, and of each of its blocks."""
+    """Those of a duty cycle."""
     wears = bool(np.any(history[PARTS.name]))
     for name, draw in _CYCLES.items() if wears else ():
         yield name, draw(history)
     if len(history) > 1 and np.isfinite(history["worn_volume"]).any():
         yield "worn-mass", worn_mass(history)
     yield from _of_fatigue(history)
-    for k in range(len(history.scene.duty)):
-        for name, figure in _figures(history.block(k)):
+
+
+def _of_blocks(blocks: Mapping[int, History]) -> Iterator[tuple[str, Figure]]:
+    """Those of blocks of a duty cycle, in folders of their own."""
+    for k, block in blocks.items():
+        for name, figure in _figures(block):
             if name not in _OF_BODIES:
-                yield f"block-{k}-{name}", figure
+                yield f"block-{k}/{name}", figure
 
 
 def _planes(history: History) -> dict[str, tuple[str, ...]]:

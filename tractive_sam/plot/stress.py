@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.contour import ContourSet
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, MaxNLocator
+from matplotlib.ticker import FuncFormatter
 
 from tractive_sam.mechanics import VON_MISES, StressCriterion
 from tractive_sam.plot.drawn import Drawn
@@ -282,9 +282,12 @@ def _letter(axes: Axes, section: Section, upwards: bool) -> None:
 
 
 def _colour_bar(figure: Figure, axes: Axes, filled: ContourSet, section: Section) -> None:
-    """Put a colour bar beside the axes, as high as they are, with as many ticks as it has room."""
+    """Put a colour bar beside the axes, as high as they are, with ticks at limits of bands."""
     width, height = figure.get_size_inches()
     box = axes.get_position(original=True)
     beside = bar(figure, box.x1 * width, box.y0 * height, box.height * height)
-    ticks = MaxNLocator(int(beside.get_position().height * height / TICK_ROOM))
+    most = int(beside.get_position().height * height / TICK_ROOM)
+    every = 1 + (len(filled.levels) - 2) // most
+    first = int(np.argmin(np.abs(filled.levels))) % every  # zero has a tick
+    ticks = filled.levels[first::every]
     figure.colorbar(filled, cax=beside, label=section.symbol, ticks=ticks)

@@ -7,6 +7,7 @@ from typing import ParamSpec, TypeVar
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
 from matplotlib.ticker import MaxNLocator
 
 from tractive_sam.plain import plain
@@ -40,6 +41,9 @@ BLUE, VERMILLION, GREEN, ORANGE, SKY, PURPLE, GREY = (
 PRESSURE, TRACTION, SLIP, WEAR, STRESS = "viridis", "magma", "inferno", "cividis", "plasma"
 """Perceptually uniform colour maps of the fields."""
 
+COLOURS = BLUE, VERMILLION, GREEN, ORANGE, PURPLE, SKY
+"""Colours of lines, in their order."""
+
 SIGNED = "RdBu_r"
 """Colour map of what has a sign: white at zero."""
 
@@ -53,7 +57,7 @@ STYLE = {
     "axes.labelsize": 12,
     "axes.linewidth": 0.7,
     "axes.edgecolor": "#333333",
-    "axes.prop_cycle": mpl.cycler(color=[BLUE, VERMILLION, GREEN, ORANGE, PURPLE, SKY]),
+    "axes.prop_cycle": mpl.cycler(color=COLOURS),
     "axes.formatter.use_mathtext": True,
     "axes.formatter.limits": (-3, 4),
     "xtick.direction": "in",
@@ -70,6 +74,17 @@ STYLE = {
     "savefig.dpi": 200,
 }
 """Settings of matplotlib that all figures have: ``plt.style.use(plot.STYLE)`` for one's own."""
+
+
+def colours(number: int) -> list[tuple[float, float, float]]:
+    """So many different colours: those of lines, then these darker, lighter, darker still."""
+    rounds = -(-number // len(COLOURS))
+    towards = [(0.0 if turn % 2 else 1.0, turn / (turn + 1.2)) for turn in range(rounds)]
+    return [
+        tuple((1.0 - share) * part + share * end for part in to_rgb(colour))
+        for end, share in towards
+        for colour in COLOURS
+    ][:number]
 
 
 def told(title: str, *more: str) -> str:

@@ -498,13 +498,7 @@ class History:
         >>> round(float(light["P"][-1])), light.state(2).scene.load.normal
         (200, 200.0)
         """
-        blocks = self.scene.blocks if self.scene.duty else ()
-        names = [label(self.scene, k) for k in range(len(blocks))]
-        places = {of(k): k for of in (int, str) for k in range(len(blocks))}
-        k = (places | {name: names.index(name) for name in names}).get(which)
-        if k is None:
-            there = f"counted from 0: {', '.join(names)}" if names else "add [[duty]]"
-            raise LookupError(f"no block {which}; there are {len(blocks)}, {there}")
+        k = self.place_of(which)
         apart = (PREFIX, PARTS.name)
         columns = {n: one for n, one in self.columns.items() if not n.startswith(apart)}
         values = {}
@@ -516,7 +510,29 @@ class History:
         changes = {"columns": columns, "values": values, "fields": fields}
         changes["stresses"] = self.stresses_of_blocks[k] if self.stresses_of_blocks else {}
         changes["stresses_of_blocks"] = ()
-        return replace(self, scene=blocks[k], grid=grid, **changes)
+        return replace(self, scene=self.scene.blocks[k], grid=grid, **changes)
+
+    def place_of(self, which: int | str) -> int:
+        """Place of a block in the [[duty]] of the scene, from its place or its name.
+
+        Raises
+        ------
+        LookupError
+            If there is no such block.
+
+        Examples
+        --------
+        >>> blocks = ({"revolutions": 1}, {"name": "light", "revolutions": 1})
+        >>> ts.roll(discs.replace(duty=blocks)).place_of("light")
+        1
+        """
+        names = [label(self.scene, k) for k in range(len(self.scene.duty))]
+        places = {of(k): k for of in (int, str) for k in range(len(names))}
+        k = (places | {name: names.index(name) for name in names}).get(which)
+        if k is None:
+            there = f"counted from 0: {', '.join(names)}" if names else "add [[duty]]"
+            raise LookupError(f"no block {which}; there are {len(names)}, {there}")
+        return k
 
     def contact(self, row: int, fields: Mapping[str, np.ndarray]) -> State:
         """The contact of a record, from its fields by the names of `FIELDS`."""

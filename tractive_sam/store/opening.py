@@ -29,7 +29,10 @@ def results_file(path: Path) -> Iterator["Results"]:
             cure = f"write it by tractive-sam run SCENE -o {path}"
             raise ResultsError(f"{path} does not exist; {cure}")
         if not path.is_file():
-            raise ResultsError(f"{path} is not a file; name a results file (.h5)")
+            cure = "name a results file (.h5)"
+            if (path / "study.toml").exists():
+                cure = f"it is a study: tractive-sam study-show {path}, or {cure} in it"
+            raise ResultsError(f"{path} is not a file; {cure}")
         with path.open("rb"):  # says why it may not be read
             pass
     except OSError as error:
