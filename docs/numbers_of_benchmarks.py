@@ -329,11 +329,63 @@ def fatigue() -> str:
         "crack at": ("crack at A", lambda text: "none" if text == "nan" else three(text)),
         "removed, %": ("removed A", number(".1f", 100.0)),
         "contacts": ("contacts", number(".0f")),
-        "without fatigue": ("contacts without", number(".0f")),
         "s": ("seconds", number(".0f")),
-        "s without fatigue": ("without", number(".1f")),
     }
     return of_columns(rows_of("fatigue.csv"), columns)
+
+
+def fatigue_spread() -> str:
+    """How far damage of the twin discs' body A differs over meshes and tolerances."""
+    rows = {(one["mesh"], one["tolerance"], one["beta"]): one for one in rows_of("fatigue.csv")}
+    usual, loose, strict = "41 x 121", "0.001", "0.0001"
+    head = ("between", "largest D", "D at the end")
+    apart = {
+        "21 × 61 and 41 × 121 elements": (("21 x 61", loose), (usual, loose)),
+        "41 × 121 and 81 × 241 elements": ((usual, loose), ("81 x 241", loose)),
+        "tolerances 1e-3 and 1e-4, 21 × 61": (("21 x 61", loose), ("21 x 61", strict)),
+        "tolerances 1e-3 and 1e-4, 41 × 121": ((usual, loose), (usual, strict)),
+        "tolerances 1e-3 and 1e-4, 81 × 241": (("81 x 241", loose), ("81 x 241", strict)),
+    }
+
+    def most(one: tuple[str, str], other: tuple[str, str], column: str) -> str:
+        pairs = (
+            (float(rows[*one, beta][column]), float(rows[*other, beta][column]))
+            for beta in ("0", "45", "90")
+            if (*one, beta) in rows and (*other, beta) in rows
+        )
+        return f"{max((abs(a / b - 1.0) for a, b in pairs), default=math.nan):.1%}"
+
+    return markdown(
+        head,
+        (
+            (name, *(most(*pair, column) for column in ("most A", "damage A")))
+            for name, pair in apart.items()
+        ),
+    )
+
+
+def fatigue_cost() -> str:
+    """Time of a roll with fatigue beside the roll without, of each mesh and tolerance."""
+    rows = defaultdict(list)
+    for one in rows_of("fatigue.csv"):
+        rows[one["mesh"], one["tolerance"]].append(one)
+
+    def ratios(several: list[dict], column: str, without: str) -> str:
+        each = [float(one[column]) / float(one[without]) for one in several]
+        return f"{min(each):.1f} to {max(each):.1f}"
+
+    head = ("mesh", "tolerance", "contacts over those without", "time over that without")
+    return markdown(
+        head,
+        (
+            (
+                *of,
+                ratios(several, "contacts", "contacts without"),
+                ratios(several, "seconds", "without"),
+            )
+            for of, several in rows.items()
+        ),
+    )
 
 
 def jacobian_carter() -> str:
@@ -510,6 +562,8 @@ TABLES = {
         giwm,
         wear,
         fatigue,
+        fatigue_spread,
+        fatigue_cost,
         stepping,
         balance,
         peaks,

@@ -656,20 +656,15 @@ def _bend(path, sum_k, product_k, ball):
     points, squares, centre, support, weights = ball
     deviators(points, path)
     radius = math.sqrt(enclosing(centre, support, weights, points, squares)[1])
-    # The normal stress of a point is within 2/sqrt(3) sqrt(J2) of its mean stress, and no plane has
-    # less than the least of any point: points that reach no more there do not count.
+    shear, highest = 0.0, -math.inf
     for i in range(path.shape[1]):
-        squares[i] = 0.0
+        j2 = 0.0
         for c in range(5):
-            squares[i] += points[c, i] ** 2
-    shear, highest, least = 0.0, -math.inf, -math.inf
-    for i in range(path.shape[1]):
-        mean, most = (path[0, i] + path[1, i] + path[2, i]) / 3.0, 2.0 / ROOT3 * squares[i] ** 0.5
-        highest, least = max(highest, mean + most), max(least, mean - most)
-    for i in range(path.shape[1]):
-        mean, root = (path[0, i] + path[1, i] + path[2, i]) / 3.0, squares[i] ** 0.5
-        if mean + 2.0 / ROOT3 * root >= least:
-            shear = max(shear, root)
+            j2 += points[c, i] ** 2
+        root = math.sqrt(j2)
+        # No normal stress is farther than 2/sqrt(3) sqrt(J2) from the mean of all.
+        mean = (path[0, i] + path[1, i] + path[2, i]) / 3.0
+        shear, highest = max(shear, root), max(highest, mean + 2.0 / ROOT3 * root)
     factor = max(1.0 + product_k * highest, 0.0) + 3.0 * product_k * shear
     return 2.0 * (radius * factor + sum_k * shear)
 

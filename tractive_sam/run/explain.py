@@ -24,7 +24,7 @@ JUMP_APPLICATIONS = 50
 STEP_APPLICATIONS = 40  # as long as a step of a transient takes (benchmarks/transient.py)
 JUMPS = 14  # while the revolutions rolled grow e-fold
 STRESS_APPLICATIONS = 75  # as long as the largest stress of one body takes
-FATIGUE_APPLICATIONS = 10  # as long as a depth of [fatigue] takes, of one body
+FATIGUE_APPLICATIONS = 4  # as long as a depth of [fatigue] takes, of one body
 PLANES = 15  # as many times as long with a critical plane
 DEPTH_APPLICATIONS = 0.5  # as long as a depth of a plane takes, of both bodies
 
