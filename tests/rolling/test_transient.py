@@ -290,3 +290,18 @@ def test_what_a_step_reports_solves_its_problem():
     assert (np.hypot(*found.contact.traction) <= bound).all()
     apart = np.abs(again.contact.traction - found.contact.traction).max()
     assert apart <= 1e-6 * found.contact.pressure.max()  # a hundred tolerances
+
+
+def test_shifts_go_along_a_parameter_and_not_over_millimetres():
+    rolls = {"distance": [0, 1], "creepage.longitudinal": [0, -0.001]}
+    shifts = rolls | {"start": "shift", "step": 0.5, "load.force_x": [0, 0.05]}
+    del shifts["creepage.longitudinal"]
+    over = {"grid.elements": (15, 15)}
+    for table, unit in ((rolls, "mm"), (shifts, "1")):
+        history = ts.roll(SPHERES.replace(transient=table, **over))
+        assert history.coordinate.name == "distance"
+        assert history.coordinate.unit == unit
+        assert ("mm" in history.message) == (unit == "mm")
+    figure = ts.plot.slip_over_revolutions(history)
+    assert figure.axes[-1].get_ylabel().endswith("(mm)")  # slip itself, over no speed
+    assert "mm" not in figure.axes[0].get_title()

@@ -95,7 +95,8 @@ def records(history: "History") -> Table:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     along = history.coordinate
     heading = along.symbol + ("" if along.unit == "1" else f"\n{along.unit}")
-    found = FOUND if "creepage_found" in history.columns else ()
+    takes = "creepage_found" in history.columns and any(map(math.isfinite, history["xi_x"]))
+    found = FOUND if takes else ()
     told = course(history.scene)
     told = ((along.name, heading, 1, along.format), *told[:2], *found, *told[2:])
     for _, heading, _, _ in told:

@@ -104,6 +104,7 @@ function choice(label, options, changed) {
 
 // ---- the surface --------------------------------------------------------------------------------
 const surface = data.surface;
+const [over, long, work] = surface?.shifts ? ["", "mm", "N/mm"] : ["/V", "", "MPa"];  // of slip
 
 // What maps show: title, unit, numbers of a record, colours, whether it has a sign, whether it goes
 // on beside the contact.
@@ -114,11 +115,11 @@ const PIECES = {
     k => combined(Math.hypot, sheet(surface.fields.px, k), sheet(surface.fields.py, k)), "Magma"],
   px: ["p<sub>x</sub>", "MPa", k => sheet(surface.fields.px, k), "RdBu", true],
   py: ["p<sub>y</sub>", "MPa", k => sheet(surface.fields.py, k), "RdBu", true],
-  slip: ["|s|/V", "", k => combined(Math.hypot, sheet(surface.fields.sx, k),
+  slip: ["|s|" + over, long, k => combined(Math.hypot, sheet(surface.fields.sx, k),
     sheet(surface.fields.sy, k)), "Inferno"],
-  sx: ["s<sub>x</sub>/V", "", k => sheet(surface.fields.sx, k), "RdBu", true],
-  sy: ["s<sub>y</sub>/V", "", k => sheet(surface.fields.sy, k), "RdBu", true],
-  power: ["p<sub>t</sub>\u00b7s/V", "MPa", k => combined((px, py, sx, sy) => -px * sx - py * sy,
+  sx: ["s<sub>x</sub>" + over, long, k => sheet(surface.fields.sx, k), "RdBu", true],
+  sy: ["s<sub>y</sub>" + over, long, k => sheet(surface.fields.sy, k), "RdBu", true],
+  power: ["p<sub>t</sub>\u00b7s" + over, work, k => combined((px, py, sx, sy) => -px * sx - py * sy,
     ...["px", "py", "sx", "sy"].map(name => sheet(surface.fields[name], k))), "Inferno"],
   wear: ["Wear depth w", "µm", k => sheet(surface.fields.wear, k), "Cividis"],
   friction: ["Friction in use", "", k => sheet(surface.fields.friction, k), "Inferno"],
@@ -273,8 +274,8 @@ function surfaceCards() {
     card("maps", "Traction on A", "map", k => map(which.value, k, {stick: true,
       vectors: ["px", "py", "pressure"]}), {kind: "map", control: which});
     if (surface.moved) {
-      const what = choice("what of the slip", [["slip", "|s|/V"], ["sx", "along x"],
-        ["sy", "along y"], ["power", "power pₜ·s/V"]], () => refresh("map"));
+      const what = choice("what of the slip", [["slip", "|s|" + over], ["sx", "along x"],
+        ["sy", "along y"], ["power", (over ? "power" : "work") + " pₜ·s" + over]], () => refresh("map"));
       card("maps", "Slip of A over B", "map", k => map(what.value, k, {stick: true,
         vectors: ["sx", "sy", "sliding"]}), {kind: "map", control: what});
     }

@@ -93,8 +93,7 @@ class Drawn:
     @property
     def ahead(self) -> str:
         """Where the leading edge is, told after the name of x; of shifts nowhere."""
-        transient = self.contact.scene.transient
-        return ", leading edge right" if transient is None or transient.rolls else ""
+        return "" if self.contact.scene.shifts else ", leading edge right"
 
     @property
     def place(self) -> str:

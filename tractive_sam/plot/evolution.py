@@ -29,14 +29,16 @@ def pressure_over_revolutions(history: History) -> Figure:
 
 @styled
 def slip_over_revolutions(history: History) -> Figure:
-    """Slip |s|/V at the stored revolutions, with the edge of stick.
+    """Slip |s|/V at the stored revolutions, of shifts |s| in the step, with the edge of stick.
 
     Examples
     --------
     >>> plot.slip_over_revolutions(history)
     <Figure size ...>
     """
-    return _maps(history, _slip, "slip over speed", "$|s|/V$", SLIP, Map.fill_up_to_edge, True)
+    shifts = history.scene.shifts
+    told = ("slip of the step", "$|s|$ (mm)") if shifts else ("slip over speed", "$|s|/V$")
+    return _maps(history, _slip, *told, SLIP, Map.fill_up_to_edge, True)
 
 
 @styled

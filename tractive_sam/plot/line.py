@@ -65,7 +65,7 @@ def line_traction(source: Source, at: float | None = None, **named: float) -> Fi
 
 @styled
 def line_slip(source: Source, at: float | None = None, **named: float) -> Figure:
-    """Slip of A over B in a line contact over x, per unit rolling speed.
+    """Slip of A over B in a line contact over x, per unit rolling speed; of shifts that of the step.
 
     Examples
     --------
@@ -75,11 +75,12 @@ def line_slip(source: Source, at: float | None = None, **named: float) -> Figure
     state = Drawn.of(source, at, **named)
     figure, axes = over_x("slip of A over B", state)
     axes.axhline(0.0, color=GREY, linewidth=0.6)
-    inside = state.contact.touching[:, 0]
+    inside, shifts = state.contact.touching[:, 0], state.contact.scene.shifts
+    over = "" if shifts else "/V"
     for name, slip, color in zip("xy", state.contact.slip[..., 0], (BLUE, VERMILLION), strict=True):
         if np.any(slip):
-            axes.plot(state.x_over_a[inside], slip[inside], color=color, label=f"$s_{name}/V$")
-    axes.set_ylabel("slip / rolling speed")
+            axes.plot(state.x_over_a[inside], slip[inside], color=color, label=f"$s_{name}{over}$")
+    axes.set_ylabel("slip of the step (mm)" if shifts else "slip / rolling speed")
     figure.legend(loc="outside right center")
     return figure
 

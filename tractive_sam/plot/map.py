@@ -117,7 +117,8 @@ class Map:
         """Put a colour bar beside the map."""
         beside = bar(self.figure, self.left + self.frame.width, BOTTOM, self.frame.height)
         self.figure.colorbar(mesh, cax=beside, label=label)
-        beside.yaxis.set_offset_position("left")  # its power of ten, away from the map's title
+        power = beside.yaxis.get_offset_text()  # away from the map's title and the label
+        power.set(x=0.5, horizontalalignment="center")
 
     def arrows(self, vectors: np.ndarray, where: np.ndarray, color: str) -> None:
         """Draw vectors, shape (2, n_x, n_y), at some elements; the longest spans their distance."""

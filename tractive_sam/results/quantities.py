@@ -52,6 +52,14 @@ def _transient(scene: Scene) -> bool:
     return scene.transient is not None
 
 
+def _rolling_on(scene: Scene) -> bool:
+    return scene.transient is not None and not scene.shifts
+
+
+def _shifting(scene: Scene) -> bool:
+    return scene.shifts
+
+
 def _revolving(scene: Scene) -> bool:
     return scene.transient is None
 
@@ -200,10 +208,20 @@ REVOLUTION = Quantity(
 DISTANCE = Quantity(
     "distance",
     "mm",
-    "distance rolled; of shifts the parameter of their courses",
+    "distance rolled",
     symbol="s",
     label="distance",
-    when=_transient,
+    when=_rolling_on,
+    role=COORDINATE,
+)
+
+PARAMETER = Quantity(
+    "distance",
+    "1",
+    "parameter of the courses: nothing rolls",
+    symbol="s",
+    label="parameter of the courses",
+    when=_shifting,
     role=COORDINATE,
 )
 
@@ -211,7 +229,8 @@ DISTANCE = Quantity(
 # fmt: off
 _SCALARS = (
     REVOLUTION,
-    DISTANCE,
+    PARAMETER,
+    DISTANCE,  # after what has its name, so that it is what is meant where there is no scene
     Quantity("P", "N", "normal load", lambda c: c.P, symbol="P", per_length=True),
     Quantity("Qx", "N", "longitudinal force on body A", lambda c: c.Qx,
              symbol="Q_x", per_length=True),

@@ -164,7 +164,8 @@ def _ended(passage: Passage, model: Model, missed: str) -> tuple[str, str]:
     if isinstance(passage, Passage) and len(passage.contacts) > 1 and not contact.converged:
         message = f"{contact.scene.title.split(', ')[-1]}: {message}"
     if contact.scene.transient is not None:
-        message = f"after {passage.place:g} mm: {message}"
+        unit = "of the parameter" if contact.scene.shifts else "mm"
+        message = f"after {passage.place:g} {unit}: {message}"
     elif contact.scene.wear is not None:
         message = f"revolution {passage.place}: {message}"
     if isinstance(passage, Passage) and passage.damage is not None:

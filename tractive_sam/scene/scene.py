@@ -252,6 +252,11 @@ class Scene(Document):
         )
 
     @property
+    def shifts(self) -> bool:
+        """Whether the bodies only shift, by a [transient] with ``start = "shift"``."""
+        return self.transient is not None and not self.transient.rolls
+
+    @property
     def line(self) -> bool:
         """Whether it is a line contact: plane strain, forces per length, N/mm.
 
