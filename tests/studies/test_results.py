@@ -8,8 +8,11 @@ import pytest
 
 from tests.studies.conftest import CREEPAGE, MU, small
 from tractive_sam.run.pipeline import roll
+from tractive_sam.scene import PlausibilityWarning
 from tractive_sam.store import ResultsError, results_writer
 from tractive_sam.studies import Study, cases, figures, open_study, save_figures, study
+from tractive_sam.studies.case import told_value
+from tractive_sam.studies.figures import _texts
 from tractive_sam.studies.folder import Folder
 from tractive_sam.studies.task import Outcome
 
@@ -226,3 +229,20 @@ def test_three_axes_are_too_many_for_a_figure(tmp_path):
         results = open_study(tmp_path)
     with pytest.raises(ValueError, match=r"3 axes vary, .*; hold all but 2 by KEY=VALUE"):
         save_figures(results, tmp_path)
+
+
+def test_blocks_of_a_duty_cycle_as_values_of_an_axis_are_told_by_name_and_revolutions():
+    duty = [{"name": "curve", "revolutions": 7, "creepage.spin": 1e-4}, {"revolutions": 3}]
+    assert told_value(tuple(duty)) == "(curve 7, duty[1] 3)"
+    assert told_value(1.0 / 3.0) == "0.333333"
+    assert len(told_value(tuple(range(100)))) <= 50
+    assert _texts(((1, 2), (3, 4))) == ["(1, 2)", "(3, 4)"]
+    many = [(*range(100), end) for end in (1, 2)]  # cut short, they differ by their places
+    assert len(set(_texts(many))) == 2
+
+
+def test_doubts_of_scenes_are_not_told_again_where_results_are_opened(tmp_path):
+    much = {"key": "friction.mu", "values": [7.0, 8.0]}  # as in per cent
+    with pytest.warns(PlausibilityWarning):
+        study(small(much, keep="scalars"), tmp_path / "much", workers=0)
+    assert len(open_study(tmp_path / "much")) == 2  # here a warning is an error

@@ -108,6 +108,7 @@ def _standing(results: "StudyResults") -> str:
 def _table(results: "StudyResults") -> Table:
     """The cases, one a row."""
     from tractive_sam.cli.tables import course
+    from tractive_sam.studies.case import told_value
 
     keys = [key for one in results.study.dimensions for key in one.columns]
     scene = results.study.scene
@@ -121,7 +122,7 @@ def _table(results: "StudyResults") -> Table:
     for _, heading, _, _ in shown:
         table.add_column(heading, justify="right", no_wrap=True)
     for row in results.rows:
-        changes = [_short(row.case.changes[key]) for key in keys]
+        changes = [told_value(row.case.changes[key]) for key in keys]
         numbers = [
             format(_of_kind(row.last[name] * factor, form), form) if name in row.last else ""
             for name, _, factor, form in shown
@@ -132,7 +133,3 @@ def _table(results: "StudyResults") -> Table:
 
 def _of_kind(value: float, form: str) -> float | int:
     return int(value) if form == "d" else value
-
-
-def _short(value) -> str:
-    return f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -65,7 +65,7 @@ def line_traction(source: Source, at: float | None = None, **named: float) -> Fi
 
 @styled
 def line_slip(source: Source, at: float | None = None, **named: float) -> Figure:
-    """Slip of A over B in a line contact over x, per unit rolling speed; of shifts that of the step.
+    """Slip of A over B in a line contact over x: over the rolling speed, or of a shift in the step.
 
     Examples
     --------

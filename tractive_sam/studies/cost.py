@@ -12,7 +12,7 @@ from tractive_sam.rolling import Saves
 from tractive_sam.run import explain, memory
 from tractive_sam.scene import Fault
 from tractive_sam.store import read_gap
-from tractive_sam.studies.case import Case, cases
+from tractive_sam.studies.case import Case, cases, told_value
 from tractive_sam.studies.design import Study, StudyError
 
 EMPTY_FILE = 2e5
@@ -110,15 +110,11 @@ def _axes(study: Study) -> list[tuple[str, str]]:
     rows = []
     for one in study.dimensions:
         for key, column in one.columns.items():
-            told = ", ".join(map(_short, column[:3]))
+            told = ", ".join(map(told_value, column[:3]))
             if len(column) > 3:
-                told += f" ... {_short(column[-1])}"
+                told += f" ... {told_value(column[-1])}"
             rows.append((key, f"{len(column)} values: {told}"))
     return rows
-
-
-def _short(value) -> str:
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def _models(found: list[Case]) -> list[Model]:

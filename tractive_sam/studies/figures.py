@@ -13,6 +13,7 @@ from tractive_sam import interrupt
 from tractive_sam.plot import DPI, Figure, Variable, study_curves, study_map, study_samples
 from tractive_sam.results import COLUMNS, by_name
 from tractive_sam.studies.axis import SAMPLE
+from tractive_sam.studies.case import told_value
 from tractive_sam.studies.results import StudyResults, title_of
 
 DRAWN = ("Qx_over_P", "Qy_over_P", "Mz", "p_max", "stick_fraction", "wear_max")
@@ -179,8 +180,14 @@ def _variable(columns: Mapping[str, tuple], line: bool, key: str | None = None) 
     """Values of an entry; of the first one, that of the axis, by default."""
     key = key or next(iter(columns))
     numbers = all(isinstance(one, int | float) for one in columns[key])
-    values = np.array(columns[key] if numbers else [str(one) for one in columns[key]])
+    values = np.array(columns[key] if numbers else _texts(columns[key]))
     return Variable(key, values, title_of(key), _unit(key, line))
+
+
+def _texts(column: tuple) -> list[str]:
+    """Values in words, with their places where they would read the same."""
+    texts = [told_value(one) for one in column]
+    return [f"{k}: {one}" if texts.count(one) > 1 else one for k, one in enumerate(texts)]
 
 
 def _unit(key: str, line: bool) -> str:

@@ -2,6 +2,7 @@
 
 import csv
 import math
+import warnings
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -15,7 +16,7 @@ import numpy as np
 from tractive_sam import interrupt
 from tractive_sam.plain import html_table, text_table
 from tractive_sam.results import BODIES, COLUMNS, History, Quantity, by_name
-from tractive_sam.scene import Scene
+from tractive_sam.scene import Scene, SceneWarning
 from tractive_sam.store import ResultsError, is_written, open_history
 from tractive_sam.studies.case import Case, cases
 from tractive_sam.studies.design import Study
@@ -330,10 +331,13 @@ def open_study(directory: str | PathLike[str]) -> StudyResults:
     True
     """
     folder = Folder(directory)
-    study = folder.study()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SceneWarning)  # told where it was computed
+        study = folder.study()
+        found = cases(study)
     files, complete, failures = folder.results(), folder.complete(), folder.failures()
     rows = []
-    for case in cases(study):
+    for case in found:
         interrupt.heed()
         file, kept = folder.file_of(case, files), complete.get(case.digest)
         if kept and study.keep == "scalars" and not kept["size"]:
