@@ -1,3 +1,4 @@
+import pickle
 import tracemalloc
 
 import h5py
@@ -5,7 +6,7 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
-from tractive_sam.scene import quantities
+from tractive_sam.scene import Gap, quantities
 from tractive_sam.store import GapError, gap, read_gap
 
 X, Y = np.array([-1.0, 0.0, 1.5]), np.array([-2.0, -1.0, 0.0, 2.0])
@@ -223,3 +224,15 @@ def test_scattered_points_are_refused_without_their_grid(tmp_path):
     tracemalloc.stop()
     # The points, their order and their places: some ten numbers a point, sorted in copies.
     assert peak < 50 * 8 * 30_000
+
+
+def test_a_fault_names_the_table_that_asked_for_the_file(tmp_path):
+    path = tmp_path / "profile.csv"
+    path.write_text("0 1\n1 2\n")
+    with pytest.raises(GapError) as raised:
+        read_gap(Gap(file=path), "transient.profile.B")
+    for error in (raised.value, pickle.loads(pickle.dumps(raised.value))):
+        assert error.key == "transient.profile.B.file"
+        assert "transient.profile.B.body" in error.allowed
+    with pytest.raises(GapError, match=r"gap\.body"):
+        read_gap(Gap(file=path))

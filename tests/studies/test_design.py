@@ -98,6 +98,27 @@ def test_gap_files_beside_the_study(written, tmp_path):
     ]
 
 
+def test_profiles_that_travel_are_read_beside_the_study_and_count(written, tmp_path, monkeypatch):
+    bump = "x,y,separation\n" + "".join(f"{x},{y},0.001\n" for x in (0, 9) for y in (-9, 9))
+    written(bump, "one.csv")
+    text = (
+        'scene = "traction-control"\n[[axis]]\nkey = "transient.profile.B.file"\n'
+        'values = ["one.csv", "two.csv"]\n'
+    )
+    file = written(text)
+    monkeypatch.chdir("/")
+    written(bump, "two.csv")
+    before = cases(Study.from_toml(file))
+    written(bump.replace("0.001", "0.002"), "two.csv")
+    after = cases(Study.from_toml(file))
+    assert before[0].digest == after[0].digest
+    assert before[1].digest != after[1].digest
+    written("9,9", "two.csv")
+    with pytest.raises(StudyError) as raised:
+        cases(Study.from_toml(file))
+    assert raised.value.faults[0].key == "transient.profile.B.file"
+
+
 @pytest.mark.parametrize("setting", ["gap.file=one.csv", "gap.file = 'one.csv'"])
 def test_gap_file_that_is_set_is_beside_the_study(written, tmp_path, setting):
     written("x,y,separation\n", "one.csv")

@@ -12,7 +12,7 @@ from tractive_sam.rolling import MISSED, Saves, expected_steps
 from tractive_sam.run import memory
 from tractive_sam.run.accuracy.levels import with_tolerances
 from tractive_sam.run.accuracy.steady import Refined, refined
-from tractive_sam.run.given import measured_gap
+from tractive_sam.run.given import measured_gap, travelling
 from tractive_sam.scene import Scene, told
 
 # Typical work at a tolerance of 1e-8, in applications with all that goes with them: of a new
@@ -66,7 +66,7 @@ def explain(scene: Scene) -> Explanation:
     Raises
     ------
     GapError
-        If the measured gap cannot be read.
+        If the measured gap, or a profile that travels, cannot be read.
     SceneError
         If the memory does not suffice to find the mesh of an [accuracy].
 
@@ -77,6 +77,7 @@ def explain(scene: Scene) -> Explanation:
     ('Bodies', ('combined radii', 'R_x = 168.75 mm, R_y = 168.75 mm'))
     """
     measured = measured_gap(scene)
+    travelling(scene)  # whose faults are told
     accuracy = []
     model = Model(scene, measured)
     if scene.accuracy is not None:

@@ -77,8 +77,8 @@ def travelling(scene: Scene) -> tuple[Gap, ...]:
     """The profiles that a [transient] has fixed to the bodies, read likewise."""
     if scene.transient is None:
         return ()
-    profiles = scene.transient.profile
-    return tuple(read_gap(one) for one in (profiles.A, profiles.B) if one is not None)
+    profiles = scene.transient.profile.given
+    return tuple(read_gap(one, table) for table, one in profiles.items())
 
 
 def depths_of(wear: ArrayLike, grid: Grid) -> np.ndarray:

@@ -78,7 +78,8 @@ def _friction_carries_the_courses(known: Known) -> Iterator[Fault]:
         found = [*_beyond((force_x, force_y), load, weakened, angle)]
         for names, given, limit in found:
             keys = [f"transient.load.{n}" if f"load.{n}" in courses else f"load.{n}" for n in names]
-            yield _too_much(known, keys, f"{given} at {place:g} mm", limit)
+            unit = " mm" if transient.rolls else ""
+            yield _too_much(known, keys, f"{given} at {place:g}{unit}", limit)
         if found:
             return
 

@@ -114,6 +114,12 @@ class Profiles(Table):
     A: Gap | None = entry("of the upper body", "", None)
     B: Gap | None = entry("of the lower body", "", None)
 
+    @property
+    def given(self) -> dict[str, Gap]:
+        """Those that there are, by the names of their tables."""
+        found = {f"transient.profile.{body}": getattr(self, body) for body in "AB"}
+        return {table: one for table, one in found.items() if one is not None}
+
 
 def _of_the_knots(known: Known) -> Iterator[Fault]:
     knots = known["distance"]
@@ -134,7 +140,8 @@ def _of_the_knots(known: Known) -> Iterator[Fault]:
 def _saved_on_the_way(known: Known) -> Iterator[Fault]:
     knots, save = known["distance"], known["save"]
     if save and not knots[0] <= save[0] <= save[-1] <= knots[-1]:
-        yield Fault("save", str(list(save)), f"distances from {knots[0]:g} to {knots[-1]:g} mm")
+        cure = f"distances from the first knot to the last, {knots[0]:g} to {knots[-1]:g}"
+        yield Fault("save", str(list(save)), cure)
 
 
 class Transient(Table):

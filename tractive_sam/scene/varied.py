@@ -8,7 +8,12 @@ from typing import Any
 
 from .scene import Scene
 
-FILES = ("gap.file", "load_history.file")
+FILES = (
+    "gap.file",
+    "load_history.file",
+    "transient.profile.A.file",
+    "transient.profile.B.file",
+)
 """Keys of files that a scene names."""
 
 

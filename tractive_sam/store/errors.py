@@ -87,12 +87,18 @@ class GapError(ValueError):
       file: given 'missing.csv'; allowed: an existing file
     """
 
-    def __init__(self, path: Path, given: str, allowed: str) -> None:
-        self.key = "gap.file"
+    def __init__(self, path: Path, given: str, allowed: str, table: str = "gap") -> None:
+        self.key = f"{table}.file"
+        allowed = allowed.replace("gap.", f"{table}.")
         self.given = f"{path}: {given}"
         self.allowed = allowed
         super().__init__(f"{self.key}: {self.given}; wanted: {allowed}")
-        self._parts = path, given, allowed
+        self._parts = path, given, allowed, table
+
+    def of(self, table: str) -> "GapError":
+        """The same of a file that another table of the scene names."""
+        path, given, allowed, _ = self._parts
+        return GapError(path, given, allowed, table)
 
     def __reduce__(self):
         """Pickle by its parts, so that it crosses between processes."""

@@ -35,7 +35,7 @@ class _Found:
     units: tuple[str, str] = ("mm", "mm")
 
 
-def read_gap(gap: scene.Gap | str | Path) -> Gap:
+def read_gap(gap: scene.Gap | str | Path, table: str = "gap") -> Gap:
     """Read a separation on a rectangular grid.
 
     ===============  ==============================================================
@@ -58,6 +58,8 @@ def read_gap(gap: scene.Gap | str | Path) -> Gap:
     ----------
     gap : Gap or path-like
         The table of a scene, or a file of separations in mm.
+    table : str
+        What the table is called, for messages.
 
     Returns
     -------
@@ -72,6 +74,13 @@ def read_gap(gap: scene.Gap | str | Path) -> Gap:
         If the file cannot be read, or does not hold finite numbers on a full grid.
     """
     told = gap if isinstance(gap, scene.Gap) else scene.Gap.model_construct(file=Path(gap))
+    try:
+        return _read(told)
+    except GapError as error:
+        raise error.of(table) from error.__cause__
+
+
+def _read(told: scene.Gap) -> Gap:
     if told.file is None:
         return told.in_mm(told.x, told.y, told.separation)
     path = told.file

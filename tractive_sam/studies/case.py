@@ -130,8 +130,12 @@ def _digest(scene: Scene, contents) -> str:
     So results never mix of versions whose methods, or whose files, may differ.
     """
     hashed = hashlib.sha256(f"{scene.fingerprint()} {_generation()}".encode())
-    if scene.gap is not None and scene.gap.file is not None:
-        hashed.update(contents(scene.gap, scene.gap.file))
+    measured = {} if scene.gap is None else {"gap": scene.gap}
+    if scene.transient is not None:
+        measured |= scene.transient.profile.given
+    for table, gap in measured.items():
+        if gap.file is not None:
+            hashed.update(contents(gap, gap.file, table))
     return hashed.hexdigest()[:DIGEST]
 
 
@@ -142,9 +146,9 @@ def _generation() -> str:
     return f"{first}.{second} {FORMAT_VERSION}"
 
 
-def _contents(gap: Gap, file: Path) -> bytes:
+def _contents(gap: Gap, file: Path, table: str) -> bytes:
     """Hash of the file of a measured gap, which is read to see that it can be."""
-    read_gap(gap)
+    read_gap(gap, table)
     return hashlib.sha256(file.read_bytes()).digest()
 
 
