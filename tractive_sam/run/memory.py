@@ -27,12 +27,14 @@ def of_contact(model: Model) -> float:
     """Memory that a solve takes, bytes."""
     fields, lattice = fields_together(model), model.operators.lattice
     # Of large meshes, in doubles: spectra and buffers of the transforms, both in double and single
-    # precision, tables on the way to them, and a Krylov space: in single precision, of a transient
-    # in double, as many vectors as one system may come to, the responses to them and
-    # their orthonormal basis.
-    krylov = 25 if model.scene.transient is None else 3 * Sparing.krylov
+    # precision, tables on the way to them, and a Krylov space in single precision.
+    krylov, padded, elements = 25, math.prod(lattice.padded), math.prod(lattice.shape)
+    if model.scene.transient is not None:
+        # In double as many vectors as one system may come to, the responses to them and their
+        # orthonormal basis; and the nearby operators.
+        krylov = 3 * Sparing.krylov
+        padded += math.prod(model.operators.nearby.lattice.padded)
     spectra = 1.5 * (9 if fields == 3 else 3)
-    padded, elements = math.prod(lattice.padded), math.prod(lattice.shape)
     one = 8.0 * (padded * (spectra + 3.75 * fields + 7) + krylov * fields * elements)
     return one * len(model.blocks)
 

@@ -59,8 +59,6 @@ class Iterate:
             self.bound, self.pressure, self.traction, self.slip, self.seen
         )
         self.active = self.pressure > (0.0 if held else self.gap)
-        # An element about to leave takes its traction along.
-        self.leaving = ~self.active & (self.pressure > 0.0)
         self.law = problem.linearise(
             self.traction, self.slip, self.bound, self.seen, None if held else self.active
         )
