@@ -305,3 +305,19 @@ def test_shifts_go_along_a_parameter_and_not_over_millimetres():
     figure = ts.plot.slip_over_revolutions(history)
     assert figure.axes[-1].get_ylabel().endswith("(mm)")  # slip itself, over no speed
     assert "mm" not in figure.axes[0].get_title()
+
+
+@pytest.mark.parametrize("length", [2.2, 3.4])
+def test_sliding_that_turns_round_is_followed_in_steps_of_some_elements(length):
+    """Friction that looks for its slip from farther than half an element has no solution there."""
+    n = 31
+    a, dx = SPHERES.hertz.a, 2.0 * SPHERES.grid.half_length[0] / n
+    table = {
+        "distance": [0.0, 2.0 * a, 4.0 * a],
+        "creepage.longitudinal": [0.0, 0.03, -0.015],
+        "creepage.lateral": [0.0, 0.009, -0.0045],
+        "step": length * dx,
+    }
+    history = ts.roll(SPHERES.replace(transient=table, **{"grid.elements": (n, n)}))
+    assert history.status == "done"
+    assert history["operator_applications"].max() < 100  # 13 measured; thousands from farther

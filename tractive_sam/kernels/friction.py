@@ -433,11 +433,10 @@ def _unturned(state, direction, across, contact, ahead, rows):
     """Slip of the leading faces along t, in place of what the rows of slipping elements have.
 
     The slip opposed is a mean of faces (`turn`): a tridiagonal matrix along x, of the faces of
-    elements that stick known. Where it looks more than half an element back it is solved as if it
-    looked no further, which leaves a part of the phase.
+    elements that stick known.
     """
     nx, ny = state.shape
-    back = min(0.5 * ahead, 0.5)
+    back = 0.5 * ahead
     upper, known = np.empty(nx), np.empty(nx)
     for j in range(ny):
         last_upper = last = 0.0  # of the element behind, if it slips

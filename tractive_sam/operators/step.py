@@ -24,7 +24,9 @@ the gap there from a smooth course. Interpolated in the same way, both match at 
 interpolation is a straight line, as it is wherever one of its nodes is out of contact.
 
 **Where slip points.** The mean slip of the way belongs to its middle, d/2 ahead of the particle; it
-is turned back to the particle's place (`kernels.friction.turn`).
+is turned back to the particle's place (`kernels.friction.turn`), by half an element at most. From
+farther, what is turned answers the element's own traction less than that of its neighbours, and
+where slip reverses a step may have no solution.
 """
 
 from dataclasses import dataclass
@@ -231,7 +233,7 @@ class StepOperators(Operators):
         """
         staggered = self.stencil.staggered
         entering = np.nonzero((pressure > 0.0) & (gap > 0.0) & staggered)
-        back = min(ahead, 2.0) if staggered else 0.0
+        back = min(ahead, 1.0) if staggered else 0.0
         aspect = self.lattice.dx / self.lattice.dy
         return EnteringSlip(back, pressure, gap, entering, entering, aspect, self._opening)
 

@@ -13,7 +13,6 @@ the upwind sweep (`mechanics.friction.Linearisation`) for the tractions.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -98,7 +97,6 @@ class Newton:
         if problem.wear is not None:
             raise ValueError("problem.wear: Newton's method takes wear as part of the gap only")
         at, cost = self._first(problem, start)
-        advanced = self._advancing(problem)
         least, since, before, bounded = np.inf, 0, np.inf, True
         status, taken = Status.OUT_OF_ITERATIONS, 0
         for taken in range(self.steps + 1):
@@ -123,7 +121,7 @@ class Newton:
                 least, since = at.residual, taken
             goal = self.sharp if stalled else self.forcing(at.residual, before, tolerance)
             before = at.residual
-            at, spent = advanced(at, goal, stalled, bounded)
+            at, spent = self._advanced(problem, at, goal, stalled, bounded)
             cost = cost + spent
         if not bounded:
             at, cost = at.within_bound(problem), cost + Cost(1.0)
@@ -160,10 +158,6 @@ class Newton:
         known = answer is not None
         at = Iterate(problem, pressure, traction, approach, creepage, 1.0, not known, answer)
         return at, cost + Cost(at.applications)
-
-    def _advancing(self, problem: Problem) -> Callable[..., tuple[Iterate, Cost]]:
-        """What takes steps, of an iterate, a goal, and whether stalled and bounded."""
-        return partial(self._advanced, problem)
 
     def _advanced(
         self, problem: Problem, at: Iterate, goal: float, stalled: bool, bounded: bool

@@ -13,7 +13,6 @@ without an application, as long as nothing has to be brought back to a bound.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
@@ -97,7 +96,6 @@ class Sparing(Newton):
     rise: float = 0.5  # what a shorter step leads to is known as well
     loosest: float = 0.5
     aim: float = 0.6
-    krylov: int = 40
     inner: int = 6
     near: float = 0.03
 
@@ -124,26 +122,21 @@ class Sparing(Newton):
         change = np.linalg.lstsq(problem.forces.vectors.T, -slip, rcond=None)[0]
         return at.creeping(problem, at.creepage + change), cost
 
-    def _advancing(self, problem: Problem) -> Callable[..., tuple[Iterate, Cost]]:
-        return partial(self._advanced_in, problem.nearby, problem)
-
-    def _advanced_in(
-        self,
-        nearby: Problem,
-        problem: Problem,
-        at: Iterate,
-        goal: float,
-        stalled: bool,
-        bounded: bool,
+    def _advanced(
+        self, problem: Problem, at: Iterate, goal: float, stalled: bool, bounded: bool
     ) -> tuple[Iterate, Cost]:
-        near = System(nearby, at, self.precision(self.near, at.pressure.size))
+        """See `Newton._advanced`."""
+        system = System(problem, at, float)
+        near = System(problem.nearby, at, self.precision(self.near, at.pressure.size))
 
-        def preconditioner(left: np.ndarray) -> np.ndarray:
+        def nearly(left: np.ndarray) -> np.ndarray:
             rows = left.astype(near.kind)
             found = gmres(near.operator, near.preconditioner, rows, self.near, self.inner)
             return found[0].astype(float)
 
-        system = System(problem, at, float)
+        # What a row of elements displaces holds a constant, which hinges on the period.
+        alone = min(problem.operators.lattice.shape) == 1
+        preconditioner = system.preconditioner if alone else nearly
         vector, answer = conjugate_residuals(system, preconditioner, goal, self.krylov)
         # Bringing tractions back takes an application each: only where leaving them has stalled.
         ahead, trials = self._led(
@@ -155,4 +148,5 @@ class Sparing(Newton):
             stalled,
             not bounded,
         )
-        return ahead, Cost(system.applications + trials, near.applications + near.preconditionings)
+        beside = system.preconditionings + near.applications + near.preconditionings
+        return ahead, Cost(system.applications + trials, beside)
