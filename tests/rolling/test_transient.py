@@ -321,3 +321,15 @@ def test_sliding_that_turns_round_is_followed_in_steps_of_some_elements(length):
     history = ts.roll(SPHERES.replace(transient=table, **{"grid.elements": (n, n)}))
     assert history.status == "done"
     assert history["operator_applications"].max() < 100  # 13 measured; thousands from farther
+@pytest.mark.parametrize("table", ["gap", "transient.profile.B"])
+def test_a_run_is_not_resumed_with_another_content_of_its_file(table, tmp_path):
+    file, path = tmp_path / "bump.csv", tmp_path / "out.h5"
+    text = "x,y,separation\n" + "".join(f"{x},{y},{{0}}\n" for x in (-9, 9) for y in (-9, 9))
+    file.write_text(text.format(0.001))
+    begun = scene({"distance": [0, DX], "creepage.longitudinal": [-0.001] * 2})
+    begun = begun.replace(**{f"{table}.file": file})
+    ts.roll(begun, path)
+    assert ts.roll(begun, path, resume=True).status == "done"
+    file.write_text(text.format(0.002))
+    with pytest.raises(ts.ResultsError, match="content"):
+        ts.roll(begun, path, resume=True)

@@ -102,6 +102,8 @@ class History:
         fields; see `fatigue`.
     stresses_of_blocks : tuple of mapping
         Of a duty cycle: the `stresses` of each block.
+    measured : str
+        Hash of the numbers of the measured gap and profiles; empty without them.
 
     Examples
     --------
@@ -127,6 +129,7 @@ class History:
     started: str = ""
     cycles: Mapping[str, Rows[BodyFatigue]] = field(default_factory=dict)
     stresses_of_blocks: tuple[Mapping[tuple[str, str], Rows[PlaneStress]], ...] = ()
+    measured: str = ""
 
     @classmethod
     def of_records(

@@ -1,5 +1,6 @@
 """What is given to the front doors: errors name it, and the cure."""
 
+import hashlib
 from collections.abc import Callable, Iterable
 from functools import partial
 
@@ -79,6 +80,13 @@ def travelling(scene: Scene) -> tuple[Gap, ...]:
         return ()
     profiles = scene.transient.profile.given
     return tuple(read_gap(one, table) for table, one in profiles.items())
+
+
+def hash_of(model: Model) -> str:
+    """SHA-256 of the numbers of a model's measured gap and profiles; empty without them."""
+    found = [one for one in (model.measured, *model.profiles) if one is not None]
+    numbers = b"".join(np.ascontiguousarray(part).tobytes() for one in found for part in one)
+    return hashlib.sha256(numbers).hexdigest() if found else ""
 
 
 def depths_of(wear: ArrayLike, grid: Grid) -> np.ndarray:

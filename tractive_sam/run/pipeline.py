@@ -18,7 +18,7 @@ from tractive_sam.run import accurately, given, memory
 from tractive_sam.run.given import measured_gap
 from tractive_sam.run.progress import progress_shown, solving_shown
 from tractive_sam.run.recording import Recording
-from tractive_sam.run.resume import last_passage
+from tractive_sam.run.resume import check_measured, last_passage
 from tractive_sam.run.start import started_as, told_of, worn_bodies
 from tractive_sam.scene import Scene
 from tractive_sam.solvers import Solver
@@ -222,6 +222,7 @@ def roll(
         if last is None or before is None:
             accurate = scene.accuracy is not None
             return accurately.rolled(run) if accurate else run.begun(*first_passage(model))
+        check_measured(before, path, given.hash_of(model))
         last = resumed(model, last)
         if scene.accuracy is not None:
             return accurately.resumed(run, last, before)

@@ -15,6 +15,7 @@ from tractive_sam import interrupt
 from tractive_sam.contact import Gap, Model
 from tractive_sam.results import Grid, History, Quantity, Record, Status, fields
 from tractive_sam.rolling import ErrorEstimator, Passage, followed, passages, recorded
+from tractive_sam.run.given import hash_of
 from tractive_sam.run.resume import last_damage
 from tractive_sam.scene import PlausibilityWarning, Scene
 from tractive_sam.store import HistoryWriter, open_history
@@ -68,7 +69,7 @@ class Recording:
         _warn_beyond_tests(model, start)
         keeper: HistoryWriter | _InMemory = _InMemory(self.scene, laws, self.started)
         if self.path is not None:
-            about = {"laws": laws, "started": self.started}
+            about = {"laws": laws, "started": self.started, "measured": hash_of(model)}
             keeper = HistoryWriter(self.path, self.scene, model.grid, self.overwrite, **about)
         if isinstance(start, Passage):
             start = followed(model, start)

@@ -224,6 +224,21 @@ def _check_laws(history: History, path: str | PathLike, laws: str) -> None:
         )
 
 
+def check_measured(history: History, path: str | PathLike | None, measured: str) -> None:
+    """Raise where the measured gap or a profile is not that of the file any more.
+
+    Raises
+    ------
+    ResultsError
+        If so. Files that were written before do not tell.
+    """
+    if history.measured and history.measured != measured:
+        raise ResultsError(
+            f"{path} was computed with another content of the file of [gap] or of "
+            "[transient.profile]: bring that back to resume it, or give this run a file of its own"
+        )
+
+
 def _check_columns(history: History, path: str | PathLike, columns: Iterable[Quantity]) -> None:
     for one in columns:
         now = one.of_line(history.line)

@@ -122,6 +122,7 @@ def _history(file: Results) -> History:
         file.text("scene", "started", ""),
         _cycles(file, scene, m),
         tuple(_stresses(file, m, coordinate, k, one.shift_y) for k, one in enumerate(scene.duty)),
+        file.text("scene", "measured", ""),
     )
 
 

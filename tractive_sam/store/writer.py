@@ -46,7 +46,7 @@ class HistoryWriter:
         Whether a results file there may be replaced. A file of any other kind never is.
     checkpoints : Checkpoints, optional
         When records are put on disk.
-    laws, started : str
+    laws, started, measured : str
         As of `History`.
     coordinate : Quantity, optional
         The column along which the history goes, of the role `COORDINATE`; by default the scene's.
@@ -67,12 +67,14 @@ class HistoryWriter:
         laws: str = "",
         coordinate: Quantity | None = None,
         started: str = "",
+        measured: str = "",
     ) -> None:
         check_results(Path(path), overwrite)
         self._begin(path, (len(grid.x), len(grid.y)), checkpoints)
         with atomic_rewrite(self.path, empty=True) as file:
             layout.create(file, scene, grid, laws, coordinate)
             set_text(file["scene"], "started", started)
+            set_text(file["scene"], "measured", measured)
             set_text(file, RUN, self._run)
 
     @classmethod
