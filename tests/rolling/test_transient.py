@@ -321,6 +321,8 @@ def test_sliding_that_turns_round_is_followed_in_steps_of_some_elements(length):
     history = ts.roll(SPHERES.replace(transient=table, **{"grid.elements": (n, n)}))
     assert history.status == "done"
     assert history["operator_applications"].max() < 100  # 13 measured; thousands from farther
+
+
 @pytest.mark.parametrize("table", ["gap", "transient.profile.B"])
 def test_a_run_is_not_resumed_with_another_content_of_its_file(table, tmp_path):
     file, path = tmp_path / "bump.csv", tmp_path / "out.h5"

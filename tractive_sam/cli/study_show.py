@@ -108,7 +108,7 @@ def _standing(results: "StudyResults") -> str:
 def _table(results: "StudyResults") -> Table:
     """The cases, one a row."""
     from tractive_sam.cli.tables import course
-    from tractive_sam.studies.case import told_value
+    from tractive_sam.studies import told_value
 
     keys = [key for one in results.study.dimensions for key in one.columns]
     scene = results.study.scene

@@ -153,7 +153,14 @@ def _contents(gap: Gap, file: Path, table: str) -> bytes:
 
 
 def told_value(value: Any) -> str:
-    """A value of an axis in few words; of a duty cycle names and revolutions of the blocks."""
+    """A value of an axis in few words; of a duty cycle names and revolutions of the blocks.
+
+    Examples
+    --------
+    >>> from tractive_sam.studies import told_value
+    >>> told_value(({"name": "curve", "revolutions": 7}, {"revolutions": 3}))
+    '(curve 7, duty[1] 3)'
+    """
     if isinstance(value, float):
         return f"{value:.6g}"
     if not isinstance(value, tuple | list):
