@@ -38,6 +38,9 @@ def test_study_and_its_table(call, file):
     assert "2 cases: 2 complete" in shown.stderr
     assert shown.stdout.count("complete") == 2
     assert "friction" in shown.stdout
+    run = call("run", file)
+    assert run.exit_code == 2
+    assert f"tractive-sam study {file.name}" in run.stderr.replace(str(file), file.name)
     for command in ("show", "plot", "report"):  # they take a results file
         assert "study-show done" in call(command, "done").stderr
 

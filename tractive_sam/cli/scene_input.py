@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
-from tractive_sam.cli.output import warnings_told
+from tractive_sam.cli.output import Status, stop, warnings_told
 
 if TYPE_CHECKING:
     from tractive_sam.scene import Scene
@@ -32,11 +32,24 @@ def read_scene(name: str, settings: list[str] | None) -> "Scene":
     SceneError
         With every fault.
     """
-    from tractive_sam.scene import Scene
+    from tractive_sam.scene import Scene, SceneError
 
     with warnings_told() as notes:
-        scene = Scene.named(name)
+        try:
+            scene = Scene.named(name)
+        except SceneError:
+            _refuse_study(name)
+            raise
         if settings:
             notes.clear()  # the settings may have cured what was warned of
             scene = scene.with_set(settings)
     return scene
+
+
+def _refuse_study(name: str) -> None:
+    """Say of a file with axes which command takes it."""
+    from tractive_sam.studies import is_study
+
+    if is_study(name):
+        cure = f"tractive-sam study {name} -o DIR, or tractive-sam table {name} -o FILE.nc"
+        raise stop(Status.INVALID, f"{name} has axes and is no single scene: {cure}")

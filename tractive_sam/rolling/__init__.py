@@ -1,7 +1,7 @@
 """Counts revolutions: what a pass wears is in the way of the next one."""
 
 from tractive_sam.rolling.adaptive import MISSED
-from tractive_sam.rolling.damage import Damage, followed
+from tractive_sam.rolling.damage import Damage, followed, stressed_volume
 from tractive_sam.rolling.forecast import Forecast
 from tractive_sam.rolling.passage import (
     Passage,
@@ -34,5 +34,6 @@ __all__ = [
     "passages",
     "recorded",
     "resumed",
+    "stressed_volume",
     "unworn",
 ]

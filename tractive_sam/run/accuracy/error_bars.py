@@ -23,7 +23,7 @@ import numpy as np
 
 from tractive_sam.contact import Laws
 from tractive_sam.results import BodyFatigue, Maximum, State
-from tractive_sam.rolling.damage import stressed_volume
+from tractive_sam.rolling import stressed_volume
 
 SAFETY = 3.0
 """Error bar over the difference between the last two meshes (benchmarks/error_bars.py)."""
