@@ -19,6 +19,9 @@ SCENES = {
     "hot line": lambda: ts.Scene.builtin("cylinders").replace(
         **{"creepage.speed": 1e4, "heat": {"bulk": 20.0}, "friction.strength": 100.0}
     ),
+    "shifts": lambda: ts.Scene.builtin("fretting").with_set(
+        ["grid.elements=[21, 21]", "transient.distance=[0, 1]", "transient.load.force_x=[0, 45]"]
+    ),
     "line": lambda: ts.Scene.builtin("cylinders").with_set([*WORN, 'subsurface.planes=["y=0"]']),
 }
 
