@@ -220,7 +220,7 @@ PARAMETER = Quantity(
     "1",
     "parameter of the courses: nothing rolls",
     symbol="s",
-    label="parameter of the courses",
+    label="parameter",
     when=_shifting,
     role=COORDINATE,
 )
