@@ -33,7 +33,7 @@ CYLINDERS = ts.Scene(
 )
 
 
-@dataclass(frozen=True)
+@dataclass  # not frozen: laws need no hash
 class Winkler(ts.Elasticity):
     """Displacement per traction L_n and L_t, mm/MPa."""
 

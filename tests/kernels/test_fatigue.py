@@ -158,6 +158,20 @@ def test_the_critical_plane_is_that_of_brute_force(sum_k, product_k):
     assert best * (1.0 - 1e-12) <= float(criterion(cycle)[0]) <= best * (1.0 + 1e-3)
 
 
+@compiled
+def test_cycles_that_do_no_harm_or_are_none_end_at_once():
+    """Of uniform pressure no plane is better than another; nan is its own cycle's only."""
+    pressure, cycles = np.zeros((6, 5, 1)), random_cycles(3)
+    pressure[:3] = -100.0
+    assert Findley(0.3)(pressure) == 0.0
+    cycles[:, :, 1] = np.nan
+    for criterion in CRITERIA:
+        found = criterion(cycles)
+        assert not found[1] > 0.0
+        # The cycle before is where the search begins: what is searched for to 1e-4.
+        np.testing.assert_allclose(found[::2], criterion(cycles[..., ::2]), rtol=fatigue.ENOUGH)
+
+
 def many_cycles():
     """Random ones, components out of phase, and those below lines: with many maxima close by."""
     turn = np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)[None, :, None]

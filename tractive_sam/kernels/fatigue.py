@@ -86,7 +86,7 @@ def enclosing(centre, support, weights, points, squares, begun=0):
             radius2 += (points[k, first] - centre[k]) ** 2
         far = _farthest(squares, centre, points)
         largest = squares[far]
-        if largest <= radius2 * (1.0 + 1e-14):
+        if not largest > radius2 * (1.0 + 1e-14):  # nor where it is nan
             break
         count = _joined(support, weights, count, far, points, target, matrix, right)
     return count, largest
@@ -577,7 +577,7 @@ def critical_plane(out, paths, sum_k, product_k):
             amplitude = 0.5 * math.hypot(box[3, c] - box[2, c], box[5, c] - box[4, c])
             factor = max(1.0 + product_k * box[1, c], 0.0)
             values[c] = amplitude * factor + sum_k * box[1, c]
-        best = _maximised(last, path, sum_k, product_k, room)
+        best = max(_maximised(last, path, sum_k, product_k, room), 0.0)
         normal[:] = normals[_largest(values)]
         beside = _maximised(normal, path, sum_k, product_k, room)
         if beside > best:
@@ -605,7 +605,7 @@ def critical_plane(out, paths, sum_k, product_k):
                 stack[left, 1] = u + side if j % 2 else u - side
                 stack[left, 2] = v + side if j // 2 else v - side
                 left += 1
-        out[k] = max(best, 0.0)
+        out[k] = best
 
 
 @compiled

@@ -90,6 +90,16 @@ class Operators:
         return self._per_gap * self._displacement("zz", period).real
 
     @cached_property
+    def along_x(self) -> np.ndarray:
+        """Spectra along x of A_nn per traction, mm/MPa, (p_y, p_x/2 + 1), for sums over x."""
+        px, _ = self.lattice.padded
+        # Even in x: a real spectrum. Parseval over its half: inner frequencies count twice.
+        along = np.fft.rfft(influence.displacement(self.lattice, self.elasticity, "zz"), axis=0)
+        along = along.real / px
+        along[1:-1] *= 2.0
+        return np.ascontiguousarray(along.T)
+
+    @cached_property
     def _slip_spectra(self) -> np.ndarray:
         """Entries (11, 12, 22) of D_tt."""
         entries = self._tangential(*(self._slip(k) for k in ("xx", "xy", "yy")))

@@ -57,7 +57,7 @@ def wear_response(model: Model, contact: State, closing: float = 0.0) -> np.ndar
         return response
     touching = contact.touching | (contact.gap <= closing)
     rows = np.flatnonzero(touching.any(axis=0))
-    compliance = row_compliance(model.operators.lattice, model.elasticity, touching)
+    compliance = row_compliance(model.operators, touching)
     stiffness = np.linalg.inv(compliance)
     if model.load is not None:
         # A uniform depth only moves the bodies closer.
