@@ -63,7 +63,7 @@ REPEATS, ROUGHNESS = 2, 0.3
 the wear rate of a row, and with it its pressure, by more than a share of the largest: a row that
 came into contact during the jump carries far too much or too little at first."""
 
-SETTLING, SETTLED = 0.5, 0.3
+SETTLING, SETTLED = 0.35, 0.3
 """Longest jump over the distance to the next revolution that is saved, and the jump that is short
 enough at last, over the time in which the shortest waves decay.
 
