@@ -2,12 +2,14 @@
 
 import subprocess
 import sys
+from math import inf
 
 import pytest
 
 import tractive_sam as ts
 from tests.store.sample_records import SCENE, make_record, mesh
 from tractive_sam.store import HeldError, HistoryWriter, ResultsError, open_history, results_writer
+from tractive_sam.store.checkpoints import Checkpoints
 
 
 def test_a_second_run_is_refused_while_the_first_rolls(tmp_path):
@@ -46,7 +48,7 @@ def test_a_writer_that_was_killed_holds_nothing(finished):
 
 
 def test_where_there_are_no_locks_a_file_that_was_taken_over_is_not_mixed(path):
-    with HistoryWriter(path, SCENE, mesh()) as first:
+    with HistoryWriter(path, SCENE, mesh(), checkpoints=Checkpoints(inf)) as first:
         first.append(make_record(0, with_fields=True))
         second = HistoryWriter.reopen(path)
         with pytest.raises(ResultsError, match="another run"):

@@ -43,8 +43,10 @@ def test_many_records(path):
         assert len(file["history/P"]) == len(file["history/record"]) == count
 
 
-def test_records_wait_for_a_checkpoint(path):
-    """At the first record, at those with fields, when it is due, and at the end."""
+def test_records_wait_for_a_checkpoint(path, monkeypatch):
+    """At the first record, where too many fields wait, when it is due, and at the end."""
+    size = sum(one.nbytes for one in make_record(0, with_fields=True).fields.values())
+    monkeypatch.setattr("tractive_sam.store.writer.HELD", 2 * size)
 
     class Due(Checkpoints):
         due = True
@@ -53,7 +55,7 @@ def test_records_wait_for_a_checkpoint(path):
     with HistoryWriter(path, SCENE, mesh(), checkpoints=checkpoints) as writer:
         held = []
         for number, (due, with_fields) in enumerate(
-            [(True, False), (False, False), (False, False), (False, True), (False, False)]
+            [(True, False), (False, True), (False, True), (False, True), (False, False)]
         ):
             checkpoints.due = due
             writer.append(make_record(number, with_fields))

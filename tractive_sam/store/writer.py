@@ -3,7 +3,7 @@
 The file changes only by copies that take its place (`atomic_rewrite`), with all records since the
 last one and the state from which rolling goes on. So whenever the process is killed, the file
 opens, holds a history up to some record, and goes on from there; and it can be read meanwhile. When
-a copy is made `Checkpoints` tells; one is at each record with fields, and at the end, also where
+a copy is made `Checkpoints` tells; one is made where `HELD` is waiting, and at the end, also where
 that is an exception.
 """
 
@@ -26,6 +26,9 @@ from tractive_sam.store.errors import ResultsError
 from tractive_sam.store.opening import results_file
 from tractive_sam.store.reader import open_history, state_of
 from tractive_sam.store.texts import set_text
+
+HELD = 2**24
+"""Most bytes of fields that wait for the next copy."""
 
 RUN = "run"
 """Attribute of a file: the run that writes it."""
@@ -138,6 +141,7 @@ class HistoryWriter:
         self._checkpoints = checkpoints or Checkpoints()
         # How many records are on disk, and those that are not: both change at once.
         self._pending: tuple[int, list[Record]] = (0, [])
+        self._held = 0  # bytes of their fields
         self._grid: Grid | None = None  # the last mesh, and the last state with its row
         self._state: tuple[int, Mapping[str, np.ndarray]] | None = None
 
@@ -193,7 +197,8 @@ class HistoryWriter:
         pending.append(record)
         if state is not None and record.values["converged"]:
             self._state = kept + len(pending) - 1, dict(state)
-        if record.fields or self._checkpoints.due:
+        self._held += _bytes(record)
+        if self._held > HELD or self._checkpoints.due:
             with self._checkpoints.taken():
                 self._write()
 
@@ -229,7 +234,7 @@ class HistoryWriter:
             if ended is not None:
                 layout.set_status(file, *ended)
             kept = len(file["history/record"])
-        self._pending = kept, []
+        self._pending, self._held = (kept, []), 0
         self._state = None
 
     def _check_own(self, file: File) -> None:
@@ -237,6 +242,14 @@ class HistoryWriter:
         if file.attrs.get(RUN) != self._run.encode():
             cure = "give each run a file of its own"
             raise ResultsError(f"{self.path} was taken over by another run; {cure}")
+
+
+def _bytes(record: Record) -> int:
+    """Size of what is kept of a record beside its numbers."""
+    arrays = [*record.fields.values()]
+    arrays += [one for plane in record.stress for one in plane.components.values()]
+    arrays += [one for c in record.cycles for one in vars(c).values() if np.ndim(one)]
+    return sum(one.nbytes for one in arrays)
 
 
 def _check_fits(record: Record, before: tuple[int, int], mesh: tuple[int, int]) -> None:
