@@ -71,6 +71,14 @@ def test_one_by_one_all_is_known():
         assert forecast.seconds_left == (50.0 if revolution == 0 else 0.5 * forecast.left)
 
 
+@pytest.mark.parametrize("wear", [None, {"coefficient": 1e-4}])
+def test_steps_of_a_transient_are_those_of_its_courses(wear):
+    forecast = Forecast(ts.Scene.builtin("fretting").replace(wear=wear))
+    for k in range(51):  # of 0.1, from 0 to 5
+        forecast.add(0.1 * k, 1.0, 1.0, 1.0)
+        assert k == 0 or forecast.left == pytest.approx(50 - k)
+
+
 def test_nothing_is_left_at_the_end_nor_without_wear():
     assert list(foreseen(ts.roll(ts.Scene.builtin("spheres"))))[-1][1:] == (0.0, 0.0)
     scene = ts.Scene.builtin("twin-discs")

@@ -49,7 +49,8 @@ class Forecast:
     def __init__(self, scene: Scene) -> None:
         saves = Saves.of(scene)
         self._stops, self.end = saves.stops, saves.end
-        self._adaptive = scene.wear is not None and scene.wear.stepping == "adaptive"
+        jumps = scene.wear is not None and scene.wear.stepping == "adaptive"
+        self._adaptive = jumps and scene.transient is None
         self._wish, self._spent = 0.0, list[tuple[float, float]]()
         self._here, self._step = 0.0, 1.0
         # Longest step that may go right to a stop: until one was seen to be cut, the last one that

@@ -56,7 +56,7 @@ def conjugate_residuals(
     """
     left = system.right_hand_side()
     goal = tolerance * np.linalg.norm(left)
-    basis = np.empty((most, left.size))
+    basis = np.empty((min(most, 15), left.size))
     found: list[tuple[np.ndarray, np.ndarray]] = []
     triangle, along = np.zeros((most, most)), np.zeros(most)
     while len(found) < most and np.linalg.norm(left) > goal:
@@ -66,6 +66,8 @@ def conjugate_residuals(
         w, h, beyond = orthogonalised(system.product(vector, response.copy()), basis[:k])
         if beyond <= ROUNDING * np.linalg.norm(h):
             break
+        if k == len(basis):
+            basis = np.concatenate((basis, np.empty_like(basis)))
         np.divide(w, beyond, out=basis[k])
         triangle[:k, k], triangle[k, k] = h, beyond
         along[k] = basis[k] @ left
