@@ -25,7 +25,7 @@ _PARITY = {"xx": (1, 1), "xy": (-1, -1), "yy": (1, 1), "zz": (1, 1), "xz": (-1, 
 class Lattice:
     """Number of elements and their sides: all that a convolution knows of a grid.
 
-    If `wrapped`, convolutions are cyclic, on periods that are too short for linear ones.
+    If `wrapped`, convolutions are cyclic, on periods of `NEARBY` sides: too short for linear ones.
     """
 
     shape: tuple[int, int]
@@ -39,14 +39,14 @@ class Lattice:
 
     @property
     def padded(self) -> tuple[int, int]:
-        """Periods (p_x, p_y) of the operators' tables: they hold linear convolutions."""
+        """Periods (p_x, p_y) of the operators' tables: unless `wrapped` for linear convolutions."""
         if self.wrapped:
             return self.cyclic
         return padded_length(self.shape[0]), padded_length(self.shape[1])
 
     @property
     def cyclic(self) -> tuple[int, int]:
-        """Periods of the circulant inverses' tables: the lattice and no more.
+        """Periods of the circulant inverses' tables: the lattice and no more, unless `wrapped`.
 
         That loads also act across its edges costs a method none or one iteration more; without
         padding an inverse takes a third of the time.
