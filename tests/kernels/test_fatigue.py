@@ -175,8 +175,8 @@ def test_cycles_that_do_no_harm_or_are_none_end_at_once():
 def many_cycles():
     """Random ones, components out of phase, and those below lines: with many maxima close by."""
     turn = np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)[None, :, None]
-    mean, amplitude, phase = RNG.normal(size=(3, 6, 1, 300))
-    yield mean + amplitude * np.sin(RNG.integers(1, 3, (6, 1, 300)) * turn + 9.0 * phase)
+    mean, amplitude, phase = RNG.normal(size=(3, 6, 1, 100))
+    yield mean + amplitude * np.sin(RNG.integers(1, 3, (6, 1, 100)) * turn + 9.0 * phase)
     yield from (random_cycles(60, points) for points in (5, 40))
     yield from (line(mu, np.linspace(0.01, 1.5, 12), points=161) for mu in (0.0, 0.1, 0.6))
 
