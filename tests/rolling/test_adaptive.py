@@ -56,7 +56,7 @@ def test_contacts_no_sharper_than_their_jumps(monkeypatch):
     assert deviation(loose, sharp) < 1e-6
     assert all(one.contact.residual <= 1e-3 for one in loose)
     cost = [sum(one.contact.cost.applications for one in course) for course in (loose, sharp)]
-    assert cost[0] < 0.8 * cost[1]
+    assert cost[0] < 0.8 * cost[1]  # .76 measured
 
 
 @pytest.mark.slow
