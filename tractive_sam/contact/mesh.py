@@ -53,7 +53,7 @@ def choose_grid(scene: Scene, measured=None, finer: float = 1.0) -> Grid:
     SceneError
         If a measured gap is so much longer than wide that they would be too many.
     """
-    wears, slides = scene.wear is not None, scene.transient and not scene.transient.rolls
+    wears, shifts_only = scene.wear is not None, scene.shifts
     scene = scene.heaviest
     if scene.grid is not None:
         return Grid.of(scene.grid.half_length, scene.grid.elements)
@@ -68,7 +68,7 @@ def choose_grid(scene: Scene, measured=None, finer: float = 1.0) -> Grid:
         side = (2.0 * across / (ACROSS * finer),) * 2
     else:
         lateral = WORN_MARGIN if wears else MARGIN
-        along = WORN_MARGIN if wears and slides else MARGIN  # fretting lets it grow in x, too
+        along = WORN_MARGIN if wears and shifts_only else MARGIN  # fretting lets it grow in x, too
         shifts = scene.spectrum.shifts if scene.spectrum else (0.0,)
         contacts = [one.hertz for one in (scene.spectrum.scenes if scene.spectrum else (scene,))]
         reach = [lateral * c.b + abs(y) for c, y in zip(contacts, shifts, strict=True)]

@@ -10,7 +10,7 @@ from tractive_sam.solvers.nested import shares
 from tractive_sam.solvers.outcome import Note, Outcome, Solver, Start
 from tractive_sam.solvers.problem import Box, NormalProblem, PrescribedForces, Problem
 
-NEARBY = 2
+AROUND = 2
 """Elements around a contact nearby in which the normal problem is solved."""
 
 
@@ -51,7 +51,7 @@ class InSequence:
         if start is None:
             return self.normal.solve(problem, tolerance)
         shape = problem.gap.shape
-        box = rectangle(start.pressure > 0.0, NEARBY)
+        box = rectangle(start.pressure > 0.0, AROUND)
         if box == tuple(slice(0, n) for n in shape):
             return self.normal.solve(problem, tolerance, start)
         near = self.normal.solve(problem.within(box), tolerance, Start(start.pressure[box]))
