@@ -30,6 +30,7 @@ compiled = pytest.mark.skipif(
 
 RNG = np.random.default_rng(20)
 CRITERIA = (DangVan(0.3), Crossland(0.3), Findley(0.3), FatemiSocie(0.3, 2.0))
+JUDGES = (*CRITERIA, OrthogonalShear(), enclosing_radius, residual_shear)
 
 
 def line(mu, depths, points=801, nu=0.3):
@@ -161,15 +162,24 @@ def test_the_critical_plane_is_that_of_brute_force(sum_k, product_k):
 @compiled
 def test_cycles_that_do_no_harm_or_are_none_end_at_once():
     """Of uniform pressure no plane is better than another; nan is its own cycle's only."""
-    pressure, cycles = np.zeros((6, 5, 1)), random_cycles(3)
+    pressure = np.zeros((6, 5, 1))
     pressure[:3] = -100.0
     assert Findley(0.3)(pressure) == 0.0
-    cycles[:, :, 1] = np.nan
-    for criterion in CRITERIA:
-        found = criterion(cycles)
-        assert not found[1] > 0.0
-        # The cycle before is where the search begins: what is searched for to 1e-4.
-        np.testing.assert_allclose(found[::2], criterion(cycles[..., ::2]), rtol=fatigue.ENOUGH)
+    for points in (slice(None), 7):  # all of the cycle, or one point on the way
+        cycles = random_cycles(3)
+        cycles[4, points, 1] = np.nan
+        for judge in JUDGES:
+            found = judge(cycles)
+            assert np.isnan(found[1])
+            # The cycle before is where the search begins: what is searched for to 1e-4.
+            np.testing.assert_allclose(found[::2], judge(cycles[..., ::2]), rtol=fatigue.ENOUGH)
+
+
+@pytest.mark.parametrize("shape", [(6,), (5, 6), (12, 6), (6, 0, 3)])
+def test_a_cycle_of_another_shape_is_refused(shape):
+    for judge in JUDGES:
+        with pytest.raises(ValueError, match=r"\(6, n, ...\)"):
+            judge(np.zeros(shape))
 
 
 def many_cycles():

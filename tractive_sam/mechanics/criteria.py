@@ -99,7 +99,12 @@ class CycleCriterion(ABC):
         Returns
         -------
         ndarray, shape (...)
-            MPa; up to zero there is no damage.
+            MPa; up to zero there is no damage; nan where a stress is.
+
+        Raises
+        ------
+        ValueError
+            If the cycles have another shape.
         """
 
 

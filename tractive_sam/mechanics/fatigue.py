@@ -9,16 +9,32 @@ from tractive_sam.kernels import fatigue
 from tractive_sam.mechanics.criteria import CycleCriterion
 
 
+def checked(cycle: np.ndarray) -> np.ndarray:
+    """Cycles, if they have the shape (6, n, ...) and points at all; else a ValueError."""
+    cycle = np.asarray(cycle, float)
+    if cycle.ndim < 2 or len(cycle) != 6 or not cycle.shape[1]:
+        asked = "(6, n, ...): xx, yy, zz, xy, xz, yz at n points along the cycle"
+        raise ValueError(f"a cycle has the shape {asked}; not {cycle.shape}")
+    return cycle
+
+
 def paths(cycle: np.ndarray) -> np.ndarray:
     """Cycles (6, n, ...) as kernels take them, (number, 6, n)."""
-    flat = cycle.reshape(*cycle.shape[:2], -1)
+    cycle = checked(cycle)
+    flat = cycle.reshape(*cycle.shape[:2], math.prod(cycle.shape[2:]))
     return np.ascontiguousarray(flat.transpose(2, 0, 1))
 
 
-def _each(kernel, cycle: np.ndarray, *parameters) -> np.ndarray:
-    out = np.empty(cycle.shape[2:])
-    kernel(out.reshape(-1), paths(cycle), *parameters)
-    return out
+def _each(kernel, cycle: np.ndarray, *parameters, numbers: int = 1) -> np.ndarray:
+    """Numbers of each cycle by a kernel, (numbers, ...); nan where a stress is not finite."""
+    given = paths(cycle)
+    known = np.isfinite(given).all(axis=(1, 2))
+    out = np.full((numbers, len(given)), np.nan)
+    if known.any():  # kernels compare, which would step over nan
+        found = np.empty((numbers, np.count_nonzero(known)))
+        kernel(*found, given if known.all() else given[known], *parameters)
+        out[:, known] = found
+    return out.reshape(numbers, *np.shape(cycle)[2:])
 
 
 @dataclass(frozen=True)
@@ -52,8 +68,7 @@ class DangVan(CycleCriterion):
 
     def and_radius(self, cycle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The same, and the radius of the ball that it takes anyway."""
-        out, radius = (np.empty(cycle.shape[2:]) for _ in range(2))
-        fatigue.dang_van(out.reshape(-1), radius.reshape(-1), paths(cycle), self.sensitivity)
+        out, radius = _each(fatigue.dang_van, cycle, self.sensitivity, numbers=2)
         return out, radius
 
 
@@ -116,7 +131,7 @@ class Findley(CycleCriterion):
 
     def __call__(self, cycle: np.ndarray) -> np.ndarray:
         """See `CycleCriterion`."""
-        return _each(fatigue.critical_plane, cycle, self.sensitivity, 0.0)
+        return _each(fatigue.critical_plane, cycle, self.sensitivity, 0.0)[0]
 
 
 @dataclass(frozen=True)
@@ -148,7 +163,7 @@ class FatemiSocie(CycleCriterion):
     def __call__(self, cycle: np.ndarray) -> np.ndarray:
         """See `CycleCriterion`."""
         each = self.sensitivity / self.yield_strength
-        return _each(fatigue.critical_plane, cycle, 0.0, each)
+        return _each(fatigue.critical_plane, cycle, 0.0, each)[0]
 
 
 @dataclass(frozen=True)
@@ -172,7 +187,7 @@ class OrthogonalShear(CycleCriterion):
 
     def __call__(self, cycle: np.ndarray) -> np.ndarray:
         """See `CycleCriterion`."""
-        return 0.5 * np.ptp(cycle[4], axis=0)
+        return 0.5 * np.ptp(checked(cycle)[4], axis=0)
 
 
 def enclosing_radius(cycle: np.ndarray) -> np.ndarray:
@@ -189,7 +204,7 @@ def enclosing_radius(cycle: np.ndarray) -> np.ndarray:
     -------
     ndarray, shape (...)
     """
-    return _each(fatigue.balls, cycle)
+    return _each(fatigue.balls, cycle)[0]
 
 
 def judged(criterion: CycleCriterion, cycle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -215,7 +230,7 @@ def residual_shear(cycle: np.ndarray) -> np.ndarray:
     ndarray, shape (m,)
         MPa.
     """
-    return _each(fatigue.shakedown_layer, cycle)
+    return _each(fatigue.shakedown_layer, cycle)[0]
 
 
 def over_depth(depth: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:
