@@ -6,9 +6,11 @@ import sys
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
 import tractive_sam as ts
 from tractive_sam import plot
+from tractive_sam.cli import app
 from tractive_sam.cli.plot import Format
 from tractive_sam.results.grid import Grid
 from tractive_sam.scene import Scene
@@ -91,6 +93,16 @@ def test_plot_that_cannot_be_written(call, stored):
     result = call("plot", stored, "-o", stored)
     assert result.exit_code == 2
     assert "cannot be written" in result.stderr
+
+
+def test_a_block_that_is_not_there_is_no_fault_of_the_figures(call, stored, monkeypatch):
+    assert call("plot", stored, "--block", "light").exit_code == 2
+
+    def wrong(*args, **options):
+        raise KeyError("a fault of the program")
+
+    monkeypatch.setattr(plot, "save_all", wrong)
+    assert isinstance(CliRunner().invoke(app, ["plot", str(stored)]).exception, KeyError)
 
 
 @pytest.mark.parametrize("arguments", [("show", "stored.h5"), ("show", "stored.h5", "--json")])

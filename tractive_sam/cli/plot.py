@@ -62,12 +62,16 @@ def plot(
 
         history = open_history(file)
         try:
+            every = range(len(history.scene.duty))
+            blocks = every if block == ["all"] else [history.place_of(one) for one in block or ()]
+        except LookupError as error:
+            raise stop(Status.INVALID, str(error)) from None
+        try:
             folder = output or Path(f"{file.stem}-figures")
-            blocks = range(len(history.scene.duty)) if block == ["all"] else block or ()
             paths = save_all(history, folder, format, units=units, dpi=dpi, blocks=blocks)
             if animated:
                 paths.append(animate(history, folder / "evolution.gif"))
-        except (LookupError, ValueError) as error:
+        except ValueError as error:
             raise stop(Status.INVALID, str(error)) from None
         except OSError as error:
             raise stop(Status.INVALID, f"the figures cannot be written: {error}") from None
