@@ -141,16 +141,16 @@ def wear_law_in(model: Model, contact: State) -> WearLaw | None:
         heat = contact.heat or heat_of(model, contact)  # results files keep none of the last one
         temperature = heat.temperature["A"]  # where they touch, that of B too
 
-    def of(one: WearLaw | None) -> WearLaw | None:
+    def of(one: WearLaw) -> WearLaw:
         if isinstance(one, ArchardByWork) and one.friction:
             warm = scene.friction.temperature is not None
             friction = in_warmth(model, temperature) if warm else one.friction
             one = replace(one, friction=friction, length=model.grid.dx)
-        if one is not None and scene.wear is not None and scene.wear.temperature:
+        if scene.wear is not None and scene.wear.temperature:
             one = Warmed(one, np.interp(temperature, *np.array(scene.wear.temperature).T))
         return one
 
-    return EachBody(of(law.A), of(law.B)) if isinstance(law, EachBody) else of(law)
+    return law.mapped(of) if isinstance(law, EachBody) else of(law)
 
 
 def in_warmth(model: Model, temperature: np.ndarray) -> FallingCoulomb:

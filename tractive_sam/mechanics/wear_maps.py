@@ -4,7 +4,7 @@ The coefficients are in `mechanics.wear_sets`; what is converted is converted he
 and `PER_SECTION`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -166,6 +166,10 @@ class EachBody(WearLaw):
     A: WearLaw | None = None
     B: WearLaw | None = None
 
+    def mapped(self, of: Callable[[WearLaw], WearLaw]) -> "EachBody":
+        """What a function makes of each law that there is."""
+        return EachBody(*(None if law is None else of(law) for law in (self.A, self.B)))
+
     def _of_bodies(self, quantity: str, *fields: np.ndarray) -> np.ndarray:
         """A quantity of each body, shape (2, n_x, n_y); zero of one without a law."""
         none = np.zeros_like(fields[0])
@@ -202,13 +206,11 @@ class EachBody(WearLaw):
 
     def on(self, element_area: float) -> "EachBody":
         """See `WearLaw.on`."""
-        A, B = (None if law is None else law.on(element_area) for law in (self.A, self.B))
-        return EachBody(A, B)
+        return self.mapped(lambda law: law.on(element_area))
 
     def weakened(self, factor: float) -> "EachBody":
         """See `WearLaw.weakened`."""
-        A, B = (None if law is None else law.weakened(factor) for law in (self.A, self.B))
-        return EachBody(A, B)
+        return self.mapped(lambda law: law.weakened(factor))
 
     def beyond_tests(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> str:
         """See `WearLaw.beyond_tests`."""
