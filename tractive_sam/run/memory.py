@@ -8,6 +8,7 @@ from tractive_sam.operators import available
 from tractive_sam.results import FIELDS
 from tractive_sam.rolling import Saves
 from tractive_sam.scene import Fault, SceneError
+from tractive_sam.solvers import Sparing
 
 BESIDE = 3.5
 """Numbers that are held beside all planes while the stress of one is computed and written, over
@@ -29,10 +30,10 @@ def of_contact(model: Model) -> float:
     # precision, tables on the way to them, and a Krylov space in single precision.
     krylov, padded, elements = 25, math.prod(lattice.padded), math.prod(lattice.shape)
     if model.scene.transient is not None:
-        # In double up to 40 vectors, the responses to them and their orthonormal basis; and the
-        # nearby operators.
-        krylov = 3 * 40
-        padded += math.prod(model.operators.nearby.lattice.padded)
+        # In double all vectors of a system, the responses to them and their orthonormal basis; and
+        # the nearby operators.
+        krylov, nearby = 3 * Sparing.krylov, model.operators.nearby
+        padded += 0 if nearby is None else math.prod(nearby.lattice.padded)
     spectra = 1.5 * (9 if fields == 3 else 3)
     one = 8.0 * (padded * (spectra + 3.75 * fields + 7) + krylov * fields * elements)
     return one * len(model.blocks)

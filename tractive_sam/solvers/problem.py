@@ -242,9 +242,12 @@ class Problem:
         return replace(self, normal=held, rigid=rigid, friction=friction.on(x, y))
 
     @cached_property
-    def nearby(self) -> Self:
-        """Nearly the same problem, whose operators take half the work or less."""
-        return replace(self, normal=replace(self.normal, operators=self.operators.nearby))
+    def nearby(self) -> Self | None:
+        """Nearly the same problem, with `Operators.nearby`."""
+        operators = self.operators.nearby
+        if operators is None:
+            return None
+        return replace(self, normal=replace(self.normal, operators=operators))
 
     def coarsened(self) -> Self:
         """The same problem on elements of twice the size."""

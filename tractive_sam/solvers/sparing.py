@@ -13,6 +13,7 @@ without an application, as long as nothing has to be brought back to a bound.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -88,6 +89,8 @@ class Sparing(Newton):
 
     Attributes
     ----------
+    krylov : int
+        As of `Newton`; of each application three vectors are held.
     inner : int
         Most iterations of GMRES that precondition one of the system.
     near : float
@@ -98,6 +101,7 @@ class Sparing(Newton):
     rise: float = 0.5  # what a shorter step leads to is known as well
     loosest: float = 0.5
     aim: float = 0.6
+    krylov: int = 40
     inner: int = 6
     near: float = 0.03
 
@@ -129,16 +133,10 @@ class Sparing(Newton):
     ) -> tuple[Iterate, Cost]:
         """See `Newton._advanced`."""
         system = System(problem, at, float)
-        near = System(problem.nearby, at, self.precision(self.near, at.pressure.size))
-
-        def nearly(left: np.ndarray) -> np.ndarray:
-            rows = left.astype(near.kind)
-            found = gmres(near.operator, near.preconditioner, rows, self.near, self.inner)
-            return found[0].astype(float)
-
-        # What a row of elements displaces holds a constant, which hinges on the period.
-        alone = min(problem.operators.lattice.shape) == 1
-        preconditioner = system.preconditioner if alone else nearly
+        preconditioner, near = system.preconditioner, system
+        if problem.nearby is not None:
+            near = System(problem.nearby, at, self.precision(self.near, at.pressure.size))
+            preconditioner = partial(self._nearly, near)
         vector, answer = conjugate_residuals(system, preconditioner, goal, self.krylov)
         # Bringing tractions back takes an application each: only where leaving them has stalled.
         ahead, trials = self._led(
@@ -150,5 +148,11 @@ class Sparing(Newton):
             stalled,
             not bounded,
         )
-        beside = system.preconditionings + near.applications + near.preconditionings
+        beside = near.preconditionings + (0 if near is system else near.applications)
         return ahead, Cost(system.applications + trials, beside)
+
+    def _nearly(self, near: System, left: np.ndarray) -> np.ndarray:
+        """Roughly the solution of a system nearby."""
+        rows = left.astype(near.kind)
+        found = gmres(near.operator, near.preconditioner, rows, self.near, self.inner)
+        return found[0].astype(float)
