@@ -8,13 +8,13 @@ import gc
 import logging
 import signal
 import socket
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence, Sized
 from contextlib import contextmanager, suppress
 from importlib.util import find_spec
 from multiprocessing import resource_tracker
 from time import monotonic, sleep
 from traceback import format_exception
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 from uuid import uuid4
 
 from tractive_sam import interrupt
@@ -26,6 +26,8 @@ from tractive_sam.studies.worker import ONE_THREAD, run_case, run_chain
 if TYPE_CHECKING:
     from distributed import Client, Future
     from distributed.security import Security
+
+T = TypeVar("T")
 
 MISSING = (
     "dask is not installed: it comes with the extra study, pip install '.[study]' in the source "
@@ -191,21 +193,35 @@ def on_cluster(
     """
     left = {task.case.digest: task for task in tasks}
     killed: dict[str, int] = {}
+
+    def turn(client: "Client") -> Iterator[tuple[Task, Outcome]]:
+        for task, together, outcome in _handed_out(client, chained(left.values(), alone=killed)):
+            if outcome is None and together > 1:
+                killed[task.case.digest] = 0  # which of them it was is seen alone
+                continue
+            ended = outcome or _after_deaths(task, reached(task), killed)
+            if ended is not None and ended.status != HELD:
+                del left[task.case.digest]
+                yield task, ended
+
+    yield from _turns(turn, left, address, say, security)
+
+
+def _turns(
+    turn: Callable[["Client"], Iterator[T]],
+    left: Sized,
+    address: str,
+    say: Callable[[str], None],
+    security: "Security | None",
+) -> Iterator[T]:
+    """What turns with a client yield, one after another until none of `left` is left."""
     patience = FIRST_CONTACT
     while left:
         try:
             with _client(address, patience, say, security) as client:
                 patience = PATIENCE
                 _look_at_workers(client, say)
-                chains = chained(left.values(), alone=killed)
-                for task, together, outcome in _handed_out(client, chains):
-                    if outcome is None and together > 1:
-                        killed[task.case.digest] = 0  # which of them it was is seen alone
-                        continue
-                    ended = outcome or _after_deaths(task, reached(task), killed)
-                    if ended is not None and ended.status != HELD:
-                        del left[task.case.digest]
-                        yield task, ended
+                yield from turn(client)
         except _CutOffError:
             say("the scheduler was lost; what is not complete is handed out again")
         else:
@@ -351,22 +367,17 @@ def computed(
     ...     with studies.local_cluster(workers) as (address, security):
     ...         return dict(studies.computed(calls, address, print, security))
     """
-    left, patience = dict(enumerate(calls)), FIRST_CONTACT
-    while left:
-        try:
-            with _client(address, patience, say, security) as client:
-                patience = PATIENCE
-                _look_at_workers(client, say)
-                numbers = [*left]
-                asked = [(f"call-{k}", -float(k), left[k]) for k in numbers]
-                for place, future in _ended(client, asked):
-                    k = numbers[place]
-                    found = _result(future)
-                    del left[k]
-                    yield k, found
-        except _CutOffError:
-            say("the scheduler was lost; what is not complete is handed out again")
-            sleep(PAUSE)
+    left = dict(enumerate(calls))
+
+    def turn(client: "Client") -> Iterator[tuple[int, Any]]:
+        numbers = [*left]
+        asked = [(f"call-{k}", -float(k), left[k]) for k in numbers]
+        for place, future in _ended(client, asked):
+            found = _result(future)
+            del left[numbers[place]]
+            yield numbers[place], found
+
+    yield from _turns(turn, left, address, say, security)
 
 
 def _result(future: "Future") -> Any:
