@@ -83,7 +83,7 @@ FAULTS = {
     ),
     "falling.h5": (
         lambda path: write_hdf5(path, x=X[::-1], y=Y, separation=SEPARATION),
-        "x that does not increase",
+        "x that does not increase, ",
     ),
     "single.h5": (lambda path: write_hdf5(path, x=X[:1], y=Y, separation=SEPARATION[:1]), "x of"),
     "words.h5": (lambda path: write_hdf5(path, x=["a"], y=Y, separation=SEPARATION), "unreadable"),
@@ -93,7 +93,7 @@ FAULTS = {
     "fields.npy": (lambda path: np.save(path, np.zeros(3, [("x", float)])), "no field y"),
     "hole.npy": (lambda path: np.save(path, POINTS[1:]), "11 points"),
     "twice.npy": (lambda path: np.save(path, POINTS[[0, *range(11)]]), "11 distinct"),
-    "nan.npy": (lambda path: np.save(path, with_nan()), "1 separations that are not finite"),
+    "nan.npy": (lambda path: np.save(path, with_nan()), r"nan in array\[5, 2\];"),
     "nan-x.npy": (lambda path: np.save(path, POINTS * [np.nan, 1, 1]), "gap.file"),
     "empty.npy": (lambda path: path.write_bytes(b""), "unreadable"),
     "archive.npy": (write_archive, "an archive of arrays"),
@@ -104,11 +104,17 @@ FAULTS = {
     "link.h5": (lambda path: write_damaged(path, b"SNOD"), "unreadable"),
     "group.h5": (lambda path: write_hdf5(path, **{"x": X, "y": Y, "separation/a": X}), "unread"),
     "empty.csv": (lambda path: path.write_text(""), "no rows"),
-    "ragged.csv": (lambda path: path.write_text("x,y,separation\n1,2\n"), "rows of"),
+    "ragged.csv": (lambda path: path.write_text("x,y,separation\n1,2\n"), "line 2 of 2 cells, not 3"),
     "header.csv": (lambda path: path.write_text("x,y,separation\n"), "no rows below"),
     "units.csv": (lambda path: path.write_text("y [mm];z\n0;1\n"), "the unit of z"),
     "order.csv": (lambda path: path.write_text("z,x,y\n1,2,3\n"), "columns z, x, y"),
-    "words.csv": (lambda path: path.write_text("x,y,separation\na,b,c\n"), "unreadable"),
+    "words.csv": (lambda path: path.write_text("x,y,separation\na,b,c\n"), "line 2, 'a' and 2 more"),
+    "nan.csv": (lambda path: path.write_text("# y z\n0 1\n\n1 nan\n"), "line 4, 'nan';"),
+    "falling.csv": (
+        lambda path: path.write_text("y,separation\n0,1\n2,1\n1,1\n"),
+        "increase, 1 after 2;",
+    ),
+    "matrix.csv": (lambda path: path.write_text("y,0,1,2\n0,1,1,1\n1,1,x,1\n"), "line 3, 'x';"),
 }
 
 

@@ -5,11 +5,12 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+from numpy.typing import ArrayLike
 
 from tractive_sam import scene
 from tractive_sam.scene import LENGTHS, TEXTS
 from tractive_sam.store.errors import GapError
-from tractive_sam.store.gap_text import is_number, read_text
+from tractive_sam.store.gap_text import is_number, one_of, read_text
 
 NAMES = ("x", "y", "separation")
 VALUES = ("separation", "height", "z")
@@ -106,7 +107,7 @@ def _read_hdf5(path: Path, told: scene.Gap) -> _Found:
         units = {name: _unit_of(path, name, file[name]) for name in NAMES}
         if units["x"] != units["y"]:
             raise GapError(path, f"x in {units['x']}, y in {units['y']}", "the same unit of both")
-        x, y, values = (np.asarray(file[name], float) for name in NAMES)
+        x, y, values = (_finite(path, file[name], name) for name in NAMES)
     return _Found(x, y, values, (units["x"], units["separation"]))
 
 
@@ -135,9 +136,9 @@ def _read_npz(path: Path, told: scene.Gap) -> _Found:
     if len(value) != 1 or "y" not in held:
         needed = f"y, one of {', '.join(VALUES)}, and x but for a profile; or a single array"
         raise GapError(path, f"arrays {', '.join(held)}", needed)
-    y, values = np.asarray(held["y"], float), np.asarray(value[0], float)
+    y, values = _finite(path, held["y"], "y"), _finite(path, value[0], "separation")
     if "x" in held:
-        return _Found(np.asarray(held["x"], float), y, values)
+        return _Found(_finite(path, held["x"], "x"), y, values)
     _check_body(path, told, () if "separation" not in held else ("y", "separation"))
     return _profile(y, values)
 
@@ -148,7 +149,17 @@ def _of_array(path: Path, told: scene.Gap, array: np.ndarray) -> _Found:
         if missing:
             raise GapError(path, f"no field {', '.join(missing)}", f"fields {', '.join(NAMES)}")
         array = np.stack([array[name].ravel() for name in NAMES], axis=-1)
-    return _of_numbers(path, told, np.asarray(array, float))
+    return _of_numbers(path, told, _finite(path, array, "array"))
+
+
+def _finite(path: Path, values: ArrayLike, name: str) -> np.ndarray:
+    """An array of finite numbers."""
+    array = np.asarray(values, float)
+    wrong = np.argwhere(~np.isfinite(array))
+    if wrong.size:
+        places = [f"{array[tuple(at)]} in {name}{at.tolist()}" for at in wrong]
+        raise GapError(path, one_of(places), "finite numbers")
+    return array
 
 
 def _read_text(path: Path, told: scene.Gap) -> _Found:
@@ -163,10 +174,10 @@ def _read_text(path: Path, told: scene.Gap) -> _Found:
     units = (*(lateral or {"mm"}), table.units[-1] or "mm") if table.units else ("mm", "mm")
     few = len(table.cells[0]) <= len(NAMES) and is_number(table.cells[0][0])
     if table.names or few or told.step is not None:
-        return replace(_of_numbers(path, told, table.numbers, table.names), units=units)
-    y = np.array(table.cells[0][1:], float)  # the corner may hold anything
-    rows = np.array(table.cells[1:], float).reshape(-1, 1 + len(y))
-    return _Found(rows[:, 0], y, rows[:, 1:])
+        return replace(_of_numbers(path, told, table.numbers(path), table.names), units=units)
+    table.cells[0][0] = "0"  # the corner may hold anything
+    matrix = table.numbers(path)
+    return _Found(matrix[1:, 0], matrix[0, 1:], matrix[1:, 1:])
 
 
 def _of_numbers(
@@ -219,9 +230,13 @@ def _gridded(path: Path, points: np.ndarray) -> _Found:
     x, i = np.unique(points[:, 0], return_inverse=True)
     y, j = np.unique(points[:, 1], return_inverse=True)
     size = len(x) * len(y)  # of scattered points as many as their square: not to be laid out
-    filled = len(np.unique(np.stack((i, j)), axis=1).T)
+    places, times = np.unique(np.stack((i, j)), axis=1, return_counts=True)
+    filled = len(times)
     if not len(points) == filled == size:
         found = f"{len(points)} points ({filled} distinct) of {len(x)} x and {len(y)} y"
+        if filled < len(points):
+            k, m = places[:, times > 1][:, 0]
+            found += f"; x = {x[k]:g}, y = {y[m]:g} is there {times.max()} times"
         raise GapError(path, found, f"each of the {size} points of the grid once")
     separation = np.empty((len(x), len(y)))
     separation[i, j] = points[:, 2]
@@ -232,15 +247,14 @@ def _check(path: Path, found: _Found) -> None:
     for name, axis in (("x", found.x), ("y", found.y)):
         if axis.ndim != 1 or axis.size < 2:
             raise GapError(path, f"{name} of shape {axis.shape}", f"at least 2 values of {name}")
-        # "not all" rather than "any": nan must fail, too
-        if not np.all(np.diff(axis) > 0) or not np.all(np.isfinite(axis)):
-            raise GapError(path, f"{name} that does not increase", f"finite, increasing {name}")
+        falls = np.flatnonzero(np.diff(axis) <= 0.0)
+        if falls.size:
+            places = [f"{axis[k + 1]:g} after {axis[k]:g}" for k in falls]
+            found = f"{name} that does not increase, {one_of(places)}"
+            raise GapError(path, found, f"increasing {name}")
     wanted = (found.x.size, found.y.size)
     if found.values.shape != wanted:
         raise GapError(path, f"separation of shape {found.values.shape}", f"the shape {wanted}")
-    if not np.isfinite(found.values).all():
-        bad = np.count_nonzero(~np.isfinite(found.values))
-        raise GapError(path, f"{bad} separations that are not finite", "finite numbers")
     largest = max(float(np.abs(array).max()) for array in (found.x, found.y, found.values))
     if largest > LARGEST:
         raise GapError(path, f"numbers up to {largest:g}", f"lengths up to {LARGEST:g} mm")

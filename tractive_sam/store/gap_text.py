@@ -1,7 +1,8 @@
 """Reads tables of numbers as instruments and spreadsheets write them."""
 
+import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,7 +13,7 @@ from tractive_sam.store.errors import GapError
 LONGEST = 1_000_000
 """Characters of a line that a table may have."""
 
-_SPACED = re.compile(r"\d\s+[-+.\d]")  # a number, space, and the next one
+_SPACED = re.compile(r"\d\s+[-+.\w]")  # a number, space, and the next one
 _BEFORE_UNIT = re.compile(r"\s+(?=[\[(])")
 _NAME = re.compile(r"""\s*["']?([^\W\d_]+)[\s_]*[\[(]?\s*(nm|[uµμ]m|mm|m)?\s*[\])]?["']?\s*""")
 
@@ -25,6 +26,8 @@ class TextTable:
     ----------
     cells : list of list of str
         All rows of the same length, numbers with decimal points; without the header of columns.
+    lines : list of int
+        In which line of the file each row is, from 1.
     names : tuple of str
         In lower case; empty without a header.
     units : tuple of str
@@ -32,12 +35,26 @@ class TextTable:
     """
 
     cells: list[list[str]]
+    lines: list[int]
     names: tuple[str, ...] = ()
     units: tuple[str, ...] = ()
 
-    @property
-    def numbers(self) -> np.ndarray:
-        """All cells as numbers, shape (rows, columns)."""
+    def numbers(self, path: Path) -> np.ndarray:
+        """All cells as numbers, shape (rows, columns).
+
+        Raises
+        ------
+        GapError
+            With the line of the first one that is no finite number.
+        """
+        wrong = [
+            f"line {line}, {cell!r}"
+            for line, row in zip(self.lines, self.cells, strict=True)
+            for cell in row
+            if not (is_number(cell) and math.isfinite(float(cell)))
+        ]
+        if wrong:
+            raise GapError(path, one_of(wrong), "a finite number in every cell")
         return np.array(self.cells, float)
 
 
@@ -50,27 +67,38 @@ def read_text(path: Path) -> TextTable:
         If it has no rows, or rows of different lengths.
     """
     text = path.read_text(encoding="utf-8-sig")
-    lines = [line.strip() for line in text.splitlines() if line.strip()]
-    if any(len(line) > LONGEST for line in lines):
+    lines = [(k, line.strip()) for k, line in enumerate(text.splitlines(), 1) if line.strip()]
+    if any(len(line) > LONGEST for _, line in lines):
         raise GapError(path, f"a line longer than {LONGEST} characters", "a line for each row")
-    rows = [line for line in lines if line[0] not in "#%"]
+    rows = [(k, line) for k, line in lines if line[0] not in "#%"]
     if not rows:
         raise GapError(path, "no rows", "a row of numbers for each point")
-    split = _splitter(rows[-1])
-    cells = [split(line) for line in rows]
+    split = _splitter(rows[-1][1])
+    cells = [split(line) for _, line in rows]
+    numbers = [k for k, _ in rows]
     header = _header(cells[0])
     if header:
-        cells = cells[1:]
+        cells, numbers = cells[1:], numbers[1:]
         if not cells:
             raise GapError(path, "no rows below the header", "a row of numbers for each point")
     elif rows[0] != lines[0]:  # the last comment before the numbers may be the header
-        header = _header(split(lines[lines.index(rows[0]) - 1].lstrip("#% ")))
+        header = _header(split(lines[lines.index(rows[0]) - 1][1].lstrip("#% ")))
         header = header if len(header) == len(cells[0]) else []
-    widths = {len(row) for row in cells} | ({len(header)} if header else set())
-    if len(widths) > 1:
-        raise GapError(path, f"rows of {sorted(widths)} entries", "rows of the same length")
+    width = len(header) or len(cells[0])
+    other = [
+        f"line {k} of {len(row)} cells, not {width}"
+        for k, row in zip(numbers, cells, strict=True)
+        if len(row) != width
+    ]
+    if other:
+        raise GapError(path, one_of(other), "rows of the same length")
     names, units = zip(*header, strict=True) if header else ((), ())
-    return TextTable(cells, names, units)
+    return TextTable(cells, numbers, names, units)
+
+
+def one_of(places: Sequence[str]) -> str:
+    """The first of many places at which something is wrong, and how many more there are."""
+    return places[0] if len(places) == 1 else f"{places[0]} and {len(places) - 1} more"
 
 
 def is_number(cell: str) -> bool:
