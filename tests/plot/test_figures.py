@@ -108,6 +108,18 @@ def test_a_measured_profile_is_drawn_on_its_body():
     np.testing.assert_allclose(upper - lower, 1e3 * (known + crowns + measured), rtol=1e-9)
 
 
+def test_bodies_with_a_measured_ridge_touch_though_nothing_wears(tmp_path):
+    y = np.linspace(-3.0, 3.0, 61)
+    gap = ts.Gap(x=[-9.0, 9.0], y=y, separation=[-1e-3 * np.exp(-(y**2))] * 2)
+    given = {"gap": gap, "wear": None, "grid.elements": [9, 15], "subsurface": None}
+    history = ts.roll(ts.Scene.builtin("twin-discs-isotropic").replace(**given))
+    axes = drawn(plot.worn_profiles(history)).axes[0]
+    upper, lower = (line.get_ydata() for line in axes.lines)
+    assert min(upper - lower) == 0.0
+    assert axes.figure.legends == []  # there is one record only
+    assert "profiles.png" in [path.name for path in plot.save_all(history, tmp_path)]
+
+
 @pytest.mark.slow
 def test_animation_has_a_picture_for_every_stored_revolution(tmp_path):
     path = plot.animate(strips.history(), tmp_path / "a.gif")

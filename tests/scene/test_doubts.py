@@ -29,6 +29,22 @@ def test_what_looks_like_another_unit(settings, key):
         DISCS.with_set(settings)
 
 
+def test_a_modulus_in_another_unit_is_told_with_the_grid_it_does_not_fit():
+    grid = ["grid.half_length=[0.5, 0.8]", "grid.elements=[31, 31]"]
+    with pytest.raises(ts.SceneError) as caught:
+        DISCS.with_set(["body.A.young=208", "body.B.young=208", *grid])
+    assert all("GPa" in fault.allowed for fault in caught.value.faults)
+
+
+def test_what_a_course_stands_for_is_told():
+    scene = ts.Scene.builtin("traction-control")
+    with pytest.warns(PlausibilityWarning, match=r"creepage\.longitudinal"):
+        scene.with_set(["creepage.longitudinal=-0.01"])
+    with warnings.catch_warnings():  # as the course begins
+        warnings.simplefilter("error", PlausibilityWarning)
+        scene.with_set(["creepage.longitudinal=0.0"])
+
+
 def test_creepage_without_friction():
     with pytest.warns(PlausibilityWarning, match=r"creepage\.longitudinal.*\[friction\]"):
         DISCS.replace(friction=None, wear=None)

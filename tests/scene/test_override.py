@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tractive_sam.scene import Friction, Scene, SceneError, Wear
+from tractive_sam.scene import BlockLoad, Friction, Scene, SceneError, Wear
 
 
 def test_values_as_in_toml(spheres):
@@ -123,6 +123,51 @@ def test_faulty_setting(spheres, setting, key):
     with pytest.raises(SceneError) as caught:
         spheres.with_set([setting])
     assert caught.value.faults[0].key == key
+
+
+BLOCKS = ({"revolutions": 1, "load": {"normal": 0.4}}, {"revolutions": 2})
+
+
+@pytest.fixture
+def spectrum(spheres):
+    return spheres.with_set(WORN).replace(duty=BLOCKS)
+
+
+def test_an_entry_of_a_block_by_its_place(spectrum):
+    changed = spectrum.with_set(["duty[0].load.normal=0.6", "duty[1].friction.mu=0.2"])
+    assert [block.changes for block in changed.duty] == [
+        {"load.normal": 0.6},
+        {"friction.mu": (0.2, 0.2)},
+    ]
+    assert [block.revolutions for block in changed.duty] == [1, 2]
+    assert spectrum.duty[0].load.normal == 0.4  # the old one is left as it is
+
+
+def test_an_alternative_in_a_block_removes_its_rival_there(spectrum):
+    changed = spectrum.replace(**{"duty[0].load.pressure": 900.0})
+    assert changed.duty[0].changes == {"load.pressure": 900.0}
+    assert changed.load.normal == spectrum.load.normal
+
+
+@pytest.mark.parametrize(
+    "key",
+    ["duty[2].load.normal", "duty.load.normal", "load[0].normal", "title[0]", "0", "duty[0][0]"],
+)
+def test_a_place_that_is_not_there(spectrum, key):
+    with pytest.raises(SceneError) as caught:
+        spectrum.replace(**{key: 1.0})
+    assert [fault.key for fault in caught.value.faults] == [key]
+
+
+def test_an_entry_of_a_block_is_described():
+    assert Scene.described("duty[3].load.normal") is BlockLoad.model_fields["normal"]
+
+
+@pytest.mark.parametrize("key", ["duty.load", "0", "load[0].normal", "duty[0].laod", "title[0].x"])
+def test_what_no_scene_has_is_not_described(key):
+    with pytest.raises(SceneError) as caught:
+        Scene.described(key)
+    assert [fault.key for fault in caught.value.faults] == [key]
 
 
 def test_all_faulty_settings_at_once(spheres):

@@ -77,6 +77,13 @@ def test_faults_name_the_key(changes, key):
     assert key in [fault.key for fault in error.value.faults]
 
 
+def test_what_only_counts_has_no_unit():
+    fretting = ts.Scene.builtin("fretting")
+    alike = {"transient.distance": [0, 1], "transient.load.force_x": [0, 9], "transient.step": 1}
+    history = ts.roll(fretting.replace(**alike, **{"grid.elements": (15, 15)}))
+    assert {history.columns[name].unit for name in ("distance", "next_step")} == {"1"}
+
+
 def test_scenes_without_it_have_nothing_of_it():
     history = ts.roll(SPHERES.replace(**{"grid.elements": (15, 15), "subsurface": None}))
     assert "revolution" in history.columns

@@ -8,11 +8,11 @@ import pytest
 
 from tests.studies.conftest import CREEPAGE, MU, small
 from tractive_sam.run.pipeline import roll
-from tractive_sam.scene import PlausibilityWarning
+from tractive_sam.scene import PlausibilityWarning, Scene
 from tractive_sam.store import ResultsError, results_writer
 from tractive_sam.studies import Study, cases, figures, open_study, save_figures, study
 from tractive_sam.studies.case import told_value
-from tractive_sam.studies.figures import _texts
+from tractive_sam.studies.figures import _texts, _variable
 from tractive_sam.studies.folder import Folder
 from tractive_sam.studies.task import Outcome
 
@@ -229,6 +229,14 @@ def test_three_axes_are_too_many_for_a_figure(tmp_path):
         results = open_study(tmp_path)
     with pytest.raises(ValueError, match=r"3 axes vary, .*; hold all but 2 by KEY=VALUE"):
         save_figures(results, tmp_path)
+
+
+def test_axes_of_courses_and_blocks_are_named_in_a_line():
+    rolled, shifted = map(Scene.builtin, ("traction-control", "fretting"))
+    courses = {"transient.creepage.longitudinal": ((0.0, 1e-3), (0.0, 2e-3))}
+    assert "shift" not in _variable(courses, rolled).label
+    assert _variable(courses, shifted).label.endswith("mm")
+    assert _variable({"duty[0].load.normal": (1.0, 2.0)}, rolled).label == "$P$ of duty[0] (N)"
 
 
 def test_blocks_of_a_duty_cycle_as_values_of_an_axis_are_told_by_name_and_revolutions():

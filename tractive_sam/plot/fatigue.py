@@ -79,9 +79,9 @@ def shakedown_map(history: History) -> Figure:
     mu, first, inside, surface = LINE_CONTACT.T
     axes.plot(mu, first, color=GREY, linestyle=":", label="first yield, line contact")
     axes.plot(mu, np.minimum(inside, surface), color=GREY, label="certain, line contact")
-    classic = mu > 1.0 / 8.0
     label = r"$1/\mu$, plane Tresca at the surface"
-    axes.plot(mu[classic], 1.0 / mu[classic], color=GREY, linestyle="--", label=label)
+    classic = np.linspace(1.0 / 8.0, mu[-1], 200)
+    axes.plot(classic, 1.0 / classic, color=GREY, linestyle="--", label=label)
     force = np.hypot(history["Qx_over_P"], history["Qy_over_P"])
     load = history["p_max"] / k
     axes.plot(force, load, color="black", linewidth=0.8)

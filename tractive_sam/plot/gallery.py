@@ -111,6 +111,8 @@ def _all(history: History) -> Iterator[tuple[str, Figure]]:
         yield from _of_cycle(history)
         return
     yield from _figures(history)
+    if len(history) == 1 and history.scene.gap is not None:
+        yield "profiles", worn_profiles(history)
     yield from _of_fatigue(history)
     wear = history.scene.wear
     if wear is not None and not wear.together and np.any(history["wear_profile"]):

@@ -17,6 +17,9 @@ MOST = 8
 BESIDE = 0.15
 """Shown on either side of the worn track, over its half width."""
 
+UNWORN = 2.0
+"""Shown of bodies that do not wear, over the half width of the contact."""
+
 
 def chosen(saved: np.ndarray, most: int = MOST) -> np.ndarray:
     """At most so many of the values, the first and the last among them."""
@@ -52,7 +55,7 @@ def worn_profiles(history: History) -> Figure:
     Raises
     ------
     ValueError
-        If nothing is worn.
+        If nothing is worn or measured.
 
     Examples
     --------
@@ -60,11 +63,12 @@ def worn_profiles(history: History) -> Figure:
     <Figure size ...>
     """
     worn = history.y[(history["wear_profile"] > 0.0).any(axis=0)]
-    if not worn.size:
-        raise ValueError("nothing to draw: the bodies are not worn")
+    if not worn.size and not _measured_body(history):
+        raise ValueError("nothing to draw: the bodies are not worn, and no [gap] is measured")
     figure, axes = across(history, "sections of the bodies")
     y = history.y / Scale.of_history(history).across
-    shown = np.abs(history.y) <= (1.0 + BESIDE) * np.abs(worn).max()
+    half = np.abs(worn).max() if worn.size else UNWORN * history["half_width_y"].max()
+    shown = np.abs(history.y) <= (1.0 + BESIDE) * half
     surfaces = {body: _surfaces(history, body) for body in "AB"}
     _lines(axes, history, *(lambda N, one=one: one[N] for one in surfaces.values()))
     last = history.saved[-1].item()
@@ -92,9 +96,11 @@ def _measured_body(history: History) -> str:
 def _surfaces(history: History, body: str) -> dict[float, np.ndarray]:
     """Height of the surface of a body at every record, micrometres, shape (n_y,)."""
     upwards = 1.0 if body == "A" else -1.0
-    crown = history.y**2 / (2.0 * getattr(history.scene.body, body).radius_y)
+    crowns = {b: history.y**2 / (2.0 * getattr(history.scene.body, b).radius_y) for b in "AB"}
+    crown = crowns[body]
     if body == _measured_body(history):
-        crown = crown + _stored(history, "measured_profile")[history.saved[-1].item()]
+        measured = _stored(history, "measured_profile")[history.saved[-1].item()]
+        crown = crown + measured - (measured + sum(crowns.values())).min()  # as they touch
     depth = _stored(history, f"wear_profile_{body}")
     return {N: upwards * MICRON * (crown + worn) for N, worn in depth.items()}
 
@@ -140,4 +146,5 @@ def _lines(axes: Axes, history: History, *values: Callable[[float], np.ndarray])
         lines = axes.plot(y, np.transpose([of(at) for of in values]), color=shade)
         lines[0].set_label(format(at, history.coordinate.format))
     axes.set_xlim(y.min(), y.max())
-    axes.figure.legend(title=symbol_of(history.coordinate), loc="outside right center")
+    if len(places) > 1:
+        axes.figure.legend(title=symbol_of(history.coordinate), loc="outside right center")

@@ -79,7 +79,10 @@ class Variable:
     @property
     def label(self) -> str:
         """What to write along the axis."""
-        label = LABELS.get(self.name) or self.meaning or self.name
+        within, bracket, entry = self.name.rpartition("].")
+        label = LABELS.get(entry) or self.meaning or self.name
+        if bracket and entry in LABELS:
+            label = f"{label} of {within}]"
         return fill(label if self.unit in ("", "1") else f"{label} ({self.unit})", LETTERS)
 
     @property
@@ -228,9 +231,10 @@ def _label(axes: Axes, x: Variable, y: Variable) -> None:
     elif x.numeric:
         axes.xaxis.set_major_locator(MaxNLocator(TICKS))
     if not y.numeric:
-        axes.set_yticks(y.places, y.values)
+        axes.set_yticks(y.places, [fill(one, LETTERS // 3) for one in y.values])
     if not x.numeric:
-        axes.set_xticks(x.places, x.values)
+        letters = max(LETTERS // x.values.size, LETTERS // 6)
+        axes.set_xticks(x.places, [fill(one, letters) for one in x.values])
 
 
 def _told(value) -> str:

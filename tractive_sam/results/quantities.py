@@ -293,7 +293,8 @@ _SCALARS = (
              per_length=True, when=_worn_on_the_way),
     Quantity("elastic_energy", "N mm", "elastic energy of the tractions, of dissimilar bodies with "
              "the pressure", symbol="W", per_length=True, when=_transient),
-    Quantity("next_step", "mm", "how far the next step is to go", when=_transient),
+    Quantity("next_step", "1", "how far the parameter is to go in the next step", when=_shifting),
+    Quantity("next_step", "mm", "how far the next step is to go", when=_rolling_on),
     Quantity("stretch", "1", "stretch between two knots, from 0 on", format="g", when=_transient),
 )
 
@@ -324,8 +325,8 @@ _OTHERS = (
              _of_heat("temperature_mean"), symbol=r"T_\mathrm{mean}", when=_heated),
     Quantity("heat_share", "1", "share of body A in the heat that friction makes",
              _of_heat("share"), format=".4f", when=_heated),
-    Quantity("worn_volume", "mm3", "volume worn off each body since it was new; of a flat one of "
-             "a transient only",
+    Quantity("worn_volume", "mm3", "volume worn off each body since it was new; of a flat body "
+             "only where a transient wears it",
              lambda c: c.worn_volume, ("body",), symbol="V", per_length=True, when=_worn),
     Quantity("worn_mass", "mg", "mass worn off each body since it was new, by its density",
              lambda c: c.worn_mass, ("body",), symbol="m", per_length=True, when=_worn),

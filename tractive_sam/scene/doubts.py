@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,6 +10,8 @@ import numpy as np
 from .tables import PER_INTENSITY
 
 if TYPE_CHECKING:
+    from tractive_sam.mechanics import Material
+
     from .scene import Scene
 
 LIKE_GPA = (30.0, 1000.0)
@@ -40,14 +42,19 @@ MOST_SHAKEN = 4.7
 _STEEL = "Steel has 2.1e5 MPa"
 
 
-def doubts(scene: Scene) -> Iterator[str]:
-    """A line for each entry that is doubtful, with what may be meant."""
-    for name, material in scene.materials.items():
+def doubtful_moduli(materials: Mapping[str, Material]) -> Iterator[str]:
+    """A line for each body that is as stiff as others in another unit."""
+    for name, material in materials.items():
         E = material.young
         if LIKE_GPA[0] <= E <= LIKE_GPA[1] and material.poisson < SOFT:
             yield f"body.{name}: E = {E:g} MPa is that of a soft plastic; in GPa? {_STEEL}"
         elif LIKE_PA[0] <= E <= LIKE_PA[1]:
             yield f"body.{name}: E = {E:g} MPa is beyond any material; in Pa? {_STEEL}"
+
+
+def doubts(scene: Scene) -> Iterator[str]:
+    """A line for each entry that is doubtful, with what may be meant."""
+    yield from doubtful_moduli(scene.materials)
     if scene.hertz is not None and scene.hertz.p0 > HARDEST:
         yield (
             f"load: p0 = {scene.hertz.p0:.4g} MPa by Hertz, and no material withstands "
@@ -64,6 +71,11 @@ def doubts(scene: Scene) -> Iterator[str]:
         creepage = getattr(scene.creepage, key)
         if abs(creepage) > MOST_CREEPAGE:
             yield f"creepage.{key}: {creepage:g} is {100 * creepage:g} %; 1 % is 0.01"
+    for key, course in scene.transient.courses.items() if scene.transient else ():
+        table, _, name = key.partition(".")
+        given = getattr(scene, table).entries().get(name)
+        if (table == "creepage" or name.startswith("force")) and given not in (None, course[0]):
+            yield f"{key}: {given:g} is not used, transient.{key} stands for it; leave it out"
     if scene.friction is None:
         moved = [key for key, value in scene.creepage.settings().items() if value]
         if moved:

@@ -7,6 +7,7 @@ one starts from are told from here.
 from __future__ import annotations
 
 import inspect
+import re
 import textwrap
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -60,6 +61,12 @@ class Group:
     names: tuple[str, ...]
     about: str
     keys: tuple[Key, ...]
+
+
+def parts(key: str) -> list[str | int]:
+    """The names of a dotted key, and places in lists: ``duty[0].load.normal`` is of block 0."""
+    names = re.sub(r"\[(\d+)\]", r".\1", key).split(".")
+    return [int(name) if name.isdecimal() else name for name in names]
 
 
 def groups(table: type[Table], *names: str) -> Iterator[Group]:

@@ -7,6 +7,7 @@ from typing import Any
 
 from .alternatives import RIVALS
 from .faults import Fault, SceneError, shown
+from .keys import parts
 from .tables import BY_COEFFICIENT
 from .toml import parse_value
 
@@ -38,7 +39,8 @@ def override(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str,
     tables : mapping
         Nested tables; left as they are.
     changes : mapping
-        New values by dotted key. A missing table is made; None removes an entry. Setting one of
+        New values by dotted key, as ``load.normal`` or ``duty[0].load.normal``. A missing table
+        is made; None removes an entry. Setting one of
         two alternatives (young/shear, normal/approach, creepage/traction, gap file/arrays, load
         history/blocks) removes the other, unless that is set as well; a wear law removes the
         coefficients of another one. If fewer revolutions are asked for than are to be saved, those
@@ -47,17 +49,19 @@ def override(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str,
     Raises
     ------
     SceneError
-        If a key leads through an entry that is no table.
+        If a key leads through an entry that is no table, or to a place that a list has not.
     """
     result = _copy(tables)
     faults = [fault for key, value in changes.items() for fault in _set(result, key, value)]
     if faults:
         raise SceneError(faults)
     for key, value in changes.items():
-        for rival in RIVALS.get(key, ()) if value is not None else ():
+        block, bracket, entry = key.rpartition("].")
+        for other in RIVALS.get(entry, ()) if value is not None else ():
+            rival = f"{block}{bracket}{other}"
             if not any(f"{change}.".startswith(f"{rival}.") for change in changes):
                 _remove(result, rival)
-    changed = {change.split(".")[0] for change in changes}
+    changed = {parts(change)[0] for change in changes}
     for key, other in (("load_history", "duty"), ("duty", "load_history")):
         if key in changed and other not in changed:
             _remove(result, other)
@@ -70,26 +74,45 @@ def override(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str,
     return result
 
 
-def _copy(tables: Mapping[str, Any]) -> dict[str, Any]:
-    return {k: _copy(v) if isinstance(v, Mapping) else v for k, v in tables.items()}
+def _copy(value: Any) -> Any:
+    """Tables and lists of tables anew, all else as it is."""
+    if isinstance(value, Mapping):
+        return {key: _copy(item) for key, item in value.items()}
+    if isinstance(value, list | tuple) and any(isinstance(item, Mapping) for item in value):
+        return [_copy(item) for item in value]
+    return value
 
 
 def _set(tables: dict[str, Any], key: str, value: Any) -> list[Fault]:
-    *path, last = key.split(".")
-    for depth, name in enumerate(path, start=1):
-        tables = tables.setdefault(name, {})
-        if not isinstance(tables, dict):
-            return [Fault(key, shown(value), f"no entry within {'.'.join(path[:depth])}")]
-    tables[last] = _copy(value) if isinstance(value, Mapping) else value
+    inner: Any = tables
+    path = parts(key)
+    for depth, name in enumerate(path):
+        allowed = _not_within(inner, name, ".".join(map(str, path[:depth])))
+        if allowed:
+            return [Fault(key, shown(value), allowed)]
+        if depth < len(path) - 1:
+            inner = inner[name] if isinstance(name, int) else inner.setdefault(name, {})
+    inner[name] = _copy(value)
     return []
 
 
+def _not_within(inner: Any, name: str | int, where: str) -> str:
+    """What is allowed in place of a name, or a place, that an entry cannot have; else nothing."""
+    if isinstance(inner, list):
+        within = isinstance(name, int) and name < len(inner)
+        return "" if within else f"a place in the list: {where}[0] to {where}[{len(inner) - 1}]"
+    if not isinstance(inner, dict):
+        return f"no entry within {where}"
+    return f"no place: the scene has no list {where}" if isinstance(name, int) else ""
+
+
 def _remove(tables: dict[str, Any], key: str) -> None:
-    *path, last = key.split(".")
+    inner: Any = tables
+    *path, last = parts(key)
     for name in path:
-        tables = tables.get(name) or {}
-    if isinstance(tables, dict):
-        tables.pop(last, None)
+        inner = inner[name] if isinstance(name, int) else inner.get(name) or {}
+    if isinstance(inner, dict):
+        inner.pop(last, None)
 
 
 def _shorten_save(tables: dict[str, Any]) -> None:

@@ -18,7 +18,7 @@ from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 
 from .faults import MOST_TOLD, Fault, SceneError, shown, suggestion
-from .keys import documented
+from .keys import documented, parts
 
 _CONFIG = ConfigDict(strict=True, arbitrary_types_allowed=True)
 
@@ -124,15 +124,20 @@ class Table(BaseModel):
             If there is none.
         """
         table: type[Table] | None = cls
-        path = key.split(".")
-        for depth, name in enumerate(path):
+        array: type[Table] | None = None
+        before = ""
+        for name in parts(key):
+            if array and isinstance(name, int):
+                table, array, before = array, None, f"{before}[{name}]"
+                continue
             if table is None:
-                fault = Fault(key, shown(key), f"no entry within {'.'.join(path[:depth])}")
-                raise SceneError([fault])
+                place = f"; {before}[0].{name} is that of the first one" if array else ""
+                raise SceneError([Fault(key, shown(key), f"no entry within {before}{place}")])
             if name not in table.model_fields:
-                raise SceneError([Fault(key, shown(key), suggestion(name, table.model_fields))])
+                allowed = suggestion(str(name), table.model_fields)
+                raise SceneError([Fault(key, shown(key), allowed)])
             info = table.model_fields[name]
-            table = _table_of(info)
+            table, array, before = _table_of(info), _item_of(info), f"{before}.{name}".lstrip(".")
         return info
 
 

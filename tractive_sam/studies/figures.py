@@ -12,6 +12,7 @@ import numpy as np
 from tractive_sam import interrupt
 from tractive_sam.plot import DPI, Figure, Variable, study_curves, study_map, study_samples
 from tractive_sam.results import COLUMNS, by_name
+from tractive_sam.scene import Scene
 from tractive_sam.studies.axis import SAMPLE
 from tractive_sam.studies.case import told_value
 from tractive_sam.studies.results import StudyResults, title_of
@@ -161,27 +162,29 @@ def _figures(
     about = results.quantities[name]
     values = results.column(name).reshape(results.study.shape)[index]
     quantity = Variable(name, values, about.long_name, about.unit)
-    line = results.rows[0].case.scene.line
+    scene = results.rows[0].case.scene
     if free[0].name == SAMPLE:
-        variables = {key: _variable(free[0].columns, line, key) for key in free[0].columns}
+        variables = {key: _variable(free[0].columns, scene, key) for key in free[0].columns}
         yield "samples", study_samples(variables, quantity, title=title)
         return
     if len(free) == 1:
-        yield "curve", study_curves(_variable(free[0].columns, line), quantity, title=title)
+        yield "curve", study_curves(_variable(free[0].columns, scene), quantity, title=title)
         return
     if len(free[0]) < len(free[1]):
         free, quantity = free[::-1], replace(quantity, values=values.T)
-    x, over = (_variable(one.columns, line) for one in free)
+    x, over = (_variable(one.columns, scene) for one in free)
     yield "curves", study_curves(x, quantity, over, title=title)
     yield "map", study_map(x, over, quantity, title=title)
 
 
-def _variable(columns: Mapping[str, tuple], line: bool, key: str | None = None) -> Variable:
+def _variable(columns: Mapping[str, tuple], scene: Scene, key: str | None = None) -> Variable:
     """Values of an entry; of the first one, that of the axis, by default."""
     key = key or next(iter(columns))
     numbers = all(isinstance(one, int | float) for one in columns[key])
     values = np.array(columns[key] if numbers else _texts(columns[key]))
-    return Variable(key, values, title_of(key), _unit(key, line))
+    rolling, _, shifting = title_of(key).partition('; of start = "shift" ')
+    meaning = shifting if shifting and scene.shifts else rolling
+    return Variable(key, values, meaning, _unit(key, scene.line))
 
 
 def _texts(column: tuple) -> list[str]:
@@ -199,4 +202,4 @@ def _unit(key: str, line: bool) -> str:
         "creepage.spin": units["spin"],
         "friction.angle": "degrees",
     }
-    return of_entries.get(key, "")
+    return of_entries.get(key.rpartition("].")[2], "")

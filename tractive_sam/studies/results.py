@@ -357,8 +357,10 @@ def _ends(column: Sequence[Any]) -> tuple[Any, Any]:
 
 
 def title_of(key: str) -> str:
-    """What an entry of the scene means, with its unit."""
-    return Scene.described(key).title or key
+    """What an entry of the scene means, with its unit; of a list, with its place."""
+    title = Scene.described(key).title or key
+    within, bracket, _ = key.rpartition("].")
+    return f"{within}]: {title}" if bracket else title
 
 
 def _row(case: Case, file: Path, failure: str) -> Row:
