@@ -1,6 +1,7 @@
 """The fallbacks of `auto`: Newton's method by way of easier problems, then Anderson's."""
 
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,7 +9,16 @@ import pytest
 from tests.scenes import size, steady
 from tests.solvers.small import tangential_problem
 from tractive_sam.results.status import Cost, Status
-from tractive_sam.solvers import Bracketing, Continuation, Newton, Outcome, PrescribedForces, Solver
+from tractive_sam.solvers import (
+    Bracketing,
+    Continuation,
+    FromRest,
+    Newton,
+    Outcome,
+    PrescribedForces,
+    Solver,
+    Start,
+)
 from tractive_sam.solvers.ladder import METHODS
 
 SMALL = ("grid.half_length=[4.08, 4.08]", "grid.elements=[19, 19]")
@@ -28,6 +38,27 @@ class Failing:
         outcome = self.solver.solve(problem, tolerance, start)
         notes = tuple(replace(note, status=Status.DIVERGED) for note in outcome.trace)
         return replace(outcome, status=Status.DIVERGED, trace=notes)
+
+
+class Counted:
+    """A method that costs one application, and does not lead to a problem as it was given."""
+
+    count = 0
+
+    def solve(self, problem, tolerance, start=None) -> Outcome:
+        self.count += 1
+        status = Status.CONVERGED if isinstance(problem, float) else Status.DIVERGED
+        return Outcome(status, 0.0, 1, Cost(1.0))
+
+
+@pytest.mark.parametrize("start", [None, Start()])
+def test_the_way_from_rest_costs_what_its_problems_cost(start):
+    falling = SimpleNamespace(falls=True)
+    problem = SimpleNamespace(friction=SimpleNamespace(law=falling), forces=(), eased=float)
+    counted = Counted()
+    outcome = FromRest(counted, counted).solve(problem, 1e-6, start)
+    assert outcome.converged
+    assert outcome.cost.applications == counted.count
 
 
 def without_first(ladder, failing=1):

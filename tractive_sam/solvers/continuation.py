@@ -5,6 +5,7 @@ whatever the elasticity does. As the creepages fall, stick spreads from the lead
 of the way that fails is halved.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from tractive_sam.solvers.outcome import Note, Outcome, Solver, Start
@@ -44,26 +45,56 @@ class Continuation:
             With the cost of the whole way; not converged where it did not lead to its end.
         """
         rough = max(tolerance, self.rough)
-        now = self.solver.solve(self.eased(problem, 0.0), rough, start)
-        done, stretch, taken = 0.0, self.first, 1
-        while now.converged and done < 1.0 and stretch >= self.shortest:
-            ahead = min(1.0, done + stretch)
+
+        def solve(ahead: float, before: Outcome) -> Outcome:
             last = tolerance if ahead == 1.0 else rough
-            tried = self.solver.solve(self.eased(problem, ahead), last, now)
-            taken += 1
-            if tried.converged:
-                now, done, stretch = tried.costing(now), ahead, 2.0 * stretch
-            else:
-                now = now.costing(tried)
-                stretch *= 0.5
-        if done < 1.0:
-            failed = tried if now.converged else now
-            now = replace(now, status=failed.status, residual=failed.residual)
-        more = f" after {taken} problems"
-        if done < 1.0:
-            more += f", {done:.0%} of the way"
-        return replace(now, trace=(Note("newton continued in creepage", now.status, more),))
+            return self.solver.solve(self.eased(problem, ahead), last, before)
+
+        now = self.solver.solve(self.eased(problem, 0.0), rough, start)
+        return continued(now, solve, "creepage", self.first, self.shortest)
 
     def eased(self, problem: Problem, done: float) -> Problem:
         """The problem at a part of the way, from 0 to 1."""
         return replace(problem, rigid=self.full ** (1.0 - done) * problem.rigid)
+
+
+def continued(
+    now: Outcome,
+    solve: Callable[[float, Outcome], Outcome],
+    along: str,
+    first: float,
+    shortest: float,
+) -> Outcome:
+    """Go a way from 0 to 1: a stretch that fails is halved, after others the next is twice as long.
+
+    Parameters
+    ----------
+    now : Outcome
+        At the beginning of the way.
+    solve : callable
+        Solves the problem at a part of the way, from the outcome of the one before.
+    along : str
+        What changes.
+    first, shortest : float
+        Stretches: the first one, and the shortest before giving up.
+
+    Returns
+    -------
+    Outcome
+        With the cost of the whole way; not converged where it did not lead to its end.
+    """
+    done, stretch, taken, tried = 0.0, first, 1, now
+    while now.converged and done < 1.0 and stretch >= shortest:
+        ahead = min(1.0, done + stretch)
+        tried = solve(ahead, now)
+        taken += 1
+        if tried.converged:
+            now, done, stretch = tried.costing(now), ahead, 2.0 * stretch
+        else:
+            now = now.costing(tried)
+            stretch *= 0.5
+    more = f" after {taken} problems"
+    if done < 1.0:
+        now = replace(now, status=tried.status, residual=tried.residual)
+        more += f", {done:.0%} of the way"
+    return replace(now, trace=(Note(f"newton continued in {along}", now.status, more),))

@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy  # its parts are loaded when first used
 
-from tractive_sam.solvers.outcome import Note, Outcome, Solver, Start
+from tractive_sam.solvers.continuation import continued
+from tractive_sam.solvers.outcome import Outcome, Solver, Start
 from tractive_sam.solvers.problem import PrescribedForces, Problem
 
 
@@ -60,9 +61,10 @@ class FromRest:
             spent.append(outcome)
         begin = np.inf if self.sliding else 0.0
         now = self.solver.solve(problem.eased(begin), max(tolerance, self.rough))
-        outcome = _costing(self.nearby.solve(problem, tolerance, now), now, *spent)
+        at_once = self.nearby.solve(problem, tolerance, now)
+        outcome = _costing(at_once, now, *spent)
         if not outcome.converged and now.converged:
-            outcome = _costing(self._continued(problem, tolerance, now), outcome)
+            outcome = _costing(self._continued(problem, tolerance, now), at_once, *spent)
             if not outcome.converged and len(problem.forces):
                 outcome = self._with_top(problem, outcome, now)
         if not outcome.converged and outcome.top is None:
@@ -71,24 +73,15 @@ class FromRest:
 
     def _continued(self, problem: Problem, tolerance: float, now: Outcome) -> Outcome:
         """By way of slower rolling, or faster."""
-        done, stretch, taken, tried = 0.0, self.first, 0, now
         # Forces that one creepage has no more are beyond the top: no need to come quite near it.
         shortest = 0.5 * self.first if len(problem.forces) else self.shortest
-        while done < 1.0 and stretch >= shortest:
-            ahead = min(1.0, done + stretch)
+
+        def solve(ahead: float, before: Outcome) -> Outcome:
             speed = 1.0 / ahead if self.sliding else ahead
             last = tolerance if ahead == 1.0 else max(tolerance, self.rough)
-            tried = self.nearby.solve(problem.eased(speed), last, now)
-            taken += 1
-            if tried.converged:
-                now, done, stretch = tried.costing(now), ahead, 2.0 * stretch
-            else:
-                now = now.costing(tried)
-                stretch *= 0.5
-        if done < 1.0:
-            now = replace(now, status=tried.status, residual=tried.residual)
-        more = f" after {taken} problems" + (f", {done:.0%} of the way" if done < 1.0 else "")
-        return replace(now, trace=(Note("newton continued in speed", now.status, more),))
+            return self.nearby.solve(problem.eased(speed), last, before)
+
+        return continued(now, solve, "speed", self.first, shortest)
 
     def _with_top(self, problem: Problem, outcome: Outcome, now: Outcome) -> Outcome:
         """The outcome with the top of the curve of the first force over its creepage."""
