@@ -42,7 +42,7 @@ def test_material_that_passes_a_constant_course_wears_as_in_a_revolution():
     history = ts.roll(scene(rolling(21, dx=dx, start="steady"), n))
     steady = revolution(n)
     assert history.status == "done"
-    # Particle by particle the same work: as far as both are solved.
+    # Particle by particle the same work: as far as both are solved, 3e-5 of the depth.
     np.testing.assert_allclose(history["wear_profile"][-1], steady, atol=1e-4 * steady.max())
 
 
@@ -57,7 +57,7 @@ def test_first_order_slip_wears_more_of_its_work_in_a_transient():
         history = ts.roll(scene(rolling(steps, dx=dx, start="steady"), n, **changes))
         steady = revolution(n, **changes)
         apart.append(history["wear_profile"][-1].sum() / steady.sum() - 1.0)
-    assert 0.0 < apart[1] < 0.65 * apart[0]
+    assert 0.0 < apart[1] < 0.65 * apart[0]  # .5 of first order; .47 measured
 
 
 @pytest.mark.slow
@@ -73,8 +73,8 @@ def test_worn_bodies_feed_back_as_in_a_revolution():
     # elements less by a third.
     np.testing.assert_allclose(history["wear_profile"][-1], steady, atol=2e-3 * steady.max())
     apart = history["Qx"] - history["Qx"][-1]
-    assert abs(apart[0]) > 2e-3 * history["Qx"][-1]
-    assert abs(apart[-10]) < 1e-4 * history["Qx"][-1]
+    assert abs(apart[0]) > 2e-3 * history["Qx"][-1]  # .4 % measured
+    assert abs(apart[-10]) < 1e-4 * history["Qx"][-1]  # it has settled: 1.4e-5
 
 
 @pytest.mark.slow
@@ -113,14 +113,14 @@ def test_what_is_worn_lies_on_the_track(step, slip):
     assert (np.diff(places) > 0.0).all()
     sections = depth.sum(axis=1) * history.grid.dy
     volume = np.trapezoid(sections, places)
-    # Sums over particles are kept by any interpolation; records are further apart than elements.
-    apart = 1e-3 if step is None else 0.03
-    assert volume == pytest.approx(history["worn_volume"][-1].sum(), rel=apart)
-    assert history["step_worn"].sum() == pytest.approx(history["worn_volume"][-1].sum(), rel=1e-12)
+    whole = history["worn_volume"][-1].sum()
+    # By trapezia between places: of steps of one element a sum, of others 3 % off.
+    assert volume == pytest.approx(whole, rel=1e-12 if step is None else 0.03, abs=0.0)
+    assert history["step_worn"].sum() == pytest.approx(whole, rel=1e-12, abs=0.0)  # rounding
     # It is deepest where the contact was when it slid most, and the front of it has passed.
     deepest = places[depth.max(axis=1).argmax()]
     assert 4 * DX < deepest < 20 * DX
-    assert depth.max() == pytest.approx(history["wear_max"][-1], rel=1e-3 if step is None else 0.03)
+    assert depth.max() == pytest.approx(history["wear_max"][-1], rel=1e-12, abs=0.0)  # the same
 
 
 @pytest.mark.parametrize("step", [None, 0.6 * DX])
@@ -129,7 +129,8 @@ def test_it_wears_by_the_work_of_friction(step):
     assert history.status == "done"
     work = history["step_friction"]
     worn = work > 1e-6 * work.max()  # in others work on a few elements is negative, and wears none
-    np.testing.assert_allclose(history.wear_balance[worn], 1.0, atol=1e-6)
+    # As far as steps are solved: 3e-8 measured.
+    np.testing.assert_allclose(history.wear_balance[worn], 1.0, rtol=1e-6)
     np.testing.assert_allclose(history["step_worn"][worn], LITTLE / MU * work[worn], rtol=1e-6)
 
 
@@ -142,7 +143,7 @@ def test_shifts_wear_by_the_work_of_friction_as_their_steps_become_small():
         by_work = LITTLE / MU * history["step_friction"].sum()
         apart.append(history["step_worn"].sum() / by_work - 1.0)
     assert 0.0 < apart[1] < 0.35 * apart[0]  # .28 measured
-    assert apart[1] < 0.02
+    assert apart[1] < 0.02  # .007 measured
 
 
 def test_orthotropic_wear_is_within_its_coefficients():
@@ -150,26 +151,26 @@ def test_orthotropic_wear_is_within_its_coefficients():
     law = {"intensity": (LITTLE, 0.3 * LITTLE)}
     history = ts.roll(scene(table, wear=law, **{"friction.mu": (0.4, 0.2), "friction.angle": 30.0}))
     known = history.wear_balance[1:]
-    np.testing.assert_allclose(known, 1.0, atol=1e-9)
+    np.testing.assert_array_equal(known, 1.0)
 
 
 def test_each_body_has_its_share():
     by_hardness = {"body.A.hardness": 1.0, "body.B.hardness": 3.0}
     history = ts.roll(scene(rolling(16), **by_hardness))
     lost, behind = (history[name] for name in ("worn_volume", "wear_profile"))
-    np.testing.assert_allclose(lost[-1, 0], 0.75 * lost[-1].sum())
-    np.testing.assert_allclose(history["wear_profile_A"], 0.75 * behind, atol=1e-20)
+    np.testing.assert_allclose(lost[-1, 0], 0.75 * lost[-1].sum(), rtol=1e-12)  # rounding
+    np.testing.assert_allclose(history["wear_profile_A"], 0.75 * behind, rtol=1e-12)
     own = {"law": {"A": "archard", "B": "energy"}, "coefficient": {"A": 1.0, "B": 3.0 / MU}}
     apart = ts.roll(scene(rolling(16), wear=own))
     # k of the energy law in mm3/J is that of Archard's over mu, and 1e3 i.
     ratio = apart["worn_volume"][-1] / lost[-1].sum()
-    np.testing.assert_allclose(ratio, [1.0, 3.0], rtol=1e-6)
+    np.testing.assert_allclose(ratio, [1.0, 3.0], rtol=1e-5)  # tractions slip as solved: 9e-7
 
 
 def test_archards_law_counts_the_way_whatever_the_friction():
     table = {"distance": [0, 30 * DX], "creepage.longitudinal": [-0.1] * 2}
     both = [ts.roll(scene(table | changes)) for changes in ({}, {"friction.mu": [MU, MU / 2]})]
-    # Full slip by the creepage: elastic slip is another one, of a tenth.
+    # Full slip by the creepage: elastic slip is another one, of a tenth; 1.2 % measured.
     first, weaker = (history["step_worn"][-1] for history in both)
     assert weaker == pytest.approx(first, rel=0.02)
     assert np.isnan(both[1].wear_balance).all()
@@ -203,11 +204,12 @@ def test_the_contact_is_that_of_the_worn_bodies():
         found = history.state(2.0)
         again = ts.solve(SPHERES.replace(**{"grid.elements": (N, N)}), wear=found.wear)
         missed.append(np.abs(again.pressure - found.pressure).max() / P0)
+    # Enough to be seen: 5 % of the approach and 3.4 % of the pressure.
     assert found.wear.max() > 0.04 * found.approach
     assert again.p_max < 0.97 * P0
     # The gap of a step holds the wear that the one before foretold: second order.
-    assert missed[1] < 0.3 * missed[0]
-    assert missed[1] < 1e-3
+    assert missed[1] < 0.3 * missed[0]  # .23 measured
+    assert missed[1] < 1e-3  # 3.4e-4 measured
 
 
 def test_a_line_contact_wears_too():
@@ -219,7 +221,7 @@ def test_a_line_contact_wears_too():
         cylinders.replace(creepage=None, transient=table, grid=grid, wear={"coefficient": 1e-4})
     )
     assert history.status == "done"
-    np.testing.assert_allclose(history.wear_balance[1:], 1.0, atol=1e-6)
+    np.testing.assert_allclose(history.wear_balance[1:], 1.0, rtol=1e-6)  # 1e-8, as solved
     assert history.worn_track[1].shape[1] == 1
 
 
@@ -233,10 +235,11 @@ def test_worn_bodies_begin_worn_and_flat_ones_lose_volume():
     going_on = discs.replace(transient=table, wear=None, creepage=None).replace(wear=wear)
     history = ts.roll(going_on, start=worn)
     assert history.status == "done"
-    np.testing.assert_allclose(history["wear_max"][0], worn["wear_max"][-1], rtol=1e-2)
-    np.testing.assert_allclose(history["worn_volume"][0], worn["worn_volume"][-1], rtol=1e-2)
+    np.testing.assert_array_equal(history["wear_max"][0], worn["wear_max"][-1])
+    np.testing.assert_array_equal(history["worn_volume"][0], worn["worn_volume"][-1])
     gained = history["worn_volume"][-1] - history["worn_volume"][0]
-    assert gained.sum() == pytest.approx(history["step_worn"].sum(), rel=1e-6)
+    # What rounding leaves of a difference of volumes a million times as large.
+    assert gained.sum() == pytest.approx(history["step_worn"].sum(), rel=1e-8, abs=0.0)
     assert (history["wear_profile_A"][-1] >= history["wear_profile_A"][0] - 1e-15).all()
     with pytest.raises(ts.ResultsError, match="transient"):
         ts.roll(discs, start=history)
@@ -266,7 +269,7 @@ def test_adaptive_steps_that_wear_too_deep_are_shortened():
         ended, done = (ts.roll(scene(course | steps, wear=30.0)) for steps in (even, adaptive))
     assert ended.status == "out of iterations"
     assert done.status == "done"
-    assert np.diff(done["distance"]).min() < 0.1
+    assert np.diff(done["distance"]).min() < 0.1  # transient.step
 
 
 def test_a_chosen_mesh_is_wide_enough_for_wear():
