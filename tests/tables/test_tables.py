@@ -16,7 +16,7 @@ from tractive_sam.lookup import Hermite, c_header, columns_of
 from tractive_sam.lookup.text import COLUMNS
 from tractive_sam.reference import creep_coefficients, full_slip_with_spin
 from tractive_sam.tables import builtin_tables, is_design
-from tractive_sam.tables.contacts import Contacts
+from tractive_sam.tables.contacts import Contacts, unit_scene
 
 pytest.importorskip("xarray", reason="xarray is of the extra study")
 
@@ -121,7 +121,7 @@ def test_points_anywhere_are_within_the_error_told(table):
     for _ in range(12):
         ratio = math.exp(random.uniform(math.log(low), math.log(high)))
         w = random.normal(size=3) * np.array([0.4, 0.4, 1.0])
-        expected = Contacts.of_hertz(ratio, 0.3).forces(w, 33)
+        expected = Contacts(unit_scene(ratio, 0.3)).forces(w, 33)
         given = {"a": math.sqrt(ratio), "b": 1.0 / math.sqrt(ratio), "load": 1.0, "mu": 1.0}
         found = table(*w, **given, shear=1.0)
         off = np.abs(np.array([found.Qx, found.Qy, found.Mz]) - expected)

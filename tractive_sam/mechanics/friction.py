@@ -144,23 +144,6 @@ class FrictionLaw(ABC):
         """The same at another speed of rolling, over its own: 0 is the law at rest."""
         return self
 
-    def capacity(self, direction: Pair, carried: float) -> float:
-        """Largest force in a direction that friction can carry, N, whatever the force across it.
-
-        Parameters
-        ----------
-        direction : (float, float)
-            In x and y, of any length.
-        carried : float
-            Integral of the bound over the contact, N: of Coulomb's law the normal load.
-
-        Examples
-        --------
-        >>> round(ts.Coulomb(mu=(0.6, 0.3), angle=np.pi / 4).capacity((1.0, 0.0), 300.0), 2)
-        142.3
-        """
-        return float(carried * self.frame.dual_norm(np.asarray(direction)) / np.hypot(*direction))
-
     def project(self, traction: np.ndarray, radius: np.ndarray, physical=False) -> np.ndarray:
         """The nearest scaled traction that the bound allows.
 

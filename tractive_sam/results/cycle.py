@@ -79,7 +79,7 @@ def cycle_record(
         if name not in values:
             values[name] = _together(name, one, names, records, weights)
     for name, one in _told_apart(names, stepped):
-        values[PREFIX + name] = _stacked(name, one, records)
+        values[PREFIX + name] = _stacked(one, records)
     for name, one in _told_apart(names, stepped):
         names[PREFIX + name] = of_blocks(one)
     fields = {
@@ -163,7 +163,7 @@ def _at_largest(of: Quantity, places: Sequence[Any], values: Sequence[Any]) -> A
     return places[most(range(len(values)), key=lambda k: values[k])]
 
 
-def _stacked(name: str, one: Quantity, records: Sequence[Record]) -> np.ndarray:
+def _stacked(one: Quantity, records: Sequence[Record]) -> np.ndarray:
     """Values of the blocks; of bodies in their order, nan of those that have none."""
     each = [_value(record, one) for record in records]
     if one.dims[:1] != ("body",):

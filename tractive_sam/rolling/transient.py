@@ -39,7 +39,7 @@ class Moment:
     Attributes
     ----------
     distance : float
-        Rolled so far, mm.
+        Rolled so far, mm; of shifts the place on their parameter, and so of lengths below.
     stretch : int
         The stretch between two knots that it lies in or ends; -1 of the first knot.
     stepped : Stepped

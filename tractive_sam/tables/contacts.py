@@ -70,11 +70,6 @@ class Contacts:
         self._last: dict[int, State] = {}
         self.solved = 0
 
-    @classmethod
-    def of_hertz(cls, ratio: float, poisson: float) -> "Contacts":
-        """Contacts of alike bodies of an a/b and Poisson's ratio."""
-        return cls(unit_scene(ratio, poisson))
-
     @one_blas_thread()
     def solve(
         self, w: np.ndarray, elements: int, finest: int, wanted: float, gradient: bool = True
