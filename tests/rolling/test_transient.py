@@ -97,6 +97,9 @@ def test_bodies_part_and_touch_again():
     assert (history["Qx"][apart] == 0.0).all()
     assert history["Qx"][-1] > 0.0
     assert history["P"][-1] == pytest.approx(history["P"][0], rel=1e-6)
+    transient = {"distance": [0, 2], "load.approach": [0.036, -0.01]}
+    ended = ts.roll(start.replace(transient=transient, **{"grid.elements": (15, 15)}))
+    assert "transient.load.approach" in ended.message  # and no word of wear
 
 
 def test_a_bump_travels_through_the_contact():

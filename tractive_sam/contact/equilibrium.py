@@ -179,7 +179,7 @@ def finished(
     outcome: Outcome,
     slip: np.ndarray,
     creepages: tuple[float, float, float],
-    depth: np.ndarray | None = None,
+    depth: np.ndarray,
     resistance: float = 0.0,
 ) -> State:
     """An outcome in mm, N and MPa.
@@ -196,7 +196,7 @@ def finished(
         Slip to report, s/V.
     creepages : tuple of float
         Longitudinal and lateral creepage and spin.
-    depth : ndarray, shape (n_x, n_y), optional
+    depth : ndarray, shape (n_x, n_y)
         Depth worn off both bodies, mm.
     resistance : float
         Rolling resistance, N.
@@ -205,7 +205,6 @@ def finished(
     touching = outcome.pressure > 0.0
     pressure = units.pressure * outcome.pressure
     traction, gap = _traction(model, outcome.traction), units.gap * outcome.gap
-    depth = np.zeros(model.grid.elements) if depth is None else depth
     sliding, steepness = touching, 0.0
     if model.laws.friction is not None:
         fields = outcome.pressure, outcome.gap, outcome.traction, outcome.slip

@@ -20,14 +20,16 @@ def message(status: Status, outcome: Outcome, model: Model, steepness: float = 0
     steepness : float
         `Problem.steepness` there.
     """
-    solver = model.scene.solver
+    scene, solver = model.scene, model.scene.solver
+    courses = {} if scene.transient is None else scene.transient.courses
     if status is Status.CONVERGED:
         text = ""
         if any(note.status is not Status.CONVERGED for note in outcome.trace):
             text += f", by way of {', '.join(map(str, outcome.trace))}"
         touching = outcome.pressure > 0.0
         if not touching.any():
-            text += "; the bodies do not touch: load.approach is less than the depth worn off"
+            key = "transient.load.approach" if "load.approach" in courses else "load.approach"
+            text += f"; the bodies do not touch: {key} is less than the gap between them"
         across = [
             int(touching.any(axis=1 - axis).sum()) for axis in (0, 1) if touching.shape[axis] > 1
         ]
@@ -43,15 +45,13 @@ def message(status: Status, outcome: Outcome, model: Model, steepness: float = 0
             f"(now {_half_length(model.grid)} mm) and "
             "grid.elements with it"
         )
-        if model.scene.body.infinitely_long and model.measured is not None:
+        if scene.body.infinitely_long and model.measured is not None:
             text += "; with radius_y = inf only a [gap] that rises towards its sides ends it in y"
         return text
     reached = (
         f"not converged: residual {outcome.residual:.1e} after {outcome.iterations} iterations "
         f"({', '.join(map(str, outcome.trace))}), asked for {solver.tolerance:.1e}; "
     )
-    scene = model.scene
-    courses = {} if scene.transient is None else scene.transient.courses
     forces = [f"load.{key}" for key in ("force_x", "force_y") if getattr(scene.load, key)]
     forces += [f"transient.{key}" for key in courses if key.startswith("load.force")]
     if outcome.top is not None:

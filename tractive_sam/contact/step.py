@@ -324,7 +324,7 @@ class Stepper:
     ) -> Start:
         """Where the solution is sought first: on the line through the two steps before."""
         units, frame, columns = self.model.units, self.model.frame, self.model.grid.elements[0]
-        over = (way.length if way.length else 1.0 / self.model.grid.dx) / units.slip
+        over = (way.length or 1.0 / self.model.grid.dx) / units.slip
         first, share = (before, 0.0) if earlier is None else (earlier, ratio)
 
         def foreseen(of: Callable[[Stepped], Any]) -> Any:
@@ -365,7 +365,7 @@ class Stepper:
         model, units = self.model, self.model.units
         known = [k for k in (0, 1) if asked.forces[k] is not None]
         creepages = list(asked.creepages)
-        over = way.length if way.length else 1.0 / model.grid.dx
+        over = way.length or 1.0 / model.grid.dx
         if known:
             moved = moved + problem.forces.slip(outcome.creepage)
             for k, value in zip(known, outcome.creepage, strict=True):
