@@ -18,7 +18,7 @@ from tractive_sam.contact.model import Model
 from tractive_sam.mechanics import ArchardByWork, EachBody, FallingCoulomb, Warmed, Warmth, WearLaw
 from tractive_sam.operators import SurfaceHeat
 from tractive_sam.results import FlashTemperature, Grid, State, Status
-from tractive_sam.solvers import gmres
+from tractive_sam.solvers import combined, gmres
 
 TOLERANCE = 1e-12
 """Relative residual of the equality of both temperatures."""
@@ -198,8 +198,8 @@ def warmed(
     temperature = np.full(model.grid.elements, 0.5 * (bulk["A"] + bulk["B"]))
     if start is not None:
         temperature = heat_of(model, start).temperature["A"]
-    tried: list[np.ndarray] = []
     found: list[np.ndarray] = []
+    changes: list[np.ndarray] = []
     tolerance = model.scene.solver.tolerance
     cost = None
     for _ in range(MOST):
@@ -215,20 +215,8 @@ def warmed(
             return contact
         # Warmer surfaces have less friction and make less heat: in turn alone the two may swing for
         # ever, where friction falls steeply.
-        tried, found, start = [*tried[-MEMORY:], temperature], [*found[-MEMORY:], now], contact
-        temperature = _combined(tried, found)
+        found, changes = [*found[-MEMORY:], now], [*changes[-MEMORY:], now - temperature]
+        temperature, start = combined(found, changes), contact
     cure = "let friction.temperature fall less steeply, or raise solver.tolerance"
     note = f"not converged: friction and temperature differ by {missed:.1e} K still; {cure}"
     return replace(contact, status=Status.OUT_OF_ITERATIONS, note=note)
-
-
-def _combined(tried: list[np.ndarray], found: list[np.ndarray]) -> np.ndarray:
-    """Affine combination of what was found whose combined change is least."""
-    changes = [(after - before).ravel() for before, after in zip(tried, found, strict=True)]
-    if len(changes) == 1:
-        return found[-1]
-    differences = np.stack([changes[-1] - one for one in changes[:-1]], axis=1)
-    weights = np.linalg.lstsq(differences, changes[-1], rcond=1e-10)[0]
-    return found[-1] - sum(
-        w * (found[-1] - one) for w, one in zip(weights, found[:-1], strict=True)
-    )

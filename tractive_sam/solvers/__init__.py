@@ -13,6 +13,7 @@ meshes, one after the other, by way of easier problems.
 # Names given twice are for the rooms above, and no part of what users see.
 from tractive_sam.results import Cost, Status
 from tractive_sam.solvers.anderson import Anderson
+from tractive_sam.solvers.anderson import combined as combined
 from tractive_sam.solvers.bracketing import Bracketing
 from tractive_sam.solvers.conjugate_gradients import ConjugateGradients
 from tractive_sam.solvers.continuation import Continuation

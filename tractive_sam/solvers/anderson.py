@@ -1,5 +1,6 @@
 """Anderson acceleration of the projected iterations."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -48,19 +49,19 @@ class Anderson(Projection):
                 continue
             if now.residual < least:
                 best, least = state, now.residual
-            images.append(now.image.ravel())
-            changes.append((now.image - state).ravel())
+            images.append(now.image)
+            changes.append(now.image - state)
             del images[: -self.memory - 1], changes[: -self.memory - 1]
-            state = mapping.admissible(_combined(images, changes).reshape(state.shape))
+            state = mapping.admissible(combined(images, changes))
 
 
-def _combined(images: list[np.ndarray], changes: list[np.ndarray]) -> np.ndarray:
+def combined(images: Sequence[np.ndarray], changes: Sequence[np.ndarray]) -> np.ndarray:
     """Affine combination of the images whose combined change has the least norm."""
     if len(images) == 1:
         return images[0]
-    differences = np.stack([changes[-1] - c for c in changes[:-1]])
+    differences = np.stack([(changes[-1] - c).ravel() for c in changes[:-1]])
     gram = differences @ differences.T
-    weights = np.linalg.lstsq(gram, differences @ changes[-1], rcond=1e-14)[0]
+    weights = np.linalg.lstsq(gram, differences @ changes[-1].ravel(), rcond=1e-14)[0]
     return images[-1] - sum(
         w * (images[-1] - image) for w, image in zip(weights, images[:-1], strict=True)
     )
