@@ -225,3 +225,4 @@ def test_worn_until_the_bodies_do_not_touch(name, method):
     contact = ts.solve(scene, wear=np.full((11, 11), 2e-3))
     assert contact.P == 0.0
     assert "do not touch" in contact.message
+    assert np.isnan(contact.p_max_at).all()

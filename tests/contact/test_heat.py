@@ -93,6 +93,14 @@ def test_friction_falls_with_the_temperature(discs, cold):
     assert ts.solve(flat).Qx == pytest.approx(plain.Qx, rel=1e-8)
 
 
+def test_without_contact_nothing_is_warm(discs):
+    approach = discs.hertz.approach
+    apart = discs.replace(load={"normal": None, "approach": approach})
+    heat = ts.solve(apart, wear=np.full(discs.grid.elements, 2.0 * approach)).heat
+    assert np.isnan((heat.temperature_max, heat.temperature_mean, *heat.temperature_max_at)).all()
+    assert heat.power == 0.0
+
+
 def test_columns_and_history(discs, tmp_path):
     history = ts.roll(discs, tmp_path / "hot.h5")
     contact = ts.solve(discs)

@@ -104,6 +104,7 @@ def test_without_a_yield_stress_or_a_limit_the_rest_is_told():
     depths = cycle_depths(contact)
     cycled = ts.fatigue(ts.solve(scene.replace(fatigue={"limit": 250.0, "sensitivity": 0.3})))["A"]
     assert math.isnan(cycled.shakedown_lower)
+    assert math.isnan(cycled.load_factor(math.nan))
     assert cycled.utilisation_max > 0.0
     cycled = ts.fatigue(ts.solve(scene.replace(fatigue={"yield_strength": 500.0})))["B"]
     assert math.isnan(cycled.utilisation_max)

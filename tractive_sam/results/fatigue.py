@@ -141,8 +141,8 @@ class BodyFatigue:
         return self.load_factor(self.largest("path_radius").value)
 
     def load_factor(self, shear: float) -> float:
-        """The factor on the load at which a shear stress reaches k; inf where there is none."""
-        return self.shear_yield / shear if shear > 0.0 else math.inf
+        """The factor on the load at which a shear stress reaches k; inf where it is none."""
+        return math.inf if shear == 0.0 else self.shear_yield / shear
 
 
 def _top(x: np.ndarray, values: np.ndarray, k: int) -> tuple[float, float]:

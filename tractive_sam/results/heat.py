@@ -62,7 +62,9 @@ class FlashTemperature:
 
     @property
     def temperature_max_at(self) -> tuple[float, float]:
-        """Where that is, (x, y) in mm."""
+        """Where that is, (x, y) in mm; nan without contact."""
+        if not self.touching.any():
+            return np.nan, np.nan
         i, j = np.unravel_index(np.argmax(self._inside), self._inside.shape)
         return float(self.grid.x[i]), float(self.grid.y[j])
 

@@ -278,7 +278,9 @@ class State:
 
     @cached_property
     def p_max_at(self) -> tuple[float, float]:
-        """Where the pressure is largest, (x, y) in mm."""
+        """Where the pressure is largest, (x, y) in mm; nan without contact."""
+        if not self.pressure.any():
+            return math.nan, math.nan
         i, j = np.unravel_index(np.argmax(self.pressure), self.pressure.shape)
         return float(self.grid.x[i]), float(self.grid.y[j])
 
