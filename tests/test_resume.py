@@ -1,6 +1,7 @@
 """A roll that was interrupted goes on as if it had not been."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -94,6 +95,19 @@ def test_another_scene_is_refused(tmp_path):
     with pytest.raises(ResultsError, match="must have the same elements"):
         roll(short.with_set(["grid.elements=[15, 27]"]), path, resume=True)
     assert open_history(path).to_dict() == before.to_dict()
+
+
+def test_a_roll_off_its_grid_goes_on_upon_the_one_that_is_told(tmp_path):
+    scene = coarse("wear.intensity=2e-6", "wear.revolutions=20000", "wear.save=[20000]")
+    path = tmp_path / "a.h5"
+    before = roll(scene, path)
+    assert before.status == "off grid"
+    told = re.findall(r"grid\.\w+=\[[^]]*\]", before.message)
+    with pytest.raises(ResultsError) as refused:
+        roll(scene.with_set(["grid.elements=[99, 99]"]), path, resume=True)
+    assert len(re.findall(r"grid\.\w+=\[[^]]*\]", str(refused.value))) == 2
+    after = roll(scene.with_set(told), path, resume=True)
+    assert len(after) > len(before)
 
 
 def test_what_holds_anyway_may_be_told(tmp_path):

@@ -77,6 +77,11 @@ class TestHistory:
         np.testing.assert_allclose(history.energy_balance, 1.0, atol=1e-2)
         np.testing.assert_allclose(history.wear_balance[1:], 1.0, atol=1e-2)
 
+    def test_what_a_contact_has_is_told_where_it_is(self, history):
+        with pytest.raises(AttributeError, match=r"history\.state\(n\)\.pressure"):
+            _ = history.pressure
+        assert not hasattr(history, "nothing")
+
     def test_last_fields_are_the_default(self, history):
         for name in FIELDS:
             last = history.field(name, REVOLUTIONS)

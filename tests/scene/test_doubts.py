@@ -34,6 +34,9 @@ def test_a_modulus_in_another_unit_is_told_with_the_grid_it_does_not_fit():
     with pytest.raises(ts.SceneError) as caught:
         DISCS.with_set(["body.A.young=208", "body.B.young=208", *grid])
     assert all("GPa" in fault.allowed for fault in caught.value.faults)
+    with pytest.raises(ts.SceneError) as caught:
+        DISCS.with_set(["load.normal=1e7", *grid])
+    assert all("p0" in fault.allowed for fault in caught.value.faults)
 
 
 def test_what_a_course_stands_for_is_told():

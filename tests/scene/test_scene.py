@@ -4,7 +4,6 @@ import pickle
 
 import numpy as np
 import pytest
-from pydantic import ValidationError
 
 from tractive_sam.mechanics.material import Material, combine
 from tractive_sam.scene import (
@@ -75,10 +74,15 @@ def test_numpy_numbers_and_vectors():
 
 
 def test_immutable_hashable_picklable(spheres):
-    with pytest.raises(ValidationError):
+    with pytest.raises(AttributeError, match=r"scene\.replace"):
         spheres.load.normal = 3.0
     assert hash(spheres) == hash(Scene(**spheres.entries()))
     assert pickle.loads(pickle.dumps(spheres)) == spheres
+
+
+def test_a_path_in_place_of_keywords():
+    with pytest.raises(TypeError, match="from_toml"):
+        Scene("scene.toml")
 
 
 def test_signature_tells_the_keys():

@@ -62,7 +62,6 @@ app = typer.Typer(
     help="Tractive rolling contact: forces, stick and slip, wear.",
     epilog="Exit status: 0 done; 2 the input is not valid; 3 not converged or stopped early.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )

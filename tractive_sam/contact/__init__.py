@@ -5,7 +5,7 @@ from tractive_sam.contact.heat import wear_law_in
 from tractive_sam.contact.jacobian import check_jacobian, jacobian_of
 from tractive_sam.contact.laws import Laws
 from tractive_sam.contact.measured import across
-from tractive_sam.contact.mesh import choose_grid, grown
+from tractive_sam.contact.mesh import as_asked, choose_grid, grown, reaching
 from tractive_sam.contact.model import Gap, Model
 from tractive_sam.contact.step import Asked, Stepped, Stepper, travelled
 from tractive_sam.contact.worn import Worn
@@ -22,6 +22,7 @@ __all__ = [
     "Stepper",
     "Worn",
     "across",
+    "as_asked",
     "check_jacobian",
     "choose_grid",
     "equilibrium",
@@ -29,6 +30,7 @@ __all__ = [
     "fitted_blocks",
     "grown",
     "jacobian_of",
+    "reaching",
     "travelled",
     "wear_law_in",
 ]

@@ -26,11 +26,27 @@ GROWTH = 1.25
 
 def grown(grid: Grid, axes: tuple[bool, bool] = (True, True)) -> Grid:
     """A mesh of the same elements that is larger along some axes; a row stays a row."""
-    share = [0.5 * (GROWTH - 1.0) * grows for grows in axes]
-    more = [int(np.ceil(s * n)) if n > 1 else 0 for s, n in zip(share, grid.elements, strict=True)]
+    sides = zip(grid.half_length, axes, strict=True)
+    return reaching(grid, tuple(half * (GROWTH if grows else 1.0) for half, grows in sides))
+
+
+def reaching(grid: Grid, half_length: tuple[float, float]) -> Grid:
+    """A mesh of the same elements, as many more on either side, at least so long; a row stays."""
+    more = [
+        max(0, int(np.ceil(0.5 * n * (asked / half - 1.0) - 1e-9))) if n > 1 else 0
+        for asked, half, n in zip(half_length, grid.half_length, grid.elements, strict=True)
+    ]
     elements = tuple(n + 2 * m for n, m in zip(grid.elements, more, strict=True))
     half_length = (0.5 * elements[0] * grid.dx, 0.5 * elements[1] * grid.dy)
     return Grid(half_length, elements)
+
+
+def as_asked(grid: Grid) -> str:
+    """A mesh as a scene asks for it, in digits enough to be the same elements."""
+    directions = 1 if grid.line else 2
+    lengths = ", ".join([f"{one:.10g}" for one in grid.half_length][:directions])
+    elements = ", ".join([str(one) for one in grid.elements][:directions])
+    return f"grid.half_length=[{lengths}] and grid.elements=[{elements}]"
 
 
 def choose_grid(scene: Scene, measured=None, finer: float = 1.0) -> Grid:

@@ -1,5 +1,6 @@
 """What a status means, and what to try where it is not a solution."""
 
+from tractive_sam.contact.mesh import as_asked, grown
 from tractive_sam.contact.model import Model
 from tractive_sam.results import Grid, Status
 from tractive_sam.scene import FEWEST_ELEMENTS
@@ -41,9 +42,8 @@ def message(status: Status, outcome: Outcome, model: Model, steepness: float = 0
         return text
     if status is Status.OFF_GRID:
         text = (
-            "the contact reaches the edge of the mesh: enlarge grid.half_length "
-            f"(now {_half_length(model.grid)} mm) and "
-            "grid.elements with it"
+            f"the contact reaches the edge of the mesh, {_half_length(model.grid)} mm: enlarge it, "
+            f"as by {as_asked(grown(model.grid))}"
         )
         if scene.body.infinitely_long and model.measured is not None:
             text += "; with radius_y = inf only a [gap] that rises towards its sides ends it in y"

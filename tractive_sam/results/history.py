@@ -179,6 +179,13 @@ class History:
     def _repr_html_(self) -> str:
         return summary.shown(summary.of_history(self), self)
 
+    def __getattr__(self, name: str) -> Any:
+        """Tell of what a contact has and a history has not where it is."""
+        cure = ""
+        if name in State.__dataclass_fields__ or hasattr(State, name):
+            cure = f"; history.state(n).{name} is that of one contact"
+        raise AttributeError(f"a History has no {name!r}{cure}")
+
     def __len__(self) -> int:
         return len(self.values[self.coordinate.name])
 

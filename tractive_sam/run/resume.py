@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tractive_sam.contact import Laws, Stepped
+from tractive_sam.contact import Laws, Stepped, as_asked, reaching
 from tractive_sam.results import BODIES, PARTS, ROLLED, Cost, Grid, History, Quantity, State
 from tractive_sam.rolling import Damage, Moment, Passage, ProfilePoint
 from tractive_sam.scene import Scene
@@ -316,5 +316,6 @@ def _on_grid_of(scene: Scene, passage: Passage, path: str | PathLike) -> Passage
         half_length, (nx, ny) = before.half_length, before.elements
         raise ResultsError(
             f"{path} has {nx} x {ny} elements over +-{half_length[0]:g} x +-{half_length[1]:g} mm; "
-            "a wider grid must have the same elements, as many more on either side"
+            "a wider grid must have the same elements, as many more on either side: "
+            f"{as_asked(reaching(before, grid.half_length))}"
         ) from None

@@ -10,7 +10,7 @@ from tractive_sam.mechanics import HertzContact, HertzLine, full_slip_force, loa
 
 from .alternatives import not_both
 from .bodies import Bodies
-from .doubts import doubtful_moduli
+from .doubts import doubtful_contact
 from .duty import duty_fits
 from .faults import Fault, SceneWarning, shown
 from .heat import HEAT_CHECKS
@@ -161,7 +161,7 @@ def _grid_holds_the_contact(known: Known) -> Iterator[Fault]:
         if length < semi_axis:
             least = f"{1.00001 * semi_axis:.6g}"  # rounded up
             cure = f"at least {least} in {axis}: the contact has the semi-axis {name} there"
-            cure = "; ".join((cure, *doubtful_moduli(known["body"].materials)))
+            cure = "; ".join((cure, *doubtful_contact(known["body"].materials, contact)))
             yield Fault("grid.half_length", shown(half_length), cure)
 
 

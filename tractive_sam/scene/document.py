@@ -17,7 +17,12 @@ class Document(Table):
     invalid: ClassVar[type[SceneError]] = SceneError
     """What is raised of its faults."""
 
-    def __init__(self, /, **given: Any) -> None:
+    def __init__(self, /, *none: Any, **given: Any) -> None:
+        if none:
+            name = type(self).__name__
+            raise TypeError(
+                f"{name}.from_toml(path) reads a file; {name}(...) takes keywords alone"
+            )
         try:
             super().__init__(**given)
         except SceneError as error:

@@ -10,7 +10,7 @@ import numpy as np
 from .tables import PER_INTENSITY
 
 if TYPE_CHECKING:
-    from tractive_sam.mechanics import Material
+    from tractive_sam.mechanics import HertzContact, HertzLine, Material
 
     from .scene import Scene
 
@@ -42,24 +42,26 @@ MOST_SHAKEN = 4.7
 _STEEL = "Steel has 2.1e5 MPa"
 
 
-def doubtful_moduli(materials: Mapping[str, Material]) -> Iterator[str]:
-    """A line for each body that is as stiff as others in another unit."""
+def doubtful_contact(
+    materials: Mapping[str, Material], hertz: HertzContact | HertzLine | None
+) -> Iterator[str]:
+    """A line for each body, and for a load, that looks as if it was given in another unit."""
     for name, material in materials.items():
         E = material.young
         if LIKE_GPA[0] <= E <= LIKE_GPA[1] and material.poisson < SOFT:
             yield f"body.{name}: E = {E:g} MPa is that of a soft plastic; in GPa? {_STEEL}"
         elif LIKE_PA[0] <= E <= LIKE_PA[1]:
             yield f"body.{name}: E = {E:g} MPa is beyond any material; in Pa? {_STEEL}"
+    if hertz is not None and hertz.p0 > HARDEST:
+        yield (
+            f"load: p0 = {hertz.p0:.4g} MPa by Hertz, and no material withstands "
+            f"{HARDEST:g} MPa; units are mm, N and MPa"
+        )
 
 
 def doubts(scene: Scene) -> Iterator[str]:
     """A line for each entry that is doubtful, with what may be meant."""
-    yield from doubtful_moduli(scene.materials)
-    if scene.hertz is not None and scene.hertz.p0 > HARDEST:
-        yield (
-            f"load: p0 = {scene.hertz.p0:.4g} MPa by Hertz, and no material withstands "
-            f"{HARDEST:g} MPa; units are mm, N and MPa"
-        )
+    yield from doubtful_contact(scene.materials, scene.hertz)
     k = None if scene.fatigue is None else scene.fatigue.shear_yield_stress
     if k is not None and scene.hertz is not None and scene.hertz.p0 > MOST_SHAKEN * k:
         yield (

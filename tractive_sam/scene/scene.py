@@ -78,8 +78,8 @@ class Scene(Document):
     solver: Solver = entry("the solver", "", Solver())
     checks: ClassVar[tuple[Check, ...]] = SCENE_CHECKS
 
-    def __init__(self, /, **tables: Any) -> None:
-        super().__init__(**tables)
+    def __init__(self, /, *none: Any, **tables: Any) -> None:
+        super().__init__(*none, **tables)
         if self.duty:
             self._check_blocks()
         for doubt in doubts(self):

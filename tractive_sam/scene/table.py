@@ -92,6 +92,11 @@ class Table(BaseModel):
         """The kind of the tables that a field may hold, one or an array of them."""
         return _table_of(info) or _item_of(info)
 
+    def __setattr__(self, name: str, value: Any) -> None:
+        """Say how one that is changed is made."""
+        cure = 'make a changed one, as by scene.replace(**{"load.normal": 200.0})'
+        raise AttributeError(f"{name}: a {type(self).__name__} stays as it is; {cure}")
+
     def __dir__(self) -> list[str]:
         """Names of its own, without those of its library."""
         return [name for name in super().__dir__() if name[:2] == "__" or name not in _LIBRARY]
