@@ -11,6 +11,7 @@ from tractive_sam.rolling import passages
 from tractive_sam.rolling.passage import unworn
 from tractive_sam.run.pipeline import roll
 from tractive_sam.scene import Scene
+from tractive_sam.store import ResultsError
 
 WEARING = Scene.builtin("twin-discs").with_set(
     ["wear.revolutions=1500", "wear.save=[0, 1500]", "wear.tolerance=1e-2"]
@@ -58,6 +59,23 @@ def test_wear_stays_where_it_was(grown):
             entering = now.entering
             assert not entering[: more // 2].any()
             assert not entering[-(more // 2) :].any()
+
+
+def test_elements_alone_are_laid_over_the_domain_that_is_chosen(tmp_path):
+    scene = without_grid(WEARING)
+    worn = {"wear.revolutions": 6000, "wear.save": (6000,)}
+    given = scene.replace(**{"grid.elements": (15, 23)}, **worn)
+    at_first = mesh.choose_grid(given)
+    assert at_first.elements == (15, 23)
+    assert at_first.half_length == pytest.approx(mesh.choose_grid(scene).half_length, rel=0.1)
+    history = roll(given, tmp_path / "a.h5")
+    assert history.finished
+    assert len(history.y) > 23  # it grows with the contact
+    further = given.with_set(["wear.revolutions=6001", "wear.save=[6001]"])
+    assert roll(further, tmp_path / "a.h5", resume=True).finished
+    other = further.with_set(["grid.elements=[17,23]", "wear.revolutions=6002", "wear.save=[6002]"])
+    with pytest.raises(ResultsError, match="same elements"):
+        roll(other, tmp_path / "a.h5", resume=True)
 
 
 @pytest.mark.slow

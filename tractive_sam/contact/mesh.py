@@ -50,10 +50,10 @@ def as_asked(grid: Grid) -> str:
 
 
 def choose_grid(scene: Scene, measured=None, finer: float = 1.0) -> Grid:
-    """The scene's [grid], or one chosen from the Hertzian contact or the measured gap.
+    """The scene's [grid]; what it does not give is chosen from the Hertzian contact or the gap.
 
-    Elements are at most twice as long as wide or the reverse; their number is odd, so that one is
-    centred on the axis.
+    Chosen elements are at most twice as long as wide or the reverse; their number is odd, so that
+    one is centred on the axis.
 
     Parameters
     ----------
@@ -71,12 +71,13 @@ def choose_grid(scene: Scene, measured=None, finer: float = 1.0) -> Grid:
     """
     wears, shifts_only = scene.wear is not None, scene.shifts
     scene = scene.heaviest
-    if scene.grid is not None:
-        return Grid.of(scene.grid.half_length, scene.grid.elements)
+    given = None if scene.grid is None else scene.grid.elements
+    if scene.bounded:
+        return Grid.of(scene.grid.half_length, given)
     if scene.hertz is not None and math.isinf(scene.hertz.b):
         half = [one.hertz.a for one in (scene.spectrum.scenes if scene.spectrum else (scene,))]
         elements = 2 * int(0.5 * MARGIN * ACROSS_LINE * finer * max(half) / min(half)) + 1
-        return Grid.of((MARGIN * max(half),), (elements,))
+        return Grid.of((MARGIN * max(half),), given or (elements,))
     if scene.hertz is None:
         x, y, _ = measured
         half_length = (float(max(-x[0], x[-1])), float(max(-y[0], y[-1])))
@@ -92,7 +93,7 @@ def choose_grid(scene: Scene, measured=None, finer: float = 1.0) -> Grid:
         a, b = (min(getattr(c, axis) for c in contacts) for axis in "ab")
         side = (2.0 * a / (ACROSS * finer), 2.0 * b / (ACROSS * finer))
         side = tuple(min(length, 2.0 * min(side)) for length in side)
-    elements = tuple(
+    elements = given or tuple(
         int(2 * np.ceil(length / s - 0.5) + 1) for length, s in zip(half_length, side, strict=True)
     )
     if math.prod(elements) > MOST_ELEMENTS:

@@ -110,7 +110,7 @@ def _next_jump(model: Model, last: Passage, control: Stops) -> Passage:
         if error <= 1.0 or step.length == 1:
             now = followed(model, now, last)
             error = max(error, _error_of_damage(model, now))
-        if error <= 1.0 or step.length == 1 or (off_grid(now) and model.scene.grid is None):
+        if error <= 1.0 or step.length == 1 or (off_grid(now) and not model.scene.bounded):
             if now.damage is None:  # the contact has left the mesh
                 now = followed(model, now, last)
             return replace(now, solves=solves, jump=control.next(step, error))

@@ -67,7 +67,7 @@ def passages(model: Model, start: Passage | Moment | None = None) -> Iterator[Pa
     while wear is not None and last.converged and last.revolution < saves.end:
         steps = adaptive_passages if wear.stepping == "adaptive" else every_passage
         for passage in steps(model, last, saves):
-            if off_grid(passage) and model.scene.grid is None and growths < GROWTHS:
+            if off_grid(passage) and not model.scene.bounded and growths < GROWTHS:
                 growths += 1
                 grid = grown(model.grid, passage.contact.at_edge)
                 model = model.on(grid)

@@ -329,7 +329,7 @@ def _mesh(model: Model) -> Section:
     nx, ny = grid.elements
     given = "chosen from the contact"
     if model.scene.grid is not None:
-        given = "given"
+        given = "given" if model.scene.bounded else "given, the domain chosen from the contact"
     elif model.scene.accuracy is not None:
         given = "found by refinement"
     if grid.line:
@@ -398,7 +398,7 @@ def records(scene: Scene, dx: float | None = None) -> int:
     """Records that a scene is expected to have, on elements so long."""
     if scene.transient is not None:
         if dx is None:
-            known = scene.grid is not None or scene.hertz is not None
+            known = scene.bounded or scene.hertz is not None
             dx = choose_grid(scene).dx if known else 0.1
         return 1 + expected_steps(scene, dx)
     wear = scene.wear

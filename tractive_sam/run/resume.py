@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from tractive_sam.contact import Laws, Stepped, as_asked, reaching
-from tractive_sam.results import BODIES, PARTS, ROLLED, Cost, Grid, History, Quantity, State
+from tractive_sam.contact import Laws, Stepped, as_asked, choose_grid, reaching
+from tractive_sam.results import BODIES, PARTS, ROLLED, Cost, History, Quantity, State
 from tractive_sam.rolling import Damage, Moment, Passage, ProfilePoint
 from tractive_sam.scene import Scene
 from tractive_sam.store import DamagedError, ResultsError, open_history, state_of
@@ -305,9 +305,11 @@ def _shown(entries: dict[str, Any], key: str) -> str:
 def _on_grid_of(scene: Scene, passage: Passage, path: str | PathLike) -> Passage:
     """The passage on the scene's [grid], if it gives one."""
     before = passage.contact.grid.shifted(0.0)
-    if scene.grid is None:
+    if scene.grid is None or not (scene.bounded or scene.hertz):
         return passage
-    grid = Grid.of(scene.grid.half_length, scene.grid.elements)
+    grid = choose_grid(scene)
+    if not scene.bounded:  # it may have grown
+        grid = reaching(grid, before.half_length)
     if grid == before:
         return passage
     try:

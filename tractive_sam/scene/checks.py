@@ -154,7 +154,7 @@ def _bodies_can_touch(known: Known) -> Iterator[Fault]:
 def _grid_holds_the_contact(known: Known) -> Iterator[Fault]:
     if known["gap"] is not None:  # the Hertz ellipse is not the contact
         return
-    half_length, contact = known["grid.half_length"], known["body"].hertz(known["load"])
+    half_length, contact = known["grid.half_length"] or (), known["body"].hertz(known["load"])
     if contact is None or len(half_length) != (1 if is_line(known) else 2):
         return
     for axis, length, name, semi_axis in _directions(half_length, contact):
@@ -166,7 +166,8 @@ def _grid_holds_the_contact(known: Known) -> Iterator[Fault]:
 
 
 def _grid_is_given_to_slender_contacts(known: Known) -> Iterator[Fault]:
-    if known["gap"] is not None or known["grid"] is not None or is_line(known):
+    bounded = known["grid"] is not None and known["grid"].half_length is not None
+    if known["gap"] is not None or bounded or is_line(known):
         return
     contact = known["body"].hertz(known["load"])
     if contact is not None and not 1.0 / MOST_SLENDER <= contact.a / contact.b <= MOST_SLENDER:
@@ -264,7 +265,9 @@ def warn_if_coarse(grid: Mesh, contact: HertzContact | HertzLine, stacklevel: in
     needs = [
         f"at least {math.ceil(FEWEST_ELEMENTS * length / semi_axis)} in {axis}"
         for (axis, length, _, semi_axis), count in zip(
-            _directions(grid.half_length, contact), grid.elements, strict=True
+            _directions(grid.half_length or (contact.a, contact.b)[: len(grid.elements)], contact),
+            grid.elements,
+            strict=True,
         )
         if count * semi_axis / length < FEWEST_ELEMENTS
     ]

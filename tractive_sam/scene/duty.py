@@ -234,9 +234,10 @@ def duty_fits(known: Known) -> Iterator[Fault]:
 
 def off_the_mesh(scene: Scene, scenes: tuple[Scene, ...]) -> Iterator[Fault]:
     """Find blocks whose contact does not lie on the given mesh."""
-    if scene.grid is None or scene.line:
+    given = None if scene.grid is None else scene.grid.half_length
+    if given is None or scene.line:
         return
-    half = scene.grid.half_length[1]
+    half = given[1]
     for k, (block, one) in enumerate(zip(scene.duty, scenes, strict=True)):
         reach = abs(block.shift_y) + (0.0 if one.hertz is None else one.hertz.b)
         if block.shift_y and reach > half:

@@ -37,6 +37,8 @@ def _grid_has_its_directions(known: Known) -> Iterator[Fault]:
     line = is_line(known)
     for key, what in (("half_length", "numbers above 0"), ("elements", "whole numbers from 3")):
         given = known[f"grid.{key}"]
+        if given is None:
+            continue
         if line and len(given) == 2:
             cure = f"one number, that in x: a line contact is the same all along y; or {_CROWN}"
             yield Fault(f"grid.{key}", shown(given), cure)

@@ -252,6 +252,11 @@ class Scene(Document):
         )
 
     @property
+    def bounded(self) -> bool:
+        """Whether [grid] gives the domain; else it is chosen, and grows with the contact."""
+        return self.grid is not None and self.grid.half_length is not None
+
+    @property
     def shifts(self) -> bool:
         """Whether the bodies only shift, by a [transient] with ``start = "shift"``."""
         return self.transient is not None and not self.transient.rolls

@@ -557,7 +557,7 @@ LONGEST = 1e6
 
 
 def _no_needles(known: Known) -> Iterator[Fault]:
-    half_length, elements = known["half_length"], known["elements"]
+    half_length, elements = known["half_length"] or (), known["elements"]
     if len(half_length) == len(elements) == 2:
         dx, dy = (length / n for length, n in zip(half_length, elements, strict=True))
         if not 1.0 / LONGEST <= dx / dy <= LONGEST:
@@ -568,7 +568,8 @@ def _no_needles(known: Known) -> Iterator[Fault]:
 class Mesh(Table):
     """The [grid] table: a rectangle of equal elements around the origin.
 
-    A line contact has one number in place of each pair, that in x.
+    A line contact has one number in place of each pair, that in x. Without `half_length` the domain
+    is that of a scene without [grid]; it grows with the contact, by elements of the same size.
 
     Examples
     --------
@@ -576,8 +577,10 @@ class Mesh(Table):
     (41, 121)
     """
 
-    half_length: PositiveOneOrTwo = entry(
-        "half lengths of the domain in x and y, mm", "a pair of numbers above 0"
+    half_length: PositiveOneOrTwo | None = entry(
+        "half lengths of the domain in x and y, mm; by default chosen from the contact",
+        "a pair of numbers above 0",
+        None,
     )
     elements: _OneOrTwo = entry("elements in x and y", "a pair of whole numbers from 3 to 1e6")
     checks: ClassVar[tuple[Check, ...]] = (_fits_a_machine, _no_needles)
