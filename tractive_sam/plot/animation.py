@@ -65,10 +65,9 @@ def animate(history: History, path: str | Path, rate: float = 2.0) -> Path:
     if history.line:
         raise ValueError("an animation shows a map, and a line contact has none")
     if len(history.saved) < 2:
-        kept = "wear.save" if history.scene.transient is None else "transient.save"
         raise ValueError(
             "an animation needs at least two stored records, there is "
-            f"{len(history.saved)}: list more in {kept}"
+            f"{len(history.saved)}: list more in {history.scene.save_key}"
         )
     envelope = _envelope(history)
     frame = Frame.around(envelope, width=0.6 * WIDTH)

@@ -9,7 +9,7 @@ from tractive_sam.rolling.passage import Passage
 
 
 def cycle_response(model: Model, passage: Passage, closing: float = 0.0) -> np.ndarray:
-    """The same of what of a cycle lasts: the sum over its blocks.
+    """How what a cycle wears for good answers its profile: `wear_response` summed over its blocks.
 
     Parameters
     ----------

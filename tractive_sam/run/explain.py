@@ -232,9 +232,8 @@ def _subsurface(model: Model) -> Section:
         return Section("Stress", [("stress", "left out: the scene has no [subsurface]")])
     hertz = model.scene.hertz
     deepest = f"{asked.depth:g} a" if hertz is None else f"{asked.depth * hertz.a:.4g} mm"
-    kept = "the unworn bodies" if model.scene.wear is None else "each revolution of wear.save"
-    if model.scene.transient is not None:
-        kept = "each distance of transient.save"
+    rolls = model.scene.wear is not None or model.scene.transient is not None
+    kept = f"each of {model.scene.save_key}" if rolls else "the unworn bodies"
     rows = [
         ("bodies", ", ".join(asked.bodies)),
         ("planes", f"{', '.join(map(str, asked.planes))}, at {kept}"),

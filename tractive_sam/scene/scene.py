@@ -257,6 +257,11 @@ class Scene(Document):
         return self.grid is not None and self.grid.half_length is not None
 
     @property
+    def save_key(self) -> str:
+        """Key of the entry that tells which records keep their fields."""
+        return "wear.save" if self.transient is None else "transient.save"
+
+    @property
     def shifts(self) -> bool:
         """Whether the bodies only shift, by a [transient] with ``start = "shift"``."""
         return self.transient is not None and not self.transient.rolls
