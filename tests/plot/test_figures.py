@@ -1,4 +1,6 @@
+import importlib
 import io
+import pkgutil
 from dataclasses import replace
 
 import matplotlib as mpl
@@ -240,3 +242,9 @@ def test_titles_tell_what_where_and_over_which_scale():
     title = plot.pressure(strips.history(), 10).get_suptitle().replace("\u00a0", " ")
     for told in ("Strips", "contact pressure", "N = 10", "µ = 0.3", "p₀ = 900 MPa"):
         assert told in title
+
+
+@pytest.mark.parametrize("room", [one.name for one in pkgutil.iter_modules(plot.__path__)])
+def test_every_drawing_is_a_figure_that_notebooks_show(room):
+    module = importlib.import_module(f"tractive_sam.plot.{room}")
+    assert getattr(module, "Figure", plot.Figure) is plot.Figure

@@ -5,9 +5,9 @@ from collections.abc import Callable
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
-from matplotlib.figure import Figure
 
 from tractive_sam.plot.courses import COLOURS
+from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.profiles import chosen
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.style import (

@@ -4,12 +4,12 @@ from collections.abc import Mapping
 from itertools import cycle
 
 import numpy as np
-from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from numpy.typing import ArrayLike
 
 from tractive_sam.plot.creep_force import MARKERS
 from tractive_sam.plot.drawn import Drawn, Source
+from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.line import over_x
 from tractive_sam.plot.map import Map
 from tractive_sam.plot.style import GREY, SLIP, VERMILLION, WIDTH, styled

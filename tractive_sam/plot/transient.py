@@ -1,10 +1,10 @@
 """Figures of transients: the loop of force and shift, energy, and the course of stick and slip."""
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from tractive_sam.plot.courses import over_course
 from tractive_sam.plot.drawn import Drawn
+from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.frame import Frame
 from tractive_sam.plot.map import LEFT, Map
 from tractive_sam.plot.style import BLUE, MICRON, TRACTION, VERMILLION, WEAR, styled
