@@ -213,7 +213,7 @@ class Energy(WearLaw):
 
 @dataclass(frozen=True)
 class ArchardByWork(WearLaw):
-    """The same law, by the frictional work w_k = -p_k s_k along either tribological axis.
+    """Archard's law by the frictional work w_k = -p_k s_k along either tribological axis.
 
     Where an element slips, p_k = -p_n mu_k^2 s_k/||s||*_mu, and with it p_n |s|_i is
 
