@@ -258,8 +258,11 @@ class Model:
     @cached_property
     def forces(self) -> PrescribedForces:
         """Forces given in place of creepages, dimensionless."""
-        load = self.scene.load
-        given = [(k, q) for k, q in enumerate((load.force_x, load.force_y)) if q is not None]
+        return self.forces_of((self.scene.load.force_x, self.scene.load.force_y))
+
+    def forces_of(self, forces: tuple[float | None, float | None]) -> PrescribedForces:
+        """The same of any (Q_x, Q_y), N; None of one that is not given."""
+        given = [(k, q) for k, q in enumerate(forces) if q is not None]
         if not given:
             return PrescribedForces()
         unit = self.units.pressure * self.grid.element_area

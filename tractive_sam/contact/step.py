@@ -24,7 +24,6 @@ from tractive_sam.solvers import (
     NormalProblem,
     Note,
     Outcome,
-    PrescribedForces,
     Start,
     StepProblem,
 )
@@ -211,7 +210,7 @@ class Stepper:
         problem = replace(
             self._problem(asked, foreseen.sum(axis=0)),
             rigid=moved - came[-2:],
-            forces=self._forces(asked),
+            forces=model.forces_of(asked.forces),
             entering=way.before(ahead, held),
             ahead=way.length,
         )
@@ -309,15 +308,6 @@ class Stepper:
         slip = np.stack(np.broadcast_arrays(longitudinal - spin * y, lateral + spin * x))
         over = way.length if asked.distance else 1.0 / grid.dx
         return model.frame.slip_to_scaled(slip) * (over / model.units.slip)
-
-    def _forces(self, asked: Asked) -> PrescribedForces:
-        model = self.model
-        given = [(k, q) for k, q in enumerate(asked.forces) if q is not None]
-        if not given:
-            return PrescribedForces()
-        unit = model.units.pressure * model.grid.element_area
-        vectors = np.stack([model.frame.matrix[:, k] for k, _ in given])
-        return PrescribedForces(vectors, np.array([q / unit for _, q in given]))
 
     def _start(
         self, before: Stepped, way: Way, asked: Asked, earlier: Stepped | None, ratio: float
