@@ -13,6 +13,7 @@ from PIL import Image
 import tractive_sam as ts
 from tests.plot import strip_theory as strips
 from tractive_sam import plot
+from tractive_sam.plot.frame import NARROWEST
 
 OF_A_STATE = (
     plot.pressure,
@@ -108,6 +109,20 @@ def test_a_measured_profile_is_drawn_on_its_body():
     crowns = 0.5 * history.y**2 * (1.0 / radii.A.radius_y + 1.0 / radii.B.radius_y)
     measured = 0.01 * history.y**2  # interpolated, exactly for a parabola
     np.testing.assert_allclose(upper - lower, 1e3 * (known + crowns + measured), rtol=1e-9)
+
+
+def test_a_slender_contact_is_stretched_and_says_so():
+    flank = {"body.A.radius_x": 9.0, "body.A.radius_y": 2500.0, "subsurface": None, "wear": None}
+    given = {"grid": {"elements": [15, 31]}, "body.B.radius_y": np.inf}
+    contact = ts.solve(ts.Scene.builtin("twin-discs-isotropic").replace(**flank, **given))
+    figure = drawn(plot.traction(contact))
+    (place,) = (axes.get_position() for axes in figure.axes[:1])
+    width, height = figure.get_size_inches() * place.size
+    assert width == pytest.approx(NARROWEST, rel=1e-9)
+    assert height < 6.0
+    assert "stretched" in figure.get_suptitle()
+    contact = ts.solve(ts.Scene.builtin("spheres").replace(**{"grid.elements": (15, 15)}))
+    assert "stretched" not in plot.traction(contact).get_suptitle()
 
 
 def test_bodies_with_a_measured_ridge_touch_though_nothing_wears(tmp_path):

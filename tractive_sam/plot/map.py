@@ -1,4 +1,4 @@
-"""A map of the contact, true to scale."""
+"""A map of the contact, true to scale where it is not too slender."""
 
 from collections.abc import Sequence
 from typing import Self
@@ -65,7 +65,7 @@ class Map:
         _check_wide(state)
         frame = Frame.around(state, width=0.72 * WIDTH)
         width = max(LEFT + frame.width + RIGHT, 0.72 * WIDTH)
-        figure = paper(width, frame, state.told(told, scaled))
+        figure = paper(width, frame, state.told(told + frame.stretched, scaled))
         middle = (LEFT + width - RIGHT - frame.width) / 2
         return figure, cls(figure, middle, state, frame)
 
@@ -77,7 +77,7 @@ class Map:
         step = frame.width + APART
         width = LEFT + len(states) * step - APART + RIGHT
         scene, scale = states[0].contact.scene, states[0].scale
-        told += states[0].ahead
+        told += states[0].ahead + frame.stretched
         title = titled(states[0].title, told, friction_told(scene), scale.told)
         figure = paper(width, frame, f"{title}\n")
         charts = [cls(figure, LEFT + k * step, state, frame) for k, state in enumerate(states)]
@@ -126,7 +126,8 @@ class Map:
         longest = np.hypot(*vectors)[where].max(initial=0.0)
         if longest == 0.0:
             return
-        chosen = np.ix_(_every(state.x_over_a, spacing), _every(state.y_over_a, spacing))
+        across, along = (spacing * inch for inch in self.frame.inch)
+        chosen = np.ix_(_every(state.x_over_a, across), _every(state.y_over_a, along))
         i, j = (index[where[chosen]] for index in np.broadcast_arrays(*chosen))
         self.axes.quiver(
             state.x_over_a[i],
@@ -134,8 +135,7 @@ class Map:
             *vectors[:, i, j] * (0.85 * spacing / longest),
             color=color,
             pivot="mid",
-            angles="xy",
-            scale_units="xy",
+            scale_units="inches",
             scale=1.0,
             units="inches",
             width=0.014,

@@ -110,7 +110,8 @@ def _factors_told(factors: tuple[tuple[float, float], ...] | None) -> str:
 def _coefficients_told(scene: Scene) -> str:
     wear = scene.wear
     if not wear.together:
-        return "; ".join(f"{body}: {_of_body(scene, body)}" for body in "AB")
+        of_A, of_B = (_of_body(scene, body) for body in "AB")
+        return f"A and B: {of_A}" if of_A == of_B else f"A: {of_A}; B: {of_B}"
     i1, i2 = wear.intensities
     k = wear.coefficient
     rate = _pair(PER_INTENSITY * i1, PER_INTENSITY * i2)
