@@ -8,7 +8,7 @@ import numpy as np
 from scipy.ndimage import binary_opening
 
 from tractive_sam.plot.scale import Scale
-from tractive_sam.plot.style import friction_told, told
+from tractive_sam.plot.style import friction_told, place, told
 from tractive_sam.results import REVOLUTION, History, Quantity, State
 
 
@@ -98,8 +98,7 @@ class Drawn:
     @property
     def place(self) -> str:
         """Where it is in its history, as math text."""
-        unit = "" if self.coordinate.unit == "1" else f" {self.coordinate.unit}"
-        return f"${self.coordinate.symbol} = {self.at:{self.coordinate.format}}${unit}"
+        return place(self.coordinate, self.at)
 
     @property
     def line(self) -> bool:

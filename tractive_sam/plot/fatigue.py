@@ -20,6 +20,7 @@ from tractive_sam.plot.style import (
     WEAR,
     WIDTH,
     along,
+    place,
     set_title,
     styled,
     told_of,
@@ -134,8 +135,8 @@ def utilisation(history: History, body: str = "A", at: float | None = None, **na
     """
     found, scale = history.fatigue(body, at, **named), Scale.of_history(history)
     _check_limit(history)
-    place = history.saved[history.row_of(at, **named)]
-    figure, (axes,) = _sections(history, f"utilisation of body {body}, N = {place:g}", 1)
+    told = place(history.coordinate, history.saved[history.row_of(at, **named)])
+    figure, (axes,) = _sections(history, f"utilisation of body {body}, {told}", 1)
     values = found.utilisation
     mesh = _fill(axes, found.y / scale.across, found.depth / scale.length, values, cmap=STRESS)
     _limits(axes, history, found, scale)
@@ -188,7 +189,7 @@ def damage(history: History, body: str = "A") -> Figure:
         axes.plot(one.y / scale.across, one.worn / scale.length, color=VERMILLION, linewidth=1.2)
         _, top = one.damage_max
         axes.plot(top[1] / scale.across, top[2] / scale.length, "o", **_MARK)
-        axes.set_title(f"$N = {at:,.0f}$".replace(",", r"\,"))
+        axes.set_title(place(history.coordinate, at))
         _limits(axes, history, one, scale)
     for axes in charts[1:]:
         axes.set_ylabel("")

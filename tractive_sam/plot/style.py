@@ -119,6 +119,12 @@ def symbol_of(one: Quantity) -> str:
     return f"${one.symbol}$" + ("" if one.unit == "1" else f" ({one.unit})")
 
 
+def place(coordinate: Quantity, at: float) -> str:
+    """A value of a coordinate with its symbol and unit, as math text."""
+    unit = "" if coordinate.unit == "1" else f" {coordinate.unit}"
+    return f"${coordinate.symbol} = {at:{coordinate.format}}${unit}"
+
+
 def along(axes: Axes, *histories: History) -> None:
     """Have axes go along the coordinate of histories, from zero to the last record."""
     (coordinate,) = {history.coordinate for history in histories}
