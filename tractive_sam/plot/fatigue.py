@@ -52,6 +52,9 @@ PANELS = 4
 DECADES = 6.0
 """Of damage that are shown."""
 
+FINE = 120
+"""Depths at which a utilisation is drawn."""
+
 
 @styled
 def shakedown_map(history: History) -> Figure:
@@ -137,13 +140,16 @@ def utilisation(history: History, body: str = "A", at: float | None = None, **na
     _check_limit(history)
     told = place(history.coordinate, history.saved[history.row_of(at, **named)])
     figure, (axes,) = _sections(history, f"utilisation of body {body}, {told}", 1)
-    values = found.utilisation
-    mesh = _fill(axes, found.y / scale.across, found.depth / scale.length, values, cmap=STRESS)
+    # Between its depths it goes with their root.
+    depth = found.depth[-1] * np.linspace(0.0, 1.0, FINE) ** 2
+    roots = np.sqrt(depth), np.sqrt(found.depth)
+    values = np.stack([np.interp(*roots, row) for row in found.utilisation])
+    mesh = _fill(axes, found.y / scale.across, depth / scale.length, values, cmap=STRESS)
     _limits(axes, history, found, scale)
     top = found.largest()
     axes.plot(top.at[1] / scale.across, top.at[2] / scale.length, "o", **_MARK)
     if values.max() > 1.0 > values.min() and not history.line:
-        where = found.y / scale.across, found.depth / scale.length, values.T
+        where = found.y / scale.across, depth / scale.length, values.T
         axes.contour(*where, levels=[1.0], colors="white", linewidths=1.0)
     figure.colorbar(mesh, ax=axes, label="equivalent stress / limit")
     _note(figure, history, body)
