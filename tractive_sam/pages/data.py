@@ -10,7 +10,7 @@ import numpy as np
 from tractive_sam.pages import text
 from tractive_sam.pages.arrays import packed
 from tractive_sam.pages.charts import charts
-from tractive_sam.plot import Drawn, Scale, continued, edge_level, stick_level
+from tractive_sam.plot import Drawn, Scale, chosen, continued, edge_level, stick_level
 from tractive_sam.results import COMPONENTS, History, numbers
 from tractive_sam.scene import label
 
@@ -31,7 +31,7 @@ PROFILES = ("wear_profile_A", "wear_profile_B", "wear_profile")
 
 def of_history(history: History) -> dict[str, Any]:
     """All that the page draws, and what is left out of it."""
-    saved = _chosen(history.saved, MOST_SAVED)
+    saved = chosen(history.saved, MOST_SAVED)
     blocks = _blocks(history)
     states = [Drawn.of(block, at) for at in saved for _, block in blocks]
     surface = _Window.around(states, BESIDE, MOST_NUMBERS / (10 * max(len(states), 1)))
@@ -82,13 +82,6 @@ def _blocks(history: History) -> list[tuple[str, History]]:
     if not duty:
         return [("", history)]
     return [(f", {label(history.scene, k)}", history.block(k)) for k in range(len(duty))]
-
-
-def _chosen(saved: np.ndarray, most: int) -> np.ndarray:
-    """At most so many, the first and the last among them."""
-    if len(saved) <= most:
-        return saved
-    return saved[np.linspace(0, len(saved) - 1, most).round().astype(int)]
 
 
 def _scale(history: History) -> dict[str, Any]:
