@@ -5,6 +5,7 @@ import pytest
 import tractive_sam as ts
 from tractive_sam.contact import Model
 from tractive_sam.run import explain, memory
+from tractive_sam.solvers import Sparing
 
 FREE = 256 * 2**20
 """As if so much were free; the machine has more for what is then said to fit."""
@@ -57,3 +58,21 @@ def test_time_of_a_large_mesh_is_that_of_a_part(monkeypatch):
     assert explain._timed((9, 9)) == (9, 9)
     assert explain.seconds_per_application(model) > 0.0
     assert "slip" not in vars(model.operators)  # nothing of the whole mesh was made
+
+
+def test_a_transient_counts_the_vectors_that_a_step_may_hold(monkeypatch):
+    model = Model(ts.Scene.builtin("fretting"))
+    before, more = memory.of_contact(model), 10
+    monkeypatch.setattr(Sparing, "krylov", Sparing.krylov + more)
+    tractions = 2 * model.grid.elements[0] * model.grid.elements[1]
+    # Vectors, the responses to them and their basis, in doubles.
+    assert memory.of_contact(model) - before == 3 * more * tractions * 8
+
+
+def test_a_row_has_no_nearby_operators():
+    cylinders = ts.Scene.builtin("cylinders")
+    table = {"distance": [0.0, 1.0], "creepage.longitudinal": [-1e-3, -1e-3]}
+    row = Model(cylinders.replace(creepage=None, transient=table))
+    assert row.operators.nearby is None
+    assert memory.of_contact(row) > 0.0
+    assert Model(ts.Scene.builtin("fretting")).operators.nearby is not None
