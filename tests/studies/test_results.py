@@ -227,7 +227,7 @@ def test_three_axes_are_too_many_for_a_figure(tmp_path):
     loads = {"key": "load.normal", "values": [0.3, 0.4]}
     with Folder(tmp_path).taken(small(CREEPAGE, MU, loads)):
         results = open_study(tmp_path)
-    with pytest.raises(ValueError, match=r"3 axes vary, .*; hold all but 2 by KEY=VALUE"):
+    with pytest.raises(ValueError, match=r"3 axes vary, .*; hold all but 2.*--at"):
         save_figures(results, tmp_path)
 
 

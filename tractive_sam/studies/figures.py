@@ -126,7 +126,8 @@ def _held(results: StudyResults, at: Mapping[str, Any]) -> tuple[int | slice, ..
     most = 1 if SAMPLE in free else 2
     if not 1 <= len(free) <= most:
         raise ValueError(
-            f"{len(free)} axes vary, {', '.join(free) or 'none'}; hold all but {most} by KEY=VALUE"
+            f"{len(free)} axes vary, {', '.join(free) or 'none'}; hold all but {most}, each at one "
+            "of its values: --at KEY=VALUE, in Python at={key: value}"
         )
     return tuple(index)
 
