@@ -7,6 +7,7 @@ import pytest
 
 import tractive_sam as ts
 from tests.store.sample_records import SCENE, STRESSED, make_record, mesh, with_stress
+from tractive_sam.results import missed_stress
 from tractive_sam.results.quantities import COLUMNS, FIELDS, STRESS, columns
 from tractive_sam.results.record import fields
 
@@ -223,3 +224,17 @@ def test_forces_of_a_line_contact_are_per_length():
     area, line = columns(SCENE), columns(ts.Scene.builtin("cylinders"))
     assert (area["P"].unit, line["P"].unit) == ("N", "N/mm")
     assert area["p_max"] == line["p_max"]
+
+
+def test_a_stress_that_long_elements_miss_is_told():
+    """Less than two elements deep none is sought: there lies that of a slender contact."""
+    flank = {"body.A.radius_x": 9.0, "body.A.radius_y": 2500.0, "body.B.radius_y": np.inf}
+    alone = dict.fromkeys(("wear", "friction", "creepage", "grid"))
+    planes = {"planes": ["y=0"], "elements": 8}
+    scene = ts.Scene.builtin("twin-discs").replace(**flank, **alone, subsurface=planes)
+    # Nearly that of a line contact; on coarse elements along x to a per cent.
+    largest = 0.55 * scene.hertz.p0
+    for elements, missed in (((15, 401), False), ((15, 61), True)):
+        history = ts.roll(scene.replace(grid={"elements": elements}))
+        assert bool(missed_stress(history)) == missed
+        assert (history["von_mises_interior"][0, 0] > largest) != missed

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from rich import box
 from rich.table import Table
 
-from tractive_sam.results import balances, numbers, rolled_on_by
+from tractive_sam.results import balances, missed_stress, numbers, rolled_on_by
 from tractive_sam.scene import told as asked_of
 
 if TYPE_CHECKING:
@@ -60,6 +60,8 @@ def about(history: "History") -> Table:
     if others := rolled_on_by(history):
         rows["rolled on by"] = others
     rows |= {f"{name} balance": text for name, text in balances(history).items()}
+    if missed := missed_stress(history):
+        rows["stress"] = missed
     totals = history.totals
     if totals["contact_solves"]:
         spent = f"{totals['contact_solves']} contacts solved in {totals['wall_seconds']:.3g} s"

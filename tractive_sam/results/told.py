@@ -12,6 +12,9 @@ from tractive_sam.results.quantities import BODIES, Quantity
 if TYPE_CHECKING:
     from tractive_sam.results.history import History
 
+DEPTH_OF_STRESS = 0.6
+"""Depth of the largest stress over the smaller semi-axis: 0.48 of a circle, 0.79 of a line."""
+
 CLOSED = 5e-3
 """Error of the energy balance that is not reported."""
 
@@ -81,6 +84,20 @@ def balances(history: "History", only_if_open: bool = False) -> dict[str, str]:
             if not (closed and only_if_open):
                 told[name] = tell(history, worst, closed)
     return told
+
+
+def missed_stress(history: "History") -> str:
+    """What to say where elements are so long that the largest stress is not found; else nothing."""
+    grid, hertz = history.grid, history.scene.hertz
+    if not history.bodies or hertz is None or history.scene.gap is not None:
+        return ""
+    depth, side = DEPTH_OF_STRESS * min(hertz.a, hertz.b), max(grid.dx, 0 if grid.line else grid.dy)
+    if 2.0 * side <= depth:
+        return ""
+    return (
+        f"the largest one inside lies about {depth:.3g} mm deep and is sought from two elements "
+        f"deep on, {2.0 * side:.3g} mm: what is told of it may be too small; shorten the elements"
+    )
 
 
 def _energy(history: "History", balance: float, closed: bool) -> str:
