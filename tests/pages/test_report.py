@@ -70,6 +70,18 @@ def test_every_column_that_changes_is_drawn_once(history):
     assert "Share of the &lt;load&gt;" in titles
 
 
+def test_a_force_that_is_zero_is_not_drawn():
+    """Of isotropic friction that is driven along x there is no lateral force, and no moment."""
+    scene = ts.Scene.builtin("twin-discs-isotropic").replace(subsurface=None)
+    short = {"wear.revolutions": 20, "wear.save": (20,), "grid.elements": (9, 15)}
+    with pytest.warns(ts.SceneWarning, match="coarse|poorly"):
+        history = ts.roll(scene.replace(**short))
+    assert 0.0 < np.abs(history["Mz"]).max()  # what the solver leaves
+    titles = {chart["title"]: len(chart["lines"]) for chart in charts.charts(history)}
+    assert titles["Tangential forces"] == 1
+    assert charts._title(history.columns["Mz"]) not in titles
+
+
 def test_the_fields_are_those_of_the_records(history):
     surface = data.of_history(history)["surface"]
     pressure = unpacked(surface["fields"]["pressure"])

@@ -34,6 +34,9 @@ BOOKKEEPING = {"residual", "operator_applications", "jump", "converged", "solves
 ROUNDING = 1e-9
 """Change over the largest value below which nothing changes."""
 
+NOISE = 1e-6
+"""Change of a force over the load, likewise: what solvers leave open."""
+
 
 def charts(history: History) -> list[dict[str, Any]]:
     """Charts over the course: titles, units, and lines with their numbers.
@@ -59,6 +62,14 @@ def charts(history: History) -> list[dict[str, Any]]:
     groups += [(_title(one), {name: one}) for name, one in free.items()]
     drawn = [_chart(history, title, list(group.values())) for title, group in groups]
     return sorted((one for one in drawn if one["lines"]), key=lambda one: one["aside"])
+
+
+def _noise(history: History, name: str) -> float:
+    """By how much forces and moments change that are zero but for what the solver leaves."""
+    load = NOISE * float(np.nanmax(history["P"]))
+    arm = float(np.nanmax(history["half_width_x"]))
+    of = {"Qx": load, "Qy": load, "Mz": load * arm, "Qx_over_P": NOISE, "Qy_over_P": NOISE}
+    return of.get(name.removeprefix(PREFIX), 0.0)
 
 
 def _of_cycle(history: History, one: Quantity) -> Quantity:
@@ -88,13 +99,14 @@ def _chart(history: History, title: str, group: list[Quantity]) -> dict[str, Any
 def _lines(history: History, one: Quantity, several: int) -> Iterator[dict[str, Any]]:
     """The numbers of a column that change, a line for each body and axis."""
     values, duty = history[one.name], history.scene.duty or ()
+    noise = _noise(history, one.name)
     labels = {**LABELS, "block": [label(history.scene, k) for k in range(len(duty))]}
     for place in product(*(labels[dim] for dim in one.dims)):
         place_of = zip(one.dims, place, strict=True)
         at: Any = (..., *(labels[dim].index(k) for dim, k in place_of))
         line = values[at].astype(float)
         known = line[np.isfinite(line)]
-        if known.size < 2 or np.ptp(known) <= ROUNDING * np.abs(known).max():
+        if known.size < 2 or np.ptp(known) <= max(noise, ROUNDING * np.abs(known).max()):
             continue
         name = text.symbol(one.symbol) or text.told(one.name)
         kind = one.role.removeprefix("stress_") if one.role.startswith("stress_") else ""
