@@ -76,7 +76,7 @@ def test_a_force_that_is_zero_is_not_drawn():
     short = {"wear.revolutions": 20, "wear.save": (20,), "grid.elements": (9, 15)}
     with pytest.warns(ts.SceneWarning, match="coarse|poorly"):
         history = ts.roll(scene.replace(**short))
-    assert 0.0 < np.abs(history["Mz"]).max()  # what the solver leaves
+    assert np.abs(history["Mz"]).max() > 0.0  # what the solver leaves
     titles = {chart["title"]: len(chart["lines"]) for chart in charts.charts(history)}
     assert titles["Tangential forces"] == 1
     assert charts._title(history.columns["Mz"]) not in titles

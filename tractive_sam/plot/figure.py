@@ -17,13 +17,16 @@ class Figure(matplotlib.figure.Figure):
 
     def _repr_png_(self) -> tuple[bytes, dict[str, float]]:
         """The picture, and its size on the page."""
-        memory = BytesIO()
-        self.savefig(memory, format="png", dpi=SHARP * self.dpi)
         width, height = (float(round(side * self.dpi)) for side in self.get_size_inches())
-        return memory.getvalue(), {"width": width, "height": height}
+        return self._png(self.dpi), {"width": width, "height": height}
 
     def in_html(self, width: float) -> str:
         """The picture as an image of a page, that many pixels wide."""
-        data, _ = self._repr_png_()
-        encoded = b64encode(data).decode()
+        encoded = b64encode(self._png(width / self.get_figwidth())).decode()
         return f'<img alt="figure" src="data:image/png;base64,{encoded}" width="{width:.0f}">'
+
+    def _png(self, dpi: float) -> bytes:
+        """The picture, of `SHARP` dots for one of so many an inch."""
+        memory = BytesIO()
+        self.savefig(memory, format="png", dpi=SHARP * dpi)
+        return memory.getvalue()

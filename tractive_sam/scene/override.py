@@ -103,7 +103,7 @@ def _not_within(inner: Any, name: str | int, where: str) -> str:
         return "" if within else f"a place in the list: {where}[0] to {where}[{len(inner) - 1}]"
     if not isinstance(inner, dict):
         return f"no entry within {where}"
-    return f"no place: the scene has no list {where}" if isinstance(name, int) else ""
+    return f"nothing: the scene has no list {where}" if isinstance(name, int) else ""
 
 
 def _remove(tables: dict[str, Any], key: str) -> None:
