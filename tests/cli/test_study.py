@@ -2,6 +2,8 @@ import csv
 
 import pytest
 
+import tractive_sam as ts
+
 SMALL = """
 title = "Friction of small spheres"
 scene = "spheres"
@@ -118,6 +120,14 @@ def test_bad_input(call, file, folder, arguments, told):
     assert result.exit_code == 2
     for text in told:
         assert text in result.output
+
+
+def test_a_scene_in_place_of_a_study(call, folder):
+    (folder / "scene.toml").write_text(ts.Scene.builtin("spheres").to_toml())
+    result = call("study", "scene.toml", "-o", "done")
+    assert result.exit_code == 2
+    assert "tractive-sam run" in result.stderr
+    assert "1 fault" in result.stderr
 
 
 def test_every_fault_of_a_study_is_told(call, folder):

@@ -154,6 +154,9 @@ class Study(Document):
     @classmethod
     def files_from(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
         """The tables, with relative files in them sought from a folder."""
+        if "body" in tables:
+            cure = 'scene = "FILE.toml", or them in [scene]; tractive-sam run computes a scene'
+            raise SceneError([Fault("(file)", "the tables of a scene", cure)])
         match tables:
             case {"set": list(settings)}:
                 tables["set"] = [_setting_from(folder, one) for one in settings]
