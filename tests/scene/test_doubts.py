@@ -108,3 +108,14 @@ def test_a_gap_that_stands_still_while_the_bodies_roll():
     assert "along x" in text
     assert not told(waves, 0 * Y, friction=None, creepage=None)  # nothing rolls
     assert not told(X**2 / 80, Y**2 / 100)  # the form of a body that turns
+
+
+def test_a_warning_is_at_the_line_that_asked():
+    with pytest.warns(PlausibilityWarning) as told:
+        DISCS.with_set(["friction.mu=30"])
+    assert [one.filename for one in told] == [__file__]
+    gap = ts.Gap(x=[-9.0, 9.0], y=[-0.1, 0.0, 0.1], separation=[[0.0, 1e-3, 0.0]] * 2)
+    alone = DISCS.replace(gap=gap, wear=None, **{"grid.elements": (9, 9)})
+    with pytest.warns(ts.SceneWarning, match="gap") as told:
+        ts.solve(alone)
+    assert {one.filename for one in told} == {__file__}

@@ -1,6 +1,5 @@
 """One steady state of a model, solved and put back into mm, N and MPa."""
 
-import warnings
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -11,7 +10,7 @@ from tractive_sam.contact.mesh import grown
 from tractive_sam.contact.message import message, too_steep
 from tractive_sam.contact.model import Model
 from tractive_sam.results import State, Status
-from tractive_sam.scene import SceneWarning
+from tractive_sam.scene import warn
 from tractive_sam.solvers import ALONE, METHODS, FromRest, Outcome, Problem, Start
 
 GROWTHS = 8
@@ -230,7 +229,7 @@ def finished(
         tuple(map(str, outcome.trace)),
     )
     if contact.converged and steepness >= 1.0:
-        warnings.warn(too_steep(steepness), SceneWarning, stacklevel=2)
+        warn(too_steep(steepness))
     if contact.converged and any(contact.at_edge):
         status = Status.OFF_GRID
         contact = replace(contact, status=status, note=message(status, outcome, model))

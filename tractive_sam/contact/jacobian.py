@@ -29,7 +29,6 @@ Friction that answers to temperature has a bound that answers to the heat of all
 of every change above, and within the matrix to that of every step (`_WarmSystem`).
 """
 
-import warnings
 from collections.abc import Callable, Container
 from functools import partial
 from typing import TYPE_CHECKING
@@ -41,7 +40,7 @@ from tractive_sam.contact.heat import in_warmth, warming
 from tractive_sam.contact.model import Model
 from tractive_sam.mechanics import Coulomb, FallingCoulomb
 from tractive_sam.results import COLUMNS, State, by_name
-from tractive_sam.scene import SceneWarning
+from tractive_sam.scene import warn
 from tractive_sam.solvers import Iterate, Problem, System, gmres
 
 if TYPE_CHECKING:
@@ -121,7 +120,7 @@ def jacobian_of(
     unsolved = [name for name, column in columns.items() if np.isnan(column).any()]
     if unsolved:
         told = f"jacobian: the linear systems of {', '.join(unsolved)} were not solved: nan"
-        warnings.warn(told, SceneWarning, stacklevel=2)
+        warn(told)
     known, line = by_name(COLUMNS), model.grid.line
     units = {n: known[n].of_line(line).unit if n in known else "1" for n in (*rows, *columns)}
     cost = sum(one.applications for one in {whole, tangential})

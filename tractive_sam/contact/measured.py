@@ -1,12 +1,10 @@
 """The measured separation of a scene at the elements of its mesh, and what of it they miss."""
 
-import warnings
-
 import numpy as np
 import scipy  # its parts are loaded when first used
 
 from tractive_sam.results import Grid
-from tractive_sam.scene import SceneWarning
+from tractive_sam.scene import warn
 
 Gap = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Coordinates x (n,), y (m,) and separation (n, m) of a measured gap, mm."""
@@ -37,7 +35,7 @@ def resampled(measured: Gap, grid: Grid) -> np.ndarray:
             "beyond its edge it is continued as a constant. Measure further, or lessen "
             "grid.half_length"
         )
-        warnings.warn(text, SceneWarning, stacklevel=2)
+        warn(text)
     at_x, at_y = np.clip(grid.x, x[0], x[-1]), np.clip(grid.y, y[0], y[-1])
     return sampled(measured, at_x, at_y)
 
@@ -76,7 +74,7 @@ def warn_if_unseen(measured: Gap, grid: Grid, taken: np.ndarray, scale: float) -
             f"elements are not seen; grid.elements = [{', '.join(map(str, finer))}] takes every "
             "sample. Or smooth the measurement"
         )
-        warnings.warn(text, SceneWarning, stacklevel=2)
+        warn(text)
 
 
 def warn_if_standing(measured: Gap, grid: Grid) -> None:
@@ -93,7 +91,7 @@ def warn_if_standing(measured: Gap, grid: Grid) -> None:
             "gap stands still in space: asperities do not travel through the contact, nor do "
             "waves around a body. Only ridges along x are those of bodies that turn"
         )
-        warnings.warn(text, SceneWarning, stacklevel=2)
+        warn(text)
 
 
 def _within(measured: Gap, grid: Grid) -> Gap:

@@ -1,6 +1,5 @@
 """Rolls a scene and keeps its records, in a file or in memory."""
 
-import warnings
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from itertools import chain
@@ -17,7 +16,7 @@ from tractive_sam.results import Grid, History, Quantity, Record, Status, fields
 from tractive_sam.rolling import ErrorEstimator, Passage, followed, passages, recorded
 from tractive_sam.run.given import hash_of
 from tractive_sam.run.resume import last_damage
-from tractive_sam.scene import PlausibilityWarning, Scene
+from tractive_sam.scene import PlausibilityWarning, Scene, warn
 from tractive_sam.store import HistoryWriter, open_history
 
 
@@ -129,7 +128,7 @@ def _warn_beyond_tests(model: Model, start: Passage) -> None:
             fields = contact.pressure, contact.traction, contact.slip
             if told := block.wear_law.beyond_tests(*fields):
                 key = f"wear.law: duty block {k + 1}" if len(model.blocks) > 1 else "wear.law"
-                warnings.warn(f"{key}: {told}", PlausibilityWarning, stacklevel=2)
+                warn(f"{key}: {told}", PlausibilityWarning)
 
 
 class _InMemory:

@@ -18,6 +18,7 @@ from .faults import (
     SceneWarning,
     shown,
     suggestion,
+    warn,
 )
 from .gap import LENGTHS, TEXTS, Gap, files_anywhere
 from .heat import Bulk, Heat, Thermal
@@ -114,4 +115,5 @@ __all__ = [
     "suggestion",
     "told",
     "toml",
+    "warn",
 ]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Iterator
 
 from tractive_sam.mechanics import HertzContact, HertzLine, full_slip_force, load_to_carry
@@ -12,7 +11,7 @@ from .alternatives import not_both
 from .bodies import Bodies
 from .doubts import doubtful_contact
 from .duty import duty_fits
-from .faults import Fault, SceneWarning, shown
+from .faults import Fault, shown, warn
 from .heat import HEAT_CHECKS
 from .line import LINE_CHECKS, is_line
 from .table import Check, Known
@@ -250,7 +249,7 @@ SCENE_CHECKS: tuple[Check, ...] = (
 """All checks of a valid scene."""
 
 
-def warn_if_coarse(grid: Mesh, contact: HertzContact | HertzLine, stacklevel: int) -> None:
+def warn_if_coarse(grid: Mesh, contact: HertzContact | HertzLine) -> None:
     """Warn, once for all directions, of a grid too coarse to resolve the contact.
 
     Parameters
@@ -259,8 +258,6 @@ def warn_if_coarse(grid: Mesh, contact: HertzContact | HertzLine, stacklevel: in
         The grid of the scene.
     contact : HertzContact or HertzLine
         The unworn contact on it.
-    stacklevel : int
-        Of the caller's caller, as in `warnings.warn`.
     """
     needs = [
         f"at least {math.ceil(FEWEST_ELEMENTS * length / semi_axis)} in {axis}"
@@ -274,10 +271,10 @@ def warn_if_coarse(grid: Mesh, contact: HertzContact | HertzLine, stacklevel: in
     if needs:
         given = grid.elements if len(grid.elements) > 1 else grid.elements[0]
         text = f"grid.elements: {given} resolves the contact poorly; use {', '.join(needs)}"
-        warnings.warn(text, SceneWarning, stacklevel=stacklevel + 1)
+        warn(text)
 
 
-def warn_if_large(bodies: Bodies, contact: HertzContact | HertzLine, stacklevel: int) -> None:
+def warn_if_large(bodies: Bodies, contact: HertzContact | HertzLine) -> None:
     """Warn, once for all directions, of a contact that is not small against the radii.
 
     Parameters
@@ -287,8 +284,6 @@ def warn_if_large(bodies: Bodies, contact: HertzContact | HertzLine, stacklevel:
         conforming bodies.
     contact : HertzContact or HertzLine
         Their unworn contact.
-    stacklevel : int
-        Of the caller's caller, as in `warnings.warn`.
     """
     ratios = []
     for axis, name, combined in zip("xy", "ab", bodies.radii, strict=True):
@@ -302,10 +297,10 @@ def warn_if_large(bodies: Bodies, contact: HertzContact | HertzLine, stacklevel:
             f"body: the contact is large against the radii, {' and '.join(ratios)}; half-spaces "
             f"stand for bodies up to about {LARGEST_CONTACT:g}. Lower the [load]"
         )
-        warnings.warn(text, SceneWarning, stacklevel=stacklevel + 1)
+        warn(text)
 
 
-def warn_if_unequal(bodies: Bodies, wear: Wear, stacklevel: int) -> None:
+def warn_if_unequal(bodies: Bodies, wear: Wear) -> None:
     """Warn of bodies that wear and come round unequally often, unless that was asked for.
 
     Parameters
@@ -314,8 +309,6 @@ def warn_if_unequal(bodies: Bodies, wear: Wear, stacklevel: int) -> None:
         The bodies.
     wear : Wear
         Their wear; ``turns = "each"``, written down, tells that unequal turns are meant.
-    stacklevel : int
-        Of the caller's caller, as in `warnings.warn`.
     """
     radii = {name: abs(getattr(bodies, name).radius_x) for name in "AB"}
     alike = max(radii.values()) <= (1.0 + UNEQUAL) * min(radii.values())
@@ -328,7 +321,7 @@ def warn_if_unequal(bodies: Bodies, wear: Wear, stacklevel: int) -> None:
         f'{counted}. Say wear.turns = "each" where each body is to meet its own wear again, '
         "averaged over the phase"
     )
-    warnings.warn(text, SceneWarning, stacklevel=stacklevel + 1)
+    warn(text)
 
 
 def _directions(

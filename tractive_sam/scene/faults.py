@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import difflib
+import inspect
 import reprlib
+import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import ClassVar
@@ -92,6 +94,18 @@ class SceneWarning(UserWarning):
 
 class PlausibilityWarning(SceneWarning):
     """A scene with an entry that looks as if it was meant in another unit, or forgotten."""
+
+
+def warn(text: str, category: type[SceneWarning] = SceneWarning) -> None:
+    """Warn, at the line outside of this package that led here."""
+    level, frame = 1, inspect.currentframe()
+    while frame is not None and frame.f_globals.get("__name__", "").startswith(INSIDE):
+        level, frame = level + 1, frame.f_back
+    warnings.warn(text, category, stacklevel=level)
+
+
+INSIDE = (f"{__name__.partition('.')[0]}.", "contextlib", "functools")
+"""Modules of this package, and those whose wrappers are around its functions."""
 
 
 def shown(value: object) -> str:

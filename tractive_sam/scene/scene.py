@@ -22,7 +22,7 @@ from .document import Document
 from .doubts import doubts
 from .duty import Block, Spectrum, block_scenes, off_the_mesh
 from .fatigue import Fatigue
-from .faults import PlausibilityWarning, SceneError
+from .faults import PlausibilityWarning, SceneError, warn
 from .gap import Gap
 from .heat import STEEL, Heat, Thermal
 from .load_history import DOUBTFUL, LoadHistory, with_blocks
@@ -83,14 +83,14 @@ class Scene(Document):
         if self.duty:
             self._check_blocks()
         for doubt in doubts(self):
-            warnings.warn(doubt, PlausibilityWarning, stacklevel=2)
+            warn(doubt, PlausibilityWarning)
         if self.wear and not self.transient:
-            warn_if_unequal(self.body, self.wear, stacklevel=2)
+            warn_if_unequal(self.body, self.wear)
         if self.gap:  # the Hertz ellipse is not the contact
             return
-        warn_if_large(self.body, self.hertz, stacklevel=2)
+        warn_if_large(self.body, self.hertz)
         if self.grid:
-            warn_if_coarse(self.grid, self.hertz, stacklevel=2)
+            warn_if_coarse(self.grid, self.hertz)
 
     @classmethod
     def unfolded(cls, given: Mapping[Any, Any]) -> Mapping[Any, Any]:
@@ -107,15 +107,15 @@ class Scene(Document):
         own = set(doubts(self))
         for told in dict.fromkeys(str(note.message) for note in notes):
             if told not in own and not told.startswith("wear"):
-                warnings.warn(f"duty: {told}", PlausibilityWarning, stacklevel=3)
+                warn(f"duty: {told}", PlausibilityWarning)
         cycle, revolutions = self.spectrum.cycle, self.wear.revolutions
         if revolutions % cycle:
             told = f"duty: the last of {revolutions} / {cycle} cycles is not whole"
-            warnings.warn(told, PlausibilityWarning, stacklevel=3)
+            warn(told, PlausibilityWarning)
         if self.load_history and (self.load_history.work_error or 0.0) > DOUBTFUL:
             off = f"the mean of load x creepage by {self.load_history.work_error:.1%}"
             told = f"load_history: its levels change {off}; raise load_history.levels"
-            warnings.warn(told, PlausibilityWarning, stacklevel=3)
+            warn(told, PlausibilityWarning)
 
     @property
     def blocks(self) -> tuple[Scene, ...]:
