@@ -146,7 +146,7 @@ def test_scaling_is_that_of_solved_contacts():
     half = (hertz.a * 17 / 15, hertz.b * 17 / 15)
     contact = ts.solve(scene.replace(grid={"half_length": half, "elements": (17, 17)}))
     w = shear * c**2 / bound * np.array([-1e-3, 7e-4, 5e-4 * c])
-    found = Contacts.of_hertz(hertz.a / hertz.b, 0.3).forces(w, 15)
+    found = Contacts(unit_scene(hertz.a / hertz.b, 0.3)).forces(w, 15)
     expected = np.array([contact.Qx, contact.Qy, contact.Mz / c]) / bound
     np.testing.assert_allclose(found, expected, atol=1e-7)  # tolerance of the scenes
 
