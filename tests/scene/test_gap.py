@@ -27,6 +27,22 @@ def test_equality_and_hash():
     assert one != "gap"
 
 
+@pytest.mark.parametrize("kind", [list, tuple, np.array])
+def test_a_profile_is_the_same_all_along(kind):
+    gap = Gap(y=[-1, 0, 1], separation=kind([0.0, 1.0, 0.5]), body="A")
+    assert gap.x[0] <= -1e5 < 1e5 <= gap.x[1]
+    np.testing.assert_array_equal(gap.separation, [[0.0, 1.0, 0.5]] * 2)
+
+
+@pytest.mark.parametrize(
+    "profile", [["a", "b"], [None, 1.0], [1.0, np.nan], np.ma.masked_equal([1.0, 2.0], 2.0), [1.0]]
+)
+def test_what_is_no_profile(profile):
+    with pytest.raises(SceneError) as caught:
+        Gap(y=[0, 1], separation=profile)
+    assert {fault.key for fault in caught.value.faults} == {"separation"}
+
+
 def test_scene_with_arrays_round_trips(spheres):
     scene = spheres.replace(gap=Gap(**ARRAYS))
     assert Scene.from_toml_text(scene.to_toml()) == scene

@@ -20,7 +20,7 @@ from .faults import (
     suggestion,
     warn,
 )
-from .gap import LENGTHS, TEXTS, Gap, files_anywhere
+from .gap import ALONG, LENGTHS, TEXTS, Gap, files_anywhere
 from .heat import Bulk, Heat, Thermal
 from .keys import groups
 from .load_history import Binned, LoadHistory, blocks_of
@@ -50,6 +50,7 @@ from .transient import CreepageCourse, FrictionCourse, LoadCourse, Profiles, Tra
 from .varied import FILES, files_of_varied
 
 __all__ = [
+    "ALONG",
     "BY_COEFFICIENT",
     "FEWEST_ELEMENTS",
     "FILES",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
@@ -23,6 +23,9 @@ SUFFIXES = (".h5", ".npy", ".npz", *TEXTS)
 
 LENGTHS = {"m": 1e3, "mm": 1.0, "um": 1e-3, "nm": 1e-6}
 """Units of lengths, mm."""
+
+ALONG = 1e6
+"""Distance to either side, mm, over which a profile across the track is the same."""
 
 _ARRAYS = ("x", "y", "separation")
 
@@ -130,13 +133,14 @@ _Axis = Annotated[_Array, AfterValidator(_axis)]
 class Gap(Table):
     """A separation on a rectangular grid, or the heights of a body, from a file or as arrays.
 
-    `separation` has the shape (len(x), len(y)). The arrays are read-only. Only the existence of
+    `separation` has the shape (len(x), len(y)); without x it is a profile (len(y),), the same all
+    along the track. The arrays are read-only. Only the existence of
     a file is checked here; a relative one is sought from the folder of the TOML file, or else from
     the working folder, and absolute from then on. What a file may hold tells `store.read_gap`.
 
     Examples
     --------
-    >>> groove = ts.Gap(x=[-5, 5], y=[-5, 0, 5], separation=[[0, 1e-3, 0], [0, 1e-3, 0]])
+    >>> groove = ts.Gap(y=[-5, 0, 5], separation=[0, 1e-3, 0])
     >>> grooved = ts.solve(scene.replace(gap=groove))
     >>> grooved.converged
     True
@@ -171,6 +175,16 @@ class Gap(Table):
         _heights_of_a_body,
         _step_of_a_file,
     )
+
+    @classmethod
+    def unfolded(cls, given: Mapping[Any, Any]) -> Mapping[Any, Any]:
+        """A profile across the track, without x, as the same all along it."""
+        profile = given.get("separation")
+        row = isinstance(profile, list | tuple) and not any(map(np.ndim, profile))
+        row = row or (isinstance(profile, np.ndarray) and profile.ndim == 1)
+        if given.get("x") is not None or not row:
+            return given
+        return {**given, "x": [-ALONG, ALONG], "separation": np.ma.array([profile, profile])}
 
     def in_mm(self, x: Any, y: Any, values: Any, units: tuple[str, str] = ("mm", "mm")) -> Any:
         """x, y and separation in mm, of what was measured.

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tractive_sam import scene
-from tractive_sam.scene import LENGTHS, TEXTS
+from tractive_sam.scene import ALONG, LENGTHS, TEXTS
 from tractive_sam.store.errors import GapError
 from tractive_sam.store.gap_text import is_number, one_of, read_text
 
@@ -19,9 +19,6 @@ VALUES = ("separation", "height", "z")
 LARGEST = 1e30
 """Magnitude of coordinates and separations, mm, within which nothing can overflow: that of
 `scene.quantities`, without loading what reads scenes."""
-
-ALONG = 1e6
-"""Distance to either side, mm, over which a profile across the track is the same."""
 
 Gap = tuple[np.ndarray, np.ndarray, np.ndarray]
 
