@@ -39,6 +39,7 @@ from tractive_sam.results.edges import beyond, both_ends
 from tractive_sam.run import measured_gap
 from tractive_sam.subsurface import stress_maximum, stress_volume
 from tractive_sam.subsurface.loaded import LoadedBodies
+from tractive_sam.subsurface.mirror import SIGNS
 
 ACROSS = (16, 24, 32, 48, 64, 96)
 SHIFTS = (0.0, 0.3, 0.6)
@@ -66,7 +67,8 @@ def surfaces(contact: State, body: str) -> dict[str, float]:
     ((_, at_centres),) = stress_volume(contact, [0.0], body)
     load, grid = LoadedBodies.of(contact, (body,)), contact.grid
     lattice, alone = Lattice(grid.elements, grid.dx, grid.dy), load.bodies[0]
-    between = von_mises(surface_stress(lattice, alone, load.tractions[0]))
+    (stress,) = surface_stress(lattice, alone, load.tractions, (SIGNS[body],))
+    between = von_mises(stress)
     touching = contact.touching[1:] & contact.touching[:-1]
     if not grid.line:
         touching = touching[:, 1:] & touching[:, :-1]

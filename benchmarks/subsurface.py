@@ -68,7 +68,7 @@ def volume(contact: State) -> dict:
     load = LoadedBodies.of(contact, "A")
     lattice = Lattice(contact.grid.elements, contact.grid.dx, contact.grid.dy)
     poisson = contact.scene.materials["A"].poisson
-    layers = StressLayers(lattice, load.tractions, (poisson,))
+    layers = StressLayers(lattice, load.tractions, (poisson,), (1.0,))
     transform = layer_transform(lattice.shape, layers._padded)
     arrays = (transform.tables, transform.packs, transform.spectra, layers._loads)
     held = sum(array.nbytes for array in arrays) + 6 * n * layers._padded[1] * 8
@@ -110,7 +110,7 @@ def plane(contact: State, text: str, count: int) -> dict:
     load = LoadedBodies.of(contact, "A")
     position = 0.0 if text == "y=0" else 0.75 * contact.scene.hertz.a
     poisson = contact.scene.materials["A"].poisson
-    operator = StressPlane(contact.grid, "y", position, load.tractions, (poisson,))
+    operator = StressPlane(contact.grid, "y", position, load.tractions, (poisson,), (1.0,))
     transform = edge_transform(operator._distances.size, operator._padded)
     spectra = np.zeros((6, operator._padded // 2 + 1), dtype=complex)
     bare = seconds(lambda: (transform.forward(), np.fft.irfft(spectra, operator._padded)), 0.5, 200)

@@ -44,8 +44,8 @@ def test_it_is_nowhere_larger_than_its_maximum(body):
     # Where it has an edge the search ends a little beside it: 1e-4 here.
     assert stress.by(Tresca())[:, below].max() < 1.001 * top.value
     there = Tresca()(ts.stress_at(contact, [top.interior_at], body).T)
-    # Two sums over the elements in another order.
-    assert there[0] == pytest.approx(top.interior, rel=1e-9)
+    # Elements that are far are taken together.
+    assert there[0] == pytest.approx(top.interior, rel=1e-4)
 
 
 def test_columns_are_named_by_it(tmp_path):

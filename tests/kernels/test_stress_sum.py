@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tractive_sam.kernels.stress import stress_patch
-from tractive_sam.kernels.stress_sum import stress_around, stress_at
+from tractive_sam.kernels.stress_sum import stress_around, stress_at, summed
 
 POINTS = np.array([[0.3, -0.2, 0.4], [5.0, 1.0, 0.0], [0.0, 0.0, 2.0]])
 CENTRES = np.array([[0.0, 0.0], [1.0, -0.6], [-2.0, 0.6]])
@@ -42,17 +42,18 @@ def uneven_tractions():
     return np.stack((0.4 * pressure * (1 + x), 0.2 * pressure * y, pressure))
 
 
-def both_sums(around, blocks=(8, 16)):
-    """Stresses at points around one, taken together and exact."""
+def both_sums(around, widest=0.3, blocks=(8, 16), sign=-1.0):
+    """Stresses (7, 6) at points around one, taken together and exact."""
     tractions = uneven_tractions()
     i, j = np.mgrid[:NX, :NY]
     centres = np.stack((CORNER[0] + (i + 0.5) * SIDES[0], CORNER[1] + (j + 0.5) * SIDES[1]), axis=2)
     points = around + 0.1 * around[2] * np.concatenate(([np.zeros(3)], np.eye(3), -np.eye(3)))
-    near, exact = np.empty((7, 6)), np.empty((7, 6))
-    stress_around(near, points, around, CORNER, tractions, *SIDES, *blocks, POISSON)
-    loads = np.ascontiguousarray(tractions.reshape(3, -1).T)
+    near, exact = np.empty((6, 1, 7)), np.empty((7, 6))
+    own = around[None], np.array([sign]), np.array([POISSON])
+    stress_around(near, points[None], *own, CORNER, summed(tractions), SIDES, blocks, widest)
+    loads = np.ascontiguousarray(tractions.reshape(3, -1).T) * (sign, sign, 1.0)
     stress_at(exact, points, centres.reshape(-1, 2), loads, *SIDES, POISSON)
-    return near, exact
+    return near[:, 0].T, exact
 
 
 @pytest.mark.parametrize("blocks", [(1, 1), (4, 2), (8, 16), (16, 32)])
@@ -60,7 +61,7 @@ def both_sums(around, blocks=(8, 16)):
     "around", [(0.3, -0.2, 1.0), (-5.2, 3.3, 1.5), (2.0, 0.0, 4.0), (0, 0, 30)]
 )
 def test_far_patches_taken_together(around, blocks):
-    near, exact = both_sums(np.array(around, float), blocks)
+    near, exact = both_sums(np.array(around, float), blocks=blocks)
     size = np.abs(exact).max()
     # Blocks are a quarter of their distance wide: the first moments are kept, the second ones make
     # 1/16 of 1/24 of each block's stress, times the 6 of a second derivative of 1/R². Over a tenth
@@ -70,9 +71,25 @@ def test_far_patches_taken_together(around, blocks):
     assert np.abs(error - error[0]).max() < 5e-3 * size
 
 
+def test_narrow_blocks_are_all_but_exact():
+    errors = []
+    for widest in (0.4, 0.2, 0.1):
+        near, exact = both_sums(np.array((0.3, -0.2, 2.0)), widest)
+        errors.append(np.abs(near - exact).max() / np.abs(exact).max())
+    # Between the second order of blocks of many patches and the fourth one of the nodes of a patch.
+    assert errors[1] < errors[0] / 4.0
+    assert errors[2] < 2e-5
+
+
 def test_unloaded_patches_cost_and_cause_nothing():
-    out = np.ones((1, 6))
-    nothing = np.zeros((3, 8, 8))
-    at = np.array([0.0, 0.0, 1.0])
-    stress_around(out, at[None], at, (0.0, 0.0), nothing, *SIDES, 8, 8, POISSON)
+    out = np.ones((6, 1, 1))
+    nothing = summed(np.zeros((3, 8, 8)))
+    at, one = np.array([[0.0, 0.0, 1.0]]), np.ones(1)
+    stress_around(out, at[None], at, one, 0.3 * one, (0.0, 0.0), nothing, SIDES, (8, 8), 0.3)
     assert not out.any()
+
+
+def test_sums_over_all_before():
+    tractions = np.random.default_rng(0).normal(size=(3, 4, 5))
+    truth = np.pad(tractions.cumsum(axis=1).cumsum(axis=2), ((0, 0), (1, 0), (1, 0)))
+    np.testing.assert_allclose(summed(tractions), truth, atol=1e-14)  # another order of 20 terms

@@ -6,10 +6,11 @@ import pytest
 from tractive_sam.kernels.stress_sum import stress_at
 from tractive_sam.operators import Lattice, StressLayers, StressPlane, stress_layers
 from tractive_sam.results.grid import Grid
+from tractive_sam.subsurface.mirror import acting
 
 GRID = Grid((3.0, 2.0), (13, 10))
 MESH = Lattice(GRID.elements, GRID.dx, GRID.dy)
-POISSON = (0.28, 0.4)
+POISSON, SIGNS = (0.28, 0.4), (1.0, -1.0)
 DEPTHS = [0.0, 1e-9, 0.1, 1.0, 4.0]
 ZZ, XZ, YZ = 2, 4, 5
 # Tractions are of order one; sums of 30 of them, and FFTs of 20 x 20.
@@ -17,9 +18,9 @@ ROUNDING = 1e-14
 
 
 def random_tractions(rows, columns):
-    tractions = np.zeros((2, 3, *GRID.elements))
-    shape = tractions[:, :, rows, columns].shape
-    tractions[:, :, rows, columns] = np.random.default_rng(0).normal(size=shape)
+    tractions = np.zeros((3, *GRID.elements))
+    shape = tractions[:, rows, columns].shape
+    tractions[:, rows, columns] = np.random.default_rng(0).normal(size=shape)
     return tractions
 
 
@@ -30,7 +31,7 @@ BOXES = [(slice(3, 9), slice(2, 7)), (slice(0, 2), slice(8, 10)), (slice(None), 
 def direct(tractions, body, points):
     """Stress (6, n) by the direct sum."""
     centres = np.array([(x, y) for x in GRID.x for y in GRID.y])
-    loads = np.ascontiguousarray(tractions[body].reshape(3, -1).T)
+    loads = np.ascontiguousarray(acting(tractions, SIGNS)[body].reshape(3, -1).T)
     out = np.empty((len(points), 6))
     sides = GRID.dx, GRID.dy
     stress_at(out, np.array(points, float), centres, loads, *sides, POISSON[body])
@@ -46,7 +47,7 @@ def close(stress, truth):
 def test_layer(box, depth):
     tractions = random_tractions(*box)
     points = [(x, y, depth) for x in GRID.x for y in GRID.y]
-    stress = StressLayers(MESH, tractions, POISSON).at(depth)
+    stress = StressLayers(MESH, tractions, POISSON, SIGNS).at(depth)
     assert stress.shape == (2, 6, *GRID.elements)
     for body in (0, 1):
         close(stress[body].reshape(6, -1), direct(tractions, body, points))
@@ -54,7 +55,9 @@ def test_layer(box, depth):
 
 def test_threads_change_nothing():
     tractions = random_tractions(*BOXES[0])
-    one, two = (StressLayers(MESH, tractions, POISSON, threads).at(0.3) for threads in (1, 2))
+    one, two = (
+        StressLayers(MESH, tractions, POISSON, SIGNS, threads).at(0.3) for threads in (1, 2)
+    )
     np.testing.assert_allclose(two, one, atol=1e-15)
 
 
@@ -78,7 +81,7 @@ def test_plane(box, normal, place, depth):
     points = [(position, y, depth) for y in GRID.y]
     if normal == "y":
         points = [(x, position, depth) for x in GRID.x]
-    stress = StressPlane(GRID, normal, position, tractions, POISSON).at(depth)
+    stress = StressPlane(GRID, normal, position, tractions, POISSON, SIGNS).at(depth)
     assert stress.shape == (2, 6, len(points))
     for body in (0, 1):
         close(stress[body], direct(tractions, body, points))
@@ -86,29 +89,31 @@ def test_plane(box, normal, place, depth):
 
 def test_surface_carries_the_tractions():
     tractions = random_tractions(*BOXES[0])
-    layer = StressLayers(MESH, tractions, POISSON).at(0.0)
-    row = StressPlane(GRID, "y", GRID.y[4], tractions, POISSON).at(0.0)
-    np.testing.assert_allclose(layer[:, [XZ, YZ, ZZ]], -tractions, atol=ROUNDING)
-    np.testing.assert_allclose(row[:, [XZ, YZ, ZZ]], -tractions[..., 4], atol=ROUNDING)
+    layer = StressLayers(MESH, tractions, POISSON, SIGNS).at(0.0)
+    row = StressPlane(GRID, "y", GRID.y[4], tractions, POISSON, SIGNS).at(0.0)
+    np.testing.assert_allclose(layer[:, [XZ, YZ, ZZ]], -acting(tractions, SIGNS), atol=ROUNDING)
+    np.testing.assert_allclose(
+        row[:, [XZ, YZ, ZZ]], -acting(tractions, SIGNS)[..., 4], atol=ROUNDING
+    )
 
 
 @pytest.mark.parametrize("operator", ["layers", "plane"])
 def test_bodies_do_not_see_each_other(operator):
     tractions = random_tractions(*BOXES[0])
 
-    def made(tractions, poisson):
+    def made(*bodies):
         if operator == "layers":
-            return StressLayers(MESH, tractions, poisson)
-        return StressPlane(GRID, "x", 0.3, tractions, poisson)
+            return StressLayers(MESH, tractions, *bodies)
+        return StressPlane(GRID, "x", 0.3, tractions, *bodies)
 
-    together = made(tractions, POISSON).at(0.4)
+    together = made(POISSON, SIGNS).at(0.4)
     for body in (0, 1):
-        alone = made(tractions[body : body + 1], POISSON[body : body + 1]).at(0.4)
+        alone = made(POISSON[body : body + 1], SIGNS[body : body + 1]).at(0.4)
         np.testing.assert_allclose(together[body], alone[0], atol=1e-15)
 
 
 def test_results_are_not_overwritten():
-    layers = StressLayers(MESH, random_tractions(*BOXES[0]), POISSON)
+    layers = StressLayers(MESH, random_tractions(*BOXES[0]), POISSON, SIGNS)
     first = layers.at(0.2)
     kept = first.copy()
     layers.at(0.5)
@@ -116,9 +121,9 @@ def test_results_are_not_overwritten():
 
 
 def test_no_load_no_stress():
-    nothing = np.zeros((1, 3, *GRID.elements))
-    assert not StressLayers(MESH, nothing, (0.3,)).at(0.1).any()
-    assert not StressPlane(GRID, "x", 0.0, nothing, (0.3,)).at(0.1).any()
+    nothing = np.zeros((3, *GRID.elements))
+    assert not StressLayers(MESH, nothing, (0.3,), (1.0,)).at(0.1).any()
+    assert not StressPlane(GRID, "x", 0.0, nothing, (0.3,), (1.0,)).at(0.1).any()
 
 
 def test_error_far_below_is_absolute():
@@ -127,13 +132,13 @@ def test_error_far_below_is_absolute():
     depth = 100.0 * GRID.dx
     points = [(x, y, depth) for x in GRID.x for y in GRID.y]
     truth = direct(tractions, 0, points)
-    stress = StressLayers(MESH, tractions, POISSON).at(depth)[0].reshape(6, -1)
+    stress = StressLayers(MESH, tractions, POISSON, SIGNS).at(depth)[0].reshape(6, -1)
     assert np.abs(truth).max() < 1e-3
     np.testing.assert_allclose(stress, truth, atol=ROUNDING)
 
 
 def test_what_is_kept_of_a_mesh_is_bounded_and_changes_nothing(monkeypatch):
-    layers = StressLayers(MESH, random_tractions(*BOXES[0]), POISSON)
+    layers = StressLayers(MESH, random_tractions(*BOXES[0]), POISSON, SIGNS)
     depths = np.linspace(0.1, 0.9, 9)
     once = [layers.at(depth) for depth in depths]
     kept = stress_layers._Transforms()
@@ -147,6 +152,6 @@ def test_what_is_kept_of_a_mesh_is_bounded_and_changes_nothing(monkeypatch):
             assert kept._size() <= stress_layers.KEPT
     mesh = (GRID.dx, GRID.dy, *layers._padded)
     assert [kept.get(mesh, depth) is not None for depth in depths] == 5 * [True] + 4 * [False]
-    other = StressLayers(MESH.of((20, 10)), np.ones((1, 3, 20, 10)), (0.3,))
+    other = StressLayers(MESH.of((20, 10)), np.ones((3, 20, 10)), (0.3,), (1.0,))
     other.at(0.1)
     assert kept.get(mesh, depths[0]) is None

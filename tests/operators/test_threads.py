@@ -27,8 +27,8 @@ def test_threads_do_not_disturb_each_other():
 
 
 def test_nor_below_the_surface():
-    tractions = np.random.default_rng(0).normal(size=(4, 1, 3, 24, 20))
-    layers = [StressLayers(Lattice((24, 20), 0.1, 0.1), t, (0.3,), 1) for t in tractions]
+    tractions = np.random.default_rng(0).normal(size=(4, 3, 24, 20))
+    layers = [StressLayers(Lattice((24, 20), 0.1, 0.1), t, (0.3,), (1.0,)) for t in tractions]
     alone = [layer.at(0.2) for layer in layers]
     with ThreadPoolExecutor(4) as pool:
         for _ in range(5):

@@ -20,5 +20,5 @@ def cell_averages(grid: Grid, a: float, b: float) -> np.ndarray:
 
 
 def tractions(pressure: np.ndarray, mu: float = 0.0) -> np.ndarray:
-    """(1, 3, n_x, n_y): the pressure, and mu times it along x."""
-    return np.stack([mu * pressure, np.zeros_like(pressure), pressure])[None]
+    """(3, n_x, n_y): the pressure, and mu times it along x."""
+    return np.stack([mu * pressure, np.zeros_like(pressure), pressure])

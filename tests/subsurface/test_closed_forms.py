@@ -31,7 +31,7 @@ PUBLISHED = json.loads((Path(__file__).parents[1] / "data" / "reference.json").r
 def errors_on_axis(elements):
     """At every depth, of the pressure averaged over the elements."""
     grid = Grid((1.15, 1.15), (elements, elements))
-    plane = StressPlane(grid, "x", 0.0, tractions(cell_averages(grid, 1.0, 1.0)), (NU,))
+    plane = StressPlane(grid, "x", 0.0, tractions(cell_averages(grid, 1.0, 1.0)), (NU,), (1.0,))
     middle = np.array([plane.at(z)[0, :, elements // 2] for z in DEPTHS])
     return np.abs(middle - hertz_axis_stress(DEPTHS, 1.0, 1.0, NU).T).max(axis=1)
 
@@ -57,7 +57,7 @@ def test_sliding_sphere_at_second_order():
     for elements in (24, 48):
         grid = Grid((1.15, 1.15), (elements, elements))
         loads = tractions(cell_averages(grid, 1.0, 1.0), mu=0.4)
-        layers = StressLayers(Lattice(grid.elements, grid.dx, grid.dy), loads, (NU,))
+        layers = StressLayers(Lattice(grid.elements, grid.dx, grid.dy), loads, (NU,), (1.0,))
         errors.append([np.abs(layers.at(z)[0] - sliding(grid, z, 0.4)).max() for z in DEPTHS])
     # 3.8 to 3.9 where the depth is several elements; 0.1 a is one element of the coarse mesh
     ratios = np.divide(*errors)
@@ -71,7 +71,9 @@ def test_long_ellipse_tends_to_the_line_contact():
     errors = []
     for b in (16.0, 32.0, 64.0):
         grid = Grid((1.1, 1.05 * b), (65, 129))
-        plane = StressPlane(grid, "y", 0.0, tractions(cell_averages(grid, 1.0, b), 0.3), (0.3,))
+        plane = StressPlane(
+            grid, "y", 0.0, tractions(cell_averages(grid, 1.0, b), 0.3), (0.3,), (1.0,)
+        )
         line = [
             line_pressure_stress(grid.x, z, 1.0, 1.0, 0.3)
             + line_shear_stress(grid.x, z, 1.0, 0.3, 0.3)
@@ -88,7 +90,7 @@ def largest_on_axis(a, b, nu):
     """Largest von Mises stress over p0 below the centre, and its depth over the minor axis."""
     n = 65
     grid = Grid((1.1 * a, 1.1 * b), (n, n))
-    plane = StressPlane(grid, "x", 0.0, tractions(cell_averages(grid, a, b)), (nu,))
+    plane = StressPlane(grid, "x", 0.0, tractions(cell_averages(grid, a, b)), (nu,), (1.0,))
 
     def negative(z):
         return -von_mises(plane.at(z)[0][:, n // 2])

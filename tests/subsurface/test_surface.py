@@ -30,7 +30,7 @@ def sliding_circle(n):
     grid = Grid((1.2, 1.2), (n, n))
     pressure = cell_averages(grid, 1.0, 1.0)
     tractions = np.stack((SHEAR * pressure, 0.0 * pressure, pressure))
-    stress = surface_stress(Lattice(grid.elements, grid.dx, grid.dy), BODY, tractions)
+    (stress,) = surface_stress(Lattice(grid.elements, grid.dx, grid.dy), BODY, tractions)
     x, y = (0.5 * (axis[1:] + axis[:-1]) for axis in (grid.x, grid.y))
     x, y = np.broadcast_arrays(x[:, None], y)
     inside = np.hypot(x, y) < 0.8  # the edge has errors of a lower order
@@ -53,7 +53,7 @@ def test_strips_are_those_of_plane_strain():
     pressure = np.sqrt(np.maximum(0.0, 1.0 - x**2))
     tractions = np.stack((SHEAR * pressure, 0.1 * pressure, pressure))[..., None]
     body = Strips(BODY.A, BODY.B, datum=1.0)
-    stress = surface_stress(Lattice((x.size, 1), 0.01, 1.0), body, tractions)[..., 0]
+    (stress,) = surface_stress(Lattice((x.size, 1), 0.01, 1.0), body, tractions)[..., 0]
     middle = 0.5 * (x[1:] + x[:-1])
     inside = np.abs(middle) < 0.8
     truth = line_pressure_stress(middle, 0.0 * middle, 1.0, 1.0, NU)

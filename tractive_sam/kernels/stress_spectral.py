@@ -10,7 +10,7 @@ from tractive_sam.kernels.stress import assemble_normal, assemble_shear_x, assem
 
 
 @compiled(fastmath=ANY_ORDER)
-def layer_product(out, packs, loads, nu, first, last):
+def layer_product(out, packs, loads, sign, nu, first, last):
     """Stresses in a plane z = const, in the rows +-i of the spectrum for first <= i < last.
 
     Parameters
@@ -21,6 +21,8 @@ def layer_product(out, packs, loads, nu, first, last):
         Spectra of `stress_lattice.layer_table`.
     loads : ndarray of complex, shape (3, p_x, p_y/2 + 1)
         Spectra of (p_x, p_y, p_n).
+    sign : float
+        What p_x and p_y are taken times.
     nu : float
         Poisson's ratio.
     first, last : int
@@ -33,9 +35,9 @@ def layer_product(out, packs, loads, nu, first, last):
             sums = _unpack_layer(packs, i, k, j)
             along_x, along_y = assemble_shear_x(sums, nu), assemble_shear_y(sums, nu)
             normal = assemble_normal(sums, nu)
-            x, y, n = loads[0, i, j], loads[1, i, j], loads[2, i, j]
+            x, y, n = sign * loads[0, i, j], sign * loads[1, i, j], loads[2, i, j]
             # Seen in the mirror x -> -x the sums of -k_x are those of k_x.
-            mx, my, mn = -loads[0, k, j], loads[1, k, j], loads[2, k, j]
+            mx, my, mn = -sign * loads[0, k, j], sign * loads[1, k, j], loads[2, k, j]
             s = _combine(along_x, along_y, normal, x, y, n)
             m = _combine(along_x, along_y, normal, mx, my, mn)
             out[0, i, j], out[0, k, j] = s[0], m[0]
@@ -87,7 +89,7 @@ def _minus_i(z):
 
 
 @compiled(fastmath=ANY_ORDER)
-def plane_product(out, packs, loads, nu):
+def plane_product(out, packs, loads, sign, nu):
     """Stresses in a plane x = const, added up over the edges of the rows of patches.
 
     Parameters
@@ -99,6 +101,8 @@ def plane_product(out, packs, loads, nu):
     loads : ndarray of complex, shape (2, 3, edges, p_y/2 + 1)
         Spectra of the jumps of (p_x, p_y, p_n) at the edges at the distance +-x of the plane: their
         sum, and their difference.
+    sign : float
+        What p_x and p_y are taken times.
     nu : float
         Poisson's ratio.
     """
@@ -110,8 +114,12 @@ def plane_product(out, packs, loads, nu):
             along_x, along_y = assemble_shear_x(sums, nu), assemble_shear_y(sums, nu)
             normal = assemble_normal(sums, nu)
             # Across an edge the integrals odd in x are even, and the reverse.
-            odd_x, odd_y, odd_n = loads[0, 0, e, j], loads[0, 1, e, j], loads[0, 2, e, j]
-            x, y, n = loads[1, 0, e, j], loads[1, 1, e, j], loads[1, 2, e, j]
+            odd_x, odd_y, odd_n = (
+                sign * loads[0, 0, e, j],
+                sign * loads[0, 1, e, j],
+                loads[0, 2, e, j],
+            )
+            x, y, n = sign * loads[1, 0, e, j], sign * loads[1, 1, e, j], loads[1, 2, e, j]
             for c in range(3):
                 out[c, j] += along_x[c] * odd_x + along_y[c] * _minus_i(y) + normal[c] * n
             out[3, j] += along_x[3] * _minus_i(x) + along_y[3] * odd_y + normal[3] * _minus_i(odd_n)

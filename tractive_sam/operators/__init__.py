@@ -12,7 +12,7 @@ from tractive_sam.operators.stencil import STAGGERED, UPWIND, FrictionSlip, Sten
 from tractive_sam.operators.step import StepOperators, Way
 from tractive_sam.operators.stress_layers import StressLayers
 from tractive_sam.operators.stress_plane import StressPlane
-from tractive_sam.operators.surface import between, slopes, surface_stress
+from tractive_sam.operators.surface import surface_stress
 from tractive_sam.operators.threads import cores, one_blas_thread
 from tractive_sam.results import Grid
 
@@ -33,11 +33,9 @@ __all__ = [
     "SurfaceHeat",
     "Way",
     "available",
-    "between",
     "cores",
     "extent",
     "one_blas_thread",
     "row_compliance",
-    "slopes",
     "surface_stress",
 ]

@@ -75,6 +75,11 @@ class PaddedTransform:
         Shape (p_x, p_y) with it.
     single : bool
         Whether in single precision.
+
+    Attributes
+    ----------
+    spectrum : ndarray of complex, shape (fields, p_x, p_y/2 + 1)
+        What `forward` returns, and `backward` starts from.
     """
 
     def __init__(
@@ -86,14 +91,14 @@ class PaddedTransform:
         real, spectral = (np.float32, np.complex64) if single else (np.float64, np.complex128)
         self._real = pyfftw.zeros_aligned((fields, nx, py), dtype=real)
         self._rows = pyfftw.zeros_aligned(half, dtype=spectral)
-        self._spectrum = pyfftw.zeros_aligned(half, dtype=spectral)
+        self.spectrum = pyfftw.zeros_aligned(half, dtype=spectral)
 
         threads = of_transform(padded)
         # Forward along x keeps its input, so that the padding of `_rows` stays zero for good.
         self._forward_y = plan(self._real, self._rows[:, :nx], 2, "FFTW_FORWARD", threads)
-        self._forward_x = plan(self._rows, self._spectrum, 1, "FFTW_FORWARD", threads)
-        self._backward_x = plan(self._spectrum, self._spectrum, 1, "FFTW_BACKWARD", threads)
-        self._backward_y = plan(self._spectrum[:, :nx], self._real, 2, "FFTW_BACKWARD", threads)
+        self._forward_x = plan(self._rows, self.spectrum, 1, "FFTW_FORWARD", threads)
+        self._backward_x = plan(self.spectrum, self.spectrum, 1, "FFTW_BACKWARD", threads)
+        self._backward_y = plan(self.spectrum[:, :nx], self._real, 2, "FFTW_BACKWARD", threads)
         self._rows[:] = 0.0  # planning wrote into it
 
     def forward(self, fields: np.ndarray) -> np.ndarray:
@@ -103,7 +108,7 @@ class PaddedTransform:
         self._real[..., ny:] = 0.0
         self._forward_y.execute()
         self._forward_x.execute()
-        return self._spectrum
+        return self.spectrum
 
     def backward(self) -> np.ndarray:
         """Arrays, shape (fields, n_x, n_y), of the spectra that `forward` returned, times p_x p_y.

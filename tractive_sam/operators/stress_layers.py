@@ -72,28 +72,34 @@ class StressLayers:
     ----------
     lattice : Lattice
         Elements; lengths in mm.
-    tractions : ndarray, shape (bodies, 3, n_x, n_y)
-        (p_x, p_y, p_n) acting on each half-space, MPa.
+    tractions : ndarray, shape (3, n_x, n_y)
+        (p_x, p_y, p_n) acting on a half-space, MPa.
     poisson : sequence of float
         Poisson's ratio of each half-space.
+    signs : sequence of float
+        What p_x and p_y are taken times, for each half-space.
     threads : int
         Threads to use.
     """
 
     def __init__(
-        self, lattice: Lattice, tractions: np.ndarray, poisson: Sequence[float], threads: int = 1
+        self,
+        lattice: Lattice,
+        tractions: np.ndarray,
+        poisson: Sequence[float],
+        signs: Sequence[float],
+        threads: int = 1,
     ):
         self.lattice = lattice
-        self.poisson = tuple(poisson)
+        self.poisson, self.signs = tuple(poisson), tuple(signs)
         self.threads = threads
-        loaded = tractions.any(axis=(0, 1))
+        loaded = tractions.any(axis=0)
         # No offset from a loaded element is longer than half a period.
         farthest = (reach(loaded.any(axis=k)) for k in (1, 0))
         self._padded = tuple(padded_length(-(-(most + 1) // ROUND) * ROUND) for most in farthest)
         px, py = self._padded
-        fields = tractions.reshape(-1, *lattice.shape) / (2.0 * np.pi * px * py)
-        spectra = transform(len(fields), lattice.shape, self._padded).forward(fields)
-        self._loads = spectra.reshape(*tractions.shape[:2], px, -1).copy()
+        spectra = transform(3, lattice.shape, self._padded).forward(tractions)
+        self._loads = spectra * (0.5 / (np.pi * px * py))
 
     def at(self, depth: float) -> np.ndarray:
         """Stresses at one depth.
@@ -111,8 +117,8 @@ class StressLayers:
         transform = layer_transform(self.lattice.shape, self._padded, self.threads)
         packs = self._packs(transform, float(depth))
         out = np.empty((len(self.poisson), 6, *self.lattice.shape))
-        for stress, load, nu in zip(out, self._loads, self.poisson, strict=True):
-            self._by_rows(partial(layer_product, transform.spectra, packs, load, nu))
+        for stress, sign, nu in zip(out, self.signs, self.poisson, strict=True):
+            self._by_rows(partial(layer_product, transform.spectra, packs, self._loads, sign, nu))
             stress[:] = transform.backward()
         return out
 

@@ -36,10 +36,12 @@ class StressPlane:
         The plane is x = position and its points are at the grid's y, or the reverse.
     position : float
         Where the plane lies, mm; anywhere.
-    tractions : ndarray, shape (bodies, 3, n_x, n_y)
-        (p_x, p_y, p_n) acting on each half-space, MPa.
+    tractions : ndarray, shape (3, n_x, n_y)
+        (p_x, p_y, p_n) acting on a half-space, MPa.
     poisson : sequence of float
         Poisson's ratio of each half-space.
+    signs : sequence of float
+        What p_x and p_y are taken times, for each half-space.
     """
 
     def __init__(
@@ -49,26 +51,27 @@ class StressPlane:
         position: float,
         tractions: np.ndarray,
         poisson: Sequence[float],
+        signs: Sequence[float],
     ):
-        self.poisson = tuple(poisson)
+        self.poisson, self.signs = tuple(poisson), tuple(signs)
         across, step, self._step = grid.x, grid.dx, grid.dy
         self._exchanged = normal == "y"
         if self._exchanged:
             # From here on the plane is x = position.
             across, step, self._step = grid.y, grid.dy, grid.dx
-            tractions = tractions.swapaxes(2, 3)[:, [1, 0, 2]]
-        loaded = tractions.any(axis=(0, 1))
+            tractions = tractions.swapaxes(1, 2)[[1, 0, 2]]
+        loaded = tractions.any(axis=0)
         self._points = loaded.shape[1]
         self._padded = padded_length(reach(loaded.any(axis=0)) + 1)
         rows = extent(loaded.any(axis=1))
-        jumps = np.diff(tractions[:, :, rows], axis=2, prepend=0.0, append=0.0)
+        jumps = np.diff(tractions[:, rows], axis=1, prepend=0.0, append=0.0)
         # Plane minus edge, in elements.
-        offsets = _snapped((position - across[rows.start]) / step + 0.5) - np.arange(jumps.shape[2])
+        offsets = _snapped((position - across[rows.start]) / step + 0.5) - np.arange(jumps.shape[1])
         distances, group = np.unique(np.abs(offsets), return_inverse=True)
-        loads = np.zeros((len(self.poisson), 2, 3, distances.size, self._points))
+        loads = np.zeros((2, 3, distances.size, self._points))
         for edge, k in enumerate(group):
-            loads[:, 0, :, k] += jumps[:, :, edge]
-            loads[:, 1, :, k] += np.sign(offsets[edge]) * jumps[:, :, edge]
+            loads[0, :, k] += jumps[:, edge]
+            loads[1, :, k] += np.sign(offsets[edge]) * jumps[:, edge]
         self._distances = distances * step
         self._loads = np.fft.rfft(loads, self._padded) / (2.0 * np.pi)
 
@@ -89,8 +92,8 @@ class StressPlane:
         edge_table(transform.tables, self._distances, float(depth), self._step)
         transform.forward()
         spectra = np.empty((len(self.poisson), 6, self._padded // 2 + 1), dtype=complex)
-        for out, loads, nu in zip(spectra, self._loads, self.poisson, strict=True):
-            plane_product(out, transform.packs, loads, nu)
+        for out, sign, nu in zip(spectra, self.signs, self.poisson, strict=True):
+            plane_product(out, transform.packs, self._loads, sign, nu)
         stresses = np.fft.irfft(spectra, self._padded)[..., : self._points]
         return stresses[:, _EXCHANGED] if self._exchanged else stresses
 

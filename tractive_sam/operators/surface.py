@@ -1,5 +1,6 @@
 """Stress at the surface of a half-space, from the displacements that tractions on a mesh cause."""
 
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -11,7 +12,9 @@ from tractive_sam.operators.fft import spectrum, transform
 from tractive_sam.operators.influence import Lattice
 
 
-def surface_stress(lattice: Lattice, body: HalfSpaces, tractions: np.ndarray) -> np.ndarray:
+def surface_stress(
+    lattice: Lattice, body: HalfSpaces, tractions: np.ndarray, signs: Sequence[float] = (1.0,)
+) -> np.ndarray:
     """Stress at the corners of the elements: its means over rectangles from centre to centre.
 
     With tractions constant on elements the stress is infinite at every edge across which the
@@ -26,54 +29,33 @@ def surface_stress(lattice: Lattice, body: HalfSpaces, tractions: np.ndarray) ->
         Elements (n_x, n_y), or strips; lengths in mm.
     body : HalfSpaces
         The body, as `HalfSpaces.alone` gives it.
-    tractions : ndarray, shape (..., 3, n_x, n_y)
-        (p_x, p_y, p_n) acting on the half-space z >= 0, MPa; of several such bodies at once.
+    tractions : ndarray, shape (3, n_x, n_y)
+        (p_x, p_y, p_n) acting on the half-space z >= 0, MPa.
+    signs : sequence of float
+        What p_x and p_y are taken times, for each of several such bodies.
 
     Returns
     -------
-    ndarray, shape (..., 6, n_x - 1, n_y - 1), of strips (..., 6, n_x - 1, 1)
+    ndarray, shape (bodies, 6, n_x - 1, n_y - 1), of strips (bodies, 6, n_x - 1, 1)
         In the order of `kernels.stress.COMPONENTS`, MPa: of corners that four elements share, or
         of edges that two strips do.
     """
-    each = tractions.reshape(-1, 3, *lattice.shape)
     nx, ny = lattice.shape
-    stress = np.empty((len(each), 6, nx - 1, max(ny - 1, 1)))
-    u, sides = _displacements(lattice, body, each), (lattice.dx, lattice.dy)
-    surface_kernels.at_corners(stress, u, each, *sides, body.A.poisson)
-    return stress.reshape(*tractions.shape[:-3], *stress.shape[1:])
-
-
-def between(fields: np.ndarray) -> np.ndarray:
-    """Means (..., n_x - 1, n_y - 1) at the corners of elements, or (..., n_x - 1, 1) of strips."""
-    return _mean(_mean(fields, -1), -2)
-
-
-def slopes(fields: np.ndarray, dx: float, dy: float) -> np.ndarray:
-    """Derivatives in x and y, (2, ...), at the corners of elements; as `between`."""
-    in_x = _mean(np.diff(fields, axis=-2), -1) / dx
-    if fields.shape[-1] == 1:
-        return np.stack((in_x, np.zeros_like(in_x)))
-    return np.stack((in_x, _mean(np.diff(fields, axis=-1), -2) / dy))
-
-
-def _mean(fields: np.ndarray, axis: int) -> np.ndarray:
-    if fields.shape[axis] == 1:
-        return fields
-    if axis == -1:
-        return 0.5 * (fields[..., 1:] + fields[..., :-1])
-    return 0.5 * (fields[..., 1:, :] + fields[..., :-1, :])
+    stress = np.empty((len(signs), 6, nx - 1, max(ny - 1, 1)))
+    u, sides = _displacements(lattice, body, tractions), (lattice.dx, lattice.dy)
+    surface_kernels.at_corners(stress, u, tractions, tuple(signs), *sides, body.A.poisson)
+    return stress
 
 
 def _displacements(lattice: Lattice, body: HalfSpaces, tractions: np.ndarray) -> np.ndarray:
-    """(u_x, u_y) at the centres, (bodies, 2, n_x, n_y); they belong to the transform.
+    """(u_x, u_y) at the centres by the tangential traction, then by the pressure: (4, n_x, n_y).
 
-    Of unit shear modulus.
+    They belong to the transform. Of unit shear modulus.
     """
-    planned = transform(3 * len(tractions), lattice.shape, lattice.padded)
-    spectra = planned.forward(tractions.reshape(-1, *lattice.shape))
-    product = spectra.reshape(-1, 3, *spectra.shape[1:])
-    surface_kernels.displacement_product(product, *_spectra(lattice, body))
-    return planned.backward().reshape(tractions.shape)[:, :2]
+    spectra = transform(3, lattice.shape, lattice.padded).forward(tractions)
+    back = transform(4, lattice.shape, lattice.padded)
+    surface_kernels.displacement_product(back.spectrum, spectra, *_spectra(lattice, body))
+    return back.backward()
 
 
 @lru_cache(maxsize=4)

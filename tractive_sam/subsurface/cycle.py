@@ -16,7 +16,8 @@ from tractive_sam.operators import Lattice
 from tractive_sam.results import BodyFatigue, State
 from tractive_sam.subsurface.depth import checked, semi_axes
 from tractive_sam.subsurface.layers import stress_layers
-from tractive_sam.subsurface.loaded import SIGNS, LoadedBodies
+from tractive_sam.subsurface.loaded import LoadedBodies
+from tractive_sam.subsurface.mirror import SIGNS
 from tractive_sam.subsurface.surface import surface_cycles
 
 GRADING = 1.5
@@ -206,11 +207,12 @@ def _surfaces(contact: State, laws: Laws) -> Iterator[tuple[str, np.ndarray, np.
     grid, bodies = contact.grid, contact.scene.fatigue.bodies
     load = LoadedBodies.of(contact, bodies, laws)
     lattice = Lattice(grid.elements, grid.dx, grid.dy)
-    for name, body, tractions in zip(bodies, load.bodies, load.tractions, strict=True):
-        cycle, known = surface_cycles(lattice, body, tractions, contact.sliding)
+    for name, body in zip(bodies, load.bodies, strict=True):
+        sign = SIGNS[name]
+        cycle, known = surface_cycles(lattice, body, load.tractions, sign, contact.sliding)
         unloaded = np.zeros((6, 1, cycle.shape[2]))
         cycle = np.concatenate((cycle, unloaded), axis=1)
-        cycle[4:] *= SIGNS[name]  # in the axes of the contact
+        cycle[4:] *= sign  # in the axes of the contact
         yield name, cycle, known
 
 

@@ -10,10 +10,8 @@ from tractive_sam.contact import Laws
 from tractive_sam.mechanics import Elasticity
 from tractive_sam.results import Grid, widened
 from tractive_sam.scene import Scene
+from tractive_sam.subsurface.mirror import SIGNS
 from tractive_sam.subsurface.source import StressSource, stress_source
-
-SIGNS = {"A": 1.0, "B": -1.0}
-"""Sign of z in each body, and of the tangential traction that acts on it."""
 
 
 class Loading(Protocol):
@@ -39,15 +37,12 @@ class Loading(Protocol):
 class LoadedBodies:
     """Bodies seen as half-spaces z >= 0, and the way back to the axes of the contact.
 
-    Body A is one as it stands. Body B is its mirror image in z: it carries the opposite tangential
-    traction, and in the axes of the contact its xz and yz have the opposite sign.
-
     Attributes
     ----------
     names : tuple of str
         "A" or "B".
-    tractions : ndarray, shape (bodies, 3, n_x, n_y)
-        (p_x, p_y, p_n) acting on each half-space, MPa.
+    tractions : ndarray, shape (3, n_x, n_y)
+        (p_x, p_y, p_n) acting on the half-space of body A, MPa.
     bodies : tuple of Elasticity
         What they are made of, as `Elasticity.alone` gives it.
     source : StressSource
@@ -80,15 +75,13 @@ class LoadedBodies:
         for name in names:
             if name not in SIGNS:
                 raise ValueError(f'a body is "A" or "B", not {name!r}')
-        p_n = contact.pressure[None]
-        tractions = np.stack(
-            [np.concatenate((SIGNS[name] * contact.traction, p_n)) for name in names]
-        )
+        tractions = np.concatenate((contact.traction, contact.pressure[None]))
         grid = contact.grid.lengthened(beyond) if beyond else contact.grid
         tractions = widened(tractions, grid.elements)
         elasticity = (laws or Laws.of(contact.scene)).elasticity
         bodies = tuple(elasticity.alone(name) for name in names)
-        source = stress_source(bodies[0], bodies, grid, tractions)
+        signs = tuple(SIGNS[name] for name in names)
+        source = stress_source(bodies[0], bodies, signs, grid, tractions)
         return cls(tuple(names), tractions, bodies, source)
 
     def in_contact_axes(self, stress: np.ndarray) -> np.ndarray:

@@ -1,16 +1,14 @@
 """The largest equivalent stress of a body, and where it is."""
 
-from collections.abc import Iterator, Sequence
-from functools import partial
-from itertools import islice
+from collections.abc import Sequence
 
 import numpy as np
 
 from tractive_sam.contact import Laws
+from tractive_sam.kernels.tops import ENDED, GOES_ON, climb, find_tops, last_steps, stencil
 from tractive_sam.results import Maximum, Point, State
 from tractive_sam.subsurface.loaded import LoadedBodies
-from tractive_sam.subsurface.maximise import maximise
-from tractive_sam.subsurface.multilevel import Layer, MultiLevel
+from tractive_sam.subsurface.multilevel import MultiLevel
 from tractive_sam.subsurface.strips import StripLevels
 
 SHALLOWEST = 2.0
@@ -18,21 +16,25 @@ SHALLOWEST = 2.0
 tractions between elements make of the stress falls as (1 + k z) exp(-k z), k = 2 pi over the side:
 one element deep it is still a percent, and makes maxima of its own; two deep it is 5e-5."""
 
-GROWTH = 2.0
+GROWTH = 2.5
 """Ratio of the depths of successive layers."""
 
-DEEPEST = 1.25
-"""Depth of its last layer, over the smaller half width of the contact."""
+DEEPEST = 0.8
+"""Least depth of its last layer, over half of the shorter side of the contact: that of Hertz has
+its maximum 0.45 to 0.79 deep."""
 
 CANDIDATES = 6
 """Local maxima of the search that are looked at more closely."""
 
-BETWEEN = 1.1
-"""By what a maximum between the points of the search may be higher than these. Half a layer and a
-quarter of the depth aside of that of Hertz it is 7 %."""
+STEPS = 6
+"""Largest number of Newton steps: a longer search swings between elements near the surface."""
+
+RISE = 1.1
+"""By what a top may be higher than where the way to it begins. Half a layer and a quarter of the
+depth aside of that of Hertz it is 7 %."""
 
 CLOSE = 0.99
-"""Tops that may be the highest, over the one that is found so: each is right to a percent."""
+"""Part of the surface's stress below which a way that the floor bars cannot end higher."""
 
 _NOWHERE: Point = (np.nan, np.nan, np.nan)
 
@@ -40,10 +42,10 @@ _NOWHERE: Point = (np.nan, np.nan, np.nan)
 def stress_maximum(contact: State, body: str = "A", laws: Laws | None = None) -> Maximum:
     """Find the largest stress in a body, by von Mises or another criterion.
 
-    Layers at depths that grow by `GROWTH` show where to look; below the first few, elements are
-    taken together in blocks of at most half the depth. The best local maxima are refined with
-    blocks that grow with their distance; the value is exact for the tractions on the elements, the
-    place off by so little of its depth that the value there is the largest to 1e-4.
+    Layers at depths that grow by `GROWTH` show where to look; in them elements are taken together
+    in blocks with sides up to the depth. The best local maxima are refined with blocks that grow
+    with their distance. For tractions constant on the elements the value is right to 1e-4, the
+    place to a hundredth of its depth.
 
     At the surface it is taken between the elements, at the edge of the contact and where stick
     ends, from differences of displacements: on a mesh, the stress itself is infinite on every edge
@@ -72,8 +74,8 @@ def stress_maximum(contact: State, body: str = "A", laws: Laws | None = None) ->
     Examples
     --------
     >>> top = ts.stress_maximum(contact, "A")
-    >>> round(top.interior / scene.hertz.p0, 2), round(top.interior_at[2] / scene.hertz.a, 2)
-    (0.67, 0.47)
+    >>> round(top.interior / scene.hertz.p0, 2), round(top.interior_at[2] / scene.hertz.a, 1)
+    (0.67, 0.5)
     """
     return _maxima(contact, (body,), laws)[body]
 
@@ -99,114 +101,76 @@ def _maxima(contact: State, bodies: Sequence[str], laws: Laws | None) -> dict[st
         return dict.fromkeys(load.names, nothing)
     levels = load.source.levels(criterion)
     surface = levels.surface(contact.sliding)
-    layers = [levels.layer(depth) for depth in _search_depths(contact, levels.side)]
+    interior = _interior(levels, [top[0] for top in surface])
     found = {}
-    starts = _local_maxima(layers, levels.blocks)
-    for body, (name, from_here) in enumerate(zip(load.names, starts, strict=True)):
-        value, at = top = surface[body]
-        interior, interior_at = _interior(levels, body, layers, from_here, value)
-        if interior > value:
-            value, at = interior, interior_at
-        found[name] = Maximum(criterion, value, at, interior, interior_at, *top)
+    for name, above, below in zip(load.names, surface, interior, strict=True):
+        larger = below if below[0] > above[0] else above
+        found[name] = Maximum(criterion, *larger, *below, *above)
     return found
 
 
-def _search_depths(contact: State, side: float) -> np.ndarray:
+def _interior(levels: MultiLevel | StripLevels, surface: list[float]) -> list[tuple[float, Point]]:
+    """The highest top of each body below its surface, on which the largest stress is given."""
+    depths = _search_depths(levels)
+    bound, floor = np.array(surface), float(depths[0])
+    bodies, tops, values = _climbed(levels, *_starts(levels, depths), floor, bound)
+    # A way that ends at the floor leads on to the surface, unless that is lower.
+    below = (tops[:, 2] > floor) | (values > bound[bodies])
+    found = [(np.nan, _NOWHERE)] * len(surface)
+    for k in np.flatnonzero(below)[np.argsort(values[below])]:
+        found[bodies[k]] = float(values[k]), tuple(tops[k].tolist())
+    return found
+
+
+def _search_depths(levels: MultiLevel | StripLevels) -> np.ndarray:
     """From below the elements on until no maximum is to be expected any more, mm."""
-    deepest = DEEPEST * min(contact.half_width_x, contact.half_width_y)
-    first = SHALLOWEST * side
+    first, deepest = SHALLOWEST * levels.side, DEEPEST * levels.half_width
     count = max(3, int(np.ceil(np.log(deepest / first) / np.log(GROWTH))) + 1)
     return first * GROWTH ** np.arange(count)
 
 
-def _interior(
+def _starts(levels: MultiLevel | StripLevels, depths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Bodies (n,) and places (n, 3) of the largest local maxima of layers."""
+    layers = [levels.layer(depth) for depth in depths]
+    none = np.empty((len(layers[0].values), 0, 0))
+    values = [none, *(layer.values for layer in layers), none]
+    found = []
+    for layer, above, here, below in zip(layers, values, values[1:], values[2:], strict=False):
+        body, value, i, j, deeper = find_tops(here, above, below).T
+        found.append((body.astype(int), value, layer.points(i, j, GROWTH**deeper)))
+    bodies, value, at = (np.concatenate(each) for each in zip(*found, strict=True))
+    order = np.argsort(-value)
+    chosen = [order[bodies[order] == body][:CANDIDATES] for body in range(len(none))]
+    return bodies[np.concatenate(chosen)], at[np.concatenate(chosen)]
+
+
+def _climbed(
     levels: MultiLevel | StripLevels,
-    body: int,
-    layers: list[Layer],
-    starts: list[tuple[int, int, int]],
-    surface: float,
-) -> tuple[float, Point]:
-    """Go on from the largest local maxima of the layers below the surface."""
-    floor = layers[0].depth
-    near, exact = partial(levels.around, body), partial(levels.at, body)
-    tops = []
-    best = 0.0
-    for k, i, j in starts:
-        layer = layers[k]
-        if layer.values[body, i, j] * BETWEEN < best:
-            break  # the others are lower still
-        start = np.array([layer.x[i], layer.y[j], layer.depth])
-        at = maximise(near, start, floor, CLOSE * surface)
-        # A way that ends at the floor leads on to the surface, unless that is lower.
-        if at is None or (at[2] <= floor and exact(at[None])[0] <= surface):
-            continue
-        value = near(at[None], at)[0]
-        tops.append((value, at))
-        best = max(best, value)
-    if not tops:
-        return np.nan, _NOWHERE
-    highest = [at for value, at in tops if value >= CLOSE * best]
-    values = exact(np.array(highest))
-    first = np.argmax(values)
-    return float(values[first]), tuple(map(float, highest[first]))
+    bodies: np.ndarray,
+    at: np.ndarray,
+    floor: float,
+    surface: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Go up from places to the tops, by Newton steps on differences.
 
-
-def _local_maxima(
-    layers: list[Layer], blocks: tuple[int, int]
-) -> Iterator[list[tuple[int, int, int]]]:
-    """Layer and place in it, (k, i, j), of the largest local maxima of each body inside it.
-
-    Of every layer the largest value in each of the coarsest blocks, where no block beside it has a
-    larger one, nor has the layer above or below it there.
+    Ways that end where another one does, or lower, are given up, and those that the floor bars
+    below a higher surface. Bodies, places and stress of what is found.
     """
-    tops = np.stack([_largest_in(layer.values, blocks) for layer in layers], axis=1)
-    peaks = tops == _largest_around(tops)
-    for body, (values, found) in enumerate(zip(tops, peaks, strict=True)):
-        each = _peaks(layers, body, blocks, np.argwhere(found)[np.argsort(-values[found])])
-        yield list(islice(each, CANDIDATES))
-
-
-def _peaks(
-    layers: list[Layer], body: int, blocks: tuple[int, int], places: np.ndarray
-) -> Iterator[tuple[int, int, int]]:
-    """Those of the largest values in blocks that are larger than the layers above and below."""
-    for k, m, n in places.tolist():
-        here = layers[k]
-        i, j = _top(here.values[body], blocks, m, n)
-        beside = (layers[other] for other in (k - 1, k + 1) if 0 <= other < len(layers))
-        value, x, y = here.values[body, i, j], here.x[i], here.y[j]
-        if all(other.near(body, x, y) <= value for other in beside):
-            yield k, i, j
-
-
-def _largest_around(values: np.ndarray) -> np.ndarray:
-    """The largest of each value and its 8 neighbours, along the last two axes."""
-    for axis in (2, 3):
-        along = np.moveaxis(values, axis, 0)
-        largest = along.copy()
-        np.maximum(largest[1:], along[:-1], out=largest[1:])
-        np.maximum(largest[:-1], along[1:], out=largest[:-1])
-        values = np.moveaxis(largest, 0, axis)
-    return values
-
-
-def _largest_in(values: np.ndarray, blocks: tuple[int, int]) -> np.ndarray:
-    """The largest value in each block; halving by halving, as numpy reduces short axes slowly."""
-    while values.shape[1] > blocks[0]:
-        values = np.maximum(values[:, ::2], values[:, 1::2])
-    while values.shape[2] > blocks[1]:
-        values = np.maximum(values[:, :, ::2], values[:, :, 1::2])
-    return values
-
-
-def _split(layer: np.ndarray, blocks: tuple[int, int]) -> np.ndarray:
-    """A layer by blocks: (..., block in x, within it, block in y, within it)."""
-    (*bodies, nx, ny), (mx, my) = layer.shape, blocks
-    return layer.reshape(*bodies, mx, nx // mx, my, ny // my)
-
-
-def _top(layer: np.ndarray, blocks: tuple[int, int], i: int, j: int) -> tuple[int, int]:
-    """Where in a layer the largest value of block (i, j) is."""
-    block = _split(layer, blocks)[i, :, j]
-    m, n = np.unravel_index(np.argmax(block), block.shape)
-    return i * block.shape[0] + int(m), j * block.shape[1] + int(n)
+    barred, best = np.zeros(len(bodies), dtype=bool), np.zeros(len(surface))
+    least = CLOSE * surface[bodies]
+    ended = []
+    for step in range(STEPS):
+        values = levels.around(bodies, stencil(at), at)
+        if step == 0:
+            highest = RISE * values[:, 0]
+        fates = climb(at, barred, best, values, bodies, highest, least, floor, step == 0)
+        last, on = fates == ENDED, fates == GOES_ON
+        ended.append((bodies[last], at[last]))
+        if not on.any():
+            break
+        bodies, at, barred, highest, least = (
+            each[on] for each in (bodies, at, barred, highest, least)
+        )
+    bodies, at = (np.concatenate(each) for each in zip(*ended, strict=True))
+    values = levels.around(bodies, stencil(at), at, closely=True)
+    return bodies, at, last_steps(at, values, floor)

@@ -9,7 +9,6 @@ from tractive_sam.kernels import stress_sum
 from tractive_sam.mechanics import HalfSpaces, StressCriterion
 from tractive_sam.operators import Lattice, StressLayers, extent
 from tractive_sam.results import Grid, Point
-from tractive_sam.subsurface.patches import Patches
 from tractive_sam.subsurface.surface import corner_stress, largest_at_surface
 
 FEWEST = 16
@@ -18,7 +17,11 @@ FEWEST = 16
 MARGIN = 2
 """Unloaded elements around the loaded ones."""
 
-ROUND = 8
+WIDEST, NARROW = 0.5, 0.2
+"""Longest side of blocks of elements over their distance, where these are taken together on the way
+to a top, and at it: there the stress is right to 3e-5 (spheres of 31 to 91 elements)."""
+
+ROUND = 16
 """Sides are multiples of this many elements: a contact that grows as it wears meets few of them,
 and the transforms of each are planned but once."""
 
@@ -31,76 +34,61 @@ class Layer:
     ----------
     depth : float
         Where it lies, mm.
-    x, y : ndarray
-        Coordinates, mm.
+    first, steps : tuple of float
+        The first point (x, y), and the steps to the next ones, mm.
     values : ndarray, shape (bodies, n_x, n_y)
         Equivalent stress, MPa.
     """
 
     depth: float
-    x: np.ndarray
-    y: np.ndarray
+    first: tuple[float, float]
+    steps: tuple[float, float]
     values: np.ndarray
 
-    def near(self, body: int, x: float, y: float) -> float:
-        """The value of a body at the centre next to a place."""
-        return self.values[body, np.abs(self.x - x).argmin(), np.abs(self.y - y).argmin()]
+    def points(self, i: np.ndarray, j: np.ndarray, deeper: np.ndarray) -> np.ndarray:
+        """Points (n, 3) so many steps from the first one, and times as deep, mm."""
+        (x, y), (dx, dy) = self.first, self.steps
+        return np.stack((x + i * dx, y + j * dy, self.depth * deeper), axis=1)
 
 
-@dataclass(frozen=True, eq=False)
-class _Level:
-    """Blocks of one size: their centres, and the stress below them."""
-
-    x: np.ndarray
-    y: np.ndarray
-    stress: StressLayers
-
-
-@dataclass(frozen=True)
 class _Side:
-    """One side of the rectangle around the loaded elements of a mesh."""
+    """One side of the rectangle around the loaded elements of a mesh.
 
-    loaded: slice
-    origin: float
-    step: float
+    Parameters
+    ----------
+    loaded : slice
+        Those of the mesh.
+    origin, step : float
+        Centre of its first element, and the length of each, mm.
 
-    @property
-    def _least(self) -> int:
-        return self.loaded.stop - self.loaded.start + 2 * MARGIN
+    Attributes
+    ----------
+    inside : slice
+        The loaded ones in the rectangle.
+    coarsest : int
+        Elements along the largest block, a power of two.
+    unit, count : int
+        Elements along the side, and what it is a multiple of, a power of two.
+    half_width : float
+        Half of the length of the loaded ones, mm.
+    corner : float
+        Where it begins, mm.
+    """
 
-    @property
-    def coarsest(self) -> int:
-        """Elements along the largest block."""
-        return _power_of_two(self._least / FEWEST)
-
-    @property
-    def unit(self) -> int:
-        """The side is a multiple of so many elements, a power of two."""
-        return max(ROUND, self.coarsest)
-
-    @property
-    def count(self) -> int:
-        """Elements along the side."""
-        return -(-self._least // self.unit) * self.unit
-
-    @property
-    def inside(self) -> slice:
-        """The loaded ones among them."""
-        return slice(MARGIN, MARGIN + self.loaded.stop - self.loaded.start)
-
-    @property
-    def corner(self) -> float:
-        """Where it begins, mm."""
-        return float(self.origin + (self.loaded.start - MARGIN - 0.5) * self.step)
+    def __init__(self, loaded: slice, origin: float, step: float) -> None:
+        self.loaded, self.step = loaded, step
+        number = loaded.stop - loaded.start
+        least = number + 2 * MARGIN
+        self.inside = slice(MARGIN, MARGIN + number)
+        self.coarsest = _power_of_two(least / FEWEST)
+        self.unit = max(ROUND, self.coarsest)
+        self.count = -(-least // self.unit) * self.unit
+        self.half_width = 0.5 * number * step
+        self.corner = float(origin + (loaded.start - MARGIN - 0.5) * step)
 
     def block(self, longest: float) -> int:
         """Elements along the longest block up to a length in mm."""
         return min(_power_of_two(longest / self.step), self.coarsest)
-
-    def centres(self, block: int) -> np.ndarray:
-        """Centres of the blocks, mm."""
-        elements = self.loaded.start - MARGIN + np.arange(self.count)
-        return self.origin + self.step * elements.reshape(-1, block).mean(axis=1)
 
 
 class MultiLevel:
@@ -110,8 +98,10 @@ class MultiLevel:
     ----------
     grid : Grid
         Elements; lengths in mm.
-    tractions : ndarray, shape (bodies, 3, n_x, n_y)
-        (p_x, p_y, p_n) on each half-space, MPa.
+    tractions : ndarray, shape (3, n_x, n_y)
+        (p_x, p_y, p_n) on body A, MPa.
+    signs : sequence of float
+        Those of `SIGNS` for each body.
     bodies : sequence of HalfSpaces
         The half-spaces, as `HalfSpaces.alone` gives them.
     criterion : StressCriterion
@@ -121,57 +111,60 @@ class MultiLevel:
     ----------
     side : float
         Longer side of an element, mm.
-    blocks : tuple of int
-        Number of blocks (m_x, m_y) of the coarsest level; all others divide these.
+    half_width : float
+        Half of the shorter side of the rectangle around the loaded elements, mm.
     """
 
     def __init__(
         self,
         grid: Grid,
         tractions: np.ndarray,
+        signs: Sequence[float],
         bodies: Sequence[HalfSpaces],
         criterion: StressCriterion,
     ):
-        loaded = tractions.any(axis=(0, 1))
+        loaded = tractions[2] != 0.0
         x = self._x = _Side(extent(loaded.any(axis=1)), grid.x[0], grid.dx)
         y = self._y = _Side(extent(loaded.any(axis=0)), grid.y[0], grid.dy)
-        self.side = max(grid.dx, grid.dy)
-        self._bodies, self._criterion = bodies, criterion
+        self.side, self.half_width = max(grid.dx, grid.dy), min(x.half_width, y.half_width)
+        self._signs, self._bodies, self._criterion = signs, bodies, criterion
         self._poisson = tuple(body.A.poisson for body in bodies)
-        self._tractions = np.zeros((len(bodies), 3, x.count, y.count))
-        self._tractions[:, :, x.inside, y.inside] = tractions[:, :, x.loaded, y.loaded]
-        self.blocks = (x.count // x.coarsest, y.count // y.coarsest)
-        self._corner = x.corner, y.corner
-        self._sizes = x.step, y.step, x.unit, y.unit
-        self._patches: dict[int, Patches] = {}
-        self._levels: dict[tuple[int, int], _Level] = {}
+        self._tractions = np.zeros((3, x.count, y.count))
+        self._tractions[:, x.inside, y.inside] = tractions[:, x.loaded, y.loaded]
+        sums = stress_sum.summed(self._tractions)
+        self._summed = (x.corner, y.corner), sums, (x.step, y.step), (x.unit, y.unit)
+        self._of_bodies = np.array((signs, self._poisson))
+        self._levels: dict[tuple[int, int], StressLayers] = {}
 
     def layer(self, depth: float) -> Layer:
-        """Stress by blocks with sides of at most half the depth; by elements where there are none.
+        """Stress by blocks with sides up to the depth; by elements where there are none.
 
         At the centres of the blocks.
         """
-        level = self._level(self._x.block(0.5 * depth), self._y.block(0.5 * depth))
-        return Layer(depth, level.x, level.y, self._equivalent(level.stress.at(depth)))
+        x, y = self._x, self._y
+        bx, by = x.block(depth), y.block(depth)
+        if (bx, by) not in self._levels:
+            lattice = Lattice((x.count // bx, y.count // by), bx * x.step, by * y.step)
+            own = self._means(bx, by), self._poisson, self._signs
+            self._levels[bx, by] = StressLayers(lattice, *own)
+        stress = self._levels[bx, by].at(depth)
+        steps = bx * x.step, by * y.step
+        first = x.corner + 0.5 * steps[0], y.corner + 0.5 * steps[1]
+        return Layer(depth, first, steps, self._criterion(stress.swapaxes(0, 1)))
 
-    def around(self, body: int, points: np.ndarray, around: np.ndarray) -> np.ndarray:
-        """Equivalent stress (n,) of a body at points (n, 3) near a point; right to a percent.
+    def around(
+        self, bodies: np.ndarray, points: np.ndarray, around: np.ndarray, closely: bool = False
+    ) -> np.ndarray:
+        """Equivalent stress (m, n) of bodies (m,) at points (m, n, 3) near some (m, 3).
 
-        Smooth as it is exactly: elements that are far are taken together in the same blocks for
-        all the points.
+        Right to a thousandth, `closely` to some 1e-5, and smooth as it is exactly: elements that
+        are far are taken together in the same blocks for all the points.
         """
-        out = np.empty((len(points), 6))
-        tractions, nu = self._tractions[body], self._poisson[body]
-        stress_sum.stress_around(out, points, around, self._corner, tractions, *self._sizes, nu)
-        return self._criterion(out.T)
-
-    def at(self, body: int, points: np.ndarray) -> np.ndarray:
-        """Equivalent stress (n,) of a body at points (n, 3), MPa."""
-        if body not in self._patches:
-            level, sides = self._level(1, 1), (self._x.step, self._y.step)
-            own = self._tractions[body], self._poisson[body]
-            self._patches[body] = Patches.on_mesh(level.x, level.y, sides, *own)
-        return self._criterion(self._patches[body].stress(points).T)
+        widest = NARROW if closely else WIDEST
+        stress = np.empty((6, *points.shape[:2]))
+        own = self._of_bodies[:, bodies]
+        stress_sum.stress_around(stress, points, around, *own, *self._summed, widest)
+        return self._criterion(stress)
 
     def surface(self, sliding: np.ndarray) -> list[tuple[float, Point]]:
         """The largest stress of each body at the surface, MPa, and where.
@@ -184,30 +177,18 @@ class MultiLevel:
             Elements of the grid that slip.
         """
         x, y = self._x, self._y
-        slips = np.zeros(self._tractions.shape[2:], dtype=bool)
+        slips = np.zeros((x.count, y.count), dtype=bool)
         slips[x.inside, y.inside] = sliding[x.loaded, y.loaded]
         lattice = Lattice(slips.shape, x.step, y.step)
-        stress = corner_stress(lattice, self._bodies, self._tractions)
+        stress = corner_stress(lattice, self._bodies, self._tractions, self._signs)
         found = largest_at_surface(
-            lattice, self._poisson, self._tractions, stress, slips, self._criterion
+            lattice, self._poisson, self._tractions[2], stress, slips, self._criterion
         )
-        at_x, at_y = float(x.centres(1)[0]), float(y.centres(1)[0])
+        at_x, at_y = x.corner + 0.5 * x.step, y.corner + 0.5 * y.step
         return [(value, (at_x + i * x.step, at_y + j * y.step, 0.0)) for value, i, j in found]
 
-    def _equivalent(self, stress: np.ndarray) -> np.ndarray:
-        """Of stresses (bodies, 6, ...), shape (bodies, ...)."""
-        return self._criterion(stress.swapaxes(0, 1))
-
-    def _level(self, bx: int, by: int) -> "_Level":
-        if (bx, by) not in self._levels:
-            x, y = self._x.centres(bx), self._y.centres(by)
-            lattice = Lattice((x.size, y.size), bx * self._x.step, by * self._y.step)
-            stress = StressLayers(lattice, self._means(bx, by), self._poisson)
-            self._levels[bx, by] = _Level(x, y, stress)
-        return self._levels[bx, by]
-
     def _means(self, bx: int, by: int) -> np.ndarray:
-        """Tractions (bodies, 3, ...) on blocks, each made of the two halves of its longer side."""
+        """Tractions (3, ...) on blocks, each made of the two halves of its longer side."""
         if (bx, by) == (1, 1):
             return self._tractions
         if bx >= by:
@@ -219,4 +200,4 @@ class MultiLevel:
 
 def _power_of_two(most: float) -> int:
     """Largest power of two up to a number, at least 1."""
-    return 1 << max(0, int(np.log2(max(most, 1.0))))
+    return 1 << max(1, int(most)).bit_length() - 1

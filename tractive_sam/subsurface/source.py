@@ -9,13 +9,14 @@ import numpy as np
 from tractive_sam.mechanics import Elasticity, HalfSpaces, StressCriterion, Strips
 from tractive_sam.operators import Lattice, StressLayers, StressPlane
 from tractive_sam.results import Grid
+from tractive_sam.subsurface.mirror import acting
 from tractive_sam.subsurface.multilevel import MultiLevel
 from tractive_sam.subsurface.patches import Patches
 from tractive_sam.subsurface.strips import StripLevels, StripLoads
 
 
 class StressSource(Protocol):
-    """Bodies z >= 0, z into the body, each under tractions on the elements of one grid.
+    """Bodies z >= 0, z into the body, each under the tractions on it on the elements of one grid.
 
     Stresses are in the order of `results.plane_stress.COMPONENTS`, MPa.
     """
@@ -40,7 +41,11 @@ class StressSource(Protocol):
 
 @singledispatch
 def stress_source(
-    body: Elasticity, bodies: Sequence[Elasticity], grid: Grid, tractions: np.ndarray
+    body: Elasticity,
+    bodies: Sequence[Elasticity],
+    signs: Sequence[float],
+    grid: Grid,
+    tractions: np.ndarray,
 ) -> StressSource:
     """The machinery that goes with the elasticity of bodies.
 
@@ -50,10 +55,12 @@ def stress_source(
         The first of the bodies, the kind of which decides.
     bodies : sequence of Elasticity
         As `Elasticity.alone` gives them.
+    signs : sequence of float
+        Those of `SIGNS` for each.
     grid : Grid
         Elements; lengths in mm.
-    tractions : ndarray, shape (bodies, 3, n_x, n_y)
-        (p_x, p_y, p_n) acting on each, MPa.
+    tractions : ndarray, shape (3, n_x, n_y)
+        (p_x, p_y, p_n) acting on body A, MPa.
 
     Raises
     ------
@@ -66,15 +73,22 @@ def stress_source(
 class PatchStress:
     """Half-spaces under patches; arguments as of `stress_source`."""
 
-    def __init__(self, bodies: Sequence[HalfSpaces], grid: Grid, tractions: np.ndarray):
-        self._bodies, self._grid, self._tractions = bodies, grid, tractions
+    def __init__(
+        self,
+        bodies: Sequence[HalfSpaces],
+        signs: Sequence[float],
+        grid: Grid,
+        tractions: np.ndarray,
+    ):
+        self._bodies, self._signs, self._grid, self._tractions = bodies, signs, grid, tractions
         self._poisson = tuple(body.A.poisson for body in bodies)
 
     def layers(self, depths: Iterable[float], threads: int = 1) -> Iterator[np.ndarray]:
         """See `StressSource`."""
         grid = self._grid
         lattice = Lattice(grid.elements, grid.dx, grid.dy)
-        return map(StressLayers(lattice, self._tractions, self._poisson, threads).at, depths)
+        own = self._tractions, self._poisson, self._signs
+        return map(StressLayers(lattice, *own, threads).at, depths)
 
     def on_plane(
         self, axis: Literal["x", "y", "z"], position: float, depths: np.ndarray
@@ -82,26 +96,29 @@ class PatchStress:
         """See `StressSource`."""
         if axis == "z":
             return next(self.layers([position]))
-        plane = StressPlane(self._grid, axis, position, self._tractions, self._poisson)
+        own = self._tractions, self._poisson, self._signs
+        plane = StressPlane(self._grid, axis, position, *own)
         return np.stack([plane.at(depth) for depth in depths], axis=-1)
 
     def at(self, points: np.ndarray) -> np.ndarray:
         """See `StressSource`."""
         grid, sides = self._grid, (self._grid.dx, self._grid.dy)
-        each = zip(self._tractions, self._poisson, strict=True)
+        each = zip(acting(self._tractions, self._signs), self._poisson, strict=True)
         patches = [Patches.on_mesh(grid.x, grid.y, sides, own, nu) for own, nu in each]
         return np.stack([one.stress(points).T for one in patches])
 
     def levels(self, criterion: StressCriterion) -> MultiLevel:
         """See `StressSource`."""
-        return MultiLevel(self._grid, self._tractions, self._bodies, criterion)
+        return MultiLevel(self._grid, self._tractions, self._signs, self._bodies, criterion)
 
 
 class StripStress:
     """Half-spaces under strips; arguments as of `stress_source`."""
 
-    def __init__(self, bodies: Sequence[Strips], grid: Grid, tractions: np.ndarray):
-        self._bodies, self._grid, self._tractions = bodies, grid, tractions
+    def __init__(
+        self, bodies: Sequence[Strips], signs: Sequence[float], grid: Grid, tractions: np.ndarray
+    ):
+        self._bodies, self._signs, self._grid, self._tractions = bodies, signs, grid, tractions
 
     def layers(self, depths: Iterable[float], threads: int = 1) -> Iterator[np.ndarray]:
         """See `StressSource`."""
@@ -118,13 +135,13 @@ class StripStress:
 
     def at(self, points: np.ndarray) -> np.ndarray:
         """See `StressSource`."""
-        each = zip(self._tractions, self._bodies, strict=True)
+        each = zip(acting(self._tractions, self._signs), self._bodies, strict=True)
         strips = [StripLoads.on_grid(self._grid, own, body.A.poisson) for own, body in each]
         return np.stack([one.stress(points).T for one in strips])
 
     def levels(self, criterion: StressCriterion) -> StripLevels:
         """See `StressSource`."""
-        return StripLevels(self._grid, self._tractions, self._bodies, criterion)
+        return StripLevels(self._grid, self._tractions, self._signs, self._bodies, criterion)
 
 
 @stress_source.register

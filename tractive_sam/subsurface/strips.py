@@ -9,6 +9,7 @@ from tractive_sam.kernels import strip_stress
 from tractive_sam.mechanics import StressCriterion, Strips
 from tractive_sam.operators import Lattice
 from tractive_sam.results import Grid, Point
+from tractive_sam.subsurface.mirror import acting
 from tractive_sam.subsurface.multilevel import Layer
 from tractive_sam.subsurface.surface import corner_stress, largest_at_surface
 
@@ -57,8 +58,10 @@ class StripLevels:
     ----------
     grid : Grid
         That of a line contact.
-    tractions : ndarray, shape (bodies, 3, n_x, 1)
-        (p_x, p_y, p_n) on each half-space, MPa.
+    tractions : ndarray, shape (3, n_x, 1)
+        (p_x, p_y, p_n) on body A, MPa.
+    signs : sequence of float
+        Those of `SIGNS` for each body.
     bodies : sequence of Strips
         The half-spaces, as `Strips.alone` gives them.
     criterion : StressCriterion
@@ -69,35 +72,39 @@ class StripLevels:
         self,
         grid: Grid,
         tractions: np.ndarray,
+        signs: Sequence[float],
         bodies: Sequence[Strips],
         criterion: StressCriterion,
     ):
         self._x, self._y, self.side = grid.x, grid.y, grid.dx
-        self.blocks = grid.elements
-        self._tractions, self._bodies, self._criterion = tractions, bodies, criterion
+        self._elements = grid.elements
+        self.half_width = 0.5 * grid.dx * np.count_nonzero(tractions[2])
+        self._tractions, self._signs = tractions, signs
+        self._bodies, self._criterion = bodies, criterion
         self._poisson = tuple(body.A.poisson for body in bodies)
-        each = zip(tractions, self._poisson, strict=True)
+        each = zip(acting(tractions, signs), self._poisson, strict=True)
         self._strips = [StripLoads.on_grid(grid, own, poisson) for own, poisson in each]
 
     def layer(self, depth: float) -> Layer:
         """Stress at the centres."""
         points = np.stack(np.broadcast_arrays(self._x, 0.0, depth), axis=-1)
-        values = [self.at(body, points)[:, None] for body in range(len(self._bodies))]
-        return Layer(depth, self._x, self._y, np.stack(values))
+        values = [self._values(body, points)[:, None] for body in range(len(self._bodies))]
+        return Layer(depth, (float(self._x[0]), 0.0), (self.side, 0.0), np.stack(values))
 
-    def around(self, body: int, points: np.ndarray, around: np.ndarray) -> np.ndarray:
+    def around(
+        self, bodies: np.ndarray, points: np.ndarray, around: np.ndarray, closely: bool = True
+    ) -> np.ndarray:
         """See `MultiLevel`; exact."""
-        return self.at(body, points)
+        return np.stack([self._values(*one) for one in zip(bodies, points, strict=True)])
 
-    def at(self, body: int, points: np.ndarray) -> np.ndarray:
-        """See `MultiLevel`."""
+    def _values(self, body: int, points: np.ndarray) -> np.ndarray:
         return self._criterion(self._strips[body].stress(points).T)
 
     def surface(self, sliding: np.ndarray) -> list[tuple[float, Point]]:
         """See `MultiLevel`; at the edges of strips."""
-        lattice = Lattice(self.blocks, self.side, 1.0)
-        stress = corner_stress(lattice, self._bodies, self._tractions)
+        lattice = Lattice(self._elements, self.side, 1.0)
+        stress = corner_stress(lattice, self._bodies, self._tractions, self._signs)
         found = largest_at_surface(
-            lattice, self._poisson, self._tractions, stress, sliding, self._criterion
+            lattice, self._poisson, self._tractions[2], stress, sliding, self._criterion
         )
         return [(value, (float(self._x[0] + i * self.side), 0.0, 0.0)) for value, i, _ in found]

@@ -1,0 +1,227 @@
+"""Stress at a surface where no mesh follows it: at the edge of the contact, and where stick ends.
+
+Towards the edge the pressure falls with the root of the distance, and so does the stress that it
+makes right below itself, -p across the edge and -2 nu p along it (plane strain). The rest is
+smooth: it is taken on to the edge along a straight line. Towards the end of stick the traction has
+a root on the side that sticks, the stress in the plane one on the side that slips (as in Carter's
+solution): each is taken on to it from its smooth side.
+"""
+
+import math
+
+import numpy as np
+
+from tractive_sam.kernels.compiled import compiled
+
+FARTHEST = 2.0
+"""Most elements from a corner that all four elements touch to the edge of the contact, where that
+lies straight ahead; half of one less where it lies across a diagonal. An element is loaded about as
+soon as the edge has passed its centre, one and a half from the corner before: with no more than
+that, an edge that moves would come and go."""
+
+EVENLY = 1.0 - 1e-6
+"""Slope towards the edge over that along it, from which a corner is taken: on a diagonal both are
+the same but for rounding."""
+
+EVEN = 2.0
+"""Most by which the slope of the square of the pressure may change from that corner to the next."""
+
+WIDEST = 3
+"""Most elements from a corner that slips to one that sticks."""
+
+UNLOADED, SLIPS, STICKS, BOTH = range(4)
+"""Kinds of corners: all elements that meet there slip, all stick, some do either; or no contact."""
+
+WAYS = ((1, 0), (-1, 0), (0, 1), (0, -1))
+
+
+@compiled
+def kinds_of_corners(pressure, sliding):
+    """Kinds (n_x - 1, n_y - 1) of the corners of elements (n_x, n_y); of strips (n_x - 1, 1)."""
+    nx, ny = pressure.shape
+    kinds = np.empty((nx - 1, max(ny - 1, 1)), dtype=np.uint8)
+    for i in range(nx - 1):
+        for j in range(kinds.shape[1]):
+            k = min(j + 1, ny - 1)
+            slip = stick = 0
+            for m in (i, i + 1):
+                for n in (j, k):
+                    slip += pressure[m, n] > 0.0 and sliding[m, n]
+                    stick += pressure[m, n] > 0.0 and not sliding[m, n]
+            kind = UNLOADED if slip + stick < 4 else BOTH
+            kinds[i, j] = SLIPS if slip == 4 else STICKS if stick == 4 else kind
+    return kinds
+
+
+@compiled
+def where_loaded(stress, kinds):
+    """Stresses (6, bodies, n) at the loaded corners, and their places (2, n); see `where_rough`."""
+    bodies, _, nx, ny = stress.shape
+    count = 0
+    for i in range(nx):
+        for j in range(ny):
+            count += kinds[i, j] != UNLOADED
+    stresses, places = np.empty((6, bodies, count)), np.empty((2, count))
+    count = 0
+    for i in range(nx):
+        for j in range(ny):
+            if kinds[i, j] != UNLOADED:
+                places[0, count], places[1, count] = i, j
+                for component in range(6):
+                    for body in range(bodies):
+                        stresses[component, body, count] = stress[body, component, i, j]
+                count += 1
+    return stresses, places
+
+
+@compiled
+def where_rough(stress, pressure, kinds, poisson, dx, dy):
+    """Stresses at points of the edge of the contact and of the end of stick.
+
+    Of the edge from every loaded corner that has one neighbour, in x or in y, that is not, and
+    another one across from it that is: the square of the pressure is a straight line near the edge,
+    which ends there. Of the end of stick midway between a corner that slips and the next one that
+    sticks, in x or in y, where there are at most `WIDEST` steps between them and another one of the
+    same kind behind each.
+
+    Parameters
+    ----------
+    stress : ndarray, shape (bodies, 6, n_x - 1, n_y - 1), of strips (bodies, 6, n_x - 1, 1)
+        Those between the elements.
+    pressure : ndarray, shape (n_x, n_y)
+        On the elements; the bodies share it.
+    kinds : ndarray, shape (n_x - 1, n_y - 1), of strips (n_x - 1, 1)
+        Those of `kinds_of_corners`.
+    poisson : sequence of float
+        Poisson's ratios.
+    dx, dy : float
+        Sides of the elements.
+
+    Returns
+    -------
+    stresses : ndarray, shape (6, bodies, n)
+        In the unit of the stress.
+    places : ndarray, shape (2, n)
+        In elements from the first corner.
+    """
+    bodies, _, nx, ny = stress.shape
+    # With room for all steps: beyond the last corners there is no contact.
+    m = WIDEST + 1
+    around = np.zeros((nx + 2 * m, ny + 2 * m), dtype=np.uint8)
+    around[m:-m, m:-m] = kinds
+    count = 0
+    stresses, places = np.zeros((6, bodies, count)), np.zeros((2, count))
+    for counted in (False, True):
+        if counted:
+            stresses, places = np.zeros((6, bodies, count)), np.zeros((2, count))
+        count = 0
+        for i in range(nx):
+            for j in range(ny):
+                here = kinds[i, j]
+                if here == UNLOADED:
+                    continue
+                for a, b in WAYS:
+                    ahead, behind = around[m + i + a, m + j + b], around[m + i - a, m + j - b]
+                    away, apart = -1.0, 0
+                    if behind == UNLOADED and ahead != UNLOADED:
+                        away = _steps_to_edge(pressure, i, j, a, b)
+                    elif here == behind == SLIPS and ahead != SLIPS:
+                        apart = _steps_to_stick(around, m + i, m + j, a, b)
+                    if away < 0.0 and apart == 0:
+                        continue
+                    if counted:
+                        out = stresses[:, :, count]
+                        if apart > 0:
+                            _set_at_border(out, stress, i, j, a, b, apart)
+                        else:
+                            _set_at_edge(out, stress, pressure, i, j, a, b, away, poisson, dx, dy)
+                        steps = 0.5 * apart if apart > 0 else -away
+                        places[0, count], places[1, count] = i + steps * a, j + steps * b
+                    count += 1
+    return stresses, places
+
+
+@compiled
+def _steps_to_edge(pressure, i, j, a, b):
+    """Elements from a loaded corner, against the way (a, b), to the edge; -1 if not known."""
+    in_x, in_y = _differences(pressure, i, j)
+    rising, along = a * in_x + b * in_y, abs(b * in_x + a * in_y)
+    if rising <= 0.0 or rising < EVENLY * along:
+        return -1.0
+    here = _mean(pressure, i, j, 2)
+    if here > FARTHEST * rising - 0.5 * along:
+        return -1.0
+    # As steep further inside, or the edge is sharper than the mesh.
+    in_x, in_y = _differences(pressure, i + a, j + b)
+    inner = a * in_x + b * in_y
+    return here / rising if rising / EVEN < inner < EVEN * rising else -1.0
+
+
+@compiled
+def _set_at_edge(out, stress, pressure, i, j, a, b, away, poisson, dx, dy):
+    """Set the stresses (6, bodies) so many elements from a corner, against the way (a, b)."""
+    for body in range(len(stress)):
+        here = _smooth(stress[body], pressure, i, j, poisson[body], dx, dy)
+        further = _smooth(stress[body], pressure, i + a, j + b, poisson[body], dx, dy)
+        out[0, body] = here[0] + away * (here[0] - further[0])
+        out[1, body] = here[1] + away * (here[1] - further[1])
+        out[3, body] = here[2] + away * (here[2] - further[2])
+
+
+@compiled
+def _smooth(stress, pressure, i, j, nu, dx, dy):
+    """Stresses xx, yy, xy at a corner, less those that fall with the root of the distance."""
+    in_x, in_y = _differences(pressure, i, j)
+    x, y = in_x / dx, in_y / dy
+    steep = math.sqrt(x * x + y * y)
+    if steep > 0.0:
+        x, y = x / steep, y / steep
+    # sigma + p (n n + 2 nu t t), in the plane: t t = 1 - n n.
+    p, k = _mean(pressure, i, j, 1), 1.0 - 2.0 * nu
+    return (
+        stress[0, i, j] + p * (k * x * x + 2.0 * nu),
+        stress[1, i, j] + p * (k * y * y + 2.0 * nu),
+        stress[3, i, j] + p * k * x * y,
+    )
+
+
+@compiled
+def _steps_to_stick(kinds, i, j, a, b):
+    """Steps in the way (a, b) from a corner that slips to one that sticks; 0 if there is none."""
+    for step in range(1, WIDEST + 1):
+        kind = kinds[i + step * a, j + step * b]
+        if kind == SLIPS:
+            return 0
+        if kind == STICKS:
+            return step if kinds[i + (step + 1) * a, j + (step + 1) * b] == STICKS else 0
+    return 0
+
+
+@compiled
+def _set_at_border(out, stress, i, j, a, b, apart):
+    """Set the stresses (6, bodies) midway between a corner that slips and one that sticks."""
+    for component in range(6):
+        if component in (0, 1, 3):
+            k, h, m, n = i + apart * a, j + apart * b, a, b
+        else:
+            k, h, m, n = i, j, -a, -b
+        for body in range(len(stress)):
+            here, behind = stress[body, component, k, h], stress[body, component, k + m, h + n]
+            out[component, body] = here + 0.5 * apart * (here - behind)
+
+
+@compiled
+def _mean(pressure, i, j, power):
+    """Of the pressure or its square at a corner."""
+    k = min(j + 1, pressure.shape[1] - 1)
+    total = pressure[i, j] ** power + pressure[i + 1, j] ** power
+    return 0.25 * (total + pressure[i, k] ** power + pressure[i + 1, k] ** power)
+
+
+@compiled
+def _differences(pressure, i, j):
+    """Of the square of the pressure at a corner, across an element in x and in y."""
+    k = min(j + 1, pressure.shape[1] - 1)
+    a, b = pressure[i, j] ** 2, pressure[i + 1, j] ** 2
+    c, d = pressure[i, k] ** 2, pressure[i + 1, k] ** 2
+    return 0.5 * (b - a + d - c), 0.5 * (c - a + d - b)

@@ -1,0 +1,245 @@
+"""Local maxima: of fields in layers that lie one below the other, and by Newton steps."""
+
+import math
+
+import numpy as np
+
+from tractive_sam.kernels.compiled import compiled
+
+AROUND = 2
+"""Steps in x and y to the farthest values of its layer that a local maximum is compared with."""
+
+STEP = 0.1
+"""Step of the differences over the depth: their error is a hundredth."""
+
+LONGEST = 0.5
+"""Longest step of a way over the depth."""
+
+FLATTEST = 1e-3
+"""Least curvature over the largest one."""
+
+SETTLED = 1e-3
+"""A step that gains less than this part of the value is the last but one."""
+
+SAME = 0.3
+"""Ways nearer to each other than this share of the depth lead to the same top."""
+
+STEEP = 1e-2
+"""Part of itself by which a value at the floor falls, over a fifth of the depth, away from the
+surface: beyond it no top lies below. Where one was found from there, it fell by a third of that at
+most (114 contacts of the twin discs)."""
+
+LOST, ENDED, GOES_ON = range(3)
+"""Fates of a way up: given up, at its top, or not there yet."""
+
+_AXES = np.eye(3)
+# 0, x_i, -x_i, x_j + x_k and -(x_j + x_k), for i = 1 to 3.
+_STENCIL = np.concatenate((np.zeros((1, 3)), _AXES, -_AXES, 1.0 - _AXES, _AXES - 1.0))
+
+
+@compiled
+def find_tops(values, above, below):
+    """Find the local maxima of fields in a layer, and about where the tops between its points are.
+
+    Layers cover the same rectangle, each by equal steps in x and in y.
+
+    Parameters
+    ----------
+    values : ndarray, shape (m, n_x, n_y)
+        Of the fields; only what is above 0 counts.
+    above, below : ndarray, shape (m, k_x, k_y)
+        Those of the layers next to it; empty where there is none.
+
+    Returns
+    -------
+    ndarray, shape (n, 5)
+        For each maximum its field, its value, its place (i, j) in steps from the first point and
+        that between the layers, 0 in this one and 1 in the one below: where parabolas through the
+        values beside it have their tops.
+    """
+    fields, nx, ny = values.shape
+    # No two of them are neighbours.
+    tops = np.empty((fields * ((nx + 1) // 2) * ((ny + 1) // 2), 5))
+    count = 0
+    for m in range(fields):
+        for i in range(nx):
+            for j in range(ny):
+                here = values[m, i, j]
+                if here <= 0.0 or not _largest_around(values[m], i, j):
+                    continue
+                higher, lower = _nearest(above[m], i, j, nx, ny), _nearest(below[m], i, j, nx, ny)
+                if higher > here or lower > here:
+                    continue
+                top = tops[count]
+                top[0], top[1], top[2], top[3], top[4] = m, here, i, j, 0.0
+                if 0 < i < nx - 1:
+                    top[2] += _aside(values[m, i - 1, j], here, values[m, i + 1, j])
+                if 0 < j < ny - 1:
+                    top[3] += _aside(values[m, i, j - 1], here, values[m, i, j + 1])
+                if higher >= 0.0 and lower >= 0.0:
+                    top[4] = _aside(higher, here, lower)
+                count += 1
+    return tops[:count]
+
+
+@compiled
+def _largest_around(values, i, j):
+    """Whether no value around is larger; of equal ones the first is."""
+    nx, ny = values.shape
+    for k in range(max(0, i - AROUND), min(nx, i + AROUND + 1)):
+        for h in range(max(0, j - AROUND), min(ny, j + AROUND + 1)):
+            before = k < i or (k == i and h < j)
+            if values[k, h] > values[i, j] or (before and values[k, h] == values[i, j]):
+                return False
+    return True
+
+
+@compiled
+def _nearest(values, i, j, nx, ny):
+    """The value of another layer next to a point of one of nx x ny; -1 where there is none."""
+    if values.size == 0:
+        return -1.0
+    kx, ky = values.shape
+    return values[(2 * i + 1) * kx // (2 * nx), (2 * j + 1) * ky // (2 * ny)]
+
+
+@compiled
+def _aside(before, here, behind):
+    """Where a parabola through values has its top, in steps from the middle one, the largest."""
+    bend = 2.0 * here - before - behind
+    return 0.5 * (behind - before) / bend if bend > 0.0 else 0.0
+
+
+@compiled
+def stencil(at):
+    """Points (m, 13, 3) around each of some (m, 3), whose values `climb` wants."""
+    points = np.empty((len(at), len(_STENCIL), 3))
+    for m in range(len(at)):
+        for n in range(len(_STENCIL)):
+            for i in range(3):
+                points[m, n, i] = at[m, i] + STEP * at[m, 2] * _STENCIL[n, i]
+    return points
+
+
+@compiled
+def climb(at, barred, best, values, of, highest, least, floor, first):
+    """Take a step of some ways up to the tops of functions.
+
+    To the top of the parabola through the values; uphill, where the function curves upwards; along
+    the floor where that bars the way.
+
+    Parameters
+    ----------
+    at : ndarray, shape (m, 3)
+        Where the ways are, and are then; the last coordinate is the depth.
+    barred : ndarray of bool, shape (m,)
+        Which ones the floor bars though they are low, by the step before; then by this one.
+    best : ndarray, shape (k,)
+        The highest value of each function at which a way ended.
+    values : ndarray, shape (m, 13)
+        At the points of `stencil`. What the step gains is added to the first one.
+    of : ndarray of int, shape (m,)
+        Which function it is.
+    highest : ndarray, shape (m,)
+        What a way can reach: where another one has reached more it is given up.
+    least : ndarray, shape (m,)
+        A way is low where the value is below this one.
+    floor : float
+        Least depth.
+    first : bool
+        Whether these are the first steps.
+
+    Returns
+    -------
+    ndarray of int, shape (m,)
+        The fate of each.
+    """
+    count = len(at)
+    fates = np.empty(count, dtype=np.uint8)
+    for m in range(count):
+        here, on_floor = values[m, 0], at[m, 2] <= floor
+        gain = _step(at[m], values[m], floor)
+        low, settled = on_floor and here < least[m], gain < SETTLED * here
+        stays = low and at[m, 2] <= floor  # beside the start the way down may be free
+        falls = first and values[m, 6] - values[m, 3] > STEEP * here
+        if (low and falls) or (stays and (barred[m] or settled)):
+            fates[m] = LOST
+        elif settled:
+            fates[m] = ENDED
+            best[of[m]] = max(best[of[m]], here)
+        else:
+            fates[m] = GOES_ON
+        barred[m] = stays
+        values[m, 0] += gain
+    for m in range(count):
+        if fates[m] == GOES_ON and (highest[m] < best[of[m]] or _follows(at, values, of, fates, m)):
+            fates[m] = LOST
+    return fates
+
+
+@compiled
+def last_steps(at, values, floor):
+    """Take one more step as `climb` does; return the values (m,) that it leads to."""
+    reached = np.empty(len(at))
+    for m in range(len(at)):
+        reached[m] = values[m, 0] + _step(at[m], values[m], floor)
+    return reached
+
+
+@compiled
+def _follows(at, values, of, fates, m):
+    """Whether a higher way of the same function is near."""
+    for k in range(len(at)):
+        if fates[k] == GOES_ON and of[k] == of[m] and values[k, 0] > values[m, 0]:
+            x, y, z = at[k, 0] - at[m, 0], at[k, 1] - at[m, 1], at[k, 2] - at[m, 2]
+            if x * x + y * y + z * z < (SAME * at[m, 2]) ** 2:
+                return True
+    return False
+
+
+@compiled
+def _step(at, v, floor):
+    """Go to the top of the parabola through values on the stencil; return what that gains."""
+    step, gradient, hessian = np.empty(3), np.empty(3), np.empty((3, 3))
+    for i in range(3):
+        gradient[i] = 0.5 * (v[1 + i] - v[4 + i])
+        hessian[i, i] = v[1 + i] + v[4 + i] - 2.0 * v[0]
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        mixed = v[7 + i] + v[10 + i] - 2.0 * v[0]
+        hessian[j, k] = hessian[k, j] = 0.5 * (mixed - hessian[j, j] - hessian[k, k])
+    _uphill(step, gradient, hessian)
+    if at[2] <= floor and step[2] < 0.0:
+        gradient[2] = hessian[0, 2] = hessian[1, 2] = hessian[2, 0] = hessian[2, 1] = 0.0
+        _uphill(step, gradient, hessian)
+    length = math.sqrt(step[0] ** 2 + step[1] ** 2 + step[2] ** 2)
+    if length > LONGEST / STEP:
+        step *= LONGEST / STEP / length
+    at += STEP * at[2] * step
+    at[2] = max(at[2], floor)
+    return 0.5 * (gradient[0] * step[0] + gradient[1] * step[1] + gradient[2] * step[2])
+
+
+@compiled
+def _uphill(step, gradient, hessian):
+    """Set the Newton step of a Hessian that is lowered until it falls all ways."""
+    a, d, f = hessian[0, 0], hessian[1, 1], hessian[2, 2]
+    b, c, e = hessian[0, 1], hessian[0, 2], hessian[1, 2]
+    size = max(abs(a), abs(b), abs(c), abs(d), abs(e), abs(f))
+    step[:] = 0.0
+    if size == 0.0:
+        return
+    lower = 0.0
+    while True:
+        a, d, f = hessian[0, 0] - lower, hessian[1, 1] - lower, hessian[2, 2] - lower
+        minor = a * d - b * b
+        whole = f * minor - a * e * e + 2.0 * b * c * e - d * c * c
+        # All leading minors alternate, and no curvature is next to nothing.
+        if a < 0.0 < minor and whole < -FLATTEST * size**3:
+            break
+        lower = max(2.0 * lower, 0.1 * size)
+    u, v, w = gradient
+    # By the adjoint of the Hessian.
+    step[0] = -((d * f - e * e) * u + (c * e - b * f) * v + (b * e - c * d) * w) / whole
+    step[1] = -((c * e - b * f) * u + (a * f - c * c) * v + (b * c - a * e) * w) / whole
+    step[2] = -((b * e - c * d) * u + (b * c - a * e) * v + (a * d - b * b) * w) / whole
