@@ -303,6 +303,29 @@ def subsurface() -> str:
     return of_columns(rows_of("subsurface.csv"), columns)
 
 
+def whole_roll() -> str:
+    """Where the time of a roll goes."""
+    columns = {
+        "part": ("part", str),
+        "seconds": ("seconds", number(".2f")),
+        "over contacts": ("over contacts", number(".2f")),
+        "of the whole, %": ("over the whole", number(".0f", 100.0)),
+    }
+    return of_columns(rows_of("whole_roll.csv"), columns)
+
+
+def largest_stress() -> str:
+    """Errors of the largest stress inside."""
+    columns = {
+        "disc": ("body", str),
+        "records": ("records", str),
+        "with one inside": ("with a largest stress inside", str),
+        "median error": ("median error", number(".0e")),
+        "largest error": ("largest error", number(".0e")),
+    }
+    return of_columns(rows_of("largest_stress.csv"), columns)
+
+
 def jacobian() -> str:
     """Work of derivatives beside that of central differences."""
     columns = {
@@ -573,6 +596,8 @@ TABLES = {
         heat,
         error_bars,
         subsurface,
+        whole_roll,
+        largest_stress,
         jacobian,
         jacobian_carter,
         tables,

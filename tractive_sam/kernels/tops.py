@@ -18,7 +18,7 @@ LONGEST = 0.5
 FLATTEST = 1e-3
 """Least curvature over the largest one."""
 
-SETTLED = 1e-3
+SETTLED = 3e-4
 """A step that gains less than this part of the value is the last but one."""
 
 SAME = 0.3

@@ -44,8 +44,8 @@ def stress_maximum(contact: State, body: str = "A", laws: Laws | None = None) ->
 
     Layers at depths that grow by `GROWTH` show where to look; in them elements are taken together
     in blocks with sides up to the depth. The best local maxima are refined with blocks that grow
-    with their distance. For tractions constant on the elements the value is right to 1e-4, the
-    place to a hundredth of its depth.
+    with their distance. For tractions constant on the elements the value is right to 2e-4, the
+    place to a hundredth of its depth (`benchmarks/whole_roll.py`).
 
     At the surface it is taken between the elements, at the edge of the contact and where stick
     ends, from differences of displacements: on a mesh, the stress itself is infinite on every edge

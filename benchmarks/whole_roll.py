@@ -1,0 +1,114 @@
+"""Where the time of a whole roll goes: contacts, largest stress of every record, storing, the rest.
+
+The built-in twin discs over all 15,000 revolutions, in one process on one core, after one roll that
+is not counted; medians of the rolls. Beside it what is found: the largest stress inside either disc
+against the exact sum over the elements at its place.
+"""
+
+import contextlib
+import tempfile
+from collections import Counter
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from statistics import median
+from time import process_time
+from unittest import mock
+
+import numpy as np
+from timing import show, write
+
+from tractive_sam.mechanics.invariants import von_mises
+from tractive_sam.results import State
+from tractive_sam.rolling import passage, revolutions
+from tractive_sam.run import roll
+from tractive_sam.scene import Scene
+from tractive_sam.store.writer import HistoryWriter
+from tractive_sam.subsurface import stress_at
+
+ROLLS = 5
+PARTS = {
+    "contacts": [(passage, "equilibrium")],
+    "largest stress of every record": [(revolutions, "stress_maxima")],
+    "storing": [(HistoryWriter, "append"), (HistoryWriter, "finish")],
+}
+
+
+@contextlib.contextmanager
+def timed(spent: Counter) -> Iterator[None]:
+    """Add up the seconds in each part."""
+    with contextlib.ExitStack() as stack:
+        for part, functions in PARTS.items():
+            for where, name in functions:
+                clocked = _clocked(getattr(where, name), spent, part)
+                stack.enter_context(mock.patch.object(where, name, clocked))
+        yield
+
+
+def _clocked(function: Callable, spent: Counter, part: str) -> Callable:
+    def clocked(*arguments, **keywords):
+        began = process_time()
+        try:
+            return function(*arguments, **keywords)
+        finally:
+            spent[part] += process_time() - began
+
+    return clocked
+
+
+def rolled(scene: Scene, folder: Path, number: int) -> Counter:
+    """Seconds of one roll, by part."""
+    spent = Counter()
+    with timed(spent):
+        began = process_time()
+        roll(scene, folder / f"{number}.h5")
+        whole = process_time() - began
+    return Counter({"whole": whole, "rest": whole - sum(spent.values())}) + spent
+
+
+def shares(scene: Scene) -> list[dict]:
+    with tempfile.TemporaryDirectory() as folder:
+        runs = [rolled(scene, Path(folder), number) for number in range(ROLLS + 1)][1:]
+    return [
+        {
+            "part": part,
+            "seconds": median(run[part] for run in runs),
+            "over contacts": median(run[part] / run["contacts"] for run in runs),
+            "over the whole": median(run[part] / run["whole"] for run in runs),
+        }
+        for part in (*PARTS, "rest", "whole")
+    ]
+
+
+def errors(scene: Scene) -> list[dict]:
+    """Of the largest stress inside, over all records, against the exact one at its place."""
+    found: list[tuple[State, dict]] = []
+    search = revolutions.stress_maxima
+
+    def kept(contact: State, laws):
+        found.append((contact, search(contact, laws)))
+        return found[-1][1]
+
+    with mock.patch.object(revolutions, "stress_maxima", kept):
+        roll(scene)
+    rows = []
+    for body in scene.subsurface.bodies:
+        inside = [(one, top[body]) for one, top in found if np.isfinite(top[body].interior)]
+        there = [von_mises(stress_at(one, [top.interior_at], body).T)[0] for one, top in inside]
+        off = [
+            abs(top.interior / exact - 1.0) for (_, top), exact in zip(inside, there, strict=True)
+        ]
+        row = {"body": body, "records": len(found), "with a largest stress inside": len(inside)}
+        rows.append(row | {"median error": median(off), "largest error": max(off)})
+    return rows
+
+
+def main() -> None:
+    scene = Scene.builtin("twin-discs")
+    parts, found = shares(scene), errors(scene)
+    show("A roll of the twin discs, by parts", parts)
+    show("The largest stress inside, at its place", found)
+    print(write("whole_roll", parts), write("largest_stress", found))
+
+
+if __name__ == "__main__":
+    main()
