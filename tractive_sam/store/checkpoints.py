@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from time import perf_counter
 
-SHARE = 0.03
+SHARE = 0.02
 """Most of the time that is spent on checkpoints."""
 
 

@@ -1,6 +1,7 @@
 """The rows of a results file: added, dropped, and made wider."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import groupby
 
 import h5py
 import numpy as np
@@ -38,9 +39,9 @@ def append(file: h5py.File, records: Sequence[Record]) -> None:
         if name in columns:
             values = stacked(columns[name], [record.values[name] for record in records], grid)
         _extend(_opened(history, name), before, count, values)
-    for row, record in enumerate(records, start=before):
-        if record.fields:
-            _append_fields(file, row, record)
+    saved = [(row, one) for row, one in enumerate(records, start=before) if one.fields]
+    for _, alike in groupby(saved, lambda one: _groups(one[1])):
+        _append_fields(file, *zip(*alike, strict=True))
 
 
 def grid_of(file: h5py.File) -> Grid:
@@ -50,30 +51,41 @@ def grid_of(file: h5py.File) -> Grid:
     return Grid(half_length, (len(grid["x"]), len(grid["y"])))
 
 
-def _append_fields(file: h5py.File, row: int, record: Record) -> None:
-    _append(file["fields"], row, record, record.fields, OUTSIDE)
-    for plane in record.stress:
-        group = file["stress"][layout.place_of(plane.body, plane.plane, plane.block)]
-        values = plane.components | {VON_MISES.name: plane.by(VON_MISES)}
-        _append(group, row, record, values, dict.fromkeys(values, np.nan))  # not known there
-    for one in record.cycles:
-        group = file["fatigue"][one.body]
-        _append(group, row, record, {k: getattr(one, k) for k in CYCLES if k in group}, {})
+def _groups(record: Record) -> list[str]:
+    """Where the fields of a record go."""
+    planes = [layout.place_of(one.body, one.plane, one.block) for one in record.stress]
+    return [*record.fields, *planes, *(one.body for one in record.cycles)]
+
+
+def _append_fields(file: h5py.File, rows: Sequence[int], records: Sequence[Record]) -> None:
+    """Add what goes to the same groups of each."""
+    _append(file["fields"], rows, records, [one.fields for one in records], OUTSIDE)
+    for planes in zip(*(one.stress for one in records), strict=True):
+        group = file["stress"][layout.place_of(planes[0].body, planes[0].plane, planes[0].block)]
+        values = [one.components | {VON_MISES.name: one.by(VON_MISES)} for one in planes]
+        _append(group, rows, records, values, dict.fromkeys(values[0], np.nan))  # not known there
+    for cycles in zip(*(one.cycles for one in records), strict=True):
+        group = file["fatigue"][cycles[0].body]
+        names = [name for name in CYCLES if name in group]
+        values = [{name: getattr(one, name) for name in names} for one in cycles]
+        _append(group, rows, records, values, {})
 
 
 def _append(
     group: h5py.Group,
-    row: int,
-    record: Record,
-    values: Mapping[str, np.ndarray],
+    rows: Sequence[int],
+    records: Sequence[Record],
+    values: Sequence[Mapping[str, np.ndarray]],
     outside: Mapping[str, float],
 ) -> None:
-    about = {"record": row, record.coordinate.name: record.at}
-    for name, value in (about | dict(values)).items():
+    about = {"record": rows, records[0].coordinate.name: [one.at for one in records]}
+    for name in (*about, *values[0]):
         dataset = _opened(group, name)
-        rows, *shape = dataset.shape
-        values = widened(np.asarray(value), tuple(shape), outside.get(name, 0.0))
-        _extend(dataset, rows, rows + 1, values[None])
+        before, *shape = dataset.shape
+        each = about.get(name) or [
+            widened(np.asarray(one[name]), tuple(shape), outside.get(name, 0.0)) for one in values
+        ]
+        _extend(dataset, before, before + len(rows), np.stack(each))
 
 
 def _opened(group: h5py.Group, name: str) -> h5py.h5d.DatasetID:
