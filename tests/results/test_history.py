@@ -1,6 +1,7 @@
 """What is recorded of a computation agrees with itself and with its contacts."""
 
 import json
+import pickle
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ import pytest
 import tractive_sam as ts
 from tests.store.sample_records import SCENE, STRESSED, make_record, mesh, with_stress
 from tractive_sam.results import missed_stress
-from tractive_sam.results.quantities import COLUMNS, FIELDS, STRESS, columns
+from tractive_sam.results.quantities import COLUMNS, FIELDS, STRESS, WARM, columns
 from tractive_sam.results.record import fields
 
 REVOLUTIONS = 2
@@ -82,6 +83,12 @@ class TestHistory:
         with pytest.raises(AttributeError, match=r"history\.state\(n\)\.pressure"):
             _ = history.pressure
         assert not hasattr(history, "nothing")
+
+    def test_it_can_be_sent_to_another_process(self, history):
+        again = pickle.loads(pickle.dumps(history))
+        assert again.to_dict() == history.to_dict()
+        assert again.columns == history.columns
+        np.testing.assert_array_equal(again.field("pressure"), history.field("pressure"))
 
     def test_last_fields_are_the_default(self, history):
         for name in FIELDS:
@@ -224,6 +231,11 @@ def test_forces_of_a_line_contact_are_per_length():
     area, line = columns(SCENE), columns(ts.Scene.builtin("cylinders"))
     assert (area["P"].unit, line["P"].unit) == ("N", "N/mm")
     assert area["p_max"] == line["p_max"]
+
+
+@pytest.mark.parametrize("one", [*COLUMNS, *FIELDS.values(), *WARM.values()], ids=lambda q: q.name)
+def test_quantities_can_be_sent_to_another_process(one):
+    assert pickle.loads(pickle.dumps(one)) == one
 
 
 def test_a_stress_that_long_elements_miss_is_told():

@@ -7,6 +7,8 @@ figures: one column more is one line here.
 import math
 from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, field, replace
+from functools import partial
+from operator import attrgetter
 from typing import Any, Self
 
 import numpy as np
@@ -68,13 +70,30 @@ def _heated(scene: Scene) -> bool:
     return scene.heat is not None
 
 
-def _of_heat(name: str, none: Any = math.nan) -> Callable[[State], Any]:
-    """Reads off a contact what its `heat` says."""
+def _over_load(force: str, contact: State) -> float:
+    return getattr(contact, force) / contact.P if contact.P else 0.0
 
-    def read(contact: State) -> Any:
-        return none if contact.heat is None else getattr(contact.heat, name)
 
-    return read
+def _component(field: str, k: int, contact: State) -> np.ndarray:
+    return getattr(contact, field)[k]
+
+
+def _as_number(name: str, contact: State) -> Any:
+    """1 where it holds, else 0."""
+    return 1.0 * getattr(contact, name)
+
+
+def _bars_of_damage(contact: State) -> Any:
+    return contact.error_bars.get("damage", {})
+
+
+def _deepest(contact: State) -> float:
+    return float(contact.wear.max())
+
+
+def _of_heat(name: str, contact: State, none: Any = math.nan) -> Any:
+    """What the `heat` of a contact says."""
+    return none if contact.heat is None else getattr(contact.heat, name)
 
 
 def _stressed(scene: Scene) -> tuple[str, ...]:
@@ -87,6 +106,10 @@ def _followed(scene: Scene) -> tuple[str, ...]:
 
 def _with_limit(scene: Scene) -> tuple[str, ...]:
     return () if scene.fatigue is None or scene.fatigue.limit is None else scene.fatigue.bodies
+
+
+def _with_limit_of(body: str, scene: Scene) -> bool:
+    return body in _with_limit(scene)
 
 
 def _with_volume(scene: Scene) -> tuple[str, ...]:
@@ -231,51 +254,53 @@ _SCALARS = (
     REVOLUTION,
     PARAMETER,
     DISTANCE,  # after what has its name, so that it is what is meant where there is no scene
-    Quantity("P", "N", "normal load", lambda c: c.P, symbol="P", per_length=True),
-    Quantity("Qx", "N", "longitudinal force on body A", lambda c: c.Qx,
+    Quantity("P", "N", "normal load", attrgetter("P"), symbol="P", per_length=True),
+    Quantity("Qx", "N", "longitudinal force on body A", attrgetter("Qx"),
              symbol="Q_x", per_length=True),
-    Quantity("Qy", "N", "lateral force on body A", lambda c: c.Qy,
+    Quantity("Qy", "N", "lateral force on body A", attrgetter("Qy"),
              symbol="Q_y", per_length=True),
-    Quantity("Mz", "N mm", "spin moment on body A", lambda c: c.Mz, symbol="M_z", per_length=True),
+    Quantity("Mz", "N mm", "spin moment on body A", attrgetter("Mz"),
+             symbol="M_z", per_length=True),
     Quantity("Qx_over_P", "1", "longitudinal force over normal load",
-             lambda c: c.Qx / c.P if c.P else 0.0, symbol="Q_x/P", format=".4f"),
+             partial(_over_load, "Qx"), symbol="Q_x/P", format=".4f"),
     Quantity("Qy_over_P", "1", "lateral force over normal load",
-             lambda c: c.Qy / c.P if c.P else 0.0, symbol="Q_y/P", format=".4f"),
+             partial(_over_load, "Qy"), symbol="Q_y/P", format=".4f"),
     Quantity("approach", "mm", "approach, of a line contact to the surface one radius R_x away",
-             lambda c: c.approach, symbol=r"\delta"),
-    Quantity("p_max", "MPa", "peak contact pressure", lambda c: c.p_max, symbol=r"p_\mathrm{max}"),
+             attrgetter("approach"), symbol=r"\delta"),
+    Quantity("p_max", "MPa", "peak contact pressure", attrgetter("p_max"),
+             symbol=r"p_\mathrm{max}"),
     Quantity("p_95", "MPa", "pressure that 5 % of the load exceeds",
-             lambda c: c.p_95, symbol="p_{95}"),
+             attrgetter("p_95"), symbol="p_{95}"),
     Quantity("half_width_x", "mm", "half width of the contact in the rolling direction, to where "
-             "the squared pressure falls to zero", lambda c: c.half_width_x, symbol="a"),
+             "the squared pressure falls to zero", attrgetter("half_width_x"), symbol="a"),
     Quantity("half_width_y", "mm", "half width of the contact in the lateral direction, likewise",
-             lambda c: c.half_width_y, symbol="b"),
-    Quantity("area", "mm2", "contact area within such edges", lambda c: c.area, symbol="A",
+             attrgetter("half_width_y"), symbol="b"),
+    Quantity("area", "mm2", "contact area within such edges", attrgetter("area"), symbol="A",
              per_length=True),
     Quantity("wear_max", "mm", "largest wear depth, both bodies together",
-             lambda c: float(c.wear.max()), symbol=r"w_\mathrm{max}"),
+             _deepest, symbol=r"w_\mathrm{max}"),
     Quantity("stick_fraction", "1", "share of the contact area that sticks",
-             lambda c: c.stick_fraction, format=".3f"),
-    Quantity("xi_x", "1", "longitudinal creepage", lambda c: c.xi_x, symbol=r"\xi_x"),
-    Quantity("xi_y", "1", "lateral creepage", lambda c: c.xi_y, symbol=r"\xi_y"),
-    Quantity("spin", "1/mm", "spin creepage", lambda c: c.spin, symbol=r"\varphi"),
+             attrgetter("stick_fraction"), format=".3f"),
+    Quantity("xi_x", "1", "longitudinal creepage", attrgetter("xi_x"), symbol=r"\xi_x"),
+    Quantity("xi_y", "1", "lateral creepage", attrgetter("xi_y"), symbol=r"\xi_y"),
+    Quantity("spin", "1/mm", "spin creepage", attrgetter("spin"), symbol=r"\varphi"),
     Quantity("residual", "1", "relative residual of the contact conditions",
-             lambda c: c.residual, format=".0e"),
+             attrgetter("residual"), format=".0e"),
     Quantity("dissipation", "N", "frictional work per distance rolled, from traction and slip",
-             lambda c: c.dissipation, per_length=True),
+             attrgetter("dissipation"), per_length=True),
     Quantity("work_supplied", "N", "work per distance rolled of the forces that drive the bodies",
-             lambda c: c.work_supplied, per_length=True),
-    Quantity("t_gamma", "N", "T-gamma, -(Q_x xi_x + Q_y xi_y + M_z phi)", lambda c: c.t_gamma,
+             attrgetter("work_supplied"), per_length=True),
+    Quantity("t_gamma", "N", "T-gamma, -(Q_x xi_x + Q_y xi_y + M_z phi)", attrgetter("t_gamma"),
              symbol=r"T\gamma", per_length=True),
     Quantity("t_gamma_over_area", "MPa", "T-gamma over the contact area",
-             lambda c: c.t_gamma_over_area, symbol=r"T\gamma/A"),
+             attrgetter("t_gamma_over_area"), symbol=r"T\gamma/A"),
     Quantity("worn_area", "mm2", "cross section worn off both bodies in a pass",
-             lambda c: c.worn_area, per_length=True),
+             attrgetter("worn_area"), per_length=True),
     Quantity("operator_applications", "1", "applications of elastic operators",
-             lambda c: c.cost.applications),
+             attrgetter("cost.applications")),
     Quantity("jump", "1", "revolutions that the next step is to take", format="d"),
     Quantity("converged", "1", "1 where the contact conditions hold to the tolerance",
-             lambda c: float(c.converged), format="d"),
+             partial(_as_number, "converged"), format="d"),
     Quantity("solves", "1", "contacts solved for this record", format="d"),
     Quantity("seconds", "s", "time spent on this record"),
     Quantity("shift_x", "mm", "shift of A over B in x since the start, by creepage too",
@@ -300,10 +325,10 @@ _SCALARS = (
 
 _OTHERS = (
     Quantity("p_max_at", "mm", "position (x, y) of the peak contact pressure",
-             lambda c: c.p_max_at, ("axis",)),
+             attrgetter("p_max_at"), ("axis",)),
     Quantity("wear_profile", "mm", "wear depth behind the contact, both bodies together; of "
              "shifts the deepest along x",
-             lambda c: c.wear[0], ("y",)),
+             partial(_component, "wear", 0), ("y",)),
     Quantity("entering_profile", "mm", "wear depth before the contact, both bodies together",
              dims=("y",)),
     Quantity("wear_per_revolution", "mm",
@@ -316,20 +341,21 @@ _OTHERS = (
     Quantity("measured_profile", "mm", "measured separation across the track, at x = 0",
              dims=("y",), when=_measured),
     Quantity("creepage_found", "1", "creepages (x, y) that the prescribed forces take",
-             lambda c: c.creepage_found, ("axis",), when=_forced),
+             attrgetter("creepage_found"), ("axis",), when=_forced),
     Quantity("temperature_max", "degC", "largest temperature of the surfaces in contact",
-             _of_heat("temperature_max"), symbol=r"T_\mathrm{max}", when=_heated),
+             partial(_of_heat, "temperature_max"), symbol=r"T_\mathrm{max}", when=_heated),
     Quantity("temperature_max_at", "mm", "position (x, y) of the largest temperature",
-             _of_heat("temperature_max_at", (math.nan, math.nan)), ("axis",), when=_heated),
+             partial(_of_heat, "temperature_max_at", none=(math.nan, math.nan)),
+             ("axis",), when=_heated),
     Quantity("temperature_mean", "degC", "mean temperature of the surfaces in contact",
-             _of_heat("temperature_mean"), symbol=r"T_\mathrm{mean}", when=_heated),
+             partial(_of_heat, "temperature_mean"), symbol=r"T_\mathrm{mean}", when=_heated),
     Quantity("heat_share", "1", "share of body A in the heat that friction makes",
-             _of_heat("share"), format=".4f", when=_heated),
+             partial(_of_heat, "share"), format=".4f", when=_heated),
     Quantity("worn_volume", "mm3", "volume worn off each body since it was new; of a flat body "
              "only where a transient wears it",
-             lambda c: c.worn_volume, ("body",), symbol="V", per_length=True, when=_worn),
+             attrgetter("worn_volume"), ("body",), symbol="V", per_length=True, when=_worn),
     Quantity("worn_mass", "mg", "mass worn off each body since it was new, by its density",
-             lambda c: c.worn_mass, ("body",), symbol="m", per_length=True, when=_worn),
+             attrgetter("worn_mass"), ("body",), symbol="m", per_length=True, when=_worn),
 )
 # fmt: on
 
@@ -339,23 +365,34 @@ BARRED = (
 )
 
 
+def _with_bar(of: Quantity, scene: Scene) -> Any:
+    return _accurate(scene) and of.when(scene)
+
+
+def _with_bars_alone(of: Quantity, scene: Scene) -> Any:
+    """Bodies of which a column has error bars: under one load."""
+    return of.when(scene) if _accurate(scene) and not scene.duty else ()
+
+
+def _bar(name: str, contact: State) -> float:
+    return contact.error_bars.get(name, math.nan)
+
+
+def _bars(name: str, contact: State) -> dict[str, float]:
+    known = contact.error_bars.get(name, {})
+    return {body: known.get(body, math.nan) for body in BODIES}
+
+
 def _error_bar(of: Quantity) -> Quantity:
     """The error bar of a quantity; nan where it is not known."""
-
-    def bar(contact: State) -> float:
-        return contact.error_bars.get(of.name, math.nan)
-
-    def bars(contact: State) -> dict[str, float]:
-        known = contact.error_bars.get(of.name, {})
-        return {body: known.get(body, math.nan) for body in BODIES}
 
     return replace(
         of,
         name=f"{of.name}_error",
         long_name=f"error bar of {of.name}",
-        of=bars if of.dims else bar,
+        of=partial(_bars if of.dims else _bar, of.name),
         symbol="",
-        when=lambda scene: _accurate(scene) and of.when(scene),
+        when=partial(_with_bar, of),
     )
 
 
@@ -421,7 +458,7 @@ _FATIGUE = (
     Quantity("damage_at", "mm", "position (no x, y, depth below the unworn surface) of it",
              **_OF_PLACES),
     Quantity("damage_error", "1", "error of it by the length of the jumps, with [accuracy] by the "
-             "mesh as well", lambda c: c.error_bars.get("damage", {}), format=".1g", **_OF_BODIES),
+             "mesh as well", _bars_of_damage, format=".1g", **_OF_BODIES),
     Quantity("initiation", "1", "revolution at which it reached 1", format=".4g", **_OF_BODIES),
     Quantity("fatigue_life", "1", "revolutions to a crack by this record's stress, without wear",
              format=".4g", **_OF_BODIES),
@@ -436,20 +473,11 @@ _FATIGUE = (
     Quantity("volume_at_top", "1", "share of the stress that counts an element deep in the largest "
              "of all: near 1 the volume grows with the mesh", format=".2g", **_IN_VOLUME),
     Quantity("balancing_wear_A", "mm", "wear of body A in a revolution that balances fatigue",
-             dims=("y",), when=lambda scene: "A" in _with_limit(scene)),
+             dims=("y",), when=partial(_with_limit_of, "A")),
     Quantity("balancing_wear_B", "mm", "wear of body B in a revolution that balances fatigue",
-             dims=("y",), when=lambda scene: "B" in _with_limit(scene)),
+             dims=("y",), when=partial(_with_limit_of, "B")),
 )
 # fmt: on
-
-
-def _with_bars(one: Quantity) -> Callable[[Scene], Any]:
-    """Bodies of which a column has error bars: under one load."""
-
-    def when(scene: Scene) -> Any:
-        return one.when(scene) if _accurate(scene) and not scene.duty else ()
-
-    return when
 
 
 _FATIGUE_BARRED = (
@@ -472,7 +500,7 @@ COLUMNS = (
     *_STRESSES[:-1],
     *_FATIGUE,
     *(
-        replace(_error_bar(one), when=_with_bars(one))
+        replace(_error_bar(one), when=partial(_with_bars_alone, one))
         for one in _FATIGUE
         if one.name in _FATIGUE_BARRED
     ),
@@ -482,7 +510,7 @@ COLUMNS = (
         "relative_error",
         "1",
         "widest relative error bar of what accuracy.tolerance bounds",
-        lambda c: c.error_bars.get("relative", math.nan),
+        partial(_bar, "relative"),
         when=_accurate,
     ),
 )
@@ -513,25 +541,35 @@ ROLLED = Quantity(
 
 FIELDS = by_name(
     (
-        Quantity("pressure", "MPa", "contact pressure", lambda c: c.pressure),
-        Quantity("traction_x", "MPa", "longitudinal traction on body A", lambda c: c.traction[0]),
-        Quantity("traction_y", "MPa", "lateral traction on body A", lambda c: c.traction[1]),
+        Quantity("pressure", "MPa", "contact pressure", attrgetter("pressure")),
+        Quantity(
+            "traction_x",
+            "MPa",
+            "longitudinal traction on body A",
+            partial(_component, "traction", 0),
+        ),
+        Quantity(
+            "traction_y", "MPa", "lateral traction on body A", partial(_component, "traction", 1)
+        ),
         Quantity(
             "slip_x",
             "1",
             "longitudinal slip of A over B per unit rolling speed",
-            lambda c: c.slip[0],
+            partial(_component, "slip", 0),
         ),
         Quantity(
-            "slip_y", "1", "lateral slip of A over B per unit rolling speed", lambda c: c.slip[1]
+            "slip_y",
+            "1",
+            "lateral slip of A over B per unit rolling speed",
+            partial(_component, "slip", 1),
         ),
-        Quantity("wear", "mm", "wear depth, both bodies together", lambda c: c.wear),
-        Quantity("gap", "mm", "separation of the deformed surfaces", lambda c: c.gap),
+        Quantity("wear", "mm", "wear depth, both bodies together", attrgetter("wear")),
+        Quantity("gap", "mm", "separation of the deformed surfaces", attrgetter("gap")),
         Quantity(
             "sliding",
             "1",
             "1 where the traction has reached the friction bound",
-            lambda c: c.sliding.astype(float),
+            partial(_as_number, "sliding"),
         ),
     )
 )
@@ -549,10 +587,11 @@ BEFORE = by_name(
 WARM = by_name(
     (
         Quantity("temperature_A", "degC", "temperature of the surface of body A",
-                 _of_heat("temperature_A")),
+                 partial(_of_heat, "temperature_A")),
         Quantity("temperature_B", "degC", "temperature of the surface of body B",
-                 _of_heat("temperature_B")),
-        Quantity("heat_into_A", "mW/mm2", "heat that goes into body A", _of_heat("into_A")),
+                 partial(_of_heat, "temperature_B")),
+        Quantity("heat_into_A", "mW/mm2", "heat that goes into body A",
+                 partial(_of_heat, "into_A")),
     )
 )  # fmt: skip
 """What is kept beside `FIELDS` of scenes with [heat]; rolling goes on without."""
