@@ -151,7 +151,10 @@ def test_an_alternative_in_a_block_removes_its_rival_there(spectrum):
 
 @pytest.mark.parametrize(
     "key",
-    ["duty[2].load.normal", "duty.load.normal", "load[0].normal", "title[0]", "0", "duty[0][0]"],
+    [
+        *("duty[2].load.normal", "duty.load.normal", "load[0].normal", "title[0]", "0"),
+        *("duty[0][0]", "duty.0.load.normal"),
+    ],
 )
 def test_a_place_that_is_not_there(spectrum, key):
     with pytest.raises(SceneError) as caught:

@@ -12,7 +12,7 @@ from tractive_sam.scene import PlausibilityWarning, Scene
 from tractive_sam.store import ResultsError, results_writer
 from tractive_sam.studies import Study, cases, figures, open_study, save_figures, study
 from tractive_sam.studies.case import told_value
-from tractive_sam.studies.figures import _texts, _variable
+from tractive_sam.studies.figures import _short, _texts, _variable
 from tractive_sam.studies.folder import Folder
 from tractive_sam.studies.task import Outcome
 
@@ -168,6 +168,13 @@ def test_figures_over_one_axis(done, tmp_path):
     held = {"friction.mu": 0.2}
     paths = save_figures(done, tmp_path, quantities=("Qx",), at=held, format="pdf")
     assert names(paths) == ["Qx-curve-mu0.2.pdf"]
+
+
+def test_axes_that_are_held_are_told_apart():
+    bodies = ({"key": f"body.{body}.radius_x", "values": [300.0, 400.0]} for body in "AB")
+    study = small(*bodies, MU)
+    assert _short("body.A.radius_x", study) != _short("body.B.radius_x", study)
+    assert _short("friction.mu", study) == "mu"
 
 
 def test_figures_of_samples(tmp_path):

@@ -9,7 +9,7 @@ from __future__ import annotations
 import inspect
 import re
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -65,8 +65,16 @@ class Group:
 
 def parts(key: str) -> list[str | int]:
     """The names of a dotted key, and places in lists: ``duty[0].load.normal`` is of block 0."""
-    names = re.sub(r"\[(\d+)\]", r".\1", key).split(".")
-    return [int(name) if name.isdecimal() else name for name in names]
+    found: list[str | int] = []
+    for one in key.split("."):
+        name, *places = re.split(r"\[([0-9]+)\](?=\[|$)", one)
+        found += [name, *(int(place) for place in places if place)]
+    return found
+
+
+def joined(path: Iterable[str | int]) -> str:
+    """The dotted key of such parts."""
+    return "".join(f"[{one}]" if isinstance(one, int) else f".{one}" for one in path).lstrip(".")
 
 
 def groups(table: type[Table], *names: str) -> Iterator[Group]:

@@ -7,7 +7,7 @@ from typing import Any
 
 from .alternatives import RIVALS
 from .faults import Fault, SceneError, shown
-from .keys import parts
+from .keys import joined, parts
 from .tables import BY_COEFFICIENT
 from .toml import parse_value
 
@@ -87,7 +87,7 @@ def _set(tables: dict[str, Any], key: str, value: Any) -> list[Fault]:
     inner: Any = tables
     path = parts(key)
     for depth, name in enumerate(path):
-        allowed = _not_within(inner, name, ".".join(map(str, path[:depth])))
+        allowed = _not_within(inner, name, joined(path[:depth]))
         if allowed:
             return [Fault(key, shown(value), allowed)]
         if depth < len(path) - 1:

@@ -15,6 +15,7 @@ from tractive_sam.results import COLUMNS, by_name
 from tractive_sam.scene import Scene
 from tractive_sam.studies.axis import SAMPLE
 from tractive_sam.studies.case import told_value
+from tractive_sam.studies.design import Study
 from tractive_sam.studies.results import StudyResults, title_of
 
 DRAWN = ("Qx_over_P", "Qy_over_P", "Mz", "p_max", "stick_fraction", "wear_max")
@@ -80,7 +81,7 @@ def save_figures(
     left = _held(results, at or {})
     names = quantities or [name for name in DRAWN if _varies(results, name)]
     directory.mkdir(parents=True, exist_ok=True)
-    held = {key.rpartition(".")[2]: value for key, value in (at or {}).items()}
+    held = {_short(key, results.study): value for key, value in (at or {}).items()}
     named = ", ".join(f"{key} = {value}" for key, value in held.items())
     title = "\n".join(filter(None, (results.study.title or results.study.scene.title, named)))
     paths = []
@@ -102,6 +103,13 @@ def first_figure(results: StudyResults) -> Figure | None:
         return next(figure for name in names for _, figure in _figures(results, name, index, title))
     except (StopIteration, ValueError):  # too few cases as yet, or too many axes
         return None
+
+
+def _short(key: str, study: Study) -> str:
+    """The last name of a key, or all of it where another axis has the same."""
+    last = [one.name.rpartition(".")[2] for one in study.dimensions]
+    short = key.rpartition(".")[2]
+    return short if last.count(short) == 1 else key
 
 
 def _held(results: StudyResults, at: Mapping[str, Any]) -> tuple[int | slice, ...]:
