@@ -12,7 +12,7 @@ from tractive_sam.plot.drawn import Drawn
 MARGIN = 0.15
 """Around the contact, in parts of its smaller half width."""
 
-NARROWEST = 1.2
+NARROWEST = 0.85
 """Least width and height of a map, inches: what is more slender is stretched."""
 
 LONGEST = 5.5

@@ -53,9 +53,7 @@ class Map:
     def __init__(self, figure: Figure, left: float, state: Drawn, frame: Frame) -> None:
         self.figure, self.left, self.state, self.frame = figure, left, state, frame
         self.axes = self._axes(left, frame.width)
-        across = state.scale.of_length("x")
-        if frame.width > ROOM_TO_TELL:
-            across += state.ahead
+        across = state.scale.of_length("x") + ("" if _narrow(frame) else state.ahead)
         frame.apply(self.axes, across, state.scale.of_length("y"))
         self.contact = contact_edge(self.axes, state, colors="black", linewidths=0.9)
 
@@ -65,7 +63,8 @@ class Map:
         _check_wide(state)
         frame = Frame.around(state, width=0.72 * WIDTH)
         width = max(LEFT + frame.width + RIGHT, 0.72 * WIDTH)
-        figure = paper(width, frame, state.told(told + frame.stretched, scaled))
+        told += (state.ahead if _narrow(frame) else "") + frame.stretched
+        figure = paper(width, frame, state.told(told, scaled))
         middle = (LEFT + width - RIGHT - frame.width) / 2
         return figure, cls(figure, middle, state, frame)
 
@@ -176,6 +175,11 @@ def paper(width: float, frame: Frame, title: str, below: float = 0.0) -> Figure:
     figure = Figure(figsize=(width, height), layout="none")
     set_title(figure, title, y=1 - 0.08 / height)
     return figure
+
+
+def _narrow(frame: Frame) -> bool:
+    """Whether below a map there is room for the name of its axis only."""
+    return frame.width <= ROOM_TO_TELL
 
 
 def _every(centres: np.ndarray, spacing: float) -> np.ndarray:
