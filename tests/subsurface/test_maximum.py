@@ -119,8 +119,9 @@ def test_nothing_larger_in_a_fine_search(body):
     assert (von_mises(stress_at(contact, aside, body).T) < (1 + 3e-5) * found.interior).all()
 
 
-def test_strong_friction_leaves_no_maximum_inside():
-    contact = steady("spheres", "friction.mu=0.9", "creepage.longitudinal=-0.05", elements=31)
+@pytest.mark.parametrize(("name", "elements"), [("spheres", 31), ("cylinders", None)])
+def test_strong_friction_leaves_no_maximum_inside(name, elements):
+    contact = steady(name, "friction.mu=0.9", "creepage.longitudinal=-0.05", elements=elements)
     found = stress_maximum(contact)
     assert np.isnan(found.interior)
     assert np.isnan(found.interior_at).all()

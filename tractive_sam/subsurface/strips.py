@@ -95,7 +95,10 @@ class StripLevels:
         self, bodies: np.ndarray, points: np.ndarray, around: np.ndarray, closely: bool = True
     ) -> np.ndarray:
         """See `MultiLevel`; exact."""
-        return np.stack([self._values(*one) for one in zip(bodies, points, strict=True)])
+        values = np.empty(points.shape[:2])
+        for k, body in enumerate(bodies):
+            values[k] = self._values(body, points[k])
+        return values
 
     def _values(self, body: int, points: np.ndarray) -> np.ndarray:
         return self._criterion(self._strips[body].stress(points).T)
