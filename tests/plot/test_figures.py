@@ -261,6 +261,18 @@ def test_titles_tell_what_where_and_over_which_scale():
         assert told in title
 
 
+def test_what_does_not_touch_is_left_out(tmp_path):
+    free = ts.Scene.builtin("spheres").replace(load={"approach": 0.03}, subsurface=None)
+    course = {"distance": [0, 2, 4], "load.approach": [0.03, 0.03, -0.01], "save": [0, 2, 4]}
+    history = ts.roll(free.replace(transient=course, **{"grid.elements": (15, 15)}))
+    names = {path.name for path in plot.save_all(history, tmp_path)}
+    assert {"pressure-0.png", "pressure-2.png"} <= names
+    assert "pressure-4.png" not in names
+    maps = plot.pressure_over_revolutions(history).axes
+    assert len([axes for axes in maps if axes.get_title()]) == 2
+    assert not (plot.edge_level(history.field("pressure", 4.0)) > 0.0).any()
+
+
 @pytest.mark.parametrize("room", [one.name for one in pkgutil.iter_modules(plot.__path__)])
 def test_every_drawing_is_a_figure_that_notebooks_show(room):
     module = importlib.import_module(f"tractive_sam.plot.{room}")

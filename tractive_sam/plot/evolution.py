@@ -63,6 +63,7 @@ def _maps(
     stick: bool = False,
 ) -> Figure:
     states = [Drawn.of(history, at) for at in chosen(history.saved, MOST)]
+    states = [state for state in states if state.contact.touching.any()] or states
     figure, charts = Map.row(states, told)
     highest = max(values(state)[state.contact.touching].max() for state in states)
     for chart in charts:

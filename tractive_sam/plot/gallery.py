@@ -57,8 +57,8 @@ def save_all(
 ) -> list[Path]:
     """Draw every figure that a history has something to show in.
 
-    Figures of one state are drawn for the first and the last stored revolution, which their names
-    then end in.
+    Figures of one state are drawn for the first and the last stored revolution at which the bodies
+    touch, which their names then end in.
 
     Parameters
     ----------
@@ -122,7 +122,12 @@ def _all(history: History) -> Iterator[tuple[str, Figure]]:
 def _figures(history: History) -> Iterator[tuple[str, Figure]]:
     """Names of figures, and the figures."""
     stored = history.saved.tolist()
-    for at in dict.fromkeys(stored[:1] + stored[-1:]):
+
+    def touch(at: float) -> bool:
+        return bool(history.field("pressure", at).any())
+
+    ends = [next(filter(touch, one), stored[-1]) for one in (stored, stored[::-1]) if stored]
+    for at in dict.fromkeys(ends):
         ending = f"-{at:{history.coordinate.format}}" if len(history) > 1 else ""
         state = Drawn.of(history, at)
         for name, draw in _of_state(state).items():

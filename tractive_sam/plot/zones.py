@@ -69,7 +69,7 @@ def edge_level(pressure: np.ndarray) -> np.ndarray:
             steepness = np.where(near > 0.0, np.abs(far - near) + tiny, 0.0)
             total += steepness * beyond
             weight += steepness
-    outside = np.where(weight > 0.0, total / np.maximum(weight, tiny), -square.max())
+    outside = np.where(weight > 0.0, total / np.maximum(weight, tiny or 1.0), -square.max())
     return np.where(square > 0.0, square, outside)[2:-2, 2:-2]
 
 
