@@ -56,21 +56,14 @@ def kinds_of_corners(pressure, sliding):
 @compiled
 def where_loaded(stress, kinds):
     """Stresses (6, bodies, n) at the loaded corners, and their places (2, n); see `where_rough`."""
-    bodies, _, nx, ny = stress.shape
-    count = 0
-    for i in range(nx):
-        for j in range(ny):
-            count += kinds[i, j] != UNLOADED
-    stresses, places = np.empty((6, bodies, count)), np.empty((2, count))
-    count = 0
-    for i in range(nx):
-        for j in range(ny):
-            if kinds[i, j] != UNLOADED:
-                places[0, count], places[1, count] = i, j
-                for component in range(6):
-                    for body in range(bodies):
-                        stresses[component, body, count] = stress[body, component, i, j]
-                count += 1
+    bodies = len(stress)
+    i, j = np.nonzero(kinds != UNLOADED)
+    stresses, places = np.empty((6, bodies, i.size)), np.empty((2, i.size))
+    places[0], places[1] = i, j
+    for component in range(6):
+        for body in range(bodies):
+            for n in range(i.size):
+                stresses[component, body, n] = stress[body, component, i[n], j[n]]
     return stresses, places
 
 

@@ -66,9 +66,9 @@ class _Side:
     inside : slice
         The loaded ones in the rectangle.
     coarsest : int
-        Elements along the largest block, a power of two.
-    unit, count : int
-        Elements along the side, and what it is a multiple of, a power of two.
+        Elements along the largest block of a layer, a power of two.
+    count, unit : int
+        Elements along the side, and what they are a multiple of, a power of two.
     half_width : float
         Half of the length of the loaded ones, mm.
     corner : float
@@ -157,8 +157,8 @@ class MultiLevel:
     ) -> np.ndarray:
         """Equivalent stress (m, n) of bodies (m,) at points (m, n, 3) near some (m, 3).
 
-        Right to a thousandth, `closely` to some 1e-5, and smooth as it is exactly: elements that
-        are far are taken together in the same blocks for all the points.
+        Right to some thousandths, `closely` to some 1e-5, and smooth as it is exactly: elements
+        that are far are taken together in the same blocks for all the points.
         """
         widest = NARROW if closely else WIDEST
         stress = np.empty((6, *points.shape[:2]))
