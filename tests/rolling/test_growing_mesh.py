@@ -5,12 +5,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+import tractive_sam as ts
 from tractive_sam.contact import Model, mesh
 from tractive_sam.results.grid import Grid
 from tractive_sam.rolling import passages
 from tractive_sam.rolling.passage import unworn
 from tractive_sam.run.pipeline import roll
-from tractive_sam.scene import Scene
+from tractive_sam.scene import Scene, SceneError
 from tractive_sam.store import ResultsError
 
 WEARING = Scene.builtin("twin-discs").with_set(
@@ -76,6 +77,50 @@ def test_elements_alone_are_laid_over_the_domain_that_is_chosen(tmp_path):
     other = further.with_set(["grid.elements=[17,23]", "wear.revolutions=6002", "wear.save=[6002]"])
     with pytest.raises(ResultsError, match="same elements"):
         roll(other, tmp_path / "a.h5", resume=True)
+
+
+def test_a_domain_alone_has_elements_as_a_scene_without_grid():
+    scene = without_grid(WEARING)
+    chosen = mesh.choose_grid(scene)
+    given = scene.replace(**{"grid.half_length": [2.0 * one for one in chosen.half_length]})
+    found = mesh.choose_grid(given)
+    assert found.half_length == given.grid.half_length
+    # Their number is odd: elements are smaller by that.
+    side = found.dx, found.dy
+    assert side == pytest.approx((chosen.dx, chosen.dy), rel=2.0 / min(chosen.elements))
+    cylinders = Scene.builtin("cylinders").replace(grid=None)
+    row = mesh.choose_grid(cylinders)
+    wider = mesh.choose_grid(cylinders.replace(**{"grid.half_length": 2.0 * row.half_length[0]}))
+    assert wider.elements[1] == 1
+    assert wider.dx == pytest.approx(row.dx, rel=2.0 / row.elements[0])
+
+
+def test_a_domain_alone_goes_on(tmp_path):
+    short = {"wear.revolutions": 2, "wear.save": (2,), "grid.half_length": (0.35, 1.4)}
+    scene = without_grid(WEARING).replace(**short, **{"solver.tolerance": 1e-6})
+    before = roll(scene, tmp_path / "a.h5")
+    assert before.grid.half_length == (0.35, 1.4)
+    wider = {"wear.revolutions": 3, "wear.save": (3,), "grid.half_length": (0.4, 1.4)}
+    after = roll(scene.replace(**wider), tmp_path / "a.h5", resume=True)
+    assert after.finished
+    assert after.grid.half_length[0] >= 0.4
+    assert after.grid.dx == pytest.approx(before.grid.dx, rel=1e-12)  # the same elements
+
+
+@pytest.mark.parametrize("grid", [None, {"elements": (15, 31)}])
+def test_a_profile_of_flat_bodies_needs_a_domain(grid):
+    y = np.linspace(-3.0, 3.0, 31)
+    profile = {"gap": {"y": y, "separation": 0.02 * y**2}, "grid": grid, "wear": None}
+    radii = {f"body.{body}.radius_{axis}": np.inf for body in "AB" for axis in "xy"}
+    with pytest.raises(SceneError) as caught:
+        ts.solve(without_grid(WEARING).replace(**profile, **radii))
+    assert [fault.key for fault in caught.value.faults] == ["grid.half_length"]
+
+
+def test_a_grid_of_nothing_is_refused():
+    with pytest.raises(SceneError) as caught:
+        without_grid(WEARING).replace(grid={})
+    assert [fault.key for fault in caught.value.faults] == ["grid.half_length"]
 
 
 @pytest.mark.slow

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from tractive_sam.results import Grid
-from tractive_sam.scene import MOST_ELEMENTS, Fault, Scene, SceneError
+from tractive_sam.scene import ALONG, MOST_ELEMENTS, Fault, Scene, SceneError
 
 MARGIN = 1.15
 """Half length of the domain over the semi-axis of the Hertzian contact."""
@@ -36,6 +36,8 @@ def reaching(grid: Grid, half_length: tuple[float, float]) -> Grid:
         max(0, int(np.ceil(0.5 * n * (asked / half - 1.0) - 1e-9))) if n > 1 else 0
         for asked, half, n in zip(half_length, grid.half_length, grid.elements, strict=True)
     ]
+    if not any(more):
+        return grid
     elements = tuple(n + 2 * m for n, m in zip(grid.elements, more, strict=True))
     half_length = (0.5 * elements[0] * grid.dx, 0.5 * elements[1] * grid.dy)
     return Grid(half_length, elements)
@@ -67,20 +69,29 @@ def choose_grid(scene: Scene, measured=None, finer: float = 1.0) -> Grid:
     Raises
     ------
     SceneError
-        If a measured gap is so much longer than wide that they would be too many.
+        If the domain, as that of a measured gap, is so long that they would be too many; if that of
+        flat bodies is to be chosen from a profile.
     """
     wears, shifts_only = scene.wear is not None, scene.shifts
     scene = scene.heaviest
-    given = None if scene.grid is None else scene.grid.elements
-    if scene.bounded:
-        return Grid.of(scene.grid.half_length, given)
+    length = elements = None
+    if scene.grid is not None:
+        length, elements = scene.grid.half_length, scene.grid.elements
+    if length and elements:
+        return Grid.of(length, elements)
     if scene.hertz is not None and math.isinf(scene.hertz.b):
         half = [one.hertz.a for one in (scene.spectrum.scenes if scene.spectrum else (scene,))]
-        elements = 2 * int(0.5 * MARGIN * ACROSS_LINE * finer * max(half) / min(half)) + 1
-        return Grid.of((MARGIN * max(half),), given or (elements,))
+        length = length or (MARGIN * max(half),)
+        number = 2 * int(0.5 * ACROSS_LINE * finer * length[0] / min(half)) + 1
+        return Grid.of(length, elements or (number,))
     if scene.hertz is None:
-        x, y, _ = measured
-        half_length = (float(max(-x[0], x[-1])), float(max(-y[0], y[-1])))
+        half_length = length
+        if half_length is None:
+            x, y, _ = measured
+            half_length = (float(max(-x[0], x[-1])), float(max(-y[0], y[-1])))
+            if half_length[0] >= ALONG:
+                cure = "it: a profile across the track does not tell how long the contact is"
+                raise SceneError([Fault("grid.half_length", "nothing", cure)])
         across = 0.5 * min(half_length)
         side = (2.0 * across / (ACROSS * finer),) * 2
     else:
@@ -89,14 +100,15 @@ def choose_grid(scene: Scene, measured=None, finer: float = 1.0) -> Grid:
         shifts = scene.spectrum.shifts if scene.spectrum else (0.0,)
         contacts = [one.hertz for one in (scene.spectrum.scenes if scene.spectrum else (scene,))]
         reach = [lateral * c.b + abs(y) for c, y in zip(contacts, shifts, strict=True)]
-        half_length = (along * max(c.a for c in contacts), max(reach))
+        half_length = length or (along * max(c.a for c in contacts), max(reach))
         a, b = (min(getattr(c, axis) for c in contacts) for axis in "ab")
         side = (2.0 * a / (ACROSS * finer), 2.0 * b / (ACROSS * finer))
-        side = tuple(min(length, 2.0 * min(side)) for length in side)
-    elements = given or tuple(
-        int(2 * np.ceil(length / s - 0.5) + 1) for length, s in zip(half_length, side, strict=True)
+        side = tuple(min(one, 2.0 * min(side)) for one in side)
+    elements = elements or tuple(
+        int(2 * np.ceil(half / s - 0.5) + 1) for half, s in zip(half_length, side, strict=True)
     )
     if math.prod(elements) > MOST_ELEMENTS:
-        given = f"nothing, and a measured gap of {2 * half_length[0]:g} x {2 * half_length[1]:g} mm"
-        raise SceneError([Fault("grid", given, "a [grid] where the gap is so long or so wide")])
+        given = f"a domain of {2 * half_length[0]:g} x {2 * half_length[1]:g} mm"
+        cure = "both half_length and elements where it is so long or so wide"
+        raise SceneError([Fault("grid", given, cure)])
     return Grid(half_length, elements)

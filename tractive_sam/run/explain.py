@@ -328,7 +328,10 @@ def _mesh(model: Model) -> Section:
     nx, ny = grid.elements
     given = "chosen from the contact"
     if model.scene.grid is not None:
-        given = "given" if model.scene.bounded else "given, the domain chosen from the contact"
+        if not model.scene.bounded:
+            given = "given, the domain chosen from the contact"
+        else:
+            given = "given" if model.scene.grid.elements else f"{given}, the domain given"
     elif model.scene.accuracy is not None:
         given = "found by refinement"
     if grid.line:

@@ -307,9 +307,12 @@ def _on_grid_of(scene: Scene, passage: Passage, path: str | PathLike) -> Passage
     before = passage.contact.grid.shifted(0.0)
     if scene.grid is None or not (scene.bounded or scene.hertz):
         return passage
-    grid = choose_grid(scene)
-    if not scene.bounded:  # it may have grown
-        grid = reaching(grid, before.half_length)
+    if scene.grid.elements is None:
+        grid = reaching(before, (*scene.grid.half_length, 0.5)[:2])
+    else:
+        grid = choose_grid(scene)
+        if not scene.bounded:  # it may have grown
+            grid = reaching(grid, before.half_length)
     if grid == before:
         return passage
     try:

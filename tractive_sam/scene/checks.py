@@ -165,16 +165,17 @@ def _grid_holds_the_contact(known: Known) -> Iterator[Fault]:
 
 
 def _grid_is_given_to_slender_contacts(known: Known) -> Iterator[Fault]:
-    bounded = known["grid"] is not None and known["grid"].half_length is not None
-    if known["gap"] is not None or bounded or is_line(known):
+    grid = known["grid"]
+    whole = grid is not None and None not in (grid.half_length, grid.elements)
+    if known["gap"] is not None or whole or is_line(known):
         return
     contact = known["body"].hertz(known["load"])
     if contact is not None and not 1.0 / MOST_SLENDER <= contact.a / contact.b <= MOST_SLENDER:
         radii = ", ".join(f"body.{b}.radius_{axis}" for axis in "xy" for b in "AB")
-        given = f"a contact of semi-axes {contact.a:.3g} and {contact.b:.3g} mm and no grid"
+        given = f"a contact of semi-axes {contact.a:.3g} and {contact.b:.3g} mm and no whole grid"
         cure = (
-            f"semi-axes up to {MOST_SLENDER:g} times as long as each other; for others a [grid], "
-            "or a line contact: radius_y = inf of both bodies"
+            f"semi-axes up to {MOST_SLENDER:g} times as long as each other; for others both keys "
+            "of [grid], or a line contact: radius_y = inf of both bodies"
         )
         yield Fault(radii, given, cure)
 
@@ -259,6 +260,8 @@ def warn_if_coarse(grid: Mesh, contact: HertzContact | HertzLine) -> None:
     contact : HertzContact or HertzLine
         The unworn contact on it.
     """
+    if grid.elements is None:
+        return
     needs = [
         f"at least {math.ceil(FEWEST_ELEMENTS * length / semi_axis)} in {axis}"
         for (axis, length, _, semi_axis), count in zip(

@@ -548,7 +548,7 @@ MOST_ELEMENTS = 5 * 10**7
 
 def _fits_a_machine(known: Known) -> Iterator[Fault]:
     elements = known["elements"]
-    if math.prod(elements) > MOST_ELEMENTS:
+    if elements is not None and math.prod(elements) > MOST_ELEMENTS:
         yield Fault("elements", str(elements), f"at most {MOST_ELEMENTS:.0e} elements in all")
 
 
@@ -557,7 +557,7 @@ LONGEST = 1e6
 
 
 def _no_needles(known: Known) -> Iterator[Fault]:
-    half_length, elements = known["half_length"] or (), known["elements"]
+    half_length, elements = known["half_length"] or (), known["elements"] or ()
     if len(half_length) == len(elements) == 2:
         dx, dy = (length / n for length, n in zip(half_length, elements, strict=True))
         if not 1.0 / LONGEST <= dx / dy <= LONGEST:
@@ -565,11 +565,17 @@ def _no_needles(known: Known) -> Iterator[Fault]:
             yield Fault("half_length", given, f"elements at most {LONGEST:g} times as long as wide")
 
 
+def _not_nothing(known: Known) -> Iterator[Fault]:
+    if known["half_length"] is None and known["elements"] is None:
+        yield Fault("half_length", "nothing", "it, elements or both; or no [grid]")
+
+
 class Mesh(Table):
     """The [grid] table: a rectangle of equal elements around the origin.
 
     A line contact has one number in place of each pair, that in x. Without `half_length` the domain
     is that of a scene without [grid]; it grows with the contact, by elements of the same size.
+    Without `elements` they are as large as those of such a scene, or a little smaller.
 
     Examples
     --------
@@ -582,8 +588,12 @@ class Mesh(Table):
         "a pair of numbers above 0",
         None,
     )
-    elements: _OneOrTwo = entry("elements in x and y", "a pair of whole numbers from 3 to 1e6")
-    checks: ClassVar[tuple[Check, ...]] = (_fits_a_machine, _no_needles)
+    elements: _OneOrTwo | None = entry(
+        "elements in x and y; by default chosen from the contact",
+        "a pair of whole numbers from 3 to 1e6",
+        None,
+    )
+    checks: ClassVar[tuple[Check, ...]] = (_not_nothing, _fits_a_machine, _no_needles)
 
 
 class Accuracy(Table):
