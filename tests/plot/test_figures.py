@@ -271,6 +271,10 @@ def test_what_does_not_touch_is_left_out(tmp_path):
     maps = plot.pressure_over_revolutions(history).axes
     assert len([axes for axes in maps if axes.get_title()]) == 2
     assert not (plot.edge_level(history.field("pressure", 4.0)) > 0.0).any()
+    apart = ts.roll(history.scene.replace(**{"transient.save": [4]}))
+    names = {path.name for path in plot.save_all(apart, tmp_path / "apart")}
+    assert "forces.png" in names
+    assert "pressure-4.png" not in names
 
 
 @pytest.mark.parametrize("room", [one.name for one in pkgutil.iter_modules(plot.__path__)])

@@ -122,12 +122,8 @@ def _all(history: History) -> Iterator[tuple[str, Figure]]:
 def _figures(history: History) -> Iterator[tuple[str, Figure]]:
     """Names of figures, and the figures."""
     stored = history.saved.tolist()
-
-    def touch(at: float) -> bool:
-        return bool(history.field("pressure", at).any())
-
-    ends = [next(filter(touch, one), stored[-1]) for one in (stored, stored[::-1]) if stored]
-    for at in dict.fromkeys(ends):
+    ends = _ends(history)
+    for at in ends:
         ending = f"-{at:{history.coordinate.format}}" if len(history) > 1 else ""
         state = Drawn.of(history, at)
         for name, draw in _of_state(state).items():
@@ -145,7 +141,7 @@ def _figures(history: History) -> Iterator[tuple[str, Figure]]:
             yield "creepages", creepages(history)
         if history.bodies:
             yield history.of_role("stress_max").name.replace("_", "-"), stress_course(history)
-    if len(stored) > 1:
+    if len(stored) > 1 and ends:
         evolutions = _LINE_EVOLUTIONS if history.line else _EVOLUTIONS
         for name, draw in (_MOVING if transient and not history.line else evolutions).items():
             yield name, draw(history)
@@ -153,6 +149,19 @@ def _figures(history: History) -> Iterator[tuple[str, Figure]]:
             yield "worn-profiles", worn_profiles(history)
     if transient and history.scene.wear is not None:
         yield from _of_moving_wear(history)
+
+
+def _ends(history: History) -> list[float]:
+    """The first and the last stored place at which the bodies touch; of one contact its own."""
+    stored = history.saved.tolist()
+    if len(history) == 1:
+        return stored  # without contact its figures tell that there is nothing to draw
+
+    def touch(at: float) -> bool:
+        return bool(history.field("pressure", at).any())
+
+    found = (next(filter(touch, one), None) for one in (stored, stored[::-1]))
+    return [*dict.fromkeys(at for at in found if at is not None)]
 
 
 def _of_moving_wear(history: History) -> Iterator[tuple[str, Figure]]:
@@ -164,7 +173,8 @@ def _of_moving_wear(history: History) -> Iterator[tuple[str, Figure]]:
         yield "worn-track", worn_track(history)
     if len(history.saved) > 1 and not history.line:
         yield "wear-profiles", wear_profiles(history)
-        yield "wear-over-distance", wear_over_revolutions(history)
+        if _ends(history):
+            yield "wear-over-distance", wear_over_revolutions(history)
 
 
 def _of_fatigue(history: History) -> Iterator[tuple[str, Figure]]:
