@@ -17,14 +17,14 @@ def hill(points):
     return 2.0 + 0.5 * np.einsum("...i,ij,...j", aside, CURVED, aside)
 
 
-def step(at, function=hill, floor=0.1, least=0.0, barred=False, first=True, of=None):
+def step(at, function=hill, floor=0.1, least=0.0, barred=False, first=True, of=None, highest=1e3):
     """Ways after one step: where, their fates, whether barred, and the values there."""
     at = np.array(at, dtype=float)
     count = len(at)
     of = np.zeros(count, dtype=int) if of is None else np.array(of)
     bars, best = np.full(count, barred), np.zeros(of.max() + 1)
     values = function(stencil(at))
-    bounds = np.full(count, 1e3), np.full(count, least)
+    bounds = np.full(count, highest), np.full(count, least)
     fates = climb(at, bars, best, values, of, *bounds, floor, first)
     return at, fates, bars, values[:, 0]
 
@@ -89,6 +89,13 @@ def test_of_ways_to_one_top_the_highest_goes_on():
     assert fates[values.argmax()] == GOES_ON
     _, fates, _, _ = step(starts, uneven, of=(0, 1, 2))
     assert (fates == GOES_ON).all()
+
+
+def test_a_way_that_cannot_reach_where_another_ended_is_given_up():
+    starts = [TOP + 1e-3, TOP + np.array((0.9, 0.0, 0.0))]
+    for highest, fate in ((1.99, LOST), (2.01, GOES_ON)):
+        _, fates, _, _ = step(starts, highest=highest)
+        assert tuple(fates) == (ENDED, fate)
 
 
 def layer(nx, ny, tops):

@@ -45,7 +45,9 @@ def stress_maximum(contact: State, body: str = "A", laws: Laws | None = None) ->
     Layers at depths that grow by `GROWTH` show where to look; in them elements are taken together
     in blocks with sides up to the depth. The best local maxima are refined with blocks that grow
     with their distance. For tractions constant on the elements the value is right to 2e-4, the
-    place to a hundredth of its depth (`benchmarks/whole_roll.py`).
+    place to a hundredth of its depth (`benchmarks/whole_roll.py`). Of two maxima that are nearer to
+    each other than layers are the lower one may be found: below a line with a Poisson's ratio of
+    0.25 the largest shear stress has such, 2 % apart.
 
     At the surface it is taken between the elements, at the edge of the contact and where stick
     ends, from differences of displacements: on a mesh, the stress itself is infinite on every edge
