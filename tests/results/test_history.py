@@ -82,6 +82,8 @@ class TestHistory:
     def test_what_a_contact_has_is_told_where_it_is(self, history):
         with pytest.raises(AttributeError, match=r"history\.state\(n\)\.pressure"):
             _ = history.pressure
+        with pytest.raises(AttributeError, match=r"history\['Qx'\]"):
+            _ = history.Qx
         assert not hasattr(history, "nothing")
 
     def test_it_can_be_sent_to_another_process(self, history):

@@ -86,7 +86,8 @@ def test_a_path_in_place_of_keywords():
 
 
 def test_signature_tells_the_keys():
-    assert list(inspect.signature(Load).parameters) == list(Load.model_fields)
+    for table in (Load, Scene):
+        assert list(inspect.signature(table).parameters) == list(table.model_fields)
 
 
 def test_materials(spheres):

@@ -180,9 +180,11 @@ class History:
         return summary.shown(summary.of_history(self), self)
 
     def __getattr__(self, name: str) -> Any:
-        """Tell of what a contact has and a history has not where it is."""
+        """Tell of a column, and of what a contact has and a history has not, where it is."""
         cure = ""
-        if name in State.__dataclass_fields__ or hasattr(State, name):
+        if name in self.__dict__.get("columns", ()):  # there may be none yet of a copy
+            cure = f"; history[{name!r}] is that of all records"
+        elif name in State.__dataclass_fields__ or hasattr(State, name):
             cure = f"; history.state(n).{name} is that of one contact"
         raise AttributeError(f"a History has no {name!r}{cure}")
 

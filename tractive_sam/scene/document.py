@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import wraps
 from os import PathLike
 from pathlib import Path
 from typing import Any, ClassVar, Self
@@ -11,18 +13,29 @@ from .faults import SceneError
 from .table import Table
 
 
+def keywords_alone(init: Callable[..., None]) -> Callable[..., None]:
+    """Have what is given without a keyword, as a path may be, told how a file is read."""
+
+    @wraps(init)  # with its signature
+    def checked(self: Any, /, *none: Any, **given: Any) -> None:
+        if none:
+            name = type(self).__name__
+            raise TypeError(
+                f"{name}.from_toml(path) reads a file; {name}(...) takes keywords alone"
+            )
+        init(self, **given)
+
+    return checked
+
+
 class Document(Table):
     """A table that is read from a TOML file, and written as one."""
 
     invalid: ClassVar[type[SceneError]] = SceneError
     """What is raised of its faults."""
 
-    def __init__(self, /, *none: Any, **given: Any) -> None:
-        if none:
-            name = type(self).__name__
-            raise TypeError(
-                f"{name}.from_toml(path) reads a file; {name}(...) takes keywords alone"
-            )
+    @keywords_alone
+    def __init__(self, /, **given: Any) -> None:
         try:
             super().__init__(**given)
         except SceneError as error:

@@ -18,7 +18,7 @@ from . import summary
 from .bodies import Bodies
 from .catalogue import builtin_text, names_file
 from .checks import SCENE_CHECKS, warn_if_coarse, warn_if_large, warn_if_unequal
-from .document import Document
+from .document import Document, keywords_alone
 from .doubts import doubts
 from .duty import Block, Spectrum, block_scenes, off_the_mesh
 from .fatigue import Fatigue
@@ -78,8 +78,9 @@ class Scene(Document):
     solver: Solver = entry("the solver", "", Solver())
     checks: ClassVar[tuple[Check, ...]] = SCENE_CHECKS
 
-    def __init__(self, /, *none: Any, **tables: Any) -> None:
-        super().__init__(*none, **tables)
+    @keywords_alone
+    def __init__(self, /, **tables: Any) -> None:
+        super().__init__(**tables)
         if self.duty:
             self._check_blocks()
         for doubt in doubts(self):
