@@ -111,15 +111,18 @@ def where_rough(stress, pressure, kinds, poisson, dx, dy):
         for i in range(nx):
             for j in range(ny):
                 here = kinds[i, j]
-                if here == UNLOADED:
+                # Amid corners of its own kind, as most are, nothing is rough.
+                k, h = m + i, m + j
+                alike = here == around[k - 1, h] == around[k + 1, h]
+                if here == UNLOADED or (alike and here == around[k, h - 1] == around[k, h + 1]):
                     continue
                 for a, b in WAYS:
-                    ahead, behind = around[m + i + a, m + j + b], around[m + i - a, m + j - b]
+                    ahead, behind = around[k + a, h + b], around[k - a, h - b]
                     away, apart = -1.0, 0
                     if behind == UNLOADED and ahead != UNLOADED:
                         away = _steps_to_edge(pressure, i, j, a, b)
                     elif here == behind == SLIPS and ahead != SLIPS:
-                        apart = _steps_to_stick(around, m + i, m + j, a, b)
+                        apart = _steps_to_stick(around, k, h, a, b)
                     if away < 0.0 and apart == 0:
                         continue
                     if counted:
