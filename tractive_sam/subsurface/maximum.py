@@ -16,9 +16,6 @@ SHALLOWEST = 2.0
 tractions between elements make of the stress falls as (1 + k z) exp(-k z), k = 2 pi over the side:
 one element deep it is still a percent, and makes maxima of its own; two deep it is 5e-5."""
 
-GROWTH = 2.5
-"""Ratio of the depths of successive layers."""
-
 DEEPEST = 0.8
 """Least depth of its last layer, over half of the shorter side of the contact: that of Hertz has
 its maximum 0.45 to 0.79 deep."""
@@ -42,12 +39,11 @@ _NOWHERE: Point = (np.nan, np.nan, np.nan)
 def stress_maximum(contact: State, body: str = "A", laws: Laws | None = None) -> Maximum:
     """Find the largest stress in a body, by von Mises or another criterion.
 
-    Layers at depths that grow by `GROWTH` show where to look; in them elements are taken together
+    Layers at depths that grow by a factor show where to look; in them elements are taken together
     in blocks with sides up to the depth. The best local maxima are refined with blocks that grow
     with their distance. For tractions constant on the elements the value is right to 2e-4, the
     place to a hundredth of its depth (`benchmarks/whole_roll.py`). Of two maxima that are nearer to
-    each other than layers are the lower one may be found: below a line with a Poisson's ratio of
-    0.25 the largest shear stress has such, 2 % apart.
+    each other than layers are the lower one may be found.
 
     At the surface it is taken between the elements, at the edge of the contact and where stick
     ends, from differences of displacements: on a mesh, the stress itself is infinite on every edge
@@ -128,8 +124,8 @@ def _interior(levels: MultiLevel | StripLevels, surface: list[float]) -> list[tu
 def _search_depths(levels: MultiLevel | StripLevels) -> np.ndarray:
     """From below the elements on until no maximum is to be expected any more, mm."""
     first, deepest = SHALLOWEST * levels.side, DEEPEST * levels.half_width
-    count = max(3, int(np.ceil(np.log(deepest / first) / np.log(GROWTH))) + 1)
-    return first * GROWTH ** np.arange(count)
+    count = max(3, int(np.ceil(np.log(deepest / first) / np.log(levels.growth))) + 1)
+    return first * levels.growth ** np.arange(count)
 
 
 def _starts(levels: MultiLevel | StripLevels, depths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -140,7 +136,7 @@ def _starts(levels: MultiLevel | StripLevels, depths: np.ndarray) -> tuple[np.nd
     found = []
     for layer, above, here, below in zip(layers, values, values[1:], values[2:], strict=False):
         body, value, i, j, deeper = find_tops(here, above, below).T
-        found.append((body.astype(int), value, layer.points(i, j, GROWTH**deeper)))
+        found.append((body.astype(int), value, layer.points(i, j, levels.growth**deeper)))
     bodies, value, at = (np.concatenate(each) for each in zip(*found, strict=True))
     order = np.argsort(-value)
     chosen = [order[bodies[order] == body][:CANDIDATES] for body in range(len(none))]

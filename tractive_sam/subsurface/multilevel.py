@@ -113,7 +113,11 @@ class MultiLevel:
         Longer side of an element, mm.
     half_width : float
         Half of the shorter side of the rectangle around the loaded elements, mm.
+    growth : float
+        Ratio of the depths of successive layers.
     """
+
+    growth = 2.5
 
     def __init__(
         self,
