@@ -11,7 +11,7 @@ from tractive_sam.operators import Lattice, StressLayers, extent
 from tractive_sam.results import Grid, Point
 from tractive_sam.subsurface.surface import corner_stress, largest_at_surface
 
-FEWEST = 16
+FEWEST = 12
 """Fewest blocks across the loaded rectangle."""
 
 MARGIN = 2
