@@ -41,7 +41,7 @@ def stress_maximum(contact: State, body: str = "A", laws: Laws | None = None) ->
 
     Layers at depths that grow by a factor show where to look; in them elements are taken together
     in blocks with sides up to the depth. The best local maxima are refined with blocks that grow
-    with their distance. For tractions constant on the elements the value is right to 2e-4, the
+    with their distance. For tractions constant on the elements the value is right to 6e-4, the
     place to a hundredth of its depth (`benchmarks/whole_roll.py`). Of two maxima that are nearer to
     each other than layers are the lower one may be found.
 
