@@ -179,7 +179,8 @@ def test_one_element_in_contact(spheres):
     contact = replace(spheres, pressure=pressure, traction=np.zeros_like(spheres.traction))
     found = stress_maximum(contact)
     assert np.isfinite(found.value)
-    assert found.at[:2] == pytest.approx((spheres.grid.x[3], spheres.grid.y[90]), abs=1e-9)
+    # Sums on the way to it are in single precision: a millionth of the depth.
+    assert found.at[:2] == pytest.approx((spheres.grid.x[3], spheres.grid.y[90]), abs=1e-6)
 
 
 def test_no_contact(spheres):
