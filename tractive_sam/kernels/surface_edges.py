@@ -30,7 +30,7 @@ WIDEST = 3
 """Most elements from a corner that slips to one that sticks."""
 
 UNLOADED, SLIPS, STICKS, BOTH = range(4)
-"""Kinds of corners: all elements that meet there slip, all stick, some do either; or no contact."""
+"""Kinds of corners: an element there is unloaded; all of them slip; all stick; some do either."""
 
 WAYS = ((1, 0), (-1, 0), (0, 1), (0, -1))
 

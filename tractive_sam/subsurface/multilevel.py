@@ -9,7 +9,7 @@ from tractive_sam.kernels import stress_sum
 from tractive_sam.mechanics import HalfSpaces, StressCriterion
 from tractive_sam.operators import Lattice, StressLayers, extent
 from tractive_sam.results import Grid, Point
-from tractive_sam.subsurface.surface import corner_stress, largest_at_surface
+from tractive_sam.subsurface.surface import largest_at_surface
 
 FEWEST = 12
 """Fewest blocks across the loaded rectangle."""
@@ -184,10 +184,8 @@ class MultiLevel:
         slips = np.zeros((x.count, y.count), dtype=bool)
         slips[x.inside, y.inside] = sliding[x.loaded, y.loaded]
         lattice = Lattice(slips.shape, x.step, y.step)
-        stress = corner_stress(lattice, self._bodies, self._tractions, self._signs)
-        found = largest_at_surface(
-            lattice, self._poisson, self._tractions[2], stress, slips, self._criterion
-        )
+        own = self._bodies, self._signs, self._tractions
+        found = largest_at_surface(lattice, *own, slips, self._criterion)
         at_x, at_y = x.corner + 0.5 * x.step, y.corner + 0.5 * y.step
         return [(value, (at_x + i * x.step, at_y + j * y.step, 0.0)) for value, i, j in found]
 

@@ -11,7 +11,7 @@ from tractive_sam.operators import Lattice
 from tractive_sam.results import Grid, Point
 from tractive_sam.subsurface.mirror import acting
 from tractive_sam.subsurface.multilevel import Layer
-from tractive_sam.subsurface.surface import corner_stress, largest_at_surface
+from tractive_sam.subsurface.surface import largest_at_surface
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,9 +84,8 @@ class StripLevels:
         self.half_width = 0.5 * grid.dx * np.count_nonzero(tractions[2])
         self._tractions, self._signs = tractions, signs
         self._bodies, self._criterion = bodies, criterion
-        self._poisson = tuple(body.A.poisson for body in bodies)
-        each = zip(acting(tractions, signs), self._poisson, strict=True)
-        self._strips = [StripLoads.on_grid(grid, own, poisson) for own, poisson in each]
+        each = zip(acting(tractions, signs), bodies, strict=True)
+        self._strips = [StripLoads.on_grid(grid, own, body.A.poisson) for own, body in each]
 
     def layer(self, depth: float) -> Layer:
         """Stress at the centres."""
@@ -95,7 +94,7 @@ class StripLevels:
         return Layer(depth, (float(self._x[0]), 0.0), (self.side, 0.0), np.stack(values))
 
     def around(
-        self, bodies: np.ndarray, points: np.ndarray, around: np.ndarray, closely: bool = True
+        self, bodies: np.ndarray, points: np.ndarray, around: np.ndarray, closely: bool = False
     ) -> np.ndarray:
         """See `MultiLevel`; exact."""
         values = np.empty(points.shape[:2])
@@ -109,8 +108,6 @@ class StripLevels:
     def surface(self, sliding: np.ndarray) -> list[tuple[float, Point]]:
         """See `MultiLevel`; at the edges of strips."""
         lattice = Lattice(self._elements, self.side, 1.0)
-        stress = corner_stress(lattice, self._bodies, self._tractions, self._signs)
-        found = largest_at_surface(
-            lattice, self._poisson, self._tractions[2], stress, sliding, self._criterion
-        )
+        own = self._bodies, self._signs, self._tractions
+        found = largest_at_surface(lattice, *own, sliding, self._criterion)
         return [(value, (float(self._x[0] + i * self.side), 0.0, 0.0)) for value, i, _ in found]

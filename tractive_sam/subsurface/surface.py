@@ -20,27 +20,11 @@ from tractive_sam.mechanics import HalfSpaces, StressCriterion
 from tractive_sam.operators import Lattice, surface_stress
 
 
-def corner_stress(
-    lattice: Lattice,
-    bodies: Sequence[HalfSpaces],
-    tractions: np.ndarray,
-    signs: Sequence[float],
-) -> np.ndarray:
-    """Stress (bodies, 6, ...) between elements under tractions (3, n_x, n_y) on body A, MPa.
-
-    See `operators.surface_stress`.
-    """
-    if all(body == bodies[0] for body in bodies):
-        return surface_stress(lattice, bodies[0], tractions, signs)
-    each = zip(bodies, signs, strict=True)
-    return np.concatenate([surface_stress(lattice, body, tractions, (s,)) for body, s in each])
-
-
 def largest_at_surface(
     lattice: Lattice,
-    poisson: Sequence[float],
-    pressure: np.ndarray,
-    stress: np.ndarray,
+    bodies: Sequence[HalfSpaces],
+    signs: Sequence[float],
+    tractions: np.ndarray,
     sliding: np.ndarray,
     criterion: StressCriterion,
 ) -> list[tuple[float, float, float]]:
@@ -53,12 +37,12 @@ def largest_at_surface(
     ----------
     lattice : Lattice
         Elements, or strips; lengths in mm.
-    poisson : sequence of float
-        Poisson's ratios.
-    pressure : ndarray, shape (n_x, n_y)
-        MPa.
-    stress : ndarray, shape (bodies, 6, n_x - 1, n_y - 1)
-        That of `corner_stress`, MPa.
+    bodies : sequence of HalfSpaces
+        The half-spaces, as `HalfSpaces.alone` gives them.
+    signs : sequence of float
+        Those of `SIGNS` for each body.
+    tractions : ndarray, shape (3, n_x, n_y)
+        (p_x, p_y, p_n) on body A, MPa.
     sliding : ndarray of bool, shape (n_x, n_y)
         Loaded elements that slip.
     criterion : StressCriterion
@@ -69,19 +53,33 @@ def largest_at_surface(
     list of (float, float, float)
         The stress, MPa, and its place from the centre of the first element, in elements.
     """
+    stress, pressure = _between_elements(lattice, bodies, signs, tractions), tractions[2]
     kinds = kinds_of_corners(pressure, sliding)
     if not kinds.any():  # nowhere wider than an element
         kinds[:] = BOTH
-    sides = lattice.dx, lattice.dy
+    poisson = tuple(body.A.poisson for body in bodies)
     found = (
         where_loaded(stress, kinds),
-        where_rough(stress, pressure, kinds, tuple(poisson), *sides),
+        where_rough(stress, pressure, kinds, poisson, lattice.dx, lattice.dy),
     )
     each, places = (np.concatenate(parts, axis=-1) for parts in zip(*found, strict=True))
     values = criterion(each)
     at = values.argmax(axis=1)
     i, j = places[:, at] + np.array(((0.5,), (0.5 if pressure.shape[1] > 1 else 0.0,)))
     return list(zip(values[range(len(at)), at].tolist(), i.tolist(), j.tolist(), strict=True))
+
+
+def _between_elements(
+    lattice: Lattice,
+    bodies: Sequence[HalfSpaces],
+    signs: Sequence[float],
+    tractions: np.ndarray,
+) -> np.ndarray:
+    """Stress (bodies, 6, ...) of `operators.surface_stress`, at once where bodies are alike."""
+    if all(body == bodies[0] for body in bodies):
+        return surface_stress(lattice, bodies[0], tractions, signs)
+    each = zip(bodies, signs, strict=True)
+    return np.concatenate([surface_stress(lattice, body, tractions, (s,)) for body, s in each])
 
 
 def surface_cycles(
