@@ -108,6 +108,23 @@ def test_every_dataset_is_described(finished):
         assert file["fields/x"] == file["grid/x"]
 
 
+def test_a_zero_follows_every_text(finished):
+    # Readers in C may seek it; without one they go on through what lies behind.
+    texts = []
+
+    def check(name, item):
+        for attribute, value in item.attrs.items():
+            if isinstance(value, bytes):
+                assert item.attrs.get_id(attribute).dtype.itemsize > len(value), attribute
+                texts.append(attribute)
+
+    with h5py.File(finished) as file:
+        check("/", file)
+        file.visititems(check)
+        assert file["scene"].dtype.itemsize > len(file["scene"][()])
+    assert {"format", "versions", "status", "message", "digest"} <= set(texts)
+
+
 class TestUnreadable:
     def test_missing(self, path):
         with pytest.raises(ResultsError, match=r"does not exist; write it by"):

@@ -8,12 +8,10 @@ import h5py
 import numpy as np
 
 
-def set_text(
-    node: h5py.Group | h5py.Dataset, name: str, text: str, encoding: str = "utf-8"
-) -> None:
+def set_text(node: h5py.Group | h5py.Dataset, name: str, text: str) -> None:
     """Set an attribute."""
-    encoded = text.encode(encoding)
-    node.attrs.create(name, encoded, dtype=_kind(encoded, encoding))
+    encoded = text.encode()
+    node.attrs.create(name, encoded, dtype=_kind(encoded))
 
 
 def text_of(value: str | bytes) -> str:
@@ -35,5 +33,6 @@ def create_text(group: h5py.Group, name: str, text: str) -> h5py.Dataset:
     return group.create_dataset(name, data=np.array(encoded, _kind(encoded)))
 
 
-def _kind(encoded: bytes, encoding: str = "utf-8") -> np.dtype:
-    return h5py.string_dtype(encoding, max(1, len(encoded)))
+def _kind(encoded: bytes) -> np.dtype:
+    """Of a length with room for a zero: netCDF-C 4.9.0 reads on until it finds one."""
+    return h5py.string_dtype("utf-8", len(encoded) + 1)

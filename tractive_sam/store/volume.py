@@ -215,7 +215,7 @@ def _laid_out(
     """Describe the image, and make room for its arrays; `outer` are their dimensions before y."""
     vtk = file.create_group("VTKHDF")
     vtk.attrs["Version"] = np.array(VTKHDF_VERSION, "i8")
-    set_text(vtk, "Type", "ImageData", "ascii")
+    vtk.attrs["Type"] = np.bytes_("ImageData")  # the format asks for ASCII of that very length
     vtk.attrs["WholeExtent"] = np.array([(0, n - 1) for n in image.points], "i8").ravel()
     vtk.attrs["Origin"] = np.array(image.origin)
     vtk.attrs["Spacing"] = np.array(image.spacing)
@@ -236,5 +236,5 @@ def _laid_out(
         )
         arrays[name].attrs.update({"units": quantity.unit, "long_name": quantity.long_name})
     first = arrays.get(VON_MISES.name, arrays.get("pressure"))
-    set_text(first, "Attribute", "Scalars", "ascii")  # what is shown first
+    first.attrs["Attribute"] = np.bytes_("Scalars")  # what is shown first
     return arrays
