@@ -199,6 +199,22 @@ def test_a_gap_given_as_arrays_is_resumed(tmp_path):
         roll(other, tmp_path / "a.h5", resume=True)
 
 
+def test_another_mesh_over_a_measured_gap_is_refused(tmp_path):
+    x = np.linspace(-0.5, 0.5, 21)
+    flat = {"young": 2e5, "poisson": 0.3, "radius_x": np.inf, "radius_y": np.inf}
+    scene = coarse("wear.revolutions=1", "wear.save=[1]", 'wear.turns="equal"').replace(
+        body={"A": flat, "B": flat},
+        gap={"x": x, "y": x, "separation": 0.04 * (x[:, None] ** 2 + x**2)},
+        grid={"elements": (21, 21)},
+        subsurface=None,
+    )
+    path = tmp_path / "a.h5"
+    roll(scene, path)
+    with pytest.raises(ResultsError, match="has 21 x 21 elements"):
+        roll(scene.with_set(["grid.elements=[25, 25]"]), path, resume=True)
+    assert roll(scene.with_set(["wear.revolutions=2"]), path, resume=True).finished
+
+
 def test_what_cannot_be_written_is_told_before_anything_is_solved(tmp_path, monkeypatch):
     monkeypatch.setattr("tractive_sam.rolling.passage.fitted_blocks", None)
     with pytest.raises(ResultsError, match="is not a folder"):

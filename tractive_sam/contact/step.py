@@ -15,7 +15,7 @@ from tractive_sam.contact.measured import sampled
 from tractive_sam.contact.model import Model
 from tractive_sam.mechanics import Bound, Friction
 from tractive_sam.operators import Lattice, StepOperators, Way
-from tractive_sam.results import Cost, State, Status
+from tractive_sam.results import Cost, Grid, State, Status, widened
 from tractive_sam.solvers import (
     ALONE,
     METHODS,
@@ -125,6 +125,17 @@ class Stepped:
     worn: np.ndarray = field(default_factory=lambda: np.zeros((2, 0, 0)), repr=False)
     gained: np.ndarray = field(default_factory=lambda: np.zeros((2, 0, 0)), repr=False)
     deep: float = 0.0
+
+    def on(self, grid: Grid) -> "Stepped":
+        """The same on a wider mesh of the same elements, see `State.on`.
+
+        What has passed the mesh is as deep as at its end.
+        """
+        worn, gained = (widened(one, grid.elements) for one in (self.worn, self.gained))
+        behind = (grid.elements[0] - self.worn.shape[1]) // 2
+        worn[:, :behind] = worn[:, behind : behind + 1]
+        of_mesh = {"displacement": np.zeros((2, 0, 0)), "normal": None}
+        return replace(self, contact=self.contact.on(grid), worn=worn, gained=gained, **of_mesh)
 
     def presses_like(self, normal: NormalProblem) -> bool:
         """Whether its pressure is known to solve a normal problem."""
@@ -236,6 +247,21 @@ class Stepper:
             outcome = solver.solve(problem.holding(pressure, gap), tolerance, start)
             return replace(outcome, pressure=pressure, gap=gap, approach=approach)
         return solver.solve(problem, tolerance, start)
+
+    def open_beside(self, stepped: Stepped, separation: np.ndarray | float) -> Stepped:
+        """A step whose mesh was widened, with the gap and the wear beside the mesh that it had."""
+        contact, units = stepped.contact, self.model.units
+        unknown = np.isinf(contact.gap)
+        if not unknown.any():
+            return stepped
+        depth, fields = self.off(stepped.worn.sum(axis=0)), self._fields(contact)
+        pressed = (contact.pressure / units.pressure)[None]
+        coupled = self.model.elasticity.coupled
+        moved = self.operators.coupled(fields) if coupled else self.operators.normal(pressed)
+        undeformed = self.model.undeformed_gap + separation + depth
+        gap = undeformed + units.gap * moved[0] - contact.approach
+        contact = replace(contact, gap=np.where(unknown, gap, contact.gap), wear=depth)
+        return replace(stepped, contact=contact)
 
     def _problem(self, asked: Asked, worn: np.ndarray | float = 0.0) -> StepProblem:
         """The normal problem and the friction of a step, with what was worn since the start."""

@@ -1,7 +1,8 @@
 """Rolling: the sequence of revolutions, one record each."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 from time import perf_counter
 from typing import Any, Protocol
 
@@ -51,30 +52,42 @@ def passages(model: Model, start: Passage | Moment | None = None) -> Iterator[Pa
     start : Passage, optional
         Where to go on; by default with the unworn bodies, which are then the first one yielded.
     """
-    if model.scene.transient is not None:
-        transient = Transient(model)
-        if start is None:
-            start = transient.start()
-            yield start
-        yield from transient.moments(start)
-        return
-    last = start
+    begin, onward = _course(model)
+    last, growths = start, 0
     if last is None:
-        last = followed(model, unworn(model))
+        last = begin()
         yield last
-    wear, saves = model.scene.wear, Saves.of(model.scene)
-    growths = 0
-    while wear is not None and last.converged and last.revolution < saves.end:
-        steps = adaptive_passages if wear.stepping == "adaptive" else every_passage
-        for passage in steps(model, last, saves):
+    while True:
+        for passage in onward(last):
             if off_grid(passage) and not model.scene.bounded and growths < GROWTHS:
                 growths += 1
-                grid = grown(model.grid, passage.contact.at_edge)
-                model = model.on(grid)
-                last = last.on(grid)
+                model = model.on(grown(model.grid, passage.contact.at_edge))
+                last = last.on(model.grid)
+                _, onward = _course(model)
                 break
             last = passage
             yield last
+        else:
+            return
+
+
+def _course(model: Model) -> tuple[Callable[[], Any], Callable[[Any], Iterator[Any]]]:
+    """What begins a roll on a mesh, and what goes on to its end or to an unsolved contact."""
+    if model.scene.transient is not None:
+        transient = Transient(model)
+        return transient.start, transient.moments
+    return partial(_unworn, model), partial(_revolutions, model)
+
+
+def _unworn(model: Model) -> Passage:
+    return followed(model, unworn(model))
+
+
+def _revolutions(model: Model, last: Passage) -> Iterator[Passage]:
+    wear, saves = model.scene.wear, Saves.of(model.scene)
+    if wear is not None:
+        steps = adaptive_passages if wear.stepping == "adaptive" else every_passage
+        yield from steps(model, last, saves)
 
 
 def every_passage(model: Model, start: Passage, saves: Saves) -> Iterator[Passage]:

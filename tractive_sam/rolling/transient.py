@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from tractive_sam.contact import Asked, Model, Stepped, Stepper, Worn, equilibrium, travelled
-from tractive_sam.results import BODIES, State
+from tractive_sam.results import BODIES, Grid, State
 from tractive_sam.rolling.control import ErrorControl, Step, Stops
 from tractive_sam.scene import Scene
 
@@ -92,6 +92,11 @@ class Moment:
     def place(self) -> float:
         """Value of the coordinate of its record."""
         return self.distance
+
+    def on(self, grid: Grid) -> "Moment":
+        """The same on a wider mesh of the same elements; `Transient` finds the gap beside it."""
+        before = None if self.before is None else Stepped(self.before.contact.on(grid))
+        return replace(self, stepped=self.stepped.on(grid), before=before)
 
     @property
     def beside(self) -> Mapping[str, np.ndarray]:
@@ -296,8 +301,12 @@ class Transient:
             (now["load.force_x"], now["load.force_y"]),
             factors[0],
             sum(factors) / 2.0,
-            travelled(self.model, at if self.courses.rolls else 0.0),
+            self._separation(at),
         )
+
+    def _separation(self, distance: float) -> np.ndarray | float:
+        """What travelling profiles add to the gap there, mm; a shift moves none."""
+        return travelled(self.model, distance if self.courses.rolls else 0.0)
 
     def start(self) -> Moment:
         """The first knot."""
@@ -329,7 +338,8 @@ class Transient:
 
     def moments(self, last: Moment) -> Iterator[Moment]:
         """Roll on from a moment to the end, or to a contact that is not solved."""
-        courses = self.courses
+        courses, separation = self.courses, self._separation(last.distance)
+        last = replace(last, stepped=self.stepper.open_beside(last.stepped, separation))
         while last.contact.converged:
             if last.distance == courses.knots[last.stretch + 1]:
                 if last.stretch + 1 == courses.stretches:

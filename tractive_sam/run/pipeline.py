@@ -212,8 +212,8 @@ def roll(
         before = open_history(path) if resume and Path(path).exists() else None
         if before is not None and len(before):
             worn, started = started_as(before, path, started), before.started
-        last = None if before is None else last_passage(before, path, scene, laws, own)
         model_of, gap = given.model_of(laws, solver, worn), measured_gap(scene)
+        last = None if before is None else last_passage(before, path, scene, laws, own, gap)
         model_of = partial(model_of, profiles=given.travelling(scene))
         run = Recording(scene, gap, model_of, path, replaced, called, own, began, started)
         grid = None if last is None else last.contact.grid.shifted(0.0)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tractive_sam.contact import Laws, Stepped, as_asked, choose_grid, reaching
+from tractive_sam.contact import Gap, Laws, Stepped, as_asked, choose_grid, reaching
 from tractive_sam.results import BODIES, PARTS, ROLLED, Cost, History, Quantity, State
 from tractive_sam.rolling import Damage, Moment, Passage, ProfilePoint
 from tractive_sam.scene import Scene
@@ -43,6 +43,7 @@ def last_passage(
     scene: Scene,
     laws: Laws | None = None,
     columns: Iterable[Quantity] = (),
+    measured: Gap | None = None,
 ) -> Passage | Moment | None:
     """The last revolution of a results file, or moment of a transient, from which to roll on.
 
@@ -58,6 +59,8 @@ def last_passage(
         Laws in place of the scene's, those of the file.
     columns : iterable of Quantity
         Columns beside the package's, new ones or those of the file.
+    measured : Gap, optional
+        The measured separation of the scene.
 
     Returns
     -------
@@ -77,7 +80,7 @@ def last_passage(
     if row is None:
         return None
     if scene.transient is not None:
-        return _last_moment(history, path, row, scene)
+        return _on_grid_of(scene, measured, _last_moment(history, path, row, scene), path)
     revolution = int(history["revolution"][row])
     last = 0 if scene.wear is None else scene.wear.revolutions
     if revolution > last:
@@ -101,7 +104,7 @@ def last_passage(
         rolled = int(history[ROLLED.name][row])
         known["weights"] = tuple(float(k == rolled) for k in range(len(contacts)))
     passage = Passage(revolution, contacts, 0, int(history["jump"][row]), course, **known)
-    return _on_grid_of(scene, passage, path)
+    return _on_grid_of(scene, measured, passage, path)
 
 
 def _last_moment(history: History, path: str | PathLike, row: int, scene: Scene) -> Moment:
@@ -302,21 +305,23 @@ def _shown(entries: dict[str, Any], key: str) -> str:
     return "nothing" if value is None else str(value)
 
 
-def _on_grid_of(scene: Scene, passage: Passage, path: str | PathLike) -> Passage:
-    """The passage on the scene's [grid], if it gives one."""
-    before = passage.contact.grid.shifted(0.0)
-    if scene.grid is None or not (scene.bounded or scene.hertz):
-        return passage
+def _on_grid_of(
+    scene: Scene, measured: Gap | None, last: Passage | Moment, path: str | PathLike
+) -> Passage | Moment:
+    """The passage or moment on the scene's [grid], if it gives one."""
+    before = last.contact.grid.shifted(0.0)
+    if scene.grid is None:
+        return last
     if scene.grid.elements is None:
         grid = reaching(before, (*scene.grid.half_length, 0.5)[:2])
     else:
-        grid = choose_grid(scene)
+        grid = choose_grid(scene, measured)
         if not scene.bounded:  # it may have grown
             grid = reaching(grid, before.half_length)
     if grid == before:
-        return passage
+        return last
     try:
-        return passage.on(grid)
+        return last.on(grid)
     except ValueError:
         half_length, (nx, ny) = before.half_length, before.elements
         raise ResultsError(

@@ -24,6 +24,9 @@ from tractive_sam.store import layout
 SCALES = ("y", "axis", "body", "block", "position")
 """What is in /history beside rows of records."""
 
+DEPTHS = ("worn", "gained")
+"""What is in /state of a transient that wears, (body, x, y)."""
+
 AXES = ("block", "x", "y", "depth", "zeta")
 """What is in /fields, in the planes of /stress and in /fatigue beside them."""
 
@@ -143,11 +146,11 @@ def widen(file: h5py.File, grid: "Grid") -> None:
     for name in (name for name in (*FIELDS, *WARM) if name in fields):
         lead = fields[name].ndim - 3
         _widen(fields[name], ("x", "y"), before, after, OUTSIDE.get(name, 0.0), lead)
-    for name in FIELDS:
+    for name in (name for name in (*FIELDS, *BEFORE, *DEPTHS) if name in state):
         values = state[name][:]
         state[name].resize((*values.shape[:-2], after["x"], after["y"]))
         state[name][...] = widened(values, state[name].shape, OUTSIDE.get(name, 0.0))
-    for name in (name for name in state if name not in (*FIELDS, *BEFORE, *AXES)):
+    for name in (name for name in state if name not in (*FIELDS, *BEFORE, *DEPTHS, *AXES)):
         if state[name].ndim > 1:  # (..., y, depth)
             values = state[name][:]
             shape = after["y"], values.shape[-1]
