@@ -90,6 +90,26 @@ def test_faults_name_the_key(scene, over, key):
         ts.solve_many(scene, over)
 
 
+@pytest.mark.parametrize(
+    ("over", "told", "not_told"),
+    [
+        ({"load.normal": [0.3, 900.0]}, ["grid.half_length", "load.normal = 900"], ["0.3"]),
+        ({"load.normal": [900.0], "friction.mu": [0.2, 0.3]}, ["load.normal = 900"], []),
+        ({"load.normal": [0.3], "friction.mu": [0.2, -1.0]}, ["friction.mu: given -1"], ["load"]),
+        (
+            {"load.normal": [0.2, 0.5], "grid.half_length": [(4.5, 4.5), (3.0, 3.0)]},
+            ["(3.0, 3.0) with load.normal = 0.5"],
+            ["0.2"],
+        ),
+    ],
+)
+def test_faults_name_the_values_that_led_to_them(scene, over, told, not_told):
+    with pytest.raises(ts.SceneError) as refused:
+        ts.solve_many(scene, over)
+    assert all(one in str(refused.value) for one in told)
+    assert not any(one in str(refused.value) for one in not_told)
+
+
 def test_accuracy_is_refused(scene):
     accurate = scene.replace(grid=None, accuracy={"tolerance": 0.1})
     with pytest.raises(ValueError, match="accuracy"):

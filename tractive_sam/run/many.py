@@ -3,6 +3,7 @@
 import math
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -134,7 +135,7 @@ def _as_array(values: tuple[Any, ...]) -> np.ndarray:
 
 
 def _checked(scene: Scene, over: Mapping[str, Sequence[Any]]) -> dict[str, tuple[Any, ...]]:
-    """The values by key, each of them valid in the scene by itself."""
+    """The values by key, each of them valid beside the first ones of the others."""
     allowed = "entries of a scene and a list of values of each"
     if not isinstance(over, Mapping) or not over:
         raise SceneError([Fault("over", shown(over), allowed)])
@@ -151,18 +152,41 @@ def _checked(scene: Scene, over: Mapping[str, Sequence[Any]]) -> dict[str, tuple
         found[key] = tuple(v.item() if isinstance(v, np.generic) else v for v in values)
     if faults:
         raise SceneError(faults)
-    first = {key: values[0] for key, values in found.items()}
-    for key, values in found.items():
-        for value in values:
-            try:
-                with warnings.catch_warnings():  # they come again where the case is made
-                    warnings.simplefilter("ignore")
-                    scene.replace(**first | {key: value})
-            except SceneError as error:
-                faults += [one for one in error.faults if str(one) not in map(str, faults)]
-    if faults:
-        raise SceneError(faults)
+    with warnings.catch_warnings():  # they come again where the case is made
+        warnings.simplefilter("ignore")
+        _replaced(scene, found, [{key: one} for key, values in found.items() for one in values])
     return found
+
+
+def _replaced(
+    scene: Scene, over: Mapping[str, tuple[Any, ...]], cases: Sequence[Mapping[str, Any]]
+) -> list[Scene]:
+    """The scene of each case; what that does not change has its first value.
+
+    Raises
+    ------
+    SceneError
+        With the faults of all of them, and the values that led to those of other entries.
+    """
+    first = {key: values[0] for key, values in over.items()}
+    scenes, faults = [], list[Fault]()
+    for case in cases:
+        try:
+            scenes.append(scene.replace(**first | case))
+        except SceneError as error:
+            faults += [_told_with(case, first, one) for one in error.faults]
+    if faults:
+        raise SceneError([*dict.fromkeys(faults)])
+    return scenes
+
+
+def _told_with(case: Mapping[str, Any], first: Mapping[str, Any], fault: Fault) -> Fault:
+    """A fault with the other values that led to it, unless it is of the only one of the case."""
+    if len(case) == 1 and any(key in fault.key for key in case):
+        return fault
+    others = {key: value for key, value in (first | case).items() if key not in fault.key}
+    told = ", ".join(f"{key} = {shown(value)}" for key, value in others.items())
+    return replace(fault, given=f"{fault.given} with {told}") if told else fault
 
 
 def _solved(
@@ -172,10 +196,10 @@ def _solved(
     keys = [*over]
     moving = [key for key in keys if key in CREEPAGES]
     others = [key for key in keys if key not in CREEPAGES]
+    places = list(snake(tuple(len(over[key]) for key in others)))
+    cases = [{key: over[key][k] for key, k in zip(others, one, strict=True)} for one in places]
     start = None
-    for outer in snake(tuple(len(over[key]) for key in others)):
-        fixed = {key: over[key][k] for key, k in zip(others, outer, strict=True)}
-        changed = scene.replace(**fixed, **{key: over[key][0] for key in moving})
+    for outer, changed in zip(places, _replaced(scene, over, cases), strict=True):
         chosen = Model(changed, measured_gap(changed))
         memory.check_solve(chosen)
         if jacobian:
