@@ -62,6 +62,19 @@ def test_wear_stays_where_it_was(grown):
             assert not entering[-(more // 2) :].any()
 
 
+def test_hot_discs_grow_too():
+    scene = Scene.builtin("hot-discs").replace(
+        grid=None, wear={"intensity": 2e-5, "revolutions": 3, "save": (3,)}
+    )
+    half = 1.16 * scene.hertz.a, 1.16 * scene.hertz.b
+    last = list(passages(Model(scene, grid=Grid(half, (15, 15)))))[-1]
+    assert last.contact.converged
+    assert last.contact.grid.elements[1] > 15
+    wanted = list(passages(Model(scene, grid=last.contact.grid)))[-1].contact
+    # Three passes, each solved to 1e-8 of all tractions and to 1e-6 of the temperature.
+    assert last.contact.wear.max() == pytest.approx(wanted.wear.max(), rel=1e-5)
+
+
 def test_elements_alone_are_laid_over_the_domain_that_is_chosen(tmp_path):
     scene = without_grid(WEARING)
     worn = {"wear.revolutions": 6000, "wear.save": (6000,)}

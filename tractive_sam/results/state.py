@@ -203,7 +203,7 @@ class State:
             name: widened(getattr(self, name), grid.elements, math.inf if name == "gap" else 0.0)
             for name in ("pressure", "traction", "slip", "gap", "wear", "sliding")
         }
-        return replace(self, grid=grid, **changes)
+        return replace(self, grid=grid, heat=None, **changes)  # how warm it is there nobody asked
 
     @cached_property
     def touching(self) -> np.ndarray:
