@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import trapezoid
 
 import tractive_sam as ts
 from tests.scenes import interrupted
@@ -112,7 +113,7 @@ def test_what_is_worn_lies_on_the_track(step, slip):
     places, depth = history.worn_track
     assert (np.diff(places) > 0.0).all()
     sections = depth.sum(axis=1) * history.grid.dy
-    volume = np.trapezoid(sections, places)
+    volume = trapezoid(sections, places)
     whole = history["worn_volume"][-1].sum()
     # By trapezia between places: of steps of one element a sum, of others 3 % off.
     assert volume == pytest.approx(whole, rel=1e-12 if step is None else 0.03, abs=0.0)

@@ -86,7 +86,6 @@ def every_size(folder):
         assert [file for file in folder.iterdir() if file != path] == []
 
 
-@pytest.mark.slow
 @pytest.mark.slow  # a run for every size of the disk, each with many small files to write
 def test_where_room_ends_nothing_is_lost_and_the_process_lives(tmp_path):
     # In a process of its own: what fails in HDF5 may end it, also after the last line.
