@@ -1,5 +1,7 @@
 """Numpy raises where numbers go wrong. The package is not imported before coverage has begun."""
 
+import os
+
 import numpy as np
 import pytest
 from hypothesis import settings
@@ -9,6 +11,16 @@ from hypothesis import settings
 settings.register_profile("same", derandomize=True, database=None, deadline=None)
 settings.register_profile("search", derandomize=False, database=None, deadline=None)
 settings.load_profile("same")
+
+OF_TERMINALS = ("FORCE_COLOR", "GITHUB_ACTIONS", "NO_COLOR", "PY_COLORS", "TERM", "TTY_COMPATIBLE")
+"""What a shell or a service tells of its terminal; what the program prints would go by it."""
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_configure():
+    """No terminal is told of, once pytest itself has looked at it."""
+    for name in OF_TERMINALS:
+        os.environ.pop(name, None)
 
 
 @pytest.fixture(autouse=True)
