@@ -1,5 +1,6 @@
 """What was compiled computes what Python does, and is used until a formula changes."""
 
+import errno
 import json
 import os
 import shutil
@@ -10,6 +11,9 @@ from importlib.resources import files
 import numba
 import numpy as np
 import pytest
+
+from tractive_sam.kernels.compiled import compiled
+from tractive_sam.kernels.rectangle import integrals
 
 pytestmark = pytest.mark.slow  # kernels are compiled anew
 
@@ -60,6 +64,34 @@ def test_a_change_in_an_imported_module_is_seen(ask):  # four processes that imp
     assert ask("x + 1.0", 2) == (8.0, 1)
     assert ask("x - 1.0", 2) == (4.0, 0)
     assert ask("x - 1.0", 5) == (10.0, 0)
+
+
+@pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
+@pytest.mark.parametrize("spoilt", [b"", b"no index"])
+def test_what_is_damaged_is_compiled_anew(ask, tmp_path, spoilt):
+    assert ask("x + 1.0", 2) == (8.0, 0)
+    for index in (tmp_path / "room" / "__pycache__").glob("*.nbi"):
+        index.write_bytes(spoilt)
+    assert ask("x + 1.0", 2) == (8.0, 0)
+    assert ask("x + 1.0", 2) == (8.0, 1)
+
+
+@pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
+def test_where_nothing_can_be_kept_it_is_compiled(monkeypatch):
+    monkeypatch.setattr("numba.core.caching.CompileResultCacheImpl._locator_classes", [])
+    kernel = compiled(integrals.py_func)
+    assert kernel(0.3, -0.2, 1.0, 0.7) == integrals(0.3, -0.2, 1.0, 0.7)
+
+
+@pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
+def test_where_there_is_no_room_it_is_compiled(monkeypatch):
+    def full(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("numba.core.caching.IndexDataCacheFile.load", lambda *_: None)
+    monkeypatch.setattr("numba.core.caching.IndexDataCacheFile.save", full)
+    kernel = compiled(integrals.py_func)
+    assert kernel(0.3, -0.2, 1.0, 0.7) == integrals(0.3, -0.2, 1.0, 0.7)
 
 
 TOLD = """

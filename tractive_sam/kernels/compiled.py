@@ -1,5 +1,7 @@
 """The decorator of every kernel: compiled when first called, kept on disk until its source changes.
 
+Where nothing can be kept, every process compiles anew; `NUMBA_CACHE_DIR` names another folder.
+
 By itself numba's cache sees a change in the module of a function, but not in the modules from which
 that takes other functions and constants: it would go on with an old formula. So what is kept bears
 a hash of all these sources in its name.
@@ -7,7 +9,7 @@ a hash of all these sources in its name.
 
 import re
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
@@ -15,6 +17,7 @@ from typing import Any
 
 import numba
 from numba.core import event
+from numba.core.caching import FunctionCache
 
 ANY_ORDER = {"reassoc", "contract", "nsz"}
 """`fastmath` of sums that may be added in any order, which allows for vector instructions."""
@@ -36,9 +39,30 @@ def compiled(function: Callable[..., Any] | None = None, *, fastmath: Any = Fals
     # numba names the files of its cache when it is given the function.
     function.__qualname__ = f"{sources(function.__module__.rpartition('.')[2])}.{name}"
     try:
-        return numba.njit(cache=True, error_model="numpy", nogil=True, fastmath=fastmath)(function)
+        kernel = numba.njit(error_model="numpy", nogil=True, fastmath=fastmath)(function)
+        with suppress(RuntimeError):  # of no folder that may be written
+            kernel._cache = _Kept(function)
+        return kernel
     finally:
         function.__qualname__ = name
+
+
+class _Kept(FunctionCache):
+    """What numba keeps on disk; where it cannot be read or written, it is compiled anew."""
+
+    def load_overload(self, *asked: Any) -> Any:
+        """What was compiled, or None."""
+        try:
+            return super().load_overload(*asked)
+        except Exception:  # what is damaged may raise any
+            with suppress(OSError):
+                self.flush()
+            return None
+
+    def save_overload(self, *compiled: Any) -> None:
+        """Keep it, where there is room."""
+        with suppress(OSError):
+            super().save_overload(*compiled)
 
 
 @cache
