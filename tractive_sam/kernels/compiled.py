@@ -39,7 +39,7 @@ def compiled(function: Callable[..., Any] | None = None, *, fastmath: Any = Fals
     # numba names the files of its cache when it is given the function.
     function.__qualname__ = f"{sources(function.__module__.rpartition('.')[2])}.{name}"
     try:
-        kernel = numba.njit(error_model="numpy", nogil=True, fastmath=fastmath)(function)
+        kernel: Any = numba.njit(error_model="numpy", nogil=True, fastmath=fastmath)(function)
         with suppress(RuntimeError):  # of no folder that may be written
             kernel._cache = _Kept(function)
         return kernel
