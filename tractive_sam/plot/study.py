@@ -1,7 +1,7 @@
 """A quantity over what varies in a study: curves, maps and scattered samples."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from textwrap import fill
 
 import numpy as np
@@ -48,10 +48,16 @@ LABELS = {
 """What the field calls quantities and entries of a scene; units, which differ between line contacts
 and others, come with the variable."""
 
+CREEPAGES = ("creepage.longitudinal", "creepage.lateral")
+"""Drawn as the field does, in per cent and with the sign of the force: curves rise to the right."""
+
+FORCES = ("Qx", "Qy", "Qx_over_P", "Qy_over_P")
+"""Curves of which over a creepage show the origin."""
+
 
 @dataclass(frozen=True, eq=False)
 class Variable:
-    """What is drawn along an axis of a figure.
+    """What is drawn along an axis of a figure; creepages as -xi, in per cent.
 
     Attributes
     ----------
@@ -81,9 +87,17 @@ class Variable:
         """What to write along the axis."""
         within, bracket, entry = self.name.rpartition("].")
         label = LABELS.get(entry) or self.meaning or self.name
+        unit = self.unit
+        if self.creepage:
+            label, unit = f"$-${label}", "%"
         if bracket and entry in LABELS:
             label = f"{label} of {within}]"
-        return fill(label if self.unit in ("", "1") else f"{label} ({self.unit})", LETTERS)
+        return fill(label if unit in ("", "1") else f"{label} ({unit})", LETTERS)
+
+    @property
+    def creepage(self) -> bool:
+        """Whether it has numbers of a translational creepage."""
+        return self.numeric and self.name.rpartition("].")[2] in CREEPAGES
 
     @property
     def numeric(self) -> bool:
@@ -92,8 +106,17 @@ class Variable:
 
     @property
     def places(self) -> np.ndarray:
-        """Where along the axis."""
-        return self.values.astype(float) if self.numeric else np.arange(self.values.size) * 1.0
+        """Where along the axis, in its unit."""
+        if not self.numeric:
+            return np.arange(self.values.size) * 1.0
+        return 0.0 - 100.0 * self.values if self.creepage else self.values.astype(float)
+
+    @property
+    def told(self) -> list[str]:
+        """Its values in words, in the unit of its axis."""
+        return (
+            [f"{one:.6g}" for one in self.places] if self.numeric else list(map(str, self.values))
+        )
 
     @property
     def logarithmic(self) -> bool:
@@ -134,7 +157,7 @@ def study_curves(
     columns = {"": y.values}
     if over is not None:
         shown = np.unique(np.linspace(0, over.values.size - 1, MOST_CURVES).astype(int))
-        columns = {_told(over.values[k]): y.values[:, k] for k in shown}
+        columns = {over.told[k]: y.values[:, k] for k in shown}
     order = np.argsort(x.places)
     if over is not None:  # its values have an order, and so have the colours
         axes.set_prop_cycle(color=colormaps[PRESSURE](np.linspace(0.0, 0.9, len(columns))))
@@ -143,6 +166,9 @@ def study_curves(
     if over is not None:
         axes.legend(title=over.label)
     _label(axes, x, y)
+    if x.creepage and y.name in FORCES and not x.logarithmic:
+        axes.update_datalim([(0.0, 0.0)])
+        axes.autoscale_view()
     set_title(figure, title)
     return figure
 
@@ -221,7 +247,8 @@ def _in_fields(variable: Variable) -> Variable:
     """The variable in ascending order, as texts where it has few values."""
     if not variable.numeric or variable.values.size > FEW:
         return variable
-    return replace(variable, values=np.array([_told(one) for one in np.sort(variable.values)]))
+    order = np.argsort(variable.places)
+    return Variable("", np.array(variable.told)[order], variable.label)
 
 
 def _label(axes: Axes, x: Variable, y: Variable) -> None:
@@ -235,7 +262,3 @@ def _label(axes: Axes, x: Variable, y: Variable) -> None:
     if not x.numeric:
         letters = max(LETTERS // x.values.size, LETTERS // 6)
         axes.set_xticks(x.places, [fill(one, letters) for one in x.values])
-
-
-def _told(value) -> str:
-    return str(value) if isinstance(value, str) else f"{value:.6g}"
