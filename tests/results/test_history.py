@@ -8,9 +8,10 @@ import pytest
 
 import tractive_sam as ts
 from tests.store.sample_records import SCENE, STRESSED, make_record, mesh, with_stress
-from tractive_sam.results import missed_stress
+from tractive_sam.results import caveats
 from tractive_sam.results.quantities import COLUMNS, FIELDS, STRESS, WARM, columns
 from tractive_sam.results.record import fields
+from tractive_sam.scene import PlausibilityWarning
 
 REVOLUTIONS = 2
 
@@ -250,5 +251,20 @@ def test_a_stress_that_long_elements_miss_is_told():
     largest = 0.55 * scene.hertz.p0
     for elements, missed in (((15, 401), False), ((15, 61), True)):
         history = ts.roll(scene.replace(grid={"elements": elements}))
-        assert bool(missed_stress(history)) == missed
+        assert ("stress" in caveats(history)) == missed
         assert (history["von_mises_interior"][0, 0] > largest) != missed
+
+
+def test_a_contact_that_grows_to_the_edges_of_a_disc_is_told():
+    """A is wide enough for the worn contact, B for the unworn one, which has no note of its own."""
+    scene = ts.Scene.builtin("twin-discs").replace(
+        **{"wear.revolutions": 500, "wear.save": [0, 500], "subsurface": None}
+    )
+    new = 2.0 * scene.hertz.b
+    scene = scene.replace(**{"body.A.width": 3.0 * new, "body.B.width": 1.3 * new})
+    told = caveats(ts.roll(scene))
+    assert "body B" in told["width"]
+    assert "body A" not in told["width"]
+    assert caveats(ts.roll(scene.replace(wear=None))) == {}
+    with pytest.warns(PlausibilityWarning, match="body B"):
+        scene.replace(**{"body.B.width": 1.2 * new})

@@ -54,7 +54,7 @@ def run(
 ) -> None:
     """Compute a scene, all its revolutions, into a results file."""
     from tractive_sam.cli import tables
-    from tractive_sam.results import balances, missed_stress
+    from tractive_sam.results import balances, caveats
     from tractive_sam.run import progress_shown, roll
     from tractive_sam.store import open_history
 
@@ -86,8 +86,8 @@ def run(
         console().print(tables.last_record(history))
     for told in balances(history, only_if_open=True).values():
         say(("note: ", "bold yellow"), told)
-    if missed := missed_stress(history):
-        say(("note: ", "bold yellow"), f"stress: {missed}")
+    for name, told in caveats(history).items():
+        say(("note: ", "bold yellow"), f"{name}: {told}")
     say(f"{output}: {history.status}; {history.message}")
     if inaccurate:
         raise stop(Status.INCOMPLETE, "less accurate than asked for; the error bars tell how much")

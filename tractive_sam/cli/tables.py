@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from rich import box
 from rich.table import Table
 
-from tractive_sam.results import balances, missed_stress, numbers, rolled_on_by
+from tractive_sam.results import balances, caveats, numbers, rolled_on_by
 from tractive_sam.scene import told as asked_of
 
 if TYPE_CHECKING:
@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from tractive_sam.scene import Scene
 
 COURSE = (
-    ("Qx_over_P", "Qx/P", 1, ".4f"),
-    ("Qy_over_P", "Qy/P", 1, ".4f"),
+    ("Qx_over_P", "Qx/P", 1, "z.4f"),
+    ("Qy_over_P", "Qy/P", 1, "z.4f"),
     ("p_max", "p_max\nMPa", 1, ".4g"),
     ("half_width_x", "half x\nmm", 1, ".4g"),
     ("half_width_y", "half y\nmm", 1, ".4g"),
@@ -34,6 +34,11 @@ MOVED = (
 
 FOUND = (("xi_x", "xi_x", 1, ".3e"), ("xi_y", "xi_y", 1, ".3e"))
 """The same of creepages, where forces are prescribed."""
+
+STEPPING = {
+    "operator_applications", "jump", "converged", "solves", "seconds", "next_step", "stretch"
+}  # fmt: skip
+"""Columns of a record that say how it was computed: the totals tell it, and --json and --csv."""
 
 MOST_ROWS = 20
 
@@ -60,8 +65,7 @@ def about(history: "History") -> Table:
     if others := rolled_on_by(history):
         rows["rolled on by"] = others
     rows |= {f"{name} balance": text for name, text in balances(history).items()}
-    if missed := missed_stress(history):
-        rows["stress"] = missed
+    rows |= caveats(history)
     totals = history.totals
     if totals["contact_solves"]:
         spent = f"{totals['contact_solves']} contacts solved in {totals['wall_seconds']:.3g} s"
@@ -80,13 +84,15 @@ def asked(history: "History") -> Table:
 
 
 def last_record(history: "History") -> Table:
-    """The last record, one quantity a row."""
+    """The last record, one quantity a row; not those of `STEPPING`."""
     table = Table(box=box.SIMPLE_HEAD, show_header=False)
     table.add_column(style="bold")
     table.add_column(justify="right")
     table.add_column()
     table.add_column(style="dim")
     for name, text, one in numbers(history, -1):
+        if name in STEPPING:
+            continue
         table.add_row(name, text, "" if one.unit == "1" else one.unit, one.long_name)
     return table
 

@@ -12,7 +12,7 @@ from typing import Any
 
 from tractive_sam.pages import text
 from tractive_sam.pages.data import of_history
-from tractive_sam.results import History, balances, missed_stress, rolled_on_by
+from tractive_sam.results import History, balances, caveats, rolled_on_by
 from tractive_sam.scene import Scene, told
 
 LONGEST_SCENE = 20_000
@@ -121,8 +121,7 @@ def _facts(history: History) -> Iterator[tuple[str, str]]:
         yield "rolled on by", others
     for name, found in balances(history).items():
         yield f"{name} balance", found
-    if missed := missed_stress(history):
-        yield "stress", missed
+    yield from caveats(history).items()
     totals = history.totals
     if totals["contact_solves"]:
         spent = f"{totals['contact_solves']} contacts solved in {totals['wall_seconds']:.3g} s"

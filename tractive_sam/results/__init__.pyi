@@ -43,7 +43,7 @@ from .state import State as State
 from .status import Cost as Cost
 from .status import Status as Status
 from .told import balances as balances
-from .told import missed_stress as missed_stress
+from .told import caveats as caveats
 from .told import number as number
 from .told import numbers as numbers
 from .told import rolled_on_by as rolled_on_by

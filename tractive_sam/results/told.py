@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tractive_sam.results.quantities import BODIES, Quantity
+from tractive_sam.scene import near_edge
 
 if TYPE_CHECKING:
     from tractive_sam.results.history import History
@@ -86,8 +87,17 @@ def balances(history: "History", only_if_open: bool = False) -> dict[str, str]:
     return told
 
 
-def missed_stress(history: "History") -> str:
-    """What to say where elements are so long that the largest stress is not found; else nothing."""
+def caveats(history: "History") -> dict[str, str]:
+    """What to mind: "stress" that elements may miss, "width" of bodies that the contact fills."""
+    told = {"stress": _missed_stress(history)}
+    if len(history) and not history.grid.line:
+        widest = 2.0 * float(np.nanmax(history["half_width_y"], initial=0.0))
+        told["width"] = "; ".join(near_edge(history.scene, widest))
+    return {name: text for name, text in told.items() if text}
+
+
+def _missed_stress(history: "History") -> str:
+    """Where elements are so long that the largest stress is not found."""
     grid, hertz = history.grid, history.scene.hertz
     if not history.bodies or hertz is None or history.scene.gap is not None:
         return ""

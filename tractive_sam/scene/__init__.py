@@ -8,6 +8,7 @@ from .bodies import Bodies, Body
 from .catalogue import builtin_names
 from .checks import FEWEST_ELEMENTS
 from .document import Document
+from .doubts import near_edge
 from .duty import Block, BlockCreepage, BlockFriction, BlockLoad, Spectrum, label
 from .fatigue import Fatigue, FatigueVolume
 from .faults import (
@@ -109,6 +110,7 @@ __all__ = [
     "files_of_varied",
     "groups",
     "label",
+    "near_edge",
     "number",
     "parse_settings",
     "shown",

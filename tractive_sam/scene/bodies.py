@@ -45,6 +45,11 @@ class Body(Table):
         "shared in inverse proportion; of both bodies or of none; MPa for the wear law jendel",
         1.0,
     )
+    width: Positive | None = positive(
+        "width across the rolling direction, mm, half of it to either side of y = 0; edges are not "
+        "modelled, and a note tells where the contact comes near one",
+        None,
+    )
     density: Positive = positive("density, kg/m3, for the worn mass; by default steel's", 7850.0)
     thermal: Thermal | None = entry("what it conducts heat by", "", None)
     checks: ClassVar[tuple[Check, ...]] = (exactly_one("young", "shear"),)

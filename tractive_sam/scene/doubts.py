@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from tractive_sam.mechanics import HertzContact
+
 from .tables import PER_INTENSITY
 
 if TYPE_CHECKING:
-    from tractive_sam.mechanics import HertzContact, HertzLine, Material
+    from tractive_sam.mechanics import HertzLine, Material
 
     from .scene import Scene
 
@@ -36,6 +38,9 @@ MOST_WEAR = 2.0
 """Wear intensity times E*: a thousand times that of dry steel, of k = 2e-5 mm3/(N m)."""
 
 
+NEAR_EDGE = 0.8
+"""Width of the contact over that of a body from which an edge is as near as half a half width."""
+
 MOST_SHAKEN = 4.7
 """p0/k up to which a circular contact without friction shakes down; a line up to 4."""
 
@@ -59,9 +64,21 @@ def doubtful_contact(
         )
 
 
+def near_edge(scene: Scene, width: float) -> Iterator[str]:
+    """What to say of each body that is hardly wider than a contact of that width, mm."""
+    for name, body in (("A", scene.body.A), ("B", scene.body.B)):
+        if body.width is not None and width > NEAR_EDGE * body.width:
+            yield (
+                f"the contact is {width:.3g} mm wide and body {name} {body.width:g} mm; its edges "
+                "are not modelled, and pressure rises there"
+            )
+
+
 def doubts(scene: Scene) -> Iterator[str]:
     """A line for each entry that is doubtful, with what may be meant."""
     yield from doubtful_contact(scene.materials, scene.hertz)
+    if isinstance(scene.hertz, HertzContact):
+        yield from (f"body: {told}" for told in near_edge(scene, 2.0 * scene.hertz.b))
     k = None if scene.fatigue is None else scene.fatigue.shear_yield_stress
     if k is not None and scene.hertz is not None and scene.hertz.p0 > MOST_SHAKEN * k:
         yield (
