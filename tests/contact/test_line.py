@@ -297,6 +297,7 @@ def test_free_rolling_on_a_single_element(settings):
     mesh = ("grid.half_length=0.4289878114670304", "grid.elements=33")
     contact = steady("cylinders-dissimilar", *mesh, *settings)
     assert contact.converged, contact.message
-    # One element, all of whose pressure is the load; the tractions are rounding beside it.
-    assert pytest.approx(contact.scene.load.normal, rel=1e-12, abs=0.0) == contact.P
+    # One element, all of whose pressure is the load, to the tolerance of the solver; the tractions
+    # are rounding beside it.
+    assert pytest.approx(contact.scene.load.normal, rel=1e-8, abs=0.0) == contact.P
     assert abs(contact.Qx) <= 1e-12 * contact.P

@@ -7,8 +7,10 @@ from tests.operators.test_elastic import dense
 from tests.scenes import steady
 from tests.test_hard_scenes import residual
 from tractive_sam.contact import Model
+from tractive_sam.contact.equilibrium import start_of
 from tractive_sam.operators import STAGGERED, Lattice
 from tractive_sam.operators.stencil import edge_angles
+from tractive_sam.solvers.newton_system import Iterate
 
 SCENES = [
     ("spheres", "creepage.spin=0.0005"),
@@ -127,3 +129,21 @@ def test_tractions_that_are_tiny_beside_the_pressure_are_solved_for(tolerance):
     assert np.abs(close.traction).max() < 1e-4 * close.p_max
     # Smooth parts of the slip are small against those of one element: a few times the residual.
     assert rough.Qx == pytest.approx(close.Qx, rel=10 * tolerance)
+
+
+@pytest.mark.filterwarnings("ignore:grid.elements")
+@pytest.mark.parametrize("change", [-1.0, 1.0])
+def test_tractions_of_the_rounding_of_their_slip_miss_nothing(change):
+    """One element that rolls freely has none; its slip is what adding up its parts leaves."""
+    mesh = ("grid.half_length=0.43", "grid.elements=33")  # far wider than the contact
+    contact = steady("cylinders-dissimilar", *mesh, "load.normal=1e-3")
+    model = Model(contact.scene)
+    problem = model.problem(model.undeformed_gap / model.units.gap, None)
+    start = start_of(model, contact)
+    found = Iterate(problem, start.pressure, start.traction, start.approach, start.creepage)
+    response = found.response * (1.0 + change * np.finfo(float).eps)
+    fields = start.pressure, start.traction, start.approach, start.creepage
+    assert Iterate(problem, *fields, response=response).residual <= 1e-8
+    # More than that is told: half of a thousandth of the creepage.
+    response[-2:] += 5e-4 * np.abs(start.creepage).max() * problem.forces.vectors[0][:, None, None]
+    assert Iterate(problem, *fields, response=response).residual > 0.5

@@ -11,6 +11,9 @@ import numpy as np
 from tractive_sam.solvers.outcome import relative
 from tractive_sam.solvers.problem import Problem
 
+ROUNDING = 4.0 * float(np.finfo(float).eps)
+"""Of what the operator answers, relative."""
+
 
 class Iterate:
     """Pressure, tractions, approach, creepages, and what the contact conditions say of them.
@@ -75,7 +78,10 @@ class Iterate:
         drag = max(np.linalg.norm(self.traction + self.law.defect), asked)
         self._tangential = self.law.merit + missed
         self._normal = 0.0
-        self.residual = relative(np.sqrt(self.law.squares + missed), drag)
+        defect = np.sqrt(self.law.squares + missed)
+        # Tractions cannot be known better than the slip, which is rounded as its parts are.
+        rounded = ROUNDING * np.sqrt(self.pressure.size) * np.abs(self.response[-2:]).max()
+        self.residual = relative(defect, drag) if defect > rounded else 0.0
         self.ratio = 1.0
         if not held:
             self._normal = np.sum(np.minimum(self.pressure, self.gap) ** 2)
