@@ -9,7 +9,7 @@ import pytest
 
 import tractive_sam
 
-CONTRACTS = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())["tool"][
+CONTRACTS = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text("utf-8"))["tool"][
     "importlinter"
 ]["contracts"]
 ONLY_IN = {one["name"]: one for one in CONTRACTS if " only in " in one["name"]}
@@ -46,7 +46,7 @@ def test_what_has_a_room_of_its_own():
 def lets_out(room):
     """The names that a room's door has."""
     doors = (PACKAGE / room).glob("__init__.py*")
-    found = (one for door in doors for one in ast.walk(ast.parse(door.read_text())))
+    found = (one for door in doors for one in ast.walk(ast.parse(door.read_text("utf-8"))))
     imports = (one.names for one in found if isinstance(one, ast.ImportFrom))
     return {one.asname or one.name for names in imports for one in names}
 
@@ -55,7 +55,7 @@ def test_rooms_are_entered_by_their_doors():
     """Formulas apart, which are taken by module: `kernels` lets out nothing."""
     past = []
     for module in PACKAGE.rglob("*.py"):
-        for one in ast.walk(ast.parse(module.read_text())):
+        for one in ast.walk(ast.parse(module.read_text("utf-8"))):
             if not isinstance(one, ast.ImportFrom) or one.level:
                 continue
             package, room, *deeper = [*(one.module or "").split("."), ""]

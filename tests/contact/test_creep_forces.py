@@ -9,7 +9,7 @@ import pytest
 from tests.scenes import steady
 from tractive_sam.reference import creep_coefficients
 
-REFERENCE = json.loads((Path(__file__).parents[1] / "data" / "reference.json").read_text())
+REFERENCE = json.loads((Path(__file__).parents[1] / "data" / "reference.json").read_text("utf-8"))
 
 
 def test_curve_lies_on_that_of_an_independent_program():

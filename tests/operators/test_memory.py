@@ -1,6 +1,7 @@
 """What is free, by what the system tells of it."""
 
 import math
+from pathlib import Path
 
 import pytest
 
@@ -23,7 +24,8 @@ def groups(tmp_path):
 
 
 def test_something_is_free():
-    assert 2**20 < memory.available() < math.inf
+    assert memory.available() > 2**20
+    assert memory.available() < math.inf or not Path("/proc/meminfo").exists()
 
 
 def test_the_narrowest_group_counts(groups):
@@ -49,3 +51,7 @@ def test_groups_of_the_first_version(groups):
 
 def test_without_groups(groups):
     assert groups("0::/gone\n", {}) == math.inf
+
+
+def test_what_cannot_be_read_bounds_nothing(groups):
+    assert groups("no group\n", {}) == math.inf

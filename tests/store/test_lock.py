@@ -24,7 +24,7 @@ def test_lock_ends_with_its_process(tmp_path):
         "with locked(pathlib.Path(sys.argv[1])): print('held', flush=True); time.sleep(60)"
     )
     with subprocess.Popen([sys.executable, "-c", holds, path], stdout=subprocess.PIPE) as holder:
-        assert holder.stdout.readline() == b"held\n"
+        assert holder.stdout.readline().strip() == b"held"
         assert is_locked(path)
         holder.kill()
         holder.wait()

@@ -39,7 +39,7 @@ def test_a_writer_that_was_killed_holds_nothing(finished):
     )
     command = [sys.executable, "-c", holds, finished]
     with subprocess.Popen(command, stdout=subprocess.PIPE) as holder:
-        assert holder.stdout.readline() == b"held\n"
+        assert holder.stdout.readline().strip() == b"held"
         with pytest.raises(HeldError), results_writer(finished, overwrite=True):
             pass
         holder.kill()

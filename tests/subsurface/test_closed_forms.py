@@ -23,7 +23,7 @@ from tractive_sam.subsurface import stress_at, stress_volume
 
 NU = 0.28
 DEPTHS = (0.1, 0.3, 0.5, 1.0)
-PUBLISHED = json.loads((Path(__file__).parents[1] / "data" / "reference.json").read_text())[
+PUBLISHED = json.loads((Path(__file__).parents[1] / "data" / "reference.json").read_text("utf-8"))[
     "von_mises_on_axis"
 ]
 

@@ -33,7 +33,7 @@ def _of_machine() -> float:
 def _of_groups(root: Path = GROUPS, told: Path = Path("/proc/self/cgroup")) -> float:
     """What is left to the groups of the process and to those that hold them."""
     left = [math.inf]
-    with suppress(OSError):
+    with suppress(OSError, ValueError):
         for line in told.read_text().splitlines():
             _, kinds, name = line.split(":", 2)
             if kinds == "":  # version 2
