@@ -9,9 +9,8 @@ import pytest
 
 import tractive_sam
 
-CONTRACTS = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text("utf-8"))["tool"][
-    "importlinter"
-]["contracts"]
+PROJECT = (Path(__file__).parents[1] / "pyproject.toml").read_text("utf-8")
+CONTRACTS = tomllib.loads(PROJECT)["tool"]["importlinter"]["contracts"]
 ONLY_IN = {one["name"]: one for one in CONTRACTS if " only in " in one["name"]}
 ROOMS = {f"tractive_sam.{room.name}" for room in iter_modules(tractive_sam.__path__)}
 ROOMS -= {"tractive_sam.__main__"}
