@@ -3,6 +3,7 @@
 import pickle
 from dataclasses import fields, is_dataclass
 from importlib import import_module
+from inspect import signature
 from pathlib import Path
 from pkgutil import walk_packages
 from types import SimpleNamespace
@@ -25,6 +26,15 @@ def test_names_outlive_the_import_of_their_rooms():
 def test_every_public_name_is_there_and_documented():
     for name in ts.__all__:
         assert getattr(ts, name).__doc__, name
+
+
+def test_help_is_short():
+    """Names of annotations, not what they stand for; of tables their own names, not pydantic's."""
+    for name in ("solve", "stress_at", "stress_on_plane", "stress_path"):
+        assert len(str(signature(getattr(ts, name)))) < 500, name
+    assert not {"construct", "copy", "model_fields", "schema"} & set(dir(ts.Scene))
+    assert {"builtin", "from_toml", "replace"} <= set(dir(ts.Scene))
+    assert ts.Scene.model_fields  # still there for those who ask
 
 
 def test_version():

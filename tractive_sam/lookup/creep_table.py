@@ -1,5 +1,7 @@
 """A table of creep forces: scaling, symmetries, interpolation and error."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -36,7 +38,7 @@ class Forces:
     Qx: np.ndarray
     Qy: np.ndarray
     Mz: np.ndarray
-    _table: "CreepTable" = field(repr=False)
+    _table: CreepTable = field(repr=False)
     _at: tuple = field(repr=False)
 
     @cached_property

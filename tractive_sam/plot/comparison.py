@@ -1,5 +1,7 @@
 """One number of several computations over their course, in the same axes."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 
 from numpy.typing import ArrayLike

@@ -1,5 +1,7 @@
 """Transmitted force against creepage, as eq. (40) makes it dimensionless."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from itertools import cycle
 

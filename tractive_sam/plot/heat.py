@@ -1,5 +1,7 @@
 """Figures of heat and of friction that varies: temperature, local friction, the traction curve."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from itertools import cycle
 

@@ -1,5 +1,7 @@
 """From a scene to its results: the two front doors, `solve` and `roll`."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterable
 from contextlib import nullcontext
 from dataclasses import replace

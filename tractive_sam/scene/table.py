@@ -50,7 +50,16 @@ class Known(dict[str, Any]):
 Check = Callable[[Known], Iterable[Fault]]
 
 
-class Table(BaseModel):
+def _own_names(cls: Any) -> list[str]:
+    """Names of a class for its help and completion, without those of its library."""
+    return [name for name in type(BaseModel).__dir__(cls) if name not in _LIBRARY]
+
+
+# Its kind is made here, as pydantic has no public name for that of its classes.
+_Bare: Any = type("_Bare", (type(BaseModel),), {"__dir__": _own_names})
+
+
+class Table(BaseModel, metaclass=_Bare):
     """A frozen table of a scene.
 
     Keywords are the keys of the TOML table; None stands for "not given".

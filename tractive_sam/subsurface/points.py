@@ -1,5 +1,7 @@
 """Stress at arbitrary points, and along the way of one."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -1,5 +1,7 @@
 """Stress in a volume, one layer after another."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 
 import numpy as np
