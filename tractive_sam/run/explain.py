@@ -152,7 +152,7 @@ def _contact(model: Model) -> Section:
             "the surfaces: the pressure is solved alone"
         )
     else:
-        coupling = "none (K = 0): tractions do not change the pressure, which is solved first"
+        coupling = "none: tractions do not change the pressure, which is solved first"
     if scene.friction is None:
         tangential = "left out: without friction there is no traction"
     elif not model.transmits:
@@ -222,7 +222,8 @@ def _wear(model: Model) -> Section:
 
 def _stepping(wear) -> str:
     if wear.stepping == "adaptive":
-        return f"in adaptive jumps, to {wear.tolerance:g} of the wear depth"
+        told = f"in adaptive jumps, to {wear.tolerance:g} of the wear depth"
+        return f"{told}, and their contacts to a residual of no more"
     return "one by one"
 
 
