@@ -40,8 +40,9 @@ ASK = "from {room}.outer import total; print(total(3.0), sum(total.stats.cache_h
 
 
 @pytest.fixture
-def ask(tmp_path):
+def ask(tmp_path, monkeypatch):
     """Write formulas into a room of their own; a fresh process gives `total(3.0)`, cache hits."""
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "kept"))
     room = "room"
     (tmp_path / room).mkdir()
     shutil.copy(files("tractive_sam.kernels") / "compiled.py", tmp_path / room)
@@ -70,7 +71,7 @@ def test_a_change_in_an_imported_module_is_seen(ask):  # four processes that imp
 @pytest.mark.parametrize("spoilt", [b"", b"no index"])
 def test_what_is_damaged_is_compiled_anew(ask, tmp_path, spoilt):
     assert ask("x + 1.0", 2) == (8.0, 0)
-    for index in (tmp_path / "room" / "__pycache__").glob("*.nbi"):
+    for index in (tmp_path / "kept").rglob("*.nbi"):
         index.write_bytes(spoilt)
     assert ask("x + 1.0", 2) == (8.0, 0)
     assert ask("x + 1.0", 2) == (8.0, 1)
