@@ -36,6 +36,12 @@ def test_what_was_not_recorded_is_told_with_what_was(finished):
         history["pressure"]
 
 
+def test_totals_are_of_what_is_known(finished):
+    with h5py.File(finished, "r+") as file:
+        del file["history/solves"], file["history/seconds"]
+    assert open_history(finished).totals == {"contact_solves": 0, "wall_seconds": 0.0}
+
+
 def test_dictionary_is_json(finished):
     content = json.loads(json.dumps(open_history(finished).to_dict(), allow_nan=False))
     rows = {name for name, one in columns(SCENE).items() if "y" not in one.dims} | {*STRESSES}

@@ -274,7 +274,7 @@ class History:
     def totals(self) -> dict[str, float]:
         """Contacts solved and seconds spent on all records, "contact_solves" and "wall_seconds"."""
         return {
-            "contact_solves": int(self["solves"].sum()),
+            "contact_solves": int(np.nansum(self["solves"])),
             "wall_seconds": float(np.nansum(self["seconds"])),
         }
 
