@@ -217,6 +217,19 @@ def test_goes_on_with_the_wear_of_warm_surfaces(discs, tmp_path):
         np.testing.assert_array_equal(resumed[name], whole[name], err_msg=name)
 
 
+def test_a_block_that_waits_for_its_turn_stays_as_warm(discs, tmp_path):
+    coarse = {"half_length": (0.35, 0.8), "elements": (15, 15)}
+    wear = {"intensity": 1e-6, "revolutions": 4, "save": [0, 1, 2], "stepping": "every-revolution"}
+    blocks = [{"revolutions": 1}, {"revolutions": 1, "load": {"normal": 200.0}}]
+    scene = discs.replace(grid=coarse, wear=wear, duty=blocks)
+    whole = ts.roll(scene)
+    interrupted(scene, tmp_path / "hot.h5", 1)
+    resumed = ts.roll(scene, tmp_path / "hot.h5", resume=True)
+    np.testing.assert_array_equal(resumed["block_temperature_max"], whole["block_temperature_max"])
+    fields = (one.field("temperature_A", 1) for one in (resumed, whole))
+    np.testing.assert_array_equal(*fields)
+
+
 def test_drawn(discs):
     contact = ts.solve(discs)
     for draw in (ts.plot.temperature, ts.plot.friction):

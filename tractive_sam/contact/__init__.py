@@ -1,7 +1,7 @@
 """Sets up and solves steady rolling contact."""
 
 from tractive_sam.contact.equilibrium import equilibrium, fitted, fitted_blocks
-from tractive_sam.contact.heat import wear_law_in
+from tractive_sam.contact.heat import wear_law_in, with_heat
 from tractive_sam.contact.jacobian import check_jacobian, jacobian_of
 from tractive_sam.contact.laws import Laws
 from tractive_sam.contact.measured import across
@@ -33,4 +33,5 @@ __all__ = [
     "reaching",
     "travelled",
     "wear_law_in",
+    "with_heat",
 ]

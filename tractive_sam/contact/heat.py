@@ -131,6 +131,13 @@ def _shared(
     return spread(found)
 
 
+def with_heat(model: Model, contact: State) -> State:
+    """A contact with its temperatures: neither a results file nor a wider mesh tells them."""
+    if model.scene.heat is None or contact.heat is not None:
+        return contact
+    return replace(contact, heat=heat_of(model, contact))
+
+
 def wear_law_in(model: Model, contact: State) -> WearLaw | None:
     """The law of wear in a contact: by what memory and heat leave of friction, at its heat."""
     law, scene = model.wear_law, model.scene
@@ -138,7 +145,7 @@ def wear_law_in(model: Model, contact: State) -> WearLaw | None:
         return law
     temperature = None
     if scene.heat is not None:
-        heat = contact.heat or heat_of(model, contact)  # results files keep none of the last one
+        heat = with_heat(model, contact).heat
         temperature = heat.temperature["A"]  # where they touch, that of B too
 
     def of(one: WearLaw) -> WearLaw:

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from tractive_sam.contact import Gap, Laws, Model, across, grown
+from tractive_sam.contact import Gap, Laws, Model, across, grown, with_heat
 from tractive_sam.results import (
     PARTS,
     ROLLED,
@@ -86,6 +86,7 @@ def _unworn(model: Model) -> Passage:
 def _revolutions(model: Model, last: Passage) -> Iterator[Passage]:
     wear, saves = model.scene.wear, Saves.of(model.scene)
     if wear is not None:
+        last = replace(last, contacts=tuple(map(with_heat, model.blocks, last.contacts)))
         steps = adaptive_passages if wear.stepping == "adaptive" else every_passage
         yield from steps(model, last, saves)
 
