@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
-from tractive_sam.results import BodyFatigue
-from tractive_sam.rolling import damage
+from tractive_sam.contact import Model
+from tractive_sam.results import BodyFatigue, Grid
+from tractive_sam.rolling import damage, passages
 
 LIFE = ts.Woehler(cycles=1e6, exponent=6.0)
 ASKED = {"shear_yield": 300.0, "sensitivity": 0.333, "limit": 250.0, "elements": 12}
@@ -223,6 +224,23 @@ def test_a_mesh_that_grows_keeps_the_damage(tmp_path):
     np.testing.assert_array_equal(again.damage[4:-4], body.damage)
     assert not again.damage[:4].any()
     assert (on.fatigue("A").damage[4:-4] >= body.damage).all()
+
+
+@pytest.mark.slow
+def test_a_mesh_that_grows_on_the_way_changes_nothing():
+    settings = ["wear.intensity=2e-5", "wear.revolutions=200", "wear.save=[200]"]
+    scene = discs(*settings).replace(grid=None)
+    narrow = Grid((0.35, 0.54), (15, 15))
+    last = list(passages(Model(scene, grid=narrow)))[-1]
+    wide = last.grid
+    assert wide.elements[1] > narrow.elements[1]
+    wanted = list(passages(Model(scene, grid=wide)))[-1]
+    assert last.revolution == wanted.revolution
+    for body in "AB":
+        here, there = (one.damage.bodies[body].now for one in (last, wanted))
+        np.testing.assert_array_equal(here.y, there.y)
+        # Jumps may differ, and each is right to the tolerance of the stepping, 1 % of the damage.
+        np.testing.assert_allclose(here.damage, there.damage, atol=1e-2 * there.damage.max())
 
 
 def test_a_contact_that_leaves_the_mesh_keeps_the_damage_before(tmp_path, monkeypatch):

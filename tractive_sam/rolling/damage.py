@@ -146,8 +146,7 @@ class Damage:
 
     def after(self, passage: Passage, model: Model) -> "Damage":
         """The same after the passes up to a later passage, on its mesh."""
-        elements = passage.contact.grid.elements[1]
-        before = {body: _on(one, elements) for body, one in self.bodies.items()}
+        before = {body: _on(one, passage.grid.y) for body, one in self.bodies.items()}
         depths = next(iter(before.values())).now.depth  # those of all
         jump = passage.revolution - self.revolution, self.revolution - self.earlier
         bodies, life = {}, model.laws.life
@@ -309,13 +308,13 @@ def _below_the_unworn_surface(depth: np.ndarray, fine: float) -> np.ndarray:
     return np.union1d(depth, beside)
 
 
-def _on(one: Followed, elements: int) -> Followed:
+def _on(one: Followed, y: np.ndarray) -> Followed:
     """The same on a mesh with more rows; nothing has happened there."""
     names = ("damage", "utilisation")
-    wider = {name: _wider(getattr(one.now, name), elements) for name in names}
-    now = replace(one.now, worn=widened(one.now.worn, (elements,)), **wider)
-    wider = {name: _wider(getattr(one, name), elements) for name in ("used", "before", "error")}
-    return replace(one, now=now, rate=widened(one.rate, (elements,)), **wider)
+    wider = {name: _wider(getattr(one.now, name), y.size) for name in names}
+    now = replace(one.now, y=y, worn=widened(one.now.worn, y.shape), **wider)
+    wider = {name: _wider(getattr(one, name), y.size) for name in ("used", "before", "error")}
+    return replace(one, now=now, rate=widened(one.rate, y.shape), **wider)
 
 
 def _rolled(
