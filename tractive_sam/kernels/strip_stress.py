@@ -26,6 +26,34 @@ from tractive_sam.kernels.compiled import compiled
 
 
 @compiled
+def _of_edge(x, z, width):
+    """ln r, t, x z/r² and z²/r² at a place seen from an edge; what is infinite is left out."""
+    rr = x * x + z * z
+    if rr == 0.0:
+        return math.log(width), 0.0, 0.0, 0.0
+    return 0.5 * math.log(rr), math.atan2(x, z), x * z / rr, z * z / rr
+
+
+@compiled
+def edge_table(out, z, width):
+    """Set what makes the stress of a depth: at centres of strips, seen from their edges.
+
+    Parameters
+    ----------
+    out : ndarray, shape (4, p)
+        ln r, t, x z/r² and z²/r² at x = (k + 1/2) width, k = 0, 1, ... and from the end -1, -2 ...
+    z : float
+        Depth.
+    width : float
+        Width of the strips.
+    """
+    count = out.shape[1]
+    for m in range(count):
+        k = m if 2 * m < count else m - count
+        out[0, m], out[1, m], out[2, m], out[3, m] = _of_edge((k + 0.5) * width, z, width)
+
+
+@compiled
 def stress_at(out, points, edges, jumps, width, nu):
     """Set the stresses at points of a half-space, exact for tractions constant on every strip.
 
@@ -54,12 +82,7 @@ def stress_at(out, points, edges, jumps, width, nu):
         for m in range(edges.shape[0]):
             x = points[n, 0] - edges[m]
             p_x, p_y, p_n = jumps[m, 0], jumps[m, 1], jumps[m, 2]
-            rr = x * x + z * z
-            if rr == 0.0:
-                ln, t, xz_rr, zz_rr = math.log(width), 0.0, 0.0, 0.0
-            else:
-                ln, t = 0.5 * math.log(rr), math.atan2(x, z)
-                xz_rr, zz_rr = x * z / rr, z * z / rr
+            ln, t, xz_rr, zz_rr = _of_edge(x, z, width)
             xx -= p_x * (2.0 * ln + zz_rr) + p_n * (t - xz_rr)
             zz += p_x * zz_rr - p_n * (t + xz_rr)
             xz += p_n * zz_rr - p_x * (t - xz_rr)

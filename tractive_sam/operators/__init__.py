@@ -12,6 +12,7 @@ from tractive_sam.operators.stencil import STAGGERED, UPWIND, FrictionSlip, Sten
 from tractive_sam.operators.step import StepOperators, Way
 from tractive_sam.operators.stress_layers import StressLayers
 from tractive_sam.operators.stress_plane import StressPlane
+from tractive_sam.operators.strip_layers import StripLayers
 from tractive_sam.operators.surface import surface_stress
 from tractive_sam.operators.threads import cores, one_blas_thread
 from tractive_sam.results import Grid
@@ -30,6 +31,7 @@ __all__ = [
     "StepOperators",
     "StressLayers",
     "StressPlane",
+    "StripLayers",
     "SurfaceHeat",
     "Way",
     "available",

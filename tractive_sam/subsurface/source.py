@@ -7,7 +7,7 @@ from typing import Literal, Protocol
 import numpy as np
 
 from tractive_sam.mechanics import Elasticity, HalfSpaces, StressCriterion, Strips
-from tractive_sam.operators import Lattice, StressLayers, StressPlane
+from tractive_sam.operators import Lattice, StressLayers, StressPlane, StripLayers
 from tractive_sam.results import Grid
 from tractive_sam.subsurface.mirror import acting
 from tractive_sam.subsurface.multilevel import MultiLevel
@@ -119,24 +119,28 @@ class StripStress:
         self, bodies: Sequence[Strips], signs: Sequence[float], grid: Grid, tractions: np.ndarray
     ):
         self._bodies, self._signs, self._grid, self._tractions = bodies, signs, grid, tractions
+        self._poisson = tuple(body.A.poisson for body in bodies)
 
     def layers(self, depths: Iterable[float], threads: int = 1) -> Iterator[np.ndarray]:
         """See `StressSource`."""
-        return (self.on_plane("z", depth, np.zeros(0)) for depth in depths)
+        lattice = Lattice(self._grid.elements, self._grid.dx, self._grid.dy)
+        return map(StripLayers(lattice, self._tractions, self._poisson, self._signs).at, depths)
 
     def on_plane(
         self, axis: Literal["x", "y", "z"], position: float, depths: np.ndarray
     ) -> np.ndarray:
         """See `StressSource`."""
-        x = np.array([position]) if axis == "x" else self._grid.x
-        z = np.array([position]) if axis == "z" else depths
-        points = np.stack(np.broadcast_arrays(x[:, None], 0.0, z), axis=-1).reshape(-1, 3)
-        return self.at(points).reshape(-1, 6, x.size, z.size)
+        if axis == "z":
+            return next(self.layers([position]))
+        if axis == "y":
+            return np.concatenate(list(self.layers(depths)), axis=-1)
+        points = np.stack(np.broadcast_arrays(position, 0.0, depths), axis=-1)
+        return self.at(points)[:, :, None]
 
     def at(self, points: np.ndarray) -> np.ndarray:
         """See `StressSource`."""
-        each = zip(acting(self._tractions, self._signs), self._bodies, strict=True)
-        strips = [StripLoads.on_grid(self._grid, own, body.A.poisson) for own, body in each]
+        each = zip(acting(self._tractions, self._signs), self._poisson, strict=True)
+        strips = [StripLoads.on_grid(self._grid, own, nu) for own, nu in each]
         return np.stack([one.stress(points).T for one in strips])
 
     def levels(self, criterion: StressCriterion) -> StripLevels:

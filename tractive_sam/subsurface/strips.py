@@ -7,7 +7,7 @@ import numpy as np
 
 from tractive_sam.kernels import strip_stress
 from tractive_sam.mechanics import StressCriterion, Strips
-from tractive_sam.operators import Lattice
+from tractive_sam.operators import Lattice, StripLayers
 from tractive_sam.results import Grid, Point
 from tractive_sam.subsurface.mirror import acting
 from tractive_sam.subsurface.multilevel import Layer
@@ -79,19 +79,20 @@ class StripLevels:
         bodies: Sequence[Strips],
         criterion: StressCriterion,
     ):
-        self._x, self._y, self.side = grid.x, grid.y, grid.dx
-        self._elements = grid.elements
+        self._x, self.side = grid.x, grid.dx
         self.half_width = 0.5 * grid.dx * np.count_nonzero(tractions[2])
         self._tractions, self._signs = tractions, signs
         self._bodies, self._criterion = bodies, criterion
-        each = zip(acting(tractions, signs), bodies, strict=True)
-        self._strips = [StripLoads.on_grid(grid, own, body.A.poisson) for own, body in each]
+        self._lattice = Lattice(grid.elements, grid.dx, grid.dy)
+        poisson = [body.A.poisson for body in bodies]
+        self._layers = StripLayers(self._lattice, tractions, poisson, signs)
+        each = zip(acting(tractions, signs), poisson, strict=True)
+        self._strips = [StripLoads.on_grid(grid, own, nu) for own, nu in each]
 
     def layer(self, depth: float) -> Layer:
         """Stress at the centres."""
-        points = np.stack(np.broadcast_arrays(self._x, 0.0, depth), axis=-1)
-        values = [self._values(body, points)[:, None] for body in range(len(self._bodies))]
-        return Layer(depth, (float(self._x[0]), 0.0), (self.side, 0.0), np.stack(values))
+        values = self._criterion(self._layers.at(depth).swapaxes(0, 1))
+        return Layer(depth, (float(self._x[0]), 0.0), (self.side, 0.0), values)
 
     def around(
         self, bodies: np.ndarray, points: np.ndarray, around: np.ndarray, closely: bool = False
@@ -99,15 +100,11 @@ class StripLevels:
         """See `MultiLevel`; exact."""
         values = np.empty(points.shape[:2])
         for k, body in enumerate(bodies):
-            values[k] = self._values(body, points[k])
+            values[k] = self._criterion(self._strips[body].stress(points[k]).T)
         return values
-
-    def _values(self, body: int, points: np.ndarray) -> np.ndarray:
-        return self._criterion(self._strips[body].stress(points).T)
 
     def surface(self, sliding: np.ndarray) -> list[tuple[float, Point]]:
         """See `MultiLevel`; at the edges of strips."""
-        lattice = Lattice(self._elements, self.side, 1.0)
         own = self._bodies, self._signs, self._tractions
-        found = largest_at_surface(lattice, *own, sliding, self._criterion)
+        found = largest_at_surface(self._lattice, *own, sliding, self._criterion)
         return [(value, (float(self._x[0] + i * self.side), 0.0, 0.0)) for value, i, _ in found]
