@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from tractive_sam.kernels.strip import logarithm, step
+from tractive_sam.kernels.strip_stress import stress_at
 from tractive_sam.mechanics.elasticity import Strips
 from tractive_sam.mechanics.frame import Frame
 from tractive_sam.mechanics.material import Material
-from tractive_sam.operators import Lattice, Operators
+from tractive_sam.operators import Lattice, Operators, StripLayers
 
 LENGTH = 1.7
 N, DX, DATUM = 24, 0.1, 30.0
@@ -110,3 +111,19 @@ def test_slip_of_an_element_on_itself():
 def test_coarser_meshes_stay_rows():
     mesh = Lattice((25, 1), DX, 1.0).coarsened()
     assert mesh == Lattice((13, 1), 2 * DX, 1.0)
+
+
+@pytest.mark.parametrize("n", [1, 2, 65])
+@pytest.mark.parametrize("depth", [0.0, 0.03, 7.0])
+def test_stress_of_layers_is_the_sum_over_strips(n, depth):
+    tractions = np.random.default_rng(n).normal(size=(3, n, 1))
+    poisson, signs, x = (0.3, 0.2), (1.0, -1.0), DX * np.arange(n)
+    found = StripLayers(Lattice((n, 1), DX, 1.0), tractions, poisson, signs).at(depth)
+    edges = DX * (np.arange(n + 1) - 0.5)
+    points = np.stack(np.broadcast_arrays(x, depth), axis=-1)
+    for stress, nu, sign in zip(found, poisson, signs, strict=True):
+        acting = tractions[:, :, 0].T * (sign, sign, 1.0)
+        jumps = np.diff(acting, axis=0, prepend=0.0, append=0.0)
+        wanted = np.empty((n, 6))
+        stress_at(wanted, points, edges, jumps, DX, nu)
+        np.testing.assert_allclose(stress[:, :, 0].T, wanted, atol=ROUNDING)
