@@ -198,6 +198,7 @@ class FrictionLaw(ABC):
         contact: np.ndarray,
         staggered: float,
         active: np.ndarray | None = None,
+        weight: float = 1.0,
     ) -> "Linearisation":
         """What the law says of a state, and its derivative there.
 
@@ -214,6 +215,8 @@ class FrictionLaw(ABC):
         active : ndarray of bool, optional
             Elements that remain in contact after the step to come; those that leave it take their
             traction along, whatever their slip.
+        weight : float
+            How much slip counts beside tractions on the way; the solution is the same for any.
         """
         radius, shape = bound.radius, bound.radius.shape
         state, kappa = np.empty(shape, np.int8), np.empty(shape)
@@ -225,7 +228,7 @@ class FrictionLaw(ABC):
             radius,
             contact,
             float(staggered),
-            *self.frame.weights,
+            *(weight * one for one in self.frame.weights),
             state,
             direction,
             kappa,

@@ -321,9 +321,14 @@ class Problem:
     ) -> Linearisation:
         """The friction law linearised at tractions and the slip of the leading faces."""
         sticking = seen.sticking(slip, traction)
+        weight = self.slip_weight(bound.radius)
         return self.friction.law.linearise(
-            traction, sticking, bound, seen.bound, seen.staggered, active
+            traction, sticking, bound, seen.bound, seen.staggered, active, weight
         )
+
+    def slip_weight(self, radius: np.ndarray) -> float:
+        """How much slip counts beside tractions (`FrictionLaw.linearise`), under such bounds."""
+        return 1.0
 
     def sliding(
         self, pressure: np.ndarray, gap: np.ndarray, traction: np.ndarray, slip: np.ndarray

@@ -9,6 +9,9 @@ import numpy as np
 from tractive_sam.operators import FrictionSlip, StepOperators
 from tractive_sam.solvers.problem import Box, Problem, block_mean
 
+FAR = 60
+"""Elements along a contact from which on the slip of each counts the less, the more there are."""
+
 
 @dataclass(frozen=True, eq=False)
 class StepProblem(Problem):
@@ -42,6 +45,16 @@ class StepProblem(Problem):
     def _entering(self, pressure: np.ndarray) -> FrictionSlip:
         operators = cast(StepOperators, self.operators)
         return operators.entering_slip(pressure, self.entering, self.ahead)
+
+    def slip_weight(self, radius: np.ndarray) -> float:
+        """See `Problem.slip_weight`: less, the more elements displace each other.
+
+        Slip is displacement here. Counted in full, a step from rest is taken to slip everywhere,
+        and where all tractions at their bound displace much too far, back again in the next.
+        """
+        along = np.count_nonzero((radius > 0.0).any(axis=1))
+        first, _, second = cast(StepOperators, self.operators).self_influence
+        return FAR / (max(along, FAR) * max(first, second))
 
     def coarsened(self) -> Self:
         """See `Problem.coarsened`; the slip is over the length of an element, which is twice it."""
