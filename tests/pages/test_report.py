@@ -10,8 +10,10 @@ import pytest
 
 import tractive_sam as ts
 from tractive_sam.pages import arrays, charts, data, text
+from tractive_sam.results import Grid
 
 DISCS = ("grid.half_length=[0.35, 0.7]", "grid.elements=[21, 31]", "wear.revolutions=20")
+NARROW = Grid((0.35, 0.54), (15, 15))
 SMALL = (*DISCS, "wear.save=[0, 5, 20]", "subsurface.elements=12")
 
 
@@ -125,6 +127,33 @@ def test_stress_is_that_of_the_planes(history):
     stress = history.stress("B", "x=0")
     assert shown.max() == pytest.approx(stress.von_mises.max(), rel=1e-6)  # single precision
     assert one["axes"] == ["y", "depth"]
+
+
+def test_stress_of_a_narrower_mesh_is_drawn_in_the_middle(tmp_path, monkeypatch):
+    monkeypatch.setattr("tractive_sam.contact.model.choose_grid", lambda *_: NARROW)
+    scene = (
+        ts.Scene.builtin("twin-discs")
+        .replace(grid=None)
+        .with_set(
+            [
+                "wear.intensity=2e-5",
+                "wear.revolutions=200",
+                "wear.save=[0, 200]",
+                "subsurface.elements=4",
+                'subsurface.planes=["x=0", "z=0.5a"]',
+            ]
+        )
+    )
+    history = ts.roll(scene, tmp_path / "a.h5")
+    assert history.grid.elements[1] > NARROW.elements[1]
+    for one in data.of_history(history)["stress"]:
+        first, last = unpacked(one["components"]["von Mises"])
+        assert np.isfinite(last).all()
+        assert not np.isfinite(first).all()
+        stored = history.stress(one["body"], one["plane"], 0).von_mises
+        assert np.nanmax(first) == pytest.approx(stored.max(), rel=1e-6)  # single precision
+        for name in ("first", "second"):
+            np.testing.assert_allclose(*unpacked(one[name]), atol=1e-6)  # as above
 
 
 def test_of_a_duty_cycle_every_block_is_a_place(tmp_path):

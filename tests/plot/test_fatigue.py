@@ -26,6 +26,19 @@ def tired():
     return ts.roll(scene.replace(subsurface=None, fatigue=ASKED))
 
 
+def test_a_last_record_that_was_not_solved_is_left_out():
+    settings = ["grid.half_length=[0.35, 0.54]", "grid.elements=[15, 15]", "wear.intensity=2e-5"]
+    scene = ts.Scene.builtin("twin-discs").with_set(
+        [*settings, "wear.revolutions=400", "wear.save=[0]"]
+    )
+    history = ts.roll(scene.replace(subsurface=None, fatigue=ASKED))
+    assert history.status == "off grid"
+    figure = drawn(plot.wear_against_fatigue(history, "A"))
+    wear, balance = figure.axes[0].lines
+    assert np.isfinite(wear.get_ydata()).any()
+    assert np.isfinite(balance.get_ydata()).any()
+
+
 @pytest.mark.parametrize(
     "draw",
     [

@@ -1,7 +1,7 @@
 """What the page of a history draws, as JSON: numbers as float32 in base64."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil, sqrt
 from typing import Any
 
@@ -11,7 +11,7 @@ from tractive_sam.pages import text
 from tractive_sam.pages.arrays import packed
 from tractive_sam.pages.charts import charts
 from tractive_sam.plot import Drawn, Scale, chosen, continued, edge_level, stick_level
-from tractive_sam.results import COMPONENTS, History, numbers
+from tractive_sam.results import COMPONENTS, Grid, History, PlaneStress, numbers, widened
 from tractive_sam.scene import label
 
 MOST_SAVED = 40
@@ -216,7 +216,8 @@ def _stress(
     asked = [] if history.scene.subsurface is None else map(str, history.scene.subsurface.planes)
     order = {plane: k for k, plane in enumerate(asked)}
     for body, plane in sorted(history.planes, key=lambda one: order.get(one[1], len(order))):
-        rows = [block.stress(body, plane, at) for at in saved for block in blocks]
+        each = (block.stress(body, plane, at) for at in saved for block in blocks)
+        rows = [_on_mesh(one, history.grid) for one in each]
         (first, along), (second, across) = rows[0].axes.items()
         if min(along.size, across.size) < 2:
             continue  # of a line contact, a plane across is only a line
@@ -241,6 +242,21 @@ def _stress(
             }
         )
     return found
+
+
+def _on_mesh(stress: PlaneStress, grid: Grid) -> PlaneStress:
+    """Stress that was stored on a narrower mesh, on the last one; it is not known beside."""
+    sizes = {"x": grid.x.size, "y": grid.y.size}
+    shape = tuple(sizes.get(name, places.size) for name, places in stress.axes.items())
+    if shape == stress.components[COMPONENTS[0]].shape:
+        return stress
+    axes = dict(stress.axes)
+    for (name, places), size in zip(stress.axes.items(), shape, strict=True):
+        if size > places.size:
+            steps = np.arange(size) - (size - places.size) // 2
+            axes[name] = places[0] + (places[1] - places[0]) * steps
+    wide = {name: widened(one, shape, np.nan) for name, one in stress.components.items()}
+    return replace(stress, axes=axes, components=wide)
 
 
 def _on_bodies(axes: Mapping[str, np.ndarray], name: str) -> np.ndarray:

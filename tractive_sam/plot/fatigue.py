@@ -266,7 +266,7 @@ def wear_against_fatigue(history: History, body: str = "A") -> Figure:
     if history.scene.wear is None or history.line:
         raise ValueError("no wear across a track: add [wear], of a contact of finite width")
     rate = _wear_rate(history, body)
-    balance = history[f"balancing_wear_{body}"][-1]
+    balance = history[f"balancing_wear_{body}"][_solved(history)[-1]]
     scale = Scale.of_history(history)
     figure = Figure(figsize=(1.1 * WIDTH, 0.7 * WIDTH))
     axes = figure.add_subplot()
@@ -309,10 +309,16 @@ def _note(figure: Figure, history: History, body: str) -> None:
 
 def _wear_rate(history: History, body: str) -> np.ndarray:
     """Depth that a revolution wears off a body by the last two records, mm."""
-    depth, N = history[f"wear_profile_{body}"], history[history.coordinate.name]
+    rows = _solved(history)
+    depth, N = history[f"wear_profile_{body}"][rows], history[history.coordinate.name][rows]
     if len(N) < 2:
         return np.zeros(history.y.size)
     return np.maximum(depth[-1] - depth[-2], 0.0) / (N[-1] - N[-2])
+
+
+def _solved(history: History) -> np.ndarray:
+    """Rows of the records whose contact was solved: a last one that was not has no damage."""
+    return np.flatnonzero(history["converged"])
 
 
 def _positive(values: np.ndarray) -> np.ndarray:
