@@ -198,6 +198,7 @@ def test_carters_cylinder_from_rest():
     assert share[0] == 0.0
     assert 0.9 < share[-1] < 0.995  # .984 measured
 
+
 @pytest.mark.parametrize("n", [21, 101, 401])
 def test_the_first_step_of_a_line_contact_takes_few_applications(n):
     # All strips displace each other: what slips at first sticks once all tractions have grown.
@@ -209,7 +210,6 @@ def test_the_first_step_of_a_line_contact_takes_few_applications(n):
     assert history.status == "done"
     # 17 to 50; several hundred to thousands where slip counted in full.
     assert history["operator_applications"].max() < 100
-
 
 
 @pytest.mark.slow
