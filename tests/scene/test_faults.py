@@ -114,6 +114,13 @@ def test_unknown_key(tables, key, nearest):
     assert "ne of " in fault.allowed
 
 
+def test_an_entry_without_its_table(tables):
+    put(tables, "normal", 300.0)
+    (fault,) = faults_of(tables)
+    assert fault.key == "normal"
+    assert fault.allowed.startswith("load.normal, perhaps?")
+
+
 @pytest.mark.parametrize(
     "key", ["body", "load", "body.B", "body.A.poisson", "body.B.radius_y", "friction.mu"]
 )

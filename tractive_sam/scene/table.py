@@ -148,11 +148,21 @@ class Table(BaseModel, metaclass=_Bare):
                 place = f"; {before}[0].{name} is that of the first one" if array else ""
                 raise SceneError([Fault(key, shown(key), f"no entry within {before}{place}")])
             if name not in table.model_fields:
-                allowed = suggestion(str(name), table.model_fields)
+                allowed = _suggested(table, str(name))
                 raise SceneError([Fault(key, shown(key), allowed)])
             info = table.model_fields[name]
             table, array, before = _table_of(info), _item_of(info), f"{before}.{name}".lstrip(".")
         return info
+
+
+def _suggested(table: type[Table], name: str) -> str:
+    """What may be meant by an entry that a table does not have: also one of a table inside it."""
+    inner = [
+        f"{outer}.{name}"
+        for outer, info in table.model_fields.items()
+        if (kind := _table_of(info)) and name in kind.model_fields
+    ]
+    return f"{' or '.join(inner)}, perhaps?" if inner else suggestion(name, table.model_fields)
 
 
 _LIBRARY = set(dir(BaseModel))
@@ -184,7 +194,7 @@ def _read(table: type[Table], given: Mapping[Any, Any]) -> _Reading:
             reading.known.given.add(key)
         else:
             many = len(reading.faults) >= MOST_TOLD
-            allowed = "no such entry" if many else suggestion(str(key), table.model_fields)
+            allowed = "no such entry" if many else _suggested(table, str(key))
             reading.faults.append(Fault(str(key), shown(given[key]), allowed))
     for key, info in table.model_fields.items():
         if key not in reading.given:
