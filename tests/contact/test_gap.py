@@ -5,7 +5,7 @@ import pytest
 
 from tests.scenes import steady
 from tractive_sam.contact import Model, equilibrium
-from tractive_sam.scene import Scene
+from tractive_sam.scene import Scene, SceneWarning
 
 
 def with_gap(x, y, separation, **changes):
@@ -22,6 +22,15 @@ def test_a_flat_gap_changes_nothing():
     np.testing.assert_allclose(flat.pressure, plain.pressure, atol=1e-9)
     # The approach counts from the first touch.
     assert flat.approach == pytest.approx(plain.approach, rel=1e-9)
+
+
+def test_a_profile_may_be_told_beside_the_mesh_alone():
+    plain = steady("spheres", elements=31)
+    x = np.linspace(-6.0, 6.0, 33)
+    flat = with_gap(x, [-9.0, 9.0], np.full((33, 2), 0.3))
+    np.testing.assert_allclose(flat.pressure, plain.pressure, atol=1e-9)  # that of the solver
+    with pytest.warns(SceneWarning, match="stands still"):
+        with_gap(x, [-9.0, 9.0], 1e-3 * np.sin(9.0 * x)[:, None] * np.ones(2))
 
 
 def test_a_gap_can_stand_for_the_radii():

@@ -1,10 +1,12 @@
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
 from tests.plot import strip_theory as strips
 from tractive_sam.plot import Drawn
-from tractive_sam.plot.zones import contact_edge, continued, stick_edge
+from tractive_sam.plot.zones import contact_edge, continued, stick_edge, stick_level
 
 
 @pytest.fixture
@@ -28,6 +30,15 @@ def test_edge_of_a_contact_as_wide_as_the_mesh_is_closed(axes):
     np.testing.assert_allclose(path.vertices[0], path.vertices[-1])
     # a constant pressure ends midway between the elements
     assert path.vertices[:, 0].max() == pytest.approx((0.6 + dx / 2) / strips.HERTZ.a)
+
+
+def test_what_sticks_at_its_very_bound_has_no_reserve():
+    pressure = np.array([[0.0, 2.0, 2.0]])
+    slip = np.array([[[0.0, 0.0, 1e-3]], np.zeros((1, 3))])
+    fields = {"touching": pressure > 0.0, "pressure": pressure, "utilisation": pressure}
+    state = SimpleNamespace(contact=SimpleNamespace(**fields, slip=slip))
+    level = stick_level(state, np.array([[False, True, False]]))
+    np.testing.assert_array_equal(level, [[0.0, 0.0, -1.0]])
 
 
 def test_edge_of_stick(axes):

@@ -85,7 +85,8 @@ def warn_if_standing(measured: Gap, grid: Grid) -> None:
     powers = np.vander(x / np.abs(x).max(), ROUND + 1)
     form = powers @ np.linalg.lstsq(powers, separation, rcond=None)[0]
     rest = float(np.sqrt(np.mean((separation - form) ** 2)))
-    if rest > 1e-3 * float(np.ptp(separation)) and rest > 0.0:
+    rounding = 1e-12 * float(np.abs(separation).max())  # of a distance that all share
+    if rest > max(1e-3 * float(np.ptp(separation)), rounding):
         text = (
             f"gap: it varies along x by {rest:.2g} mm rms beside a round form. In steady rolling a "
             "gap stands still in space: asperities do not travel through the contact, nor do "
@@ -95,14 +96,16 @@ def warn_if_standing(measured: Gap, grid: Grid) -> None:
 
 
 def _within(measured: Gap, grid: Grid) -> Gap:
-    """What of a gap lies on the mesh."""
+    """What of a gap lies on the mesh; a profile may be told at places far beside it alone."""
     x, y, separation = measured
-    in_x, in_y = (
-        np.abs(known) <= length for known, length in zip((x, y), grid.half_length, strict=True)
+    x_in, y_in = (
+        known[np.abs(known) <= length]
+        for known, length in zip((x, y), grid.half_length, strict=True)
     )
-    if not in_x.any():  # a profile across the track, told far before and behind
-        return np.zeros(1), y[in_y], sampled(measured, np.zeros(1), y[in_y])
-    return x[in_x], y[in_y], separation[np.ix_(in_x, in_y)]
+    if x_in.size and y_in.size:
+        return x_in, y_in, separation[np.ix_(np.isin(x, x_in), np.isin(y, y_in))]
+    x_in, y_in = (one if one.size else np.zeros(1) for one in (x_in, y_in))
+    return x_in, y_in, sampled(measured, x_in, y_in)
 
 
 def _per_length(known: np.ndarray) -> float:

@@ -82,10 +82,7 @@ def stick_level(state: Drawn, stick: np.ndarray) -> np.ndarray:
     reserve = np.maximum(
         1.0 - state.contact.utilisation / np.where(touching, state.contact.pressure, 1.0), 0.0
     )
-    slip = np.hypot(*state.contact.slip)
+    reserve = np.where(stick, reserve, 0.0)
+    slip = np.where(touching & ~stick, np.hypot(*state.contact.slip), 0.0)
     tiny = np.finfo(float).tiny
-    return np.where(
-        stick,
-        (reserve / max(reserve[stick].max(), tiny)) ** 2,
-        -((slip / max(slip[touching & ~stick].max(), tiny)) ** 2),
-    )
+    return (reserve / max(reserve.max(), tiny)) ** 2 - (slip / max(slip.max(), tiny)) ** 2
