@@ -12,7 +12,7 @@ from tractive_sam.operators.influence import Lattice
 class StripLayers:
     """`StressLayers` of a line contact: one convolution of the jumps at the edges of the strips.
 
-    Exact to rounding, about 1e-15 of the tractions; see :mod:`tractive_sam.kernels.strip_stress`.
+    Exact to rounding, about 1e-13 of the tractions; see :mod:`tractive_sam.kernels.strip_stress`.
 
     Parameters
     ----------
