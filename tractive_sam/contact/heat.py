@@ -199,8 +199,7 @@ def warmed(
     """
     table = model.scene.friction and model.scene.friction.temperature
     if not table:
-        contact = solve(model, start)
-        return replace(contact, heat=heat_of(model, contact))
+        return with_heat(model, solve(model, start))
     bulk = model.scene.heat.bulks
     temperature = np.full(model.grid.elements, 0.5 * (bulk["A"] + bulk["B"]))
     if start is not None:

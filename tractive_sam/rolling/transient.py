@@ -313,7 +313,7 @@ class Transient:
         model, first, at = self.model, self.courses.first(), self.courses.knots[0]
         if self.courses.table.start == "steady":
             steady = Model(self.courses.scene_at(first), model.measured, model.grid, model.laws)
-            worn, depth = self.stepper.off(0.0), travelled(model, at)
+            worn, depth = self.stepper.off(0.0), self._separation(at)
             contact = equilibrium(steady, worn + depth)
             return self._begun(replace(contact, scene=model.scene, wear=worn), at)
         pressed = self.stepper.pressed(self._asked(0.0, first, (0.0, 0.0, 0.0), at))
