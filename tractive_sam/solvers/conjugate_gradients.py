@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tractive_sam.results import Cost, Status
-from tractive_sam.solvers.outcome import Note, Outcome, Start
+from tractive_sam.solvers.outcome import Note, Outcome, Start, closed
 from tractive_sam.solvers.problem import NormalProblem
 
 
@@ -108,7 +108,7 @@ class ConjugateGradients:
             float(residual),
             taken,
             Cost(applications, preconditionings),
-            pressure=p,
+            pressure=closed(p, gap),
             gap=gap,
             approach=float(delta),
             trace=(Note("conjugate gradients", status),),

@@ -101,7 +101,7 @@ class Newton:
         status, taken = Status.OUT_OF_ITERATIONS, 0
         for taken in range(self.steps + 1):
             tell(problem.operators.lattice.shape, at.residual)
-            if at.residual <= tolerance and not bounded:
+            if at.residual <= tolerance and not (bounded and self._is_closed(at)):
                 at, bounded, cost = at.within_bound(problem), True, cost + Cost(1.0)
             if at.residual <= tolerance:
                 status = Status.CONVERGED
@@ -159,6 +159,10 @@ class Newton:
         at = Iterate(problem, pressure, traction, approach, creepage, 1.0, not known, answer)
         return at, cost + Cost(at.applications)
 
+    def _is_closed(self, at: Iterate) -> bool:
+        """Whether an iterate may be returned as it is; else it is evaluated once more, cleaned."""
+        return at.is_closed
+
     def _advanced(
         self, problem: Problem, at: Iterate, goal: float, stalled: bool, bounded: bool
     ) -> tuple[Iterate, Cost]:
@@ -169,6 +173,9 @@ class Newton:
         # What the step leads to is evaluated in double precision.
         vector = vector.astype(float)
         step, extra = system.fields(vector), vector[system.size :]
+        if not problem.held:
+            # The row of an element that leaves is solved exactly: nothing remains on an open gap.
+            step[0] = np.where(at.active, step[0], -at.pressure)
         ahead, trials = self._led(problem, at, step, extra, None, stalled, bounded)
         return ahead, Cost(system.applications + trials, system.preconditionings)
 

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from tractive_sam.solvers.outcome import relative
+from tractive_sam.solvers.outcome import closed, relative
 from tractive_sam.solvers.problem import Problem
 
 ROUNDING = 4.0 * float(np.finfo(float).eps)
@@ -56,12 +56,14 @@ class Iterate:
         if len(forces):
             self.slip += forces.slip(creepage)
         self.gap = normal.gap if held else normal.gap + response[0] - approach
-        self.seen = problem.friction_slip(self.pressure, self.gap)
+        self.active = self.pressure > (0.0 if held else self.gap)
+        # An element with an open gap has left the contact, whatever pressure a step has left on it.
+        touching = self.pressure if held else closed(self.pressure, self.gap)
+        self.seen = problem.friction_slip(touching, self.gap)
         # The tractions lie within the bound at rest, the law asks for that under the slip.
         self.bound = problem.bound_sliding(
             self.bound, self.pressure, self.traction, self.slip, self.seen
         )
-        self.active = self.pressure > (0.0 if held else self.gap)
         self.law = problem.linearise(
             self.traction, self.slip, self.bound, self.seen, None if held else self.active
         )
@@ -101,9 +103,15 @@ class Iterate:
         fields = self.pressure, self.traction, self.approach
         return Iterate(problem, *fields, creepage, 1.0, False, self.response)
 
+    @property
+    def is_closed(self) -> bool:
+        """Whether no element has a pressure and an open gap."""
+        return not (self.pressure[~self.active] > 0.0).any()
+
     def within_bound(self, problem: Problem) -> "Iterate":
-        """The same with its tractions brought back to their bound."""
-        return Iterate(problem, self.pressure, self.traction, self.approach, self.creepage)
+        """The same without pressure where the gap is open, and with tractions within the bound."""
+        pressure = self.pressure if problem.held else closed(self.pressure, self.gap)
+        return Iterate(problem, pressure, self.traction, self.approach, self.creepage)
 
     def fields(self, held: bool) -> np.ndarray:
         """The unknown fields."""

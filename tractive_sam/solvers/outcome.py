@@ -13,6 +13,21 @@ def relative(distance: float, size: float) -> float:
     return float(distance / size) if size > 0.0 else float(distance)
 
 
+def closed(pressure: np.ndarray, gap: np.ndarray) -> np.ndarray:
+    """Return the pressure of the elements in contact, and zero where the gap is open.
+
+    An element is in contact where the pressure exceeds the gap, both dimensionless: there the
+    projection of the pressure, max(0, pressure - gap), is positive. Elsewhere an iteration leaves
+    pressures of the size of its residual.
+
+    Parameters
+    ----------
+    pressure, gap : ndarray, shape (n_x, n_y)
+        pi_n and eta.
+    """
+    return np.where(pressure > gap, pressure, 0.0)
+
+
 @dataclass(frozen=True)
 class Note:
     """One step of a solve: what was done, and how it ended.

@@ -17,7 +17,7 @@ from tractive_sam.operators import Operators
 from tractive_sam.results import Cost, Status
 from tractive_sam.solvers.conjugate_gradients import ConjugateGradients
 from tractive_sam.solvers.nested import Nested
-from tractive_sam.solvers.outcome import Note, Outcome, Start, relative
+from tractive_sam.solvers.outcome import Note, Outcome, Start, closed, relative
 from tractive_sam.solvers.problem import Problem
 
 Array = np.ndarray
@@ -108,7 +108,7 @@ class ProjectedMap:
         gap = normal.gap if problem.held else normal.gap + response[0] - normal.approach
         if problem.wear is not None:
             gap = gap + problem.wear(pressure, state[-2:], slip)
-        seen = problem.friction_slip(pressure, gap)
+        seen = problem.friction_slip(pressure if problem.held else closed(pressure, gap), gap)
         opposed = problem.opposed(state[-2:], slip, seen)
         bound = problem.bound(pressure)
         radius = problem.bound_sliding(bound, pressure, state[-2:], slip, seen).radius
@@ -119,6 +119,13 @@ class ProjectedMap:
             residual = max(missed(pressed, pressure), residual)
             misses = np.concatenate((gap[None], opposed))
         return Evaluation(self.admissible(state - self.steps * misses), residual, gap, slip)
+
+    def without_open(self, state: Array, now: Evaluation) -> tuple[Array, Evaluation]:
+        """A state without pressure where its gap is open, evaluated again if it has any."""
+        if self.problem.held or np.array_equal(pressure := closed(state[0], now.gap), state[0]):
+            return state, now
+        state = self.admissible(np.concatenate((pressure[None], state[1:])))
+        return state, self(state)
 
 
 def missed(target: Array, state: Array) -> float:
@@ -159,10 +166,14 @@ class Projection(ABC):
         """Solve under given approach; and the map, whose steps may have been shortened."""
         states = self._states(mapping, mapping.admissible(state))
         mapping, state = next(states)
+        again = 0
         for taken in range(self.iterations + 1):
             now, status = mapping(state), Status.OUT_OF_ITERATIONS
             if now.residual <= tolerance:
-                status = Status.CONVERGED
+                last = mapping.without_open(state, now)
+                again += last[1] is not now
+                if last[1].residual <= tolerance:
+                    status, (state, now) = Status.CONVERGED, last
             if status is Status.CONVERGED or taken == self.iterations:
                 break
             try:
@@ -170,7 +181,7 @@ class Projection(ABC):
             except StopIteration:
                 status = Status.DIVERGED
                 break
-        return self._outcome(status, mapping, state, now, taken), mapping
+        return self._outcome(status, mapping, state, now, taken, again), mapping
 
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
@@ -248,15 +259,20 @@ class Projection(ABC):
 
     @staticmethod
     def _outcome(
-        status: Status, mapping: ProjectedMap, state: Array, now: Evaluation, taken: int
+        status: Status,
+        mapping: ProjectedMap,
+        state: Array,
+        now: Evaluation,
+        taken: int,
+        again: int,
     ) -> Outcome:
-        """What came of iterations, each of which has evaluated the map once."""
+        """What came of iterations, each of which has evaluated the map once, some of them again."""
         problem = mapping.problem
         return Outcome(
             status,
             now.residual,
             taken,
-            Cost(taken + 1.0),
+            Cost(taken + 1.0 + again),
             pressure=problem.normal.pressure if problem.held else state[0],
             gap=now.gap,
             traction=state[-2:],

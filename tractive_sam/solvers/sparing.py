@@ -21,7 +21,7 @@ from tractive_sam.results import Cost
 from tractive_sam.solvers.gmres import gmres, orthogonalised
 from tractive_sam.solvers.newton import Newton
 from tractive_sam.solvers.newton_system import Iterate, System
-from tractive_sam.solvers.outcome import Outcome, Start
+from tractive_sam.solvers.outcome import Outcome, Start, closed
 from tractive_sam.solvers.problem import Problem
 
 ROUNDING = 1e-13
@@ -113,10 +113,14 @@ class Sparing(Newton):
         # What is beyond a bound, or left where there is no contact, is part of the residual.
         pressure = outcome.pressure
         if not problem.held:
-            pressure = np.where(pressure > outcome.gap, pressure, 0.0)
+            pressure = closed(pressure, outcome.gap)
         bound = problem.bound(pressure).radius
         traction = problem.project(outcome.traction, bound, physical=True)
         return replace(outcome, pressure=pressure, traction=traction)
+
+    def _is_closed(self, at: Iterate) -> bool:
+        """See `Newton._is_closed`: `solve` cleans what it returns, without an application."""
+        return True
 
     def _first(self, problem: Problem, start: Start | Outcome | None) -> tuple[Iterate, Cost]:
         at, cost = super()._first(problem, start)
