@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 
 from tractive_sam.store.errors import DamagedError, ResultsError, reason
+from tractive_sam.store.hdf5_file import open_to_read
 
 TABLE_FORMAT = "creep-force table 2"
 """What a file says of itself; another number is another version."""
@@ -56,7 +56,7 @@ def read_creep_table(path: Path) -> StoredTable:
         cure = f"tractive-sam table TABLE.toml -o {path} writes one, and steel is built in"
         raise ResultsError(f"{path}: there is no such table; {cure}")
     try:
-        file = h5py.File(path, "r", locking=False)
+        file = open_to_read(path)
     except OSError as error:
         told = f"{path} cannot be read as a table: {reason(error)}; make it again"
         raise DamagedError(told) from error

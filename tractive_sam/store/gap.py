@@ -11,6 +11,7 @@ from tractive_sam import scene
 from tractive_sam.scene import ALONG, LENGTHS, TEXTS
 from tractive_sam.store.errors import GapError
 from tractive_sam.store.gap_text import is_number, one_of, read_text
+from tractive_sam.store.hdf5_file import open_to_read
 
 NAMES = ("x", "y", "separation")
 VALUES = ("separation", "height", "z")
@@ -97,7 +98,7 @@ def _read(told: scene.Gap) -> Gap:
 
 
 def _read_hdf5(path: Path, told: scene.Gap) -> _Found:
-    with h5py.File(path, "r") as file:
+    with open_to_read(path) as file:
         missing = [name for name in NAMES if name not in file]
         if missing:
             raise GapError(path, f"no dataset {', '.join(missing)}", f"datasets {', '.join(NAMES)}")

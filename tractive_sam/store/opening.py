@@ -9,6 +9,7 @@ import numpy as np
 
 from tractive_sam.store import layout
 from tractive_sam.store.errors import DamagedError, ResultsError, reason
+from tractive_sam.store.hdf5_file import open_to_read
 from tractive_sam.store.heaps import has_endless_heap
 from tractive_sam.store.texts import text_of
 
@@ -47,7 +48,9 @@ def _open(path: Path) -> h5py.File:
     if has_endless_heap(path):
         raise _damaged(path, "its texts")
     try:
-        return h5py.File(path, "r", locking=False)
+        return open_to_read(path)
+    except ResultsError:
+        raise
     except Exception as error:  # h5py has no one kind of error for what is damaged
         if not h5py.is_hdf5(path):
             told = f"{path} is not an HDF5 file; name a results file (.h5)"

@@ -28,6 +28,7 @@ from tractive_sam.results import FIELDS, Quantity
 from tractive_sam.scene import Scene
 from tractive_sam.store.atomic import atomic_rewrite
 from tractive_sam.store.errors import ResultsError
+from tractive_sam.store.hdf5_file import open_to_read
 from tractive_sam.store.texts import create_text, set_text, text_of
 from tractive_sam.store.versions import versions
 from tractive_sam.store.writable import check_writable, sole_writer
@@ -201,7 +202,7 @@ def _check_suffix(path: Path) -> None:
 
 def _check_kind(path: Path) -> None:
     try:
-        with h5py.File(path, "r") as file:
+        with open_to_read(path) as file:
             kind = text_of(file.attrs.get("format", ""))
     except Exception:  # h5py has no one kind of error for what is damaged
         kind = None

@@ -1,0 +1,48 @@
+"""HDF5 files, opened without regard to what else this process does with them."""
+
+from pathlib import Path
+
+import h5py
+
+from tractive_sam.store.errors import ResultsError
+
+
+def open_to_read(path: Path) -> h5py.File:
+    """Open an HDF5 file for reading, also while other code of this process has it open.
+
+    HDF5 shares one record of a file between all openings by the same driver, and refuses the next
+    one if its flags differ: those of locks, which h5py and xarray set, or of closing, which netCDF
+    sets. Nothing is shared with the driver of buffered files, which other code does not use. Only
+    a file that this process has open for writing is opened by the usual driver, to share it.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Raises
+    ------
+    ResultsError
+        If another process has it open for writing.
+    OSError
+        If it is no HDF5 file, or is damaged.
+    """
+    try:
+        return h5py.File(path, "r", driver="stdio", locking=False)
+    except OSError as error:
+        unopened = error
+    for locking in (False, "best-effort", True):
+        try:
+            file = h5py.File(path, "r", locking=locking)
+        except OSError as error:
+            if "already open for write" in str(error):
+                cure = "close it there; if its writer was killed, use h5clear -s"
+                message = f"{path} is open for writing in another program: {cure}"
+                raise ResultsError(message) from error
+            if "flag values don't match" not in str(error):
+                raise  # with its cause, which HDF5 states by the usual driver alone
+        else:
+            if file.mode == "r+":
+                return file
+            file.close()  # an earlier reader shares what it has seen before the damage
+    raise unopened
