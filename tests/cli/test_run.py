@@ -140,6 +140,16 @@ def test_warning_is_a_note_of_one_line_about_the_final_scene(call, roll):
     assert "grid.elements" in notes[0]
 
 
+def test_a_contact_of_one_element_is_no_result(call):
+    """Its note, once, says what is probably meant."""
+    grid = ["grid.half_length=[4, 4]", "grid.elements=[31, 31]"]
+    settings = ["load.pressure=1", "wear.revolutions=1", *grid]
+    result = call("run", "twin-discs", *(part for one in settings for part in ("--set", one)))
+    assert result.exit_code == 3
+    assert "not resolved" in result.stderr
+    assert len([one for one in result.stderr.splitlines() if "load.pressure" in one]) == 1
+
+
 def test_progress_on_a_terminal(call, roll, monkeypatch):
     monkeypatch.setenv("FORCE_COLOR", "1")
     result = call("run", "twin-discs")

@@ -47,7 +47,10 @@ def test_load_and_approach_are_two_ways_to_say_the_same():
 def test_contact_shrinks_to_a_few_elements_and_to_one():
     for load, most in ((1e-3, 140), (1e-7, 9)):
         contact = steady("spheres", f"load.normal={load}", elements=31)
-        assert contact.converged, contact.message
+        # One element bears its load, but is not a contact that the mesh resolves.
+        resolved = min(contact.elements_across) >= 3
+        assert contact.status == ("converged" if resolved else "not resolved"), contact.message
+        assert contact.residual <= contact.scene.solver.tolerance
         assert 0 < np.count_nonzero(contact.touching) <= most
         assert pytest.approx(load, rel=1e-12) == contact.P
 

@@ -296,7 +296,8 @@ def test_free_rolling_on_a_single_element(settings):
     """
     mesh = ("grid.half_length=0.4289878114670304", "grid.elements=33")
     contact = steady("cylinders-dissimilar", *mesh, *settings)
-    assert contact.converged, contact.message
+    assert contact.status == "not resolved", contact.message
+    assert contact.residual <= contact.scene.solver.tolerance
     # One element, all of whose pressure is the load, to the tolerance of the solver; the tractions
     # are rounding beside it.
     assert pytest.approx(contact.scene.load.normal, rel=1e-8, abs=0.0) == contact.P

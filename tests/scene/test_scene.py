@@ -115,7 +115,7 @@ def test_subsurface_defaults():
 
 @pytest.mark.parametrize(
     ("elements", "advice"),
-    [([91, 5], "10 in y"), ([3, 5], "10 in x.*10 in y")],
+    [([91, 5], "10 in y"), ([5, 5], "10 in x.*10 in y"), ([3, 5], r"grid\.half_length")],
 )
 def test_coarse_grid_warns_once_where_it_was_asked_for(tables, elements, advice):
     grid = {"half_length": [4.2, 4.2], "elements": elements}

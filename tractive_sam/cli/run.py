@@ -68,7 +68,7 @@ def run(
         before, worn = _written(output), None if start is None else open_history(start)
         try:
             shown = progress_shown(asked, True, console(stderr=True))
-            with compiling_told(), shown as progress, warnings_told():
+            with compiling_told(), shown as progress, warnings_told() as notes:
                 history = roll(
                     asked, output, start=worn, overwrite=True, resume=resume, progress=progress
                 )
@@ -79,6 +79,7 @@ def run(
         except OSError as error:
             raise stop(Status.INCOMPLETE, f"{output} cannot be written: {error}") from None
     inaccurate = history.status == "inaccurate"
+    unresolved = history.status == "not resolved"
     if not (history.finished or inaccurate):
         say(("not a solution: ", "bold red"), "the last record below is where it ended")
     if len(history):
@@ -86,11 +87,15 @@ def run(
         console().print(tables.last_record(history))
     for told in balances(history, only_if_open=True).values():
         say(("note: ", "bold yellow"), told)
-    for name, told in caveats(history).items():
-        say(("note: ", "bold yellow"), f"{name}: {told}")
+    printed = {str(note.message) for note in notes}
+    for told in (f"{name}: {text}" for name, text in caveats(history).items()):
+        if told not in printed:
+            say(("note: ", "bold yellow"), told)
     say(f"{output}: {history.status}; {history.message}")
     if inaccurate:
         raise stop(Status.INCOMPLETE, "less accurate than asked for; the error bars tell how much")
+    if unresolved:
+        raise stop(Status.INCOMPLETE, "the mesh does not resolve the contact")
     if not history.finished:
         raise stop(Status.INCOMPLETE, "the computation ended early; the file holds it up to there")
 

@@ -6,6 +6,7 @@ from tractive_sam.contact.jacobian import check_jacobian, jacobian_of
 from tractive_sam.contact.laws import Laws
 from tractive_sam.contact.measured import across
 from tractive_sam.contact.mesh import as_asked, choose_grid, grown, reaching
+from tractive_sam.contact.message import not_resolved
 from tractive_sam.contact.model import Gap, Model
 from tractive_sam.contact.step import Asked, Stepped, Stepper, travelled
 from tractive_sam.contact.worn import Worn
@@ -30,6 +31,7 @@ __all__ = [
     "fitted_blocks",
     "grown",
     "jacobian_of",
+    "not_resolved",
     "reaching",
     "travelled",
     "wear_law_in",

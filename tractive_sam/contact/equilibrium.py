@@ -7,10 +7,10 @@ import numpy as np
 
 from tractive_sam.contact.heat import warmed
 from tractive_sam.contact.mesh import grown
-from tractive_sam.contact.message import message, too_steep
+from tractive_sam.contact.message import message, not_resolved, too_steep
 from tractive_sam.contact.model import Model
 from tractive_sam.results import State, Status
-from tractive_sam.scene import warn
+from tractive_sam.scene import FewestElements, warn
 from tractive_sam.solvers import ALONE, METHODS, FromRest, Outcome, Problem, Start
 
 GROWTHS = 8
@@ -25,6 +25,7 @@ def equilibrium(
     depth: np.ndarray | DepthInPass | None = None,
     start: State | None = None,
     tolerance: float | None = None,
+    check_resolution: bool = True,
 ) -> State:
     """Solve one steady state.
 
@@ -39,6 +40,9 @@ def equilibrium(
         A contact nearby, as first guess.
     tolerance : float, optional
         Residual to solve to; by default that of the scene.
+    check_resolution : bool
+        Whether a contact of fewer elements than `FewestElements.contact` is not resolved; the
+        first contact of a course that presses the bodies together may be so small.
 
     Returns
     -------
@@ -47,8 +51,15 @@ def equilibrium(
     """
     tolerance = tolerance or model.scene.solver.tolerance
     if model.scene.heat is None:
-        return _equilibrium(model, depth, start, tolerance)
-    return warmed(model, lambda warm, start: _equilibrium(warm, depth, start, tolerance), start)
+        contact = _equilibrium(model, depth, start, tolerance)
+    else:
+        contact = warmed(
+            model, lambda warm, start: _equilibrium(warm, depth, start, tolerance), start
+        )
+    few = min(contact.elements_across) < FewestElements.contact and contact.touching.any()
+    if check_resolution and contact.converged and few:
+        return replace(contact, status=Status.NOT_RESOLVED, note=not_resolved(contact))
+    return contact
 
 
 def _equilibrium(

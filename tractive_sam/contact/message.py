@@ -1,9 +1,12 @@
 """What a status means, and what to try where it is not a solution."""
 
+import math
+from collections.abc import Sequence
+
 from tractive_sam.contact.mesh import as_asked, grown
 from tractive_sam.contact.model import Model
-from tractive_sam.results import Grid, Status
-from tractive_sam.scene import FEWEST_ELEMENTS
+from tractive_sam.results import Grid, State, Status
+from tractive_sam.scene import FewestElements
 from tractive_sam.solvers import Outcome
 
 
@@ -34,7 +37,7 @@ def message(status: Status, outcome: Outcome, model: Model, steepness: float = 0
         across = [
             int(touching.any(axis=1 - axis).sum()) for axis in (0, 1) if touching.shape[axis] > 1
         ]
-        if 0 < min(across) < FEWEST_ELEMENTS:
+        if 0 < min(across) < FewestElements.slip:
             text += (
                 f"; only {' x '.join(map(str, across))} elements are in contact: refine the mesh "
                 "with grid.elements or lessen grid.half_length"
@@ -64,6 +67,43 @@ def message(status: Status, outcome: Outcome, model: Model, steepness: float = 0
     if steepness >= 1.0:
         return reached + too_steep(steepness)
     return reached + model.method.cure + (GENTLER if model.friction_law.falls else "")
+
+
+def not_resolved(contact: State, largest: Sequence[float] | None = None) -> str:
+    """Describe a contact of too few elements, and how to resolve it.
+
+    Parameters
+    ----------
+    contact : State
+        The contact; of a [transient] its last one.
+    largest : sequence of float, optional
+        Elements in x and in y of the largest contact of a [transient].
+    """
+    grid, scene, across = contact.grid, contact.scene, contact.elements_across
+    subject = "the contact covers"
+    if largest is not None:
+        subject = "the largest contact of the [transient] covers"
+        across = tuple(map(int, largest[: len(across)]))
+    sides = (grid.dx, grid.dy)[: len(across)]
+    text = (
+        f"{subject} {' x '.join(map(str, across))} elements of "
+        f"{' x '.join(f'{side:.3g}' for side in sides)} mm, too few to be resolved: its "
+        "numbers are those of the mesh; "
+        f"at least {FewestElements.contact} elements in each direction are needed, "
+        f"{FewestElements.slip} for a stick and a slip area. "
+    )
+    needed = [math.ceil(FewestElements.slip / count) for count in across]
+    finer = Grid.of(
+        grid.half_length[: len(across)],
+        tuple(n * more for n, more in zip(grid.elements, needed, strict=False)),
+    )
+    advised = as_asked(finer)
+    smooth = scene.gap is None and largest is None and not contact.wear.any()
+    if smooth and scene.hertz is not None:
+        semi_axes = (scene.hertz.a, scene.hertz.b)[: len(across)]
+        half_length = ", ".join(f"{1.15 * semi_axis:.3g}" for semi_axis in semi_axes)
+        advised = f"grid.half_length = [{half_length}], or leave [grid] out"
+    return text + f"Use {advised}; check the units of [load] (N, MPa, mm) and of the radii (mm)"
 
 
 GENTLER = (

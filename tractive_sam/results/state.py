@@ -189,6 +189,13 @@ class State:
         sides = bool(columns[0] or columns[-1]) and columns.size > 1
         return bool(rows[0] or rows[-1]), sides
 
+    @property
+    def elements_across(self) -> tuple[int, ...]:
+        """Elements of the contact in x, and in y; of a line contact in x alone."""
+        directions = 1 if self.grid.line else 2
+        found = (self.touching.any(axis=1 - axis).sum() for axis in range(directions))
+        return tuple(map(int, found))
+
     def on(self, grid: Grid) -> "State":
         """The same contact on a wider mesh of the same elements, as a first guess there.
 

@@ -11,6 +11,7 @@ class Status(StrEnum):
     OUT_OF_ITERATIONS = "out of iterations"
     DIVERGED = "diverged"
     OFF_GRID = "off grid"
+    NOT_RESOLVED = "not resolved"
     INACCURATE = "inaccurate"
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tractive_sam.results.quantities import BODIES, Quantity
-from tractive_sam.scene import near_edge
+from tractive_sam.scene import near_edge, pressure_notes
 
 if TYPE_CHECKING:
     from tractive_sam.results.history import History
@@ -88,12 +88,27 @@ def balances(history: "History", only_if_open: bool = False) -> dict[str, str]:
 
 
 def caveats(history: "History") -> dict[str, str]:
-    """What to mind: "stress" that elements may miss, "width" of bodies that the contact fills."""
-    told = {"stress": _missed_stress(history)}
+    """Return what to mind, by name.
+
+    "stress" that elements may miss, "width" of bodies that the contact fills, "p_max" that no
+    material withstands or that is too little for the materials.
+    """
+    told = {"stress": _missed_stress(history), "p_max": _implausible_pressure(history)}
     if len(history) and not history.grid.line:
         widest = 2.0 * float(np.nanmax(history["half_width_y"], initial=0.0))
         told["width"] = "; ".join(near_edge(history.scene, widest))
     return {name: text for name, text in told.items() if text}
+
+
+def _implausible_pressure(history: "History") -> str:
+    """Describe the largest pressure of all solved records, where it is implausible."""
+    pressure = np.where(history["converged"] > 0.0, history["p_max"], 0.0)
+    if not pressure.any():
+        return ""
+    row = int(pressure.argmax())
+    along = history.coordinate
+    place = f" at {along.name} {format(history[along.name][row], along.format)}"
+    return "; ".join(pressure_notes(history.scene, float(pressure[row]), place))
 
 
 def _missed_stress(history: "History") -> str:

@@ -314,7 +314,7 @@ class Transient:
         if self.courses.table.start == "steady":
             steady = Model(self.courses.scene_at(first), model.measured, model.grid, model.laws)
             worn, depth = self.stepper.off(0.0), self._separation(at)
-            contact = equilibrium(steady, worn + depth)
+            contact = equilibrium(steady, worn + depth, check_resolution=False)
             return self._begun(replace(contact, scene=model.scene, wear=worn), at)
         pressed = self.stepper.pressed(self._asked(0.0, first, (0.0, 0.0, 0.0), at))
         moment = self._begun(pressed, at)

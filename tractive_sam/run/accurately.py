@@ -62,7 +62,7 @@ def resumed(run: Recording, last: Passage, before: History) -> History:
         ) from None
     complete = scene.wear is None or last.revolution == scene.wear.revolutions
     estimator = None if complete else from_level(scene, measured, level, missed, run.model_of)
-    history = run.resumed(model, last, len(before), estimator, missed)
+    history = run.resumed(model, last, before, estimator, missed)
     finer = scene.wear is not None and levels.allowed(level + 1)
     if history.status != Status.INACCURATE or not finer:
         return history

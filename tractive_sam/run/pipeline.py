@@ -22,7 +22,7 @@ from tractive_sam.run.progress import progress_shown, solving_shown
 from tractive_sam.run.recording import Recording
 from tractive_sam.run.resume import check_measured, last_passage
 from tractive_sam.run.start import started_as, told_of, worn_bodies
-from tractive_sam.scene import Scene
+from tractive_sam.scene import PlausibilityWarning, Scene, pressure_notes, warn
 from tractive_sam.solvers import Solver
 from tractive_sam.store import open_history, results_writer
 
@@ -122,6 +122,9 @@ def solve(
 
 
 def _checked(contact: State, throw: bool) -> State:
+    x, y = contact.p_max_at
+    for note in pressure_notes(contact.scene, contact.p_max, f" at ({x:.3g}, {y:.3g}) mm"):
+        warn(f"p_max: {note}", PlausibilityWarning)
     if throw and not contact.converged:
         raise NotConverged(contact)
     return contact
@@ -228,4 +231,4 @@ def roll(
         last = resumed(model, last)
         if scene.accuracy is not None:
             return accurately.resumed(run, last, before)
-        return run.resumed(model, last, len(before))
+        return run.resumed(model, last, before)

@@ -11,12 +11,12 @@ from typing import Self
 import numpy as np
 
 from tractive_sam import interrupt
-from tractive_sam.contact import Gap, Model
-from tractive_sam.results import Grid, History, Quantity, Record, Status, fields
+from tractive_sam.contact import Gap, Model, not_resolved
+from tractive_sam.results import Grid, History, Quantity, Record, Status, caveats, fields
 from tractive_sam.rolling import ErrorEstimator, Passage, followed, passages, recorded
 from tractive_sam.run.given import hash_of
 from tractive_sam.run.resume import last_damage
-from tractive_sam.scene import PlausibilityWarning, Scene, warn
+from tractive_sam.scene import FewestElements, PlausibilityWarning, Scene, warn
 from tractive_sam.store import HistoryWriter, open_history
 
 
@@ -78,15 +78,16 @@ class Recording:
         self,
         model: Model,
         last: Passage,
-        records: int,
+        before: History,
         estimator: ErrorEstimator | None = None,
         missed: str = "",
     ) -> History:
-        """Roll on from the last of a number of records in the file; arguments as of `begun`."""
-        keeper = HistoryWriter.reopen(self.path, self.scene, records)
+        """Roll on from the last record of a file that holds `before`; arguments as of `begun`."""
+        keeper = HistoryWriter.reopen(self.path, self.scene, len(before))
         if isinstance(last, Passage):
             last = replace(last, damage=last_damage(self.path, last))
-        return self._kept(keeper, model, last, (), estimator, missed)
+        widest = np.nanmax([before[name] for name in _HALF_WIDTHS], axis=1, initial=0.0)
+        return self._kept(keeper, model, last, (), estimator, missed, widest)
 
     def _kept(
         self,
@@ -96,6 +97,7 @@ class Recording:
         first: Iterable[Passage],
         estimator: ErrorEstimator | None,
         missed: str,
+        widest: np.ndarray | float = 0.0,
     ) -> History:
         passage, began = start, self.began
         with keeper:
@@ -104,13 +106,17 @@ class Recording:
                 began = perf_counter()
                 grid = passage.contact.grid.shifted(0.0)
                 keeper.append(told, grid, _state(passage, self.scene))
+                widest = np.fmax(widest, [told.values[name] for name in _HALF_WIDTHS])
                 if self.progress is not None:
                     self.progress(told)
                 interrupt.heed()
             missed = missed if estimator is None else estimator.missed
-            status, message = _ended(passage, model, missed)
+            status, message = _ended(passage, model, missed, widest)
             keeper.finish(status, message)
-        return keeper.history if self.path is None else open_history(self.path)
+        history = keeper.history if self.path is None else open_history(self.path)
+        if note := caveats(history).get("p_max"):
+            warn(f"p_max: {note}", PlausibilityWarning)
+        return history
 
 
 def _state(passage: Passage, scene: Scene) -> dict[str, np.ndarray]:
@@ -155,9 +161,24 @@ class _InMemory:
         self.history = History.of_records(self._records, self._scene, self._grid, **end)
 
 
-def _ended(passage: Passage, model: Model, missed: str) -> tuple[str, str]:
-    """Status and message of a history that ends with this passage."""
+_HALF_WIDTHS = ("half_width_x", "half_width_y")
+
+
+def _ended(
+    passage: Passage, model: Model, missed: str, widest: np.ndarray | float
+) -> tuple[str, str]:
+    """Status and message of a history that ends with this passage.
+
+    `widest` are the largest half widths of all records, mm. A [transient] may begin and end with a
+    contact of few elements, where the bodies touch and part, but not be so small throughout.
+    """
     contact = passage.contact
+    if contact.converged and contact.scene.transient is not None:
+        sides = np.array((contact.grid.dx, contact.grid.dy))
+        few = (widest > 0.0) & (2.0 * widest < FewestElements.contact * sides)
+        if np.any(few):
+            across = np.ceil(2.0 * np.asarray(widest) / sides)
+            return str(Status.NOT_RESOLVED), not_resolved(contact, across)
     if contact.converged and missed:
         return str(Status.INACCURATE), missed
     message = contact.message

@@ -6,9 +6,7 @@ Tables and keys are those of a scene file; units mm, N, MPa, degrees, revolution
 from . import told, toml
 from .bodies import Bodies, Body
 from .catalogue import builtin_names
-from .checks import FEWEST_ELEMENTS
 from .document import Document
-from .doubts import near_edge
 from .duty import Block, BlockCreepage, BlockFriction, BlockLoad, Spectrum, label
 from .fatigue import Fatigue, FatigueVolume
 from .faults import (
@@ -27,7 +25,9 @@ from .keys import groups
 from .load_history import Binned, LoadHistory, blocks_of
 from .override import parse_settings
 from .plane import Plane
+from .plausibility import near_edge, pressure_notes
 from .quantities import LARGEST, Real, entry, number
+from .resolution import FewestElements
 from .scene import Scene
 from .starter import starter
 from .table import Check, Known, Table
@@ -53,7 +53,6 @@ from .varied import FILES, files_of_varied
 __all__ = [
     "ALONG",
     "BY_COEFFICIENT",
-    "FEWEST_ELEMENTS",
     "FILES",
     "LARGEST",
     "LENGTHS",
@@ -78,6 +77,7 @@ __all__ = [
     "Fatigue",
     "FatigueVolume",
     "Fault",
+    "FewestElements",
     "Friction",
     "FrictionCourse",
     "Gap",
@@ -113,6 +113,7 @@ __all__ = [
     "near_edge",
     "number",
     "parse_settings",
+    "pressure_notes",
     "shown",
     "starter",
     "suggestion",

@@ -9,17 +9,15 @@ from tractive_sam.mechanics import HertzContact, HertzLine, full_slip_force, loa
 
 from .alternatives import not_both
 from .bodies import Bodies
-from .doubts import doubtful_contact
 from .duty import duty_fits
 from .faults import Fault, shown, warn
 from .heat import HEAT_CHECKS
 from .line import LINE_CHECKS, is_line
+from .plausibility import pair_notes
+from .readings import Pair
 from .table import Check, Known
-from .tables import Mesh, Wear
+from .tables import Wear
 from .transient import TRANSIENT_CHECKS
-
-FEWEST_ELEMENTS = 8
-"""Elements across a contact, or its Hertz ellipse, below which a grid resolves no slip zone."""
 
 MOST_SLENDER = 1000.0
 """Ratio of the semi-axes up to which a grid is chosen: beyond it takes millions of elements."""
@@ -160,7 +158,8 @@ def _grid_holds_the_contact(known: Known) -> Iterator[Fault]:
         if length < semi_axis:
             least = f"{1.00001 * semi_axis:.6g}"  # rounded up
             cure = f"at least {least} in {axis}: the contact has the semi-axis {name} there"
-            cure = "; ".join((cure, *doubtful_contact(known["body"].materials, contact)))
+            pair = Pair.from_tables(known["body"], known["load"])
+            cure = "; ".join((cure, *pair_notes(pair)))
             yield Fault("grid.half_length", shown(half_length), cure)
 
 
@@ -248,33 +247,6 @@ SCENE_CHECKS: tuple[Check, ...] = (
     *HEAT_CHECKS,
 )
 """All checks of a valid scene."""
-
-
-def warn_if_coarse(grid: Mesh, contact: HertzContact | HertzLine) -> None:
-    """Warn, once for all directions, of a grid too coarse to resolve the contact.
-
-    Parameters
-    ----------
-    grid : Mesh
-        The grid of the scene.
-    contact : HertzContact or HertzLine
-        The unworn contact on it.
-    """
-    if grid.elements is None:
-        return
-    needs = [
-        f"at least {math.ceil(FEWEST_ELEMENTS * length / semi_axis)} in {axis}"
-        for (axis, length, _, semi_axis), count in zip(
-            _directions(grid.half_length or (contact.a, contact.b)[: len(grid.elements)], contact),
-            grid.elements,
-            strict=True,
-        )
-        if count * semi_axis / length < FEWEST_ELEMENTS
-    ]
-    if needs:
-        given = grid.elements if len(grid.elements) > 1 else grid.elements[0]
-        text = f"grid.elements: {given} resolves the contact poorly; use {', '.join(needs)}"
-        warn(text)
 
 
 def warn_if_large(bodies: Bodies, contact: HertzContact | HertzLine) -> None:

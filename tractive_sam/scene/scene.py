@@ -17,9 +17,8 @@ from tractive_sam.mechanics import CombinedMaterial, HertzContact, HertzLine, Ma
 from . import summary
 from .bodies import Bodies
 from .catalogue import builtin_text, names_file
-from .checks import SCENE_CHECKS, warn_if_coarse, warn_if_large, warn_if_unequal
+from .checks import SCENE_CHECKS, warn_if_large, warn_if_unequal
 from .document import Document, keywords_alone
-from .doubts import doubts
 from .duty import Block, Spectrum, block_scenes, off_the_mesh
 from .fatigue import Fatigue
 from .faults import PlausibilityWarning, SceneError, warn
@@ -27,7 +26,9 @@ from .gap import Gap
 from .heat import STEEL, Heat, Thermal
 from .load_history import DOUBTFUL, LoadHistory, with_blocks
 from .override import override, parse_settings
+from .plausibility import scene_notes
 from .quantities import entry
+from .resolution import warn_if_coarse
 from .table import Check, Table
 from .tables import Accuracy, Creepage, Friction, Load, Mesh, Solver, Subsurface, Wear
 from .transient import Transient
@@ -83,8 +84,8 @@ class Scene(Document):
         super().__init__(**tables)
         if self.duty:
             self._check_blocks()
-        for doubt in doubts(self):
-            warn(doubt, PlausibilityWarning)
+        for note in scene_notes(self):
+            warn(note, PlausibilityWarning)
         if self.wear and not self.transient:
             warn_if_unequal(self.body, self.wear)
         if self.gap:  # the Hertz ellipse is not the contact
@@ -105,7 +106,7 @@ class Scene(Document):
             faults = [*off_the_mesh(self, self.blocks)]
         if faults:
             raise SceneError(faults)
-        own = set(doubts(self))
+        own = set(scene_notes(self))
         for told in dict.fromkeys(str(note.message) for note in notes):
             if told not in own and not told.startswith("wear"):
                 warn(f"duty: {told}", PlausibilityWarning)

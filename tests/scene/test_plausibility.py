@@ -1,14 +1,20 @@
 """Entries that look as if they were meant in another unit are told, and computed as given."""
 
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import tractive_sam as ts
+from tractive_sam.results import caveats
 from tractive_sam.scene import PlausibilityWarning
+from tractive_sam.scene.plausibility import RULES, Reading
 
 DISCS = ts.Scene.builtin("twin-discs").replace(subsurface=None, grid=None)
+
+
+SMALL = [f"body.{body}.radius_x=0.03" for body in "AB"]
 
 
 @pytest.mark.parametrize(
@@ -22,6 +28,15 @@ DISCS = ts.Scene.builtin("twin-discs").replace(subsurface=None, grid=None)
         (["friction.mu=30"], r"friction\.mu"),
         (["wear.intensity=1e-4"], "wear"),
         (["wear.coefficient=2"], "wear"),
+        (["load.pressure=1"], r"load\.pressure: p0"),
+        (["load.normal=1e-4"], r"load\.normal: p0"),
+        (["load.approach=1e-7"], r"load\.approach: p0"),
+        (["body.A.density=7.85"], r"body\.A\.density"),
+        (["wear.coefficient=1e-13"], r"wear\.coefficient: k"),
+        (["wear.coefficient={A=1e-4, B=1e-14}"], r"wear\.coefficient\.B: k"),
+        (["wear.intensity=1e-14"], r"wear\.intensity: k"),
+        ([*SMALL, "load.pressure=300"], r"body\.A\.radius_x"),
+        (["body.B.young=2.1e8"], r"body\.B: E"),
     ],
 )
 def test_what_looks_like_another_unit(settings, key):
@@ -68,12 +83,69 @@ def test_built_in_scenes_are_beyond_doubt(name):
         ["creepage.longitudinal=-0.1"],
         ["friction.mu=[1.5, 0.8]"],
         ["wear.coefficient=2e-3"],
+        ["wear.coefficient=0"],
+        ["body.B.young=1e15"],  # rigid
+        ["body.A.density=120.0"],
+        ["body.A.radius_x=0.5", "body.B.radius_x=0.5", "load.pressure=500"],
+        ["load.pressure=20"],
     ],
 )
 def test_the_usual_needs_no_word(settings):
     with warnings.catch_warnings():
         warnings.simplefilter("error", PlausibilityWarning)
         DISCS.with_set(settings)
+
+
+def test_every_rule_judges_by_its_bounds():
+    """Its bounds are plausible, and what is just beyond them is not."""
+    assert len({rule.name for rule in RULES}) == len(RULES)
+    for rule in (replace(rule, note="") for rule in RULES):
+        bounds = [one for one in (rule.above, rule.below) if np.isfinite(one)]
+        assert bounds
+        assert rule.reason
+        assert not [*rule.judge(Reading("key", value) for value in bounds)]
+        beyond = [np.nextafter(rule.above, np.inf), np.nextafter(rule.below, -np.inf)]
+        implausible = [Reading("key", value) for value in beyond if abs(value) < 1e300]
+        assert len([*rule.judge(implausible)]) == len(bounds)
+
+
+def test_a_course_is_judged_by_its_largest_load():
+    """It may begin and end without load."""
+    scene = ts.Scene.builtin("traction-control")
+    course = {"distance": (0.0, 1.0, 2.0), "load": {"normal": (1e-6, 300.0, 1e-6)}}
+    quiet = {"creepage": {}, "transient": course, "wear": None}
+    assert not notes_of(lambda: scene.replace(**quiet))
+    light = course | {"load": {"normal": (1e-6, 1e-4, 1e-6)}}
+    (note,) = notes_of(lambda: scene.replace(**quiet | {"transient": light}))
+    assert note.startswith("transient.load.normal")
+
+
+def notes_of(make):
+    """Plausibility notes of a call."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("ignore")
+        warnings.simplefilter("always", PlausibilityWarning)
+        make()
+    return [str(one.message) for one in caught]
+
+
+def test_a_computed_pressure_that_no_material_withstands():
+    """Of a gap whose heights are in another unit; the pressure by Hertz is plausible."""
+    y = np.linspace(-0.9, 0.9, 121)
+    gap = {"y": y, "separation": 1e-3 * np.cos(2 * np.pi * y / 0.1)}
+    grid = {"half_length": (0.45, 0.8), "elements": (31, 161)}
+    scene = DISCS.replace(gap=gap, grid=grid, wear=None)
+    assert not notes_of(lambda: ts.solve(scene))
+    rough = scene.replace(gap={"y": y, "separation": 0.05 * np.cos(2 * np.pi * y / 0.1)})
+    (note,) = notes_of(lambda: ts.solve(rough))
+    assert note.startswith("p_max")
+    with pytest.warns(PlausibilityWarning, match="p_max") as caught:
+        history = ts.roll(rough)
+    assert len([one for one in caught if "p_max" in str(one.message)]) == 1
+    assert "p_max" in caveats(history)
+    # Once only: where the scene has a note about its load, the result needs none.
+    heavy = DISCS.replace(wear=None, **{"load.pressure": 11e3})
+    assert not notes_of(lambda: ts.solve(heavy))
 
 
 X = np.linspace(-0.5, 0.5, 201)

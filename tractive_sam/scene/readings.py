@@ -1,0 +1,212 @@
+"""Numbers of a scene, and of what is computed, that have a plausible range."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tractive_sam.mechanics import HertzContact, HertzLine, Material
+
+from .bodies import Bodies
+from .tables import PER_INTENSITY, Load
+
+if TYPE_CHECKING:
+    from .scene import Scene
+
+
+@dataclass(frozen=True)
+class Reading:
+    """A number that a rule judges.
+
+    Attributes
+    ----------
+    key : str
+        Where it is in the scene.
+    value : float
+        The number, in the unit of its rule.
+    details : mapping of str to object
+        What else the note of the rule prints.
+    """
+
+    key: str
+    value: float
+    details: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two bodies and their contact by Hertz.
+
+    Attributes
+    ----------
+    bodies : Bodies
+        The bodies.
+    hertz : HertzContact or HertzLine or None
+        Their contact; None where the radii do not close.
+    key : str
+        Key of the entry that presses them.
+    rough : bool
+        Whether a [gap] is added to the radii, so that the pressure is not that of Hertz.
+    """
+
+    bodies: Bodies
+    hertz: HertzContact | HertzLine | None
+    key: str
+    rough: bool = False
+
+    @classmethod
+    def from_tables(cls, bodies: Bodies, load: Load) -> Pair:
+        """Return the pair of bodies under a load."""
+        return cls(bodies, bodies.hertz(load), _load_key(load))
+
+    @classmethod
+    def from_scene(cls, scene: Scene) -> Pair:
+        """Return the bodies of a scene, under the largest load of its [transient]."""
+        hertz, key = scene.hertz, _load_key(scene.load)
+        courses = {} if scene.transient is None else scene.transient.courses
+        for name in ("normal", "approach"):
+            largest = max(courses.get(f"load.{name}", (0.0,)))
+            if largest > 0.0 and hertz is not None:
+                heaviest = type(scene.load)(**{name: largest})
+                hertz, key = scene.body.hertz(heaviest), f"transient.load.{name}"
+        return cls(scene.body, hertz, key, scene.gap is not None)
+
+
+@dataclass(frozen=True)
+class Peak:
+    """The largest pressure that was computed, MPa, with its place in words."""
+
+    pressure: float
+    place: str
+    materials: Mapping[str, Material]
+
+
+def _load_key(load: Load) -> str:
+    given = (name for name in ("pressure", "approach") if getattr(load, name) is not None)
+    return f"load.{next(given, 'normal')}"
+
+
+def read_moduli(least_poisson: float, most_poisson: float) -> Callable[[Pair], Iterator[Reading]]:
+    """Return a reader of Young's moduli, MPa, of bodies with a Poisson's ratio in a range."""
+
+    def read(pair: Pair) -> Iterator[Reading]:
+        for name, material in pair.bodies.materials.items():
+            if least_poisson <= material.poisson < most_poisson:
+                yield Reading(f"body.{name}", material.young)
+
+    return read
+
+
+def read_densities(pair: Pair) -> Iterator[Reading]:
+    """Yield the densities of the bodies, kg/m3."""
+    for name, body in (("A", pair.bodies.A), ("B", pair.bodies.B)):
+        yield Reading(f"body.{name}.density", body.density)
+
+
+def read_radii(pair: Pair) -> Iterator[Reading]:
+    """Yield the magnitudes of the radii, mm."""
+    for name, body in (("A", pair.bodies.A), ("B", pair.bodies.B)):
+        for key in ("radius_x", "radius_y"):
+            value = getattr(body, key)
+            yield Reading(f"body.{name}.{key}", abs(value), {"given": value, "mm": 1e3 * value})
+
+
+def read_hertz_pressure(pair: Pair) -> Iterator[Reading]:
+    """Yield the peak pressure by Hertz, MPa."""
+    if pair.hertz is not None:
+        yield Reading(pair.key, pair.hertz.p0)
+
+
+def _metals(materials: Mapping[str, Material], softest: float = 4e4) -> bool:
+    """Whether both are as stiff as metals: magnesium, the softest of the usual ones, has 45 GPa."""
+    return all(material.young >= softest for material in materials.values())
+
+
+_MEANT = {
+    "load.pressure": "the key is in MPa: is it in GPa? 1 GPa is 1000",
+    "load.approach": "the key is in mm: is it in m?",
+    "transient.load.approach": "the key is in mm: is it in m?",
+}
+
+
+def read_pressure_of_metals(pair: Pair) -> Iterator[Reading]:
+    """Yield the peak pressure by Hertz between metals, MPa."""
+    # With a gap the pressure is that of its summits, and known once the contact is solved.
+    if pair.hertz is not None and not pair.rough and _metals(pair.bodies.materials):
+        force = "the key is in N (N/mm of a line contact): is it in kN? Are the radii in mm?"
+        yield Reading(pair.key, pair.hertz.p0, {"meant": _MEANT.get(pair.key, force)})
+
+
+def read_computed_pressure(peak: Peak) -> Iterator[Reading]:
+    """Yield the largest computed pressure, MPa."""
+    yield Reading("p_max", peak.pressure, {"place": peak.place})
+
+
+def read_computed_pressure_of_metals(peak: Peak) -> Iterator[Reading]:
+    """Yield the largest computed pressure between metals, MPa; none without contact."""
+    if peak.pressure > 0.0 and _metals(peak.materials):
+        yield Reading("p_max", peak.pressure, {"place": peak.place})
+
+
+def read_shakedown_ratio(scene: Scene) -> Iterator[Reading]:
+    """Yield the peak pressure over the yield stress in shear."""
+    k = None if scene.fatigue is None else scene.fatigue.shear_yield_stress
+    if k is not None and scene.hertz is not None:
+        yield Reading("fatigue", scene.hertz.p0 / k, {"p0": scene.hertz.p0})
+
+
+def read_creepages(scene: Scene) -> Iterator[Reading]:
+    """Yield the magnitudes of both creepages."""
+    for key in ("longitudinal", "lateral"):
+        given = getattr(scene.creepage, key)
+        details = {"given": given, "percent": 100.0 * given}
+        yield Reading(f"creepage.{key}", abs(given), details)
+
+
+def read_friction(scene: Scene) -> Iterator[Reading]:
+    """Yield the larger friction coefficient."""
+    if scene.friction is not None:
+        yield Reading("friction.mu", max(scene.friction.mu))
+
+
+def read_wear_rate(scene: Scene) -> Iterator[Reading]:
+    """Yield wear per frictional work, made dimensionless with E*."""
+    if scene.wear is None:
+        return
+    mu = (1.0, 1.0) if scene.friction is None else scene.friction.mu
+    i = max(np.multiply(scene.wear.per_work(mu) or 0.0, mu))
+    e_star = scene.material.plane_strain_modulus
+    yield Reading("wear", i * e_star, {"i": i, "k": PER_INTENSITY * i})
+
+
+def read_wear_coefficients(scene: Scene) -> Iterator[Reading]:
+    """Yield the specific wear rates that are given, mm3/(N m)."""
+    wear = scene.wear
+    if wear is None:
+        return
+    if wear.intensity is not None:
+        for i in dict.fromkeys(wear.intensity):
+            yield Reading("wear.intensity", PER_INTENSITY * i, {"given": f" (i = {i:g} /MPa)"})
+    elif isinstance(wear.coefficient, tuple):
+        for k in dict.fromkeys(wear.coefficient):
+            yield Reading("wear.coefficient", k, {"given": ""})
+    elif wear.coefficient is not None:
+        for body, k in wear.coefficient.entries().items():
+            yield Reading(f"wear.coefficient.{body}", k, {"given": ""})
+
+
+def read_widths(scene: Scene) -> Iterator[Reading]:
+    """Yield the width of the unworn contact over that of each body which has one."""
+    if isinstance(scene.hertz, HertzContact):
+        yield from read_width_ratios(scene, 2.0 * scene.hertz.b)
+
+
+def read_width_ratios(scene: Scene, width: float) -> Iterator[Reading]:
+    """Yield the width of a contact, mm, over that of each body which has one."""
+    for name, body in (("A", scene.body.A), ("B", scene.body.B)):
+        if body.width is not None:
+            details = {"width": width, "name": name, "body": body.width}
+            yield Reading("body", width / body.width, details)

@@ -1,0 +1,66 @@
+"""How many elements a contact needs."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from tractive_sam.mechanics import HertzContact, HertzLine
+
+from .faults import warn
+from .tables import Mesh
+
+
+@dataclass(frozen=True)
+class FewestElements:
+    """Fewest elements across a contact.
+
+    Attributes
+    ----------
+    contact : int
+        To have a contact at all: of one or two elements the extent and the pressure are those of
+        the mesh, and no element has neighbours in contact on both sides.
+    slip : int
+        To have a stick and a slip area.
+    """
+
+    contact: int = 3
+    slip: int = 8
+
+
+def warn_if_coarse(grid: Mesh, contact: HertzContact | HertzLine, margin: float = 1.15) -> None:
+    """Warn, once for all directions, of a grid too coarse to resolve the contact.
+
+    Parameters
+    ----------
+    grid : Mesh
+        The grid of the scene.
+    contact : HertzContact or HertzLine
+        The unworn contact on it.
+    margin : float
+        Half length to advise over the semi-axis: that of a mesh which is chosen.
+    """
+    if grid.elements is None:
+        return
+    given = grid.elements if len(grid.elements) > 1 else grid.elements[0]
+    semi_axes = (contact.a, contact.b)[: len(grid.elements)]
+    half_length = grid.half_length or semi_axes
+    sides = [*zip("xy", grid.elements, half_length, semi_axes, strict=False)]
+    across = [n * semi_axis / half for _, n, half, semi_axis in sides]
+    if min(across) >= FewestElements.slip:
+        return
+    if min(across) < FewestElements.contact:
+        found = " x ".join(f"{count:.2g}" for count in across)
+        advised = ", ".join(f"{margin * semi_axis:.3g}" for semi_axis in semi_axes)
+        warn(
+            f"grid.elements: {given} do not resolve the contact, which covers {found} of them by "
+            "Hertz; check the units of [load] and the radii, or use grid.half_length = "
+            f"[{advised}]"
+        )
+        return
+    needs = [
+        f"at least {math.ceil(FewestElements.slip * half / semi_axis)} in {axis}"
+        for (axis, _, half, semi_axis), count in zip(sides, across, strict=True)
+        if count < FewestElements.slip
+    ]
+    warn(f"grid.elements: {given} resolves the contact poorly; use {', '.join(needs)}")
