@@ -5,6 +5,7 @@ figures: one column more is one line here.
 """
 
 import math
+import re
 from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -194,6 +195,22 @@ class Quantity:
     per_length: bool = False
     when: Callable[[Scene], bool | Collection[str]] = field(default=_always, compare=False)
     role: str = ""
+
+    def __post_init__(self) -> None:
+        """Refuse what would be no line of text, or no format of numbers, in an output.
+
+        Raises
+        ------
+        ValueError
+            With the attribute, its value and what is allowed.
+        """
+        for name in ("name", "unit", "long_name", "symbol", "label", "format", "role"):
+            text = getattr(self, name)
+            if not isinstance(text, str) or not text.isprintable():
+                raise ValueError(f"{name} of a column is {text!r}; allowed: one line of text")
+        if not re.fullmatch(r"[-+ z#]*\d{0,2},?(\.\d{1,2})?[deEfFgG%]?", self.format, re.ASCII):
+            allowed = "a format of numbers such as .4g, of at most 99 places"
+            raise ValueError(f"format of the column {self.name} is {self.format!r}; {allowed}")
 
     def bodies(self, scene: Scene) -> tuple[str, ...]:
         """The bodies in which a scene has it, of dimensions ("body", ...)."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from io import StringIO
 from os import PathLike
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
@@ -12,6 +13,8 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import AfterValidator
+
+from tractive_sam import input_file
 
 from .duty import Block, BlockCreepage, BlockFriction, BlockLoad
 from .faults import Fault, SceneError, shown, suggestion
@@ -296,11 +299,11 @@ def _columns(measured: str | PathLike[str] | Mapping[str, ArrayLike]) -> dict[st
     return columns
 
 
-def _read(path: Path) -> dict[str, list[float]]:
-    """A CSV file with a line of names."""
+def _read(path: Path, most: int = 2**29) -> dict[str, list[float]]:
+    """Read a CSV file with a line of names; it may have so many bytes, some 20 million rows."""
     try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            lines = [(n, row) for n, row in enumerate(csv.reader(file), 1) if row]
+        text = input_file.read_text(path, most, "utf-8-sig")
+        lines = [(n, row) for n, row in enumerate(csv.reader(StringIO(text)), 1) if row]
     except (OSError, ValueError, csv.Error):
         allowed = "an existing CSV file that can be read: a line of names, then numbers"
         raise SceneError([Fault("measured", shown(str(path)), allowed)]) from None

@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 import tomli_w
 
+from tractive_sam import input_file
+
 from .faults import Fault, SceneError, shown
 
 FILE = "(file)"
@@ -31,8 +33,15 @@ def parse(text: str) -> dict[str, Any]:
         raise SceneError([_syntax_fault(text, str(error))]) from None
 
 
-def parse_file(path: Path) -> dict[str, Any]:
+def parse_file(path: Path, most: int = 2**26) -> dict[str, Any]:
     """Read a TOML file, UTF-8.
+
+    Parameters
+    ----------
+    path : Path
+        A regular file, or the standard input.
+    most : int
+        Bytes that it may have: a gap of 1500 x 1500 points in the scene itself takes 45 MB.
 
     Raises
     ------
@@ -40,7 +49,7 @@ def parse_file(path: Path) -> dict[str, Any]:
         If there is no such readable file, or if it is no TOML.
     """
     try:
-        text = path.read_text(encoding="utf-8")
+        text = input_file.read_text(path, most)
     except UnicodeDecodeError:
         raise SceneError([Fault(FILE, shown(str(path)), "a text file in UTF-8")]) from None
     except (OSError, ValueError) as error:  # ValueError: a path with a null character

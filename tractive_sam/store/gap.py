@@ -12,6 +12,8 @@ from tractive_sam.scene import ALONG, LENGTHS, TEXTS
 from tractive_sam.store.errors import GapError
 from tractive_sam.store.gap_text import is_number, one_of, read_text
 from tractive_sam.store.hdf5_file import open_to_read
+from tractive_sam.store.hdf5_guard import member, numbers_of
+from tractive_sam.store.numpy_guard import read_archive, read_array
 
 NAMES = ("x", "y", "separation")
 VALUES = ("separation", "height", "z")
@@ -91,6 +93,11 @@ def _read(told: scene.Gap) -> Gap:
         raise GapError(path, "no such file", "an existing file") from None
     except GapError:
         raise
+    except OSError as error:
+        given = f"unreadable ({error.strerror or error})"
+        raise GapError(
+            path, given, "a regular file with numbers for x, y and separation"
+        ) from error
     except Exception as error:  # damaged files make the libraries raise whatever comes
         raise GapError(path, f"unreadable ({error})", "numbers for x, y and separation") from error
     _check(path, found)
@@ -102,10 +109,11 @@ def _read_hdf5(path: Path, told: scene.Gap) -> _Found:
         missing = [name for name in NAMES if name not in file]
         if missing:
             raise GapError(path, f"no dataset {', '.join(missing)}", f"datasets {', '.join(NAMES)}")
-        units = {name: _unit_of(path, name, file[name]) for name in NAMES}
+        datasets = {name: numbers_of(member(file, name)) for name in NAMES}
+        units = {name: _unit_of(path, name, one) for name, one in datasets.items()}
         if units["x"] != units["y"]:
             raise GapError(path, f"x in {units['x']}, y in {units['y']}", "the same unit of both")
-        x, y, values = (_finite(path, file[name], name) for name in NAMES)
+        x, y, values = (_finite(path, datasets[name], name) for name in NAMES)
     return _Found(x, y, values, (units["x"], units["separation"]))
 
 
@@ -118,16 +126,11 @@ def _unit_of(path: Path, name: str, dataset: h5py.Dataset) -> str:
 
 
 def _read_npy(path: Path, told: scene.Gap) -> _Found:
-    with path.open("rb") as file:
-        array = np.load(file, allow_pickle=False)
-    if not isinstance(array, np.ndarray):
-        raise GapError(path, "an archive of arrays", "a single array, or the suffix .npz")
-    return _of_array(path, told, array)
+    return _of_array(path, told, read_array(path))
 
 
 def _read_npz(path: Path, told: scene.Gap) -> _Found:
-    with np.load(path, allow_pickle=False) as file:
-        held = {name: np.asarray(file[name]) for name in file.files}
+    held = read_archive(path)
     if len(held) == 1:
         return _of_array(path, told, *held.values())
     value = [held[name] for name in VALUES if name in held]

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from tractive_sam import input_file
 from tractive_sam.store.errors import GapError
 
 LONGEST = 1_000_000
@@ -58,15 +59,22 @@ class TextTable:
         return np.array(self.cells, float)
 
 
-def read_text(path: Path) -> TextTable:
+def read_text(path: Path, most: int = 2**30) -> TextTable:
     """Read a table, by the separator and the decimal sign that its lines have.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    most : int
+        Bytes that it may have: some 5000 x 5000 numbers, more than memory takes as text.
 
     Raises
     ------
     GapError
         If it has no rows, or rows of different lengths.
     """
-    text = path.read_text(encoding="utf-8-sig")
+    text = input_file.read_text(path, most, "utf-8-sig")
     lines = [(k, line.strip()) for k, line in enumerate(text.splitlines(), 1) if line.strip()]
     if any(len(line) > LONGEST for _, line in lines):
         raise GapError(path, f"a line longer than {LONGEST} characters", "a line for each row")

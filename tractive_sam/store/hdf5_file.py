@@ -4,6 +4,7 @@ from pathlib import Path
 
 import h5py
 
+from tractive_sam.input_file import open_regular
 from tractive_sam.store.errors import ResultsError
 
 
@@ -25,8 +26,9 @@ def open_to_read(path: Path) -> h5py.File:
     ResultsError
         If another process has it open for writing.
     OSError
-        If it is no HDF5 file, or is damaged.
+        If it is no regular file, no HDF5 file, or is damaged.
     """
+    open_regular(path).close()
     try:
         return h5py.File(path, "r", driver="stdio", locking=False)
     except OSError as error:

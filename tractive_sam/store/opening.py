@@ -10,7 +10,12 @@ import numpy as np
 from tractive_sam.store import layout
 from tractive_sam.store.errors import DamagedError, ResultsError, reason
 from tractive_sam.store.hdf5_file import open_to_read
-from tractive_sam.store.heaps import has_endless_heap
+from tractive_sam.store.hdf5_guard import (
+    check_claim,
+    has_endless_heap,
+    member,
+    numbers_of,
+)
 from tractive_sam.store.texts import text_of
 
 GROUPS = ("grid", "history", "fields", "stress", "state")
@@ -93,7 +98,11 @@ class Results:
             raise ResultsError(told)
         kinds = {"scene": h5py.Dataset} | dict.fromkeys(GROUPS, h5py.Group)
         with self._damage_told("/"):
-            lost = [k for k, kind in kinds.items() if not isinstance(self._file.get(k), kind)]
+            lost = [
+                k
+                for k, kind in kinds.items()
+                if k not in self._file or not isinstance(self._item(k), kind)
+            ]
         if lost:
             told = ", ".join(f"/{name}" for name in sorted(lost))
             raise DamagedError(f"{self.path} lacks {told}: it is damaged; run its scene again")
@@ -108,10 +117,12 @@ class Results:
     def records(self) -> int:
         """Number of complete records."""
         laid_out = self.length("history/record")
+        with self._damage_told("history/record"):
+            check_claim(self._file, 8 * laid_out * len(self._item("history")))
         if self.version > 1:
             return laid_out
         with self._damage_told("history/committed"):  # rows were laid out before they were filled
-            committed = int(self._file["history/committed"][()])
+            committed = int(self._item("history/committed")[()])
         if not 0 <= committed <= laid_out:
             raise _damaged(self.path, f"{committed} of {laid_out} records")
         return committed
@@ -123,12 +134,12 @@ class Results:
     def names(self, group: str) -> tuple[str, ...]:
         """What is in a group."""
         with self._damage_told(group):
-            return tuple(self._file[group].keys())
+            return tuple(self._item(group).keys())
 
     def length(self, name: str) -> int:
         """Number of rows of a dataset."""
         with self._damage_told(name):
-            return len(self._file[name])
+            return len(self._item(name))
 
     def numbers(self, name: str, shape: tuple[int, ...], optional: bool = False) -> np.ndarray:
         """As many rows of numbers as the shape says; nan where they are optional and missing."""
@@ -136,22 +147,24 @@ class Results:
             return np.full(shape, np.nan)
         self.check(name, shape)
         with self._damage_told(name):
-            return self._file[name][: shape[0]]
+            return numbers_of(self._item(name))[: shape[0]]
 
     def whole(self, name: str) -> np.ndarray:
         """All numbers of a dataset."""
         with self._damage_told(name):
-            return self._file[name][...]
+            return numbers_of(self._item(name))[...]
 
     def row(self, name: str, row: int) -> np.ndarray:
         """One row of numbers."""
         with self._damage_told(name):
-            return self._file[name][row]
+            dataset = self._item(name)
+            check_claim(dataset, dataset.nbytes // max(len(dataset), 1))
+            return dataset[row]
 
     def check(self, name: str, shape: tuple[int, ...]) -> None:
         """See that there are numbers of a shape, or more rows of them, without reading them."""
         with self._damage_told(name):
-            found = self._file[name]
+            found = self._item(name)
             numbers = found.dtype.kind in "fiu" and found.maxshape[0] is None
             if not numbers or found.shape[1:] != shape[1:] or len(found) < shape[0]:
                 told = f"{found.dtype} of the shape {found.shape}, not numbers of the shape {shape}"
@@ -160,40 +173,52 @@ class Results:
     def text(self, name: str, attribute: str | None = None, default: str | None = None) -> str:
         """A dataset that is a text, or an attribute that is one."""
         with self._damage_told(f"{name} {attribute or ''}".rstrip()):
+            item = self._item(name)
             if attribute is None:
-                return text_of(self._file[name][()])
-            if default is not None and attribute not in self._file[name].attrs:
+                check_claim(item, item.nbytes)
+                return text_of(item[()])
+            if default is not None and attribute not in item.attrs:
                 return default
-            return text_of(self._file[name].attrs[attribute])
+            return text_of(item.attrs[attribute])
 
     def labels(self, name: str) -> tuple[str, ...]:
         """A dataset of texts."""
         with self._damage_told(name):
-            return tuple(map(text_of, self._file[name][:].tolist()))
+            item = self._item(name)
+            check_claim(item, item.nbytes)
+            return tuple(map(text_of, item[:].tolist()))
 
     def attribute(self, name: str, attribute: str) -> np.ndarray:
         """An attribute that is a number, or several."""
         with self._damage_told(f"{name} {attribute}"):
-            return np.asarray(self._file[name].attrs[attribute], float)
+            return np.asarray(self._item(name).attrs[attribute], float)
 
     def attributes(self, name: str) -> tuple[str, ...]:
         """The names of all attributes."""
         with self._damage_told(name):
-            return tuple(self._file[name].attrs.keys())
+            return tuple(self._item(name).attrs.keys())
 
     def verify(self) -> None:
         """Read all numbers: what is damaged is told by its checksum."""
         # Not by `visit`: it may end the process where a page of the file is lost (HDF5 2.0).
-        left = ["/"]
+        left, groups = ["/"], set()
         while left:
             name = left.pop()
             with self._damage_told(name):
-                item = self._file[name]
+                item = self._item(name)
                 if isinstance(item, h5py.Group):
+                    if item in groups:  # a group may lie in itself
+                        raise ValueError("a group in several places")
+                    groups.add(item)
                     left += [f"{name.rstrip('/')}/{inner}" for inner in item]
                 elif item.dtype.kind in "fiu" and item.size:
+                    check_claim(item, item.nbytes)
                     for chunk in item.iter_chunks() if item.chunks else [()]:
                         _ = item[chunk]
+
+    def _item(self, name: str) -> h5py.Group | h5py.Dataset:
+        """Return what lies under a name in this file; no link is followed."""
+        return member(self._file, name)
 
     def damaged(self, found: str) -> DamagedError:
         """The error that tells what was found."""

@@ -13,6 +13,7 @@ from tractive_sam.results import (
     BODIES,
     COORDINATE,
     CYCLES,
+    DIMS,
     FIELDS,
     LABELS,
     OUTSIDE,
@@ -170,7 +171,11 @@ def _own(file: Results) -> list[Quantity]:
     """Columns that are not the package's."""
     try:
         told = json.loads(file.text("history", layout.OWN, "[]"))
-        return [Quantity(**one | {"dims": tuple(one["dims"])}) for one in told]
+        found = [Quantity(**one | {"dims": tuple(one["dims"])}) for one in told]
+        wrong = [one.name for one in found if not one.name.isidentifier() or one.dims not in DIMS]
+        if wrong:
+            raise ValueError(f"{wrong[0]!r} is no name of a column, or has other dimensions")
+        return found
     except (ValueError, TypeError, KeyError) as error:
         raise file.damaged(f"own columns: {error}") from None
 
