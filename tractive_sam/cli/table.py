@@ -1,6 +1,6 @@
 """``tractive-sam table``: creep forces for vehicle, gear and bearing models."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
@@ -98,12 +98,20 @@ def table(
         for path, write in writes:
             if path is not None:
                 write(found, path)
-    about = found.about
-    say(
-        f"{output or file}: {found.nodes} nodes, {about['contacts']} contacts, "
-        f"{about['cpu_seconds']:.3g} s of one core; {about['held_out']} points held out are off by "
-        f"{about['held_out_median']:.1e} of mu P in the median, {about['held_out_worst']:.1e} at "
-        f"most, {about['held_out_inside']:.0%} within what the table tells"
+    say(f"{output or file}: {found.nodes} nodes{_errors(found.about)}")
+
+
+def _errors(about: Mapping[str, Any]) -> str:
+    """Describe the cost of a table and its errors, as far as its file states them."""
+    cost = {"contacts": "{} contacts", "cpu_seconds": "{:.3g} s of one core"}
+    told = [form.format(about[name]) for name, form in cost.items() if name in about]
+    found = ", ".join(["", *told])
+    if "held_out" not in about:
+        return found
+    return found + (
+        f"; {about['held_out']} points held out are off by {about['held_out_median']:.1e} of mu P "
+        f"in the median, {about['held_out_worst']:.1e} at most, {about['held_out_inside']:.0%} "
+        "within what the table tells"
     )
 
 

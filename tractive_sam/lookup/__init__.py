@@ -5,19 +5,22 @@
 """
 
 from tractive_sam.lookup.coordinates import (
+    CONTACT,
     MIRROR,
+    NAMES,
+    RATIO,
     REVERSED,
     Coordinates,
     by_coordinates,
     creepages_at,
 )
-from tractive_sam.lookup.creep_table import CONTACT, RATIO, CreepTable, Forces
+from tractive_sam.lookup.creep_table import CreepTable, Forces
 from tractive_sam.lookup.header import (
     arguments_of,
     c_header,
+    check_axis_name,
     check_name,
     plain_title,
-    reserved_names,
 )
 from tractive_sam.lookup.hermite import Hermite, cell_of
 from tractive_sam.lookup.text import columns_of
@@ -25,6 +28,7 @@ from tractive_sam.lookup.text import columns_of
 __all__ = [
     "CONTACT",
     "MIRROR",
+    "NAMES",
     "RATIO",
     "REVERSED",
     "Coordinates",
@@ -35,9 +39,9 @@ __all__ = [
     "by_coordinates",
     "c_header",
     "cell_of",
+    "check_axis_name",
     "check_name",
     "columns_of",
     "creepages_at",
     "plain_title",
-    "reserved_names",
 ]

@@ -34,6 +34,12 @@ REVERSED = np.array([-1.0, 1.0, 1.0])
 
 NAMES = ("heading", "tilt", "u")
 
+RATIO = "log_ratio"
+"""Name of the axis ln(a/b), of tables of any contact of Hertz."""
+
+CONTACT = ("a", "b", "load", "mu", "shear")
+"""What scales the forces of a contact."""
+
 SPIN = 0.5
 """Weight of scaled spin beside scaled creepages."""
 

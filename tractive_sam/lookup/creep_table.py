@@ -10,14 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tractive_sam.lookup.coordinates import NAMES, Coordinates
+from tractive_sam.lookup.coordinates import CONTACT, NAMES, RATIO, Coordinates
 from tractive_sam.lookup.hermite import Hermite, cell_of
-
-RATIO = "log_ratio"
-"""Name of the axis ln(a/b), of tables of any contact of Hertz."""
-
-CONTACT = ("a", "b", "load", "mu", "shear")
-"""What scales the forces of a contact."""
+from tractive_sam.lookup.table_checks import faults_of_table
 
 MARGIN = 1e-9
 """Of a coordinate outside a table that rounding alone may have brought there."""
@@ -94,6 +89,12 @@ class CreepTable:
     contact : mapping of str to float, optional
         Of the table of one scene: a, b, load, mu and shear that scale it.
 
+    Raises
+    ------
+    ValueError
+        With the variables at fault: names that are none in C, axes that are no ascending numbers
+        or leave creepages out, arrays of another shape, or numbers that are not finite.
+
     Examples
     --------
     >>> table = ts.open_table("steel")
@@ -115,6 +116,13 @@ class CreepTable:
     apart: tuple[str, ...] = ()
     whole: bool = False
     contact: Mapping[str, float] | None = None
+
+    def __post_init__(self) -> None:
+        """Check all parts."""
+        law, parts = self.law, (self.bars, self.between, self.apart, self.whole, self.contact)
+        faults = list(faults_of_table(self.names, law.axes, law.coefficients, *parts))
+        if faults:
+            raise ValueError("; ".join(faults))
 
     @property
     def nodes(self) -> int:

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tractive_sam.lookup.coordinates import LEAST, NAMES, POLE, SPIN
-from tractive_sam.lookup.creep_table import CONTACT, MARGIN, RATIO
+from tractive_sam.lookup.coordinates import CONTACT, LEAST, NAMES, POLE, RATIO, SPIN
+from tractive_sam.lookup.creep_table import MARGIN
+from tractive_sam.lookup.table_checks import is_identifier
 
 if TYPE_CHECKING:
     from tractive_sam.lookup.creep_table import CreepTable
@@ -172,9 +173,11 @@ def c_header(table: CreepTable, name: str = "creep_forces") -> str:
     Raises
     ------
     ValueError
-        If it is no name of C.
+        If it is no name of C, or an axis has one that the function uses by itself.
     """
     check_name(name)
+    for axis in table.names:
+        check_axis_name(axis)
     axes, data = table.law.axes, table.law.coefficients
     varies, kept = table.law.varying, table.law.kept
     low, high = table.ellipticity
@@ -229,14 +232,35 @@ def check_name(name: str) -> None:
     ValueError
         If it may not.
     """
-    if not re.fullmatch(r"[A-Za-z]\w*", name, re.ASCII) or name in C_WORDS.split():
+    if not is_identifier(name) or name in C_WORDS.split():
         raise ValueError(
             f"{name!r} is no name of C, and the file gives its name to what is in it: "
             "letters, digits and _"
         )
 
 
-def reserved_names() -> set[str]:
+def check_axis_name(name: str, further: bool = False) -> None:
+    """See that an axis of a table may be called so, in C, Python and XML.
+
+    Parameters
+    ----------
+    name : str
+        The name.
+    further : bool
+        Whether it is an axis beside those of a/b and Poisson's ratio, and so has another name.
+
+    Raises
+    ------
+    ValueError
+        If it may not; the message is what is allowed.
+    """
+    if name in (RATIO, "poisson") and not further:
+        return
+    if not is_identifier(name) or name in _reserved_names():
+        raise ValueError("a name of letters, digits and _, which neither a table nor C uses")
+
+
+def _reserved_names() -> set[str]:
     """Names that the axes of a table cannot have: arguments, and words of C and Python."""
     words = re.findall(r"[A-Za-z]\w*", BODY)
     return {RATIO, "poisson", "self", "Qx", "Qy", "Mz", *NAMES, *words, *C_WORDS.split(), *kwlist}

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tractive_sam.lookup.coordinates import creepages_at
-from tractive_sam.lookup.creep_table import RATIO
+from tractive_sam.lookup.coordinates import RATIO, creepages_at
 
 if TYPE_CHECKING:
     from tractive_sam.lookup.creep_table import CreepTable

@@ -1,14 +1,17 @@
 """Reads tables of creep forces."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 
 from tractive_sam.store.errors import DamagedError, ResultsError, reason
 from tractive_sam.store.hdf5_file import open_to_read
+from tractive_sam.store.hdf5_guard import member, numbers_of
 
 TABLE_FORMAT = "creep-force table 2"
 """What a file says of itself; another number is another version."""
@@ -16,6 +19,18 @@ TABLE_FORMAT = "creep-force table 2"
 
 CHECKS = ("check_points", "check_errors", "check_told")
 """Points that were held out: places, errors, and those that the table tells."""
+
+HELD_OUT = ("held_out", "held_out_median", "held_out_worst", "held_out_inside")
+"""What these points say of the errors of the table."""
+
+TEXTS = ("format", "axes", "apart", "scaling", "version", "title", "design")
+"""Attributes that are texts."""
+
+NUMBERS = ("whole", "rounds", "contacts", "cpu_seconds", "widened", *HELD_OUT)
+"""Attributes that are numbers."""
+
+POSITIVE = ("tolerance", "a", "b", "load", "mu", "shear")
+"""Attributes that are positive numbers; all but the first scale the table of a scene."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,25 +82,59 @@ def read_creep_table(path: Path) -> StoredTable:
             cure = "make it again by tractive-sam table"
             raise ResultsError(f"{path} is {told}; this version reads {TABLE_FORMAT}: {cure}")
         try:
-            names = tuple(str(_plain(file.attrs["axes"])).split())
-            axes = tuple(file[name][()] for name in names)
-            shape = tuple(map(len, axes))
-            coefficients, bars = file["coefficients"][()], file["error_bar"][()]
-            between = tuple(
-                file[f"between_{name}"][()] if n > 1 else np.empty((0, 3))
-                for name, n in zip(names, shape, strict=True)
-            )
-            about = {k: _plain(v) for k, v in file.attrs.items() if not k.startswith("_")}
-            about |= {k: file[k][()] for k in CHECKS if k in file}
-        except (KeyError, OSError) as error:
+            return _stored(file)
+        except (LookupError, OSError, TypeError, ValueError) as error:
             raise DamagedError(f"{path} is damaged ({error}); make it again") from error
-        whole = coefficients.shape == (*shape, 2 ** len(shape), 3) and bars.shape == (*shape, 3)
-        if not whole or not np.isfinite(coefficients).all() or not np.isfinite(bars).all():
-            raise DamagedError(f"{path} is damaged: its arrays do not fit; make it again")
+
+
+def _stored(file: h5py.File) -> StoredTable:
+    """Return what a file holds, be it of shapes that fit or not."""
+    about = _about(file)
+    names = tuple(about["axes"].split())
+    for name in names:
+        if not name.isidentifier():  # / would lead into groups
+            raise ValueError(f"axes: the name {name!r}; allowed: letters, digits and _")
+    axes = tuple(_numbers(file, name) for name in names)
+    between = tuple(
+        _numbers(file, f"between_{name}") if nodes.size > 1 else np.empty((0, 3))
+        for name, nodes in zip(names, axes, strict=True)
+    )
+    about |= {name: _numbers(file, name) for name in CHECKS if name in file}
+    coefficients, bars = (_numbers(file, name) for name in ("coefficients", "error_bar"))
     return StoredTable(names, axes, coefficients, bars, between, about)
+
+
+def _numbers(file: h5py.File, name: str) -> np.ndarray:
+    """Read an array of numbers that lies in the file itself."""
+    try:
+        return numbers_of(member(file, name))[()]
+    except (KeyError, ValueError) as error:
+        raise ValueError(f"{name}: {error}") from error
+
+
+def _about(file: h5py.File) -> dict[str, Any]:
+    """Read the attributes: texts, and finite numbers, some of which come together or not at all."""
+    about: dict[str, Any] = {}
+    for name in (*TEXTS, *NUMBERS, *POSITIVE):
+        if name not in file.attrs:
+            continue
+        value = about[name] = _plain(file.attrs[name])
+        if name in TEXTS:
+            if not isinstance(value, str):
+                raise ValueError(f"{name}: {value!r}; allowed: a text")
+        elif not isinstance(value, int | float) or not math.isfinite(value):
+            raise ValueError(f"{name}: {value!r}; allowed: a finite number")
+        elif name in POSITIVE and value <= 0.0:
+            raise ValueError(f"{name}: {value!r}; allowed: a positive number")
+    for together in (HELD_OUT, CHECKS, ("a", "b", "load", "mu", "shear")):
+        lacking = [name for name in together if name not in about and name not in file]
+        if lacking and len(lacking) < len(together):
+            raise ValueError(f"no {', '.join(lacking)}; allowed: all of {', '.join(together)}")
+    return about
 
 
 def _plain(value: Any) -> Any:
     """An attribute as text or number: netCDF keeps numbers as arrays of one."""
-    value = value.item() if isinstance(value, np.ndarray) and value.size == 1 else value
+    if isinstance(value, np.ndarray | np.generic) and value.size == 1:
+        value = value.item()
     return value.decode() if isinstance(value, bytes) else value

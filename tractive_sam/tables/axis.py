@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from itertools import pairwise
 from typing import Any, ClassVar
 
 import numpy as np
 
-from tractive_sam.lookup import reserved_names
+from tractive_sam.lookup import check_axis_name
 from tractive_sam.scene import Check, Fault, Known, Scene, entry, shown
 from tractive_sam.studies import Axis
-
-NAME = "a name of letters, digits and _, which neither a table nor C uses by itself"
 
 
 def _named(known: Known) -> Iterator[Fault]:
     name = known["name"] or known["key"].rpartition(".")[2]
-    if not re.fullmatch(r"[A-Za-z]\w*", name, re.ASCII) or name in reserved_names():
-        yield Fault("name", shown(name), NAME)
+    try:
+        check_axis_name(name, further=True)
+    except ValueError as error:
+        yield Fault("name", shown(name), str(error))
 
 
 def _along_numbers(known: Known) -> Iterator[Fault]:

@@ -7,9 +7,8 @@ from typing import Any
 import numpy as np
 import xarray
 
-from tractive_sam.lookup import CreepTable
+from tractive_sam.lookup import NAMES, CreepTable
 from tractive_sam.store import TABLE_FORMAT, versions
-from tractive_sam.tables.opening import CREEPAGES
 
 FORCES = ("Qx", "Qy", "Mz")
 
@@ -34,7 +33,7 @@ SYMMETRIES = "; (w_1, -w_2, -w_3) gives (Qx, -Qy, -Mz), (-w_1, w_2, w_3) gives (
 
 def write_table(table: CreepTable, path: str | PathLike[str]) -> None:
     """Write a table; a file that is there is replaced as a whole."""
-    every, axes = (*table.names, *CREEPAGES), table.law.axes
+    every, axes = (*table.names, *NAMES), table.law.axes
     count = len(every)
     names = [
         " ".join(every[k] for k in range(count) if d >> (count - 1 - k) & 1) or "value"

@@ -1,14 +1,13 @@
 """Opens tables, built-in ones by their names. Nothing here computes a contact."""
 
+from collections.abc import Mapping
 from importlib.resources import files
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
-from tractive_sam.lookup import CONTACT, CreepTable, Hermite
-from tractive_sam.store import read_creep_table
-
-CREEPAGES = ("heading", "tilt", "u")
-"""Names of the last axes in a file."""
+from tractive_sam.lookup import CONTACT, NAMES, CreepTable, Hermite, check_axis_name
+from tractive_sam.store import DamagedError, read_creep_table
 
 
 def builtin_tables() -> dict[str, Path]:
@@ -49,15 +48,35 @@ def open_table(name: str | PathLike[str]) -> CreepTable:
     >>> bool(abs(f.error[0]) < 0.05 * 0.3 * 80e3)
     True
     """
-    found = read_creep_table(builtin_tables().get(str(name), Path(name)))
+    path = builtin_tables().get(str(name), Path(name))
+    found = read_creep_table(path)
     about = found.about
-    return CreepTable(
-        Hermite(found.axes, found.coefficients),
-        found.names[: -len(CREEPAGES)],
-        found.bars,
-        found.between,
-        about,
-        tuple(str(about.get("apart", "")).split()),
-        bool(about.get("whole", 0)),
-        {key: float(about[key]) for key in CONTACT} if CONTACT[0] in about else None,
-    )
+    try:
+        if found.names[-len(NAMES) :] != NAMES:
+            raise ValueError(
+                f"axes: {' '.join(found.names)}; allowed: {' '.join(NAMES)} at the end"
+            )
+        names = found.names[: -len(NAMES)]
+        for one in names:
+            check_axis_name(one)
+        _check_held_out(about, len(found.names))
+        return CreepTable(
+            Hermite(found.axes, found.coefficients),
+            names,
+            found.bars,
+            found.between,
+            about,
+            tuple(str(about.get("apart", "")).split()),
+            bool(about.get("whole", 0)),
+            {key: float(about[key]) for key in CONTACT} if CONTACT[0] in about else None,
+        )
+    except ValueError as error:
+        raise DamagedError(f"{path} is damaged: {error}; make it again") from error
+
+
+def _check_held_out(about: Mapping[str, Any], axes: int) -> None:
+    """See that points that were held out have as many coordinates as there are axes."""
+    places = about.get("check_points")
+    for name, columns in (("check_points", axes), ("check_errors", 3), ("check_told", 3)):
+        if places is not None and about[name].shape != (len(places), columns):
+            raise ValueError(f"{name}: {about[name].shape}; allowed: ({len(places)}, {columns})")

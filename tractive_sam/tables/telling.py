@@ -8,13 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from tractive_sam.lookup import CONTACT, RATIO, CreepTable
+from tractive_sam.lookup import CONTACT, NAMES, RATIO, CreepTable
 from tractive_sam.run import explain
 from tractive_sam.scene import Scene, SceneError
 from tractive_sam.studies import Axis, Study
 from tractive_sam.tables.axis import TableAxis
 from tractive_sam.tables.design import TableDesign
-from tractive_sam.tables.opening import CREEPAGES
 
 ANY = "any contact of Hertz of alike bodies, with isotropic friction"
 QUARTER = "a quarter of them; the others follow from it by two symmetries"
@@ -49,7 +48,7 @@ def explain_table(table: CreepTable) -> explain.Explanation:
     >>> [section.title for section in explain_table(ts.open_table("steel"))]
     ['Table of creep forces', 'Nodes', 'Errors', 'Made by', 'Use']
     """
-    about, axes = table.about, dict(zip((*table.names, *CREEPAGES), table.law.axes, strict=True))
+    about, axes = table.about, dict(zip((*table.names, *NAMES), table.law.axes, strict=True))
     apart = {name for name in axes if name in table.apart}
     of = ANY if table.contact is None else _scaled(table.contact)
     rows = [("of", of), ("creepages", _creepages(table.whole))]
@@ -62,7 +61,7 @@ def explain_table(table: CreepTable) -> explain.Explanation:
             f"at most; {about['held_out_inside']:.1%} within what the table tells",
         ))  # fmt: skip
     made = [("version", str(about.get("version", "unknown")))]
-    if "contacts" in about:
+    if {"contacts", "cpu_seconds"} <= about.keys():
         spent = f"{about['contacts']} contacts, {about['cpu_seconds']:.3g} s of one core"
         made.append(("solved", spent))
     varying = [one for one in table.names if one != RATIO and len(axes[one]) > 1]
@@ -108,7 +107,7 @@ def explain_design(design: TableDesign) -> explain.Explanation:
 
 def table_as_dict(table: CreepTable) -> dict[str, Any]:
     """What a table tells of itself, as JSON holds it."""
-    names = (*table.names, *CREEPAGES)
+    names = (*table.names, *NAMES)
     told = {k: v for k, v in table.about.items() if isinstance(v, str | int | float)}
     return told | {
         "nodes": table.nodes,
