@@ -81,6 +81,83 @@ def test_equal_bodies_without_friction_are_alike():
         np.testing.assert_allclose(there, there[::-1], rtol=1e-7, atol=1e-6)  # even in y
 
 
+DISSIMILAR = {
+    "A": {"young": 208e3, "poisson": 0.3, "radius_x": 20.0, "radius_y": 30.0},
+    "B": {"young": 120e3, "poisson": 0.22, "radius_x": 40.0, "radius_y": math.inf},
+}
+PATHS = {
+    "spin": ts.Scene(
+        body=DISSIMILAR,
+        load={"normal": 200.0},
+        creepage={"longitudinal": -0.003, "lateral": 0.002, "spin": 0.01},
+        friction={"mu": [0.45, 0.25], "angle": 25.0},
+        grid={"half_length": [0.45, 0.55], "elements": [17, 17]},
+        fatigue=ASKED | {"elements": 8},
+    ),
+    "braking": ts.Scene(
+        body=DISSIMILAR,
+        load={"normal": 200.0},
+        creepage={"longitudinal": 0.02},
+        friction={"mu": 0.15},
+        grid={"half_length": [0.3, 0.5], "elements": [17, 17]},
+        fatigue=ASKED | {"elements": 8},
+    ),
+    "light": cylinders(0.1, 31),
+    "rough": cylinders(0.4, 31),
+}
+
+
+def whole_path(contact, y, depth, body):
+    """Stress at the centres of elements within 4 a, and closely on to 4000 a."""
+    a, dx = contact.half_width_x, contact.grid.dx
+    beside = contact.grid.x[-1] + dx * np.arange(1, math.ceil(3.0 * a / dx))
+    further = beside[-1] * np.geomspace(1.0, 1e3, 150)[1:]
+    x = np.concatenate((contact.grid.x, beside, -beside, further, -further))
+    path = ts.stress_path(contact, y, depth, body, x=x)
+    return np.array([np.append(path[name], 0.0) for name in ("xx", "yy", "zz", "xy", "xz", "yz")])
+
+
+@pytest.mark.parametrize("name", PATHS)
+@pytest.mark.parametrize("shallow", [False, True])
+def test_paths_include_the_maxima_outside_the_contact(name, shallow):
+    """Tension behind the contact has its maximum several semi-axes away."""
+    contact = ts.solve(PATHS[name])
+    a, y = contact.half_width_x, contact.grid.y
+    depths = np.array([0.0, 0.1, 0.3]) * a if shallow else cycle_depths(contact)
+    rows = np.unique([y.size // 2, y.size // 3])
+    # 1e-3: the spacing of the columns. The centre of a ball moves with the spacing itself, where
+    # the radius moves with its square.
+    for criterion, rtol in (
+        (ts.Crossland(0.4), 1e-3),
+        (ts.Findley(0.3), 1e-3),
+        (ts.FatemiSocie(0.8, 500.0), 1e-3),
+        (ts.OrthogonalShear(), 1e-3),
+        (ts.DangVan(0.33), 4e-3),
+    ):
+        laws = ts.Laws.of(contact.scene).replace(fatigue=criterion)
+        for body, found in ts.fatigue(contact, depths=depths, laws=laws).items():
+            whole = [
+                [float(criterion(whole_path(contact, y[j], z, body))) for z in depths[1:]]
+                for j in rows
+            ]
+            here = 250.0 * found.utilisation[rows, 1:]
+            np.testing.assert_allclose(here, whole, rtol=rtol, err_msg=f"{criterion} {body}")
+
+
+def test_mirrored_contacts_stress_mirrored_material():
+    """Also outside the contact, where blocks of elements act as point forces."""
+    scene = PATHS["spin"].replace(friction={"mu": 0.3}, **{"load.normal": 150.0})
+    crossland = {"criterion": "crossland", "sensitivity": 0.4}
+    for rows in (16, 17):
+        each = []
+        for sign in (1.0, -1.0):
+            creepage = {"longitudinal": -0.003, "lateral": 0.002 * sign, "spin": 0.01 * sign}
+            changes = {"creepage": creepage, "fatigue": ASKED | crossland | {"elements": 8}}
+            tables = changes | {"grid.elements": [17, rows]}
+            each.append(ts.fatigue(ts.solve(scene.replace(**tables)))["A"].utilisation)
+        np.testing.assert_allclose(each[0], each[1][::-1], rtol=1e-6)  # of the contacts
+
+
 def test_the_surface_changes_little_as_the_edge_crosses_an_element():
     """A flip from record to record would make the jumps of a roll short, and its damage wrong."""
     scene = ts.Scene.builtin("spheres").replace(

@@ -127,13 +127,59 @@ def stress_around(out, points, around, signs, poisson, corner, sums, sides, bloc
     """
     out[:] = 0.0
     for m in range(len(points)):
-        own = around[m], signs[m], poisson[m]
-        _sum_around(out[:, m], points[m], *own, corner, sums, sides, blocks, widest)
+        one = slice(m, m + 1)
+        own = around[m], signs[one], poisson[one]
+        stress = out[:, one].transpose((1, 0, 2))
+        _sum_around(stress, points[m], *own, corner, sums, sides, blocks, widest)
 
 
 @compiled
-def _sum_around(out, points, around, sign, nu, corner, sums, sides, blocks, widest):
-    """Add the stresses (6, n) of a group of points."""
+def stress_at_columns(
+    out, x, y, depths, signs, poisson, corner, sums, sides, blocks, widest, spread
+):
+    """Set the stresses at columns of points beside a mesh, by the blocks of `stress_around`.
+
+    Neighbouring rows share their blocks, up to a width of `spread` times the distance of their
+    column from the mesh.
+
+    Parameters
+    ----------
+    out : ndarray, shape (bodies, 6, n_x, n_y, k)
+        Stresses in the order of `stress.COMPONENTS`, in the unit of the tractions.
+    x : ndarray, shape (n_x,)
+        Columns, beyond the ends of the mesh.
+    y : ndarray, shape (n_y,)
+        Rows, evenly spaced.
+    depths : ndarray, shape (k,)
+        Depths z > 0, ascending.
+    signs, poisson : ndarray, shape (bodies,)
+        What p_x and p_y are taken times, and Poisson's ratio, of each body.
+    corner, sums, sides, blocks, widest
+        See `stress_around`.
+    spread : float
+        Width of rows over their distance, below 2.
+    """
+    half, k = 0.5 * blocks[0] * sides[0], depths.size
+    points, stress = np.empty((y.size * k, 3)), np.empty((signs.size, 6, y.size * k))
+    for i in range(x.size):
+        distance = math.hypot(max(abs(x[i] - corner[0] - half) - half, 0.0), depths[0])
+        together = min(max(int(spread * distance / sides[1]), 1), y.size)
+        for first in range(0, y.size, together):
+            last = min(first + together, y.size)
+            count = (last - first) * k
+            for n in range(count):
+                points[n, 0], points[n, 1], points[n, 2] = x[i], y[first + n // k], depths[n % k]
+            around = np.array((x[i], 0.5 * (y[first] + y[last - 1]), depths[0]))
+            load = corner, sums, sides, blocks, widest
+            stress[:] = 0.0
+            _sum_around(stress[:, :, :count], points[:count], around, signs, poisson, *load)
+            for n in range(count):
+                out[:, :, i, first + n // k, n % k] = stress[:, :, n]
+
+
+@compiled
+def _sum_around(out, points, around, signs, poisson, corner, sums, sides, blocks, widest):
+    """Add the stresses (bodies, 6, n) at a group of points."""
     nx, ny = sums.shape[0] - 1, sums.shape[1] - 1
     blocks_x, blocks_y = blocks
     forces, at_nodes = np.empty((5, AT_ONCE), dtype=np.float32), np.empty((3, 2, 2))
@@ -180,17 +226,16 @@ def _sum_around(out, points, around, sign, nu, corner, sums, sides, blocks, wide
                     at_x = x + m * dx * _node(k, pieces_x)
                     for h in range(2 * pieces_y):
                         if count == AT_ONCE:
-                            _add_forces(out, places, forces, count, nu)
+                            _add_to_bodies(out, places, forces, count, signs, poisson)
                             count = 0
                         forces[0, count] = at_x
                         forces[1, count] = y + n * dy * _node(h, pieces_y)
                         for load in range(3):
-                            of = share if load == 2 else sign * share
                             forces[2 + load, count] = (
-                                of * at_nodes[load, k // pieces_x, h // pieces_y]
+                                share * at_nodes[load, k // pieces_x, h // pieces_y]
                             )
                         count += 1
-    _add_forces(out, places, forces, count, nu)
+    _add_to_bodies(out, places, forces, count, signs, poisson)
 
 
 @compiled
@@ -231,21 +276,28 @@ def _of_block(sums, a, b, m, n, load, by):
     return right - (sums[a + m, b, load, by] - sums[a, b, load, by])
 
 
+@compiled
+def _add_to_bodies(out, places, forces, count, signs, poisson):
+    """Add the stresses (bodies, 6, n) of point forces; on each body p_x and p_y times its sign."""
+    for body in range(signs.size):
+        _add_forces(out[body], places, forces, count, signs[body], poisson[body])
+
+
 @compiled(fastmath=ANY_ORDER)
-def _add_forces(out, places, forces, count, nu):
+def _add_forces(out, places, forces, count, sign, nu):
     """Add the stresses of point forces (x, y, P_x, P_y, P_n), by Boussinesq and Cerruti.
 
     The integrands of `stress.far_integrals`, each with its force. In single precision, from what
     the points are near: a millionth of the stress is less than what blocks take from it.
     """
     one, three = np.float32(1.0), np.float32(3.0)
-    f, k = 0.5 / math.pi, np.float32(1.0 - 2.0 * nu)
+    f, k, sign = 0.5 / math.pi, np.float32(1.0 - 2.0 * nu), np.float32(sign)
     for n in range(places.shape[0]):
         x, y, z = places[n, 0], places[n, 1], places[n, 2]
         xx = yy = zz = xy = xz = yz = np.float32(0.0)
         for m in range(count):
             u, v = x - forces[0, m], y - forces[1, m]
-            p_x, p_y, p_n = forces[2, m], forces[3, m], forces[4, m]
+            p_x, p_y, p_n = sign * forces[2, m], sign * forces[3, m], forces[4, m]
             uu, vv = u * u, v * v
             rr = uu + vv + z * z
             r = math.sqrt(rr)

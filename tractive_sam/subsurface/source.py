@@ -9,6 +9,7 @@ import numpy as np
 from tractive_sam.mechanics import Elasticity, HalfSpaces, StressCriterion, Strips
 from tractive_sam.operators import Lattice, StressLayers, StressPlane, StripLayers
 from tractive_sam.results import Grid
+from tractive_sam.subsurface.distant import DistantLoads
 from tractive_sam.subsurface.mirror import acting
 from tractive_sam.subsurface.multilevel import MultiLevel
 from tractive_sam.subsurface.patches import Patches
@@ -34,6 +35,12 @@ class StressSource(Protocol):
 
     def at(self, points: np.ndarray) -> np.ndarray:
         """Stresses (bodies, 6, n) at points (n, 3)."""
+
+    def at_columns(self, x: np.ndarray, depths: np.ndarray) -> np.ndarray:
+        """Stresses (bodies, 6, n_x, n_y, k) at x (n_x,) outside the grid and k depths below 0.
+
+        In all rows of the grid.
+        """
 
     def levels(self, criterion: StressCriterion) -> MultiLevel | StripLevels:
         """What the largest equivalent stresses are sought in."""
@@ -107,6 +114,11 @@ class PatchStress:
         patches = [Patches.on_mesh(grid.x, grid.y, sides, own, nu) for own, nu in each]
         return np.stack([one.stress(points).T for one in patches])
 
+    def at_columns(self, x: np.ndarray, depths: np.ndarray) -> np.ndarray:
+        """See `StressSource`; see `DistantLoads` for the error."""
+        loads = DistantLoads(self._grid, self._tractions, self._signs, self._poisson)
+        return loads.stress(x, depths)
+
     def levels(self, criterion: StressCriterion) -> MultiLevel:
         """See `StressSource`."""
         return MultiLevel(self._grid, self._tractions, self._signs, self._bodies, criterion)
@@ -142,6 +154,12 @@ class StripStress:
         each = zip(acting(self._tractions, self._signs), self._poisson, strict=True)
         strips = [StripLoads.on_grid(self._grid, own, nu) for own, nu in each]
         return np.stack([one.stress(points).T for one in strips])
+
+    def at_columns(self, x: np.ndarray, depths: np.ndarray) -> np.ndarray:
+        """See `StressSource`; exact."""
+        places = np.broadcast_arrays(x[:, None], 0.0, depths)
+        stress = self.at(np.stack(places, axis=-1).reshape(-1, 3))
+        return stress.reshape(len(stress), 6, x.size, 1, depths.size)
 
     def levels(self, criterion: StressCriterion) -> StripLevels:
         """See `StressSource`."""
