@@ -36,14 +36,84 @@ def resampled(measured: Gap, grid: Grid) -> np.ndarray:
             "grid.half_length"
         )
         warn(text)
-    at_x, at_y = np.clip(grid.x, x[0], x[-1]), np.clip(grid.y, y[0], y[-1])
-    return sampled(measured, at_x, at_y)
+    return sampled(measured, *_clipped(measured, grid.x, grid.y))
 
 
 def across(measured: Gap, grid: Grid) -> np.ndarray:
     """The measured separation across the track, at x = 0 and the rows of a mesh, mm."""
-    x, y, _ = measured
-    return sampled(measured, np.clip([0.0], x[0], x[-1]), np.clip(grid.y, y[0], y[-1]))[0]
+    return sampled(measured, *_clipped(measured, np.zeros(1), grid.y))[0]
+
+
+def lowest(measured: Gap, grid: Grid, taken: np.ndarray, radii: tuple[float, float]) -> float:
+    """Return the least separation of radii and measured gap on a mesh, between samples too, mm.
+
+    It depends on the mesh only by what that covers. From the lowest sample, and from the lowest
+    element, the neighbourhood is divided again and again.
+
+    Parameters
+    ----------
+    measured : Gap
+        The measured separation.
+    grid : Grid
+        The mesh.
+    taken : ndarray, shape (n_x, n_y)
+        The gap as it is `resampled` there, mm.
+    radii : tuple of float
+        R_x and R_y of both bodies together, mm.
+    """
+    starts = _within(measured, grid), (grid.x, grid.y, taken)
+    return min(_lowest_around(measured, grid, radii, start) for start in starts)
+
+
+def _lowest_around(
+    measured: Gap, grid: Grid, radii: tuple[float, float], points: Gap, divisions: int = 12
+) -> float:
+    """Return the least separation in the neighbourhood of the lowest of some points, mm.
+
+    Twelve divisions, each by four, leave an error of 4^-24 of that of the points.
+    """
+    x, y, separation = points
+    ends = (grid.x[0], grid.x[-1]), (grid.y[0], grid.y[-1])
+    least = np.inf
+    for _ in range(divisions):
+        total = separation + _parabola(x, y, radii)
+        i, j = np.unravel_index(np.argmin(total), total.shape)
+        least = min(least, float(total[i, j]))
+        x, y = (
+            np.linspace(*_around(places, k, side, *end), 9)
+            for places, k, side, end in zip((x, y), (i, j), (grid.dx, grid.dy), ends, strict=True)
+        )
+        separation = sampled(_near(measured, x, y), *_clipped(measured, x, y))
+    return least
+
+
+def _around(
+    places: np.ndarray, k: int, side: float, first: float, last: float
+) -> tuple[float, float]:
+    """Return the places beside one of several, or a side from it, on the mesh."""
+    before = places[k - 1] if k > 0 else places[k] - side
+    after = places[k + 1] if k + 1 < len(places) else places[k] + side
+    return float(np.clip(before, first, last)), float(np.clip(after, first, last))
+
+
+def _parabola(x: np.ndarray, y: np.ndarray, radii: tuple[float, float]) -> np.ndarray:
+    """Return the separation of two radii, shape (len(x), len(y)), mm."""
+    return 0.5 * (x[:, None] ** 2 / radii[0] + y[None, :] ** 2 / radii[1])
+
+
+def _near(measured: Gap, x: np.ndarray, y: np.ndarray) -> Gap:
+    """Return the part of a measured gap on which its interpolant between some places depends."""
+    spans = []
+    for known, at in zip(measured[:2], (x, y), strict=True):
+        # Akima's slopes depend on two samples to either side.
+        first, last = np.searchsorted(known, (at[0], at[-1]))
+        spans.append(slice(max(first - 4, 0), last + 4))
+    return measured[0][spans[0]], measured[1][spans[1]], measured[2][spans[0], spans[1]]
+
+
+def _clipped(measured: Gap, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return places within the measured gap: beyond its edge it is continued as a constant."""
+    return np.clip(x, *measured[0][[0, -1]]), np.clip(y, *measured[1][[0, -1]])
 
 
 def warn_if_unseen(measured: Gap, grid: Grid, taken: np.ndarray, scale: float) -> None:
@@ -99,8 +169,8 @@ def _within(measured: Gap, grid: Grid) -> Gap:
     """What of a gap lies on the mesh; a profile may be told at places far beside it alone."""
     x, y, separation = measured
     x_in, y_in = (
-        known[np.abs(known) <= length]
-        for known, length in zip((x, y), grid.half_length, strict=True)
+        known[np.abs(known - middle) <= length]
+        for known, middle, length in zip((x, y), (0.0, -grid.shift), grid.half_length, strict=True)
     )
     if x_in.size and y_in.size:
         return x_in, y_in, separation[np.ix_(np.isin(x, x_in), np.isin(y, y_in))]

@@ -33,7 +33,7 @@ def message(status: Status, outcome: Outcome, model: Model, steepness: float = 0
         touching = outcome.pressure > 0.0
         if not touching.any():
             key = "transient.load.approach" if "load.approach" in courses else "load.approach"
-            text += f"; the bodies do not touch: {key} is less than the gap between them"
+            text += f"; the bodies do not touch: {key} is less than the gap at every element"
         across = [
             int(touching.any(axis=1 - axis).sum()) for axis in (0, 1) if touching.shape[axis] > 1
         ]

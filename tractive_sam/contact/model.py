@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from tractive_sam.contact.laws import Laws
-from tractive_sam.contact.measured import Gap, resampled, warn_if_standing, warn_if_unseen
+from tractive_sam.contact.measured import Gap, lowest, resampled, warn_if_standing, warn_if_unseen
 from tractive_sam.contact.mesh import choose_grid
 from tractive_sam.contact.worn import Worn
 from tractive_sam.mechanics import Coulomb, Frame, Friction, FrictionLaw, WearLaw
@@ -63,6 +63,9 @@ class Model:
         Worn bodies with which rolling begins; new ones by default.
     profiles : tuple of Gap
         Those that a [transient] has fixed to the bodies.
+    datum : str
+        What the approach is counted from: "vertex", or "node", the nearest element, as in results
+        files of earlier versions, which resume with it.
     """
 
     def __init__(
@@ -74,8 +77,9 @@ class Model:
         solver: Solver | None = None,
         began: Worn | None = None,
         profiles: tuple[Gap, ...] = (),
+        datum: str = "vertex",
     ):
-        self.scene, self.began = scene, began
+        self.scene, self.began, self.datum = scene, began, datum
         self.laws = laws or Laws.of(scene)
         self.method = METHODS[scene.solver.method] if solver is None else Method.of(solver)
         self._solver = solver
@@ -93,6 +97,7 @@ class Model:
             self._solver,
             self.began,
             self.profiles,
+            self.datum,
         )
 
     @cached_property
@@ -109,6 +114,7 @@ class Model:
                 self.laws.of_block(self.scene, scene),
                 self._solver,
                 self.began,
+                datum=self.datum,
             )
             for scene, shift in zip(spectrum.scenes, spectrum.shifts, strict=True)
         )
@@ -143,17 +149,22 @@ class Model:
 
     @cached_property
     def undeformed_gap(self) -> np.ndarray:
-        """Separation of the unworn, undeformed bodies, zero at closest approach, mm."""
+        """Separation of the unworn, undeformed bodies, mm, zero where they touch first.
+
+        That is the vertex of the radii, or the lowest point of radii and measured gap, and may lie
+        between elements: from there the approach is counted.
+        """
         x, y = self.grid.x[:, None], self.grid.y[None, :]
         radius_x, radius_y = self.scene.body.radii
         gap = 0.5 * (x**2 / radius_x + y**2 / radius_y)
         if self.measured is not None:
             taken = resampled(self.measured, self.grid)
-            gap = gap + (taken - taken.min())  # a distance shared by all would take its digits
+            # At once: a distance that all elements share would take the digits of the parabola.
+            gap = gap + (taken - lowest(self.measured, self.grid, taken, self.scene.body.radii))
             warn_if_unseen(self.measured, self.grid, taken, self.units.gap)
             if self.transmits or self.scene.wear is not None:
                 warn_if_standing(self.measured, self.grid)
-        return gap - gap.min()
+        return gap if self.datum == "vertex" else gap - gap.min()
 
     @cached_property
     def friction_law(self) -> FrictionLaw:

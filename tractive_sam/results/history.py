@@ -104,6 +104,9 @@ class History:
         Of a duty cycle: the `stresses` of each block.
     measured : str
         Hash of the numbers of the measured gap and profiles; empty without them.
+    datum : str
+        What the approach is counted from: "vertex", where the unworn bodies touch first, or "node",
+        the nearest element, in results files of earlier versions.
 
     Examples
     --------
@@ -130,6 +133,7 @@ class History:
     cycles: Mapping[str, Rows[BodyFatigue]] = field(default_factory=dict)
     stresses_of_blocks: tuple[Mapping[tuple[str, str], Rows[PlaneStress]], ...] = ()
     measured: str = ""
+    datum: str = "vertex"
 
     @classmethod
     def of_records(

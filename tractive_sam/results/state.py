@@ -80,9 +80,9 @@ class State:
     wear : ndarray
         Depth worn off both bodies together, mm.
     approach : float
-        Rigid-body approach, mm. Of a line contact it is relative to the points of the surface one
-        combined radius R_x away, or two lengths of the mesh where that is more: relative to
-        distant points it is infinite.
+        Rigid-body approach from the first touch of the unworn bodies, mm. Of a line contact it is
+        relative to the points of the surface one combined radius R_x away, or two lengths of the
+        mesh where that is more: relative to distant points it is infinite.
     xi_x, xi_y, spin : float
         Longitudinal and lateral creepage; spin in 1/mm.
     rolling_resistance : float

@@ -312,7 +312,8 @@ class Transient:
         """The first knot."""
         model, first, at = self.model, self.courses.first(), self.courses.knots[0]
         if self.courses.table.start == "steady":
-            steady = Model(self.courses.scene_at(first), model.measured, model.grid, model.laws)
+            known = model.measured, model.grid, model.laws
+            steady = Model(self.courses.scene_at(first), *known, datum=model.datum)
             worn, depth = self.stepper.off(0.0), self._separation(at)
             contact = equilibrium(steady, worn + depth, check_resolution=False)
             return self._begun(replace(contact, scene=model.scene, wear=worn), at)

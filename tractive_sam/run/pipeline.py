@@ -219,7 +219,8 @@ def roll(
             worn, started = started_as(before, path, started), before.started
         model_of, gap = given.model_of(laws, solver, worn), measured_gap(scene)
         last = None if before is None else last_passage(before, path, scene, laws, own, gap)
-        model_of = partial(model_of, profiles=given.travelling(scene))
+        datum = "vertex" if last is None or before is None else before.datum
+        model_of = partial(model_of, profiles=given.travelling(scene), datum=datum)
         run = Recording(scene, gap, model_of, path, replaced, called, own, began, started)
         grid = None if last is None else last.contact.grid.shifted(0.0)
         model = model_of(scene, run.measured, grid)

@@ -34,7 +34,9 @@ class BlockLoad(Table):
     """
 
     normal: Positive | None = positive("normal load P, N; of a line contact N/mm", None)
-    approach: Positive | None = positive("approach of the bodies, mm", None)
+    approach: Positive | None = positive(
+        "approach of the bodies, mm, from the first touch of the unworn ones", None
+    )
     pressure: Positive | None = positive("peak contact pressure p0 by Hertz, MPa", None)
     force_x: Real | None = number("prescribed tangential force Q_x on body A, N or N/mm", None)
     force_y: Real | None = number("prescribed tangential force Q_y on body A, N or N/mm", None)

@@ -55,7 +55,7 @@ class Load(Table):
 
     normal: Positive | None = positive("normal load P, N; of a line contact N/mm", None)
     approach: Positive | None = positive(
-        "approach of the bodies, mm; up to 0 there is no contact", None
+        "approach of the bodies, mm, from the first touch of the unworn ones", None
     )
     pressure: Positive | None = positive(
         "peak contact pressure p0 of the unworn bodies by Hertz, MPa, from which the load follows",

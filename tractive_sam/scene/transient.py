@@ -58,7 +58,10 @@ class LoadCourse(Table):
         "normal load P, N or N/mm",
         "a list of numbers above 0, one for each knot; load.approach lets bodies part",
     )
-    approach: Course | None = course("approach of the bodies, mm; up to 0 there is no contact")
+    approach: Course | None = course(
+        "approach of the bodies, mm, from the first touch of the unworn ones without travelling "
+        "profiles; bodies without these are apart up to 0"
+    )
     force_x: Course | None = course("prescribed tangential force Q_x on body A, N or N/mm")
     force_y: Course | None = course("prescribed tangential force Q_y on body A, N or N/mm")
 

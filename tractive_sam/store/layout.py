@@ -3,7 +3,8 @@
     /scene     the TOML text; attributes: status, message, a0, b0, p0, versions (JSON: the programs,
                and from which record on), digest (SHA-256 of the text), laws (those that are not the
                scene's), started (where the worn bodies are from with which it began), measured
-               (SHA-256 of the numbers of its measured gap and profiles)
+               (SHA-256 of the numbers of its measured gap and profiles), datum (what the approach
+               is counted from: vertex; without it the nearest node)
     /grid      x, y
     /history   record, y, axis, body, block, position; a dataset for each column (record, its
                dimensions), one of them the coordinate, revolution; attribute: own (JSON: columns

@@ -124,6 +124,7 @@ def _history(file: Results) -> History:
         _cycles(file, scene, m),
         tuple(_stresses(file, m, coordinate, k, one.shift_y) for k, one in enumerate(scene.duty)),
         file.text("scene", "measured", ""),
+        file.text("scene", "datum", "node"),
     )
 
 

@@ -78,6 +78,7 @@ class HistoryWriter:
             layout.create(file, scene, grid, laws, coordinate)
             set_text(file["scene"], "started", started)
             set_text(file["scene"], "measured", measured)
+            set_text(file["scene"], "datum", "vertex")
             set_text(file, RUN, self._run)
 
     @classmethod
