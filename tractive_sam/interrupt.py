@@ -57,6 +57,29 @@ def kept() -> Iterator[None]:
         _asked.clear()
 
 
+@contextmanager
+def deferred() -> Iterator[None]:
+    """Let Ctrl-C wait until the block ends, in programs that keep Python's own handler.
+
+    What is not Python cannot always be left by an exception. Threads other than the main one are
+    never interrupted.
+    """
+    came: list[int] = []
+    try:
+        if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+            raise ValueError
+        signal.signal(signal.SIGINT, lambda number, _frame: came.append(number))
+    except ValueError:
+        yield
+        return
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    if came:
+        raise KeyboardInterrupt
+
+
 def ignore() -> None:
     """Ignore signals while the process ends: the exit status is that of what it has done."""
     for one in SIGNALS:

@@ -23,6 +23,7 @@ from tractive_sam.studies import (
     study,
     worker,
 )
+from tractive_sam.studies.case_log import CaseLog
 from tractive_sam.studies.cost import estimates
 from tractive_sam.studies.folder import Folder
 
@@ -128,10 +129,9 @@ def test_versions_that_differ_are_told(tmp_path):
     results = study(small(MU), tmp_path, workers=0)
     ((here, count),) = results.versions.items()
     assert count == 2
-    table = tmp_path / "complete.jsonl"
-    first, second = table.read_text().strip().splitlines()
-    former = second.replace(f'"version": "{here}"', '"version": "0.0.1"')
-    table.write_text(f"{first}\n{former}\n")
+    log = CaseLog(tmp_path / "complete.jsonl")
+    *_, second = log.read().entries.values()
+    log.append(second | {"version": "0.0.1"})  # the last entry of a case counts
     assert open_study(tmp_path).versions == {"0.0.1": 1, here: 1}
 
 

@@ -73,8 +73,6 @@ def plot(
                 paths.append(animate(history, folder / "evolution.gif"))
         except ValueError as error:
             raise stop(Status.INVALID, str(error)) from None
-        except OSError as error:
-            raise stop(Status.INVALID, f"the figures cannot be written: {error}") from None
     if not paths:
         raise stop(Status.INVALID, f"{file} holds no record to draw yet")
     if not history.finished:

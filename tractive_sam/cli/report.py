@@ -34,8 +34,6 @@ def report(
             pages.report(history, path)
         except ImportError as error:
             raise stop(Status.INVALID, str(error)) from None
-        except OSError as error:
-            raise stop(Status.INVALID, f"the page cannot be written: {error}") from None
     if not history.finished:
         say(("note: ", "bold yellow"), f"{file} is {history.status}: {history.message}")
     tell(path)

@@ -55,8 +55,6 @@ def reproduce(
             raise stop(Status.INCOMPLETE, f"not a solution: {error}") from None
         except RuntimeError as error:
             raise stop(Status.INCOMPLETE, str(error)) from None
-        except OSError as error:
-            raise stop(Status.INVALID, f"{output} cannot be written: {error}") from None
     say(f"{page} needs no network and no other file: open it in any browser, or print it")
     tell(page)
 

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from tractive_sam.cli.output import Status, bad_input_told, console, stop, tell
+from tractive_sam.cli.output import bad_input_told, console, tell
 
 
 def scenes(
@@ -31,15 +31,11 @@ def scenes(
 
 
 def _write(name: str) -> None:
+    from tractive_sam.output_file import write_file
     from tractive_sam.scene import starter
 
     path = Path(f"{name}.toml")
     with bad_input_told():
         text = starter(name)
-        try:
-            with path.open("x", encoding="utf-8") as file:
-                file.write(text)
-        except FileExistsError:
-            told = f"{path} exists already; rename or remove it, or work in another folder"
-            raise stop(Status.INVALID, told) from None
+        write_file(path, text, exclusive=True)
     tell(path)

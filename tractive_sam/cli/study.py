@@ -84,8 +84,6 @@ def study(
             raise stop(Status.INCOMPLETE, f"interrupted; {held}") from None
         except studies.SchedulerLostError as error:
             raise stop(Status.INCOMPLETE, str(error)) from None
-        except OSError as error:
-            raise stop(Status.INCOMPLETE, f"{output} cannot be written: {error}") from None
     failures(results)
     mixed_versions(results)
     complete = results.counts["complete"]

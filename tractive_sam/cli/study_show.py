@@ -67,14 +67,14 @@ def study_show(
             cure = "pip install '.[study]' in the source folder of tractive_sam"
             told = f"{error.name} is not installed: it comes with the extra study, {cure}"
             raise stop(Status.INVALID, told) from None
-        except OSError as error:
-            raise stop(Status.INVALID, f"the output cannot be written: {error}") from None
         except ValueError as error:
             raise stop(Status.INVALID, str(error)) from None
     if (csv, netcdf, figures) == (None, None, None):
         console().print(_table(results))
     failures(results)
     mixed_versions(results)
+    if results.damage_note:
+        say(("note: ", "bold yellow"), results.damage_note)
     say(_standing(results))
     for path in written:
         tell(path)

@@ -135,8 +135,9 @@ def _check_code(header: Path | None, fmu: Path | None) -> None:
 
 def _header(found, path: Path) -> None:
     from tractive_sam.lookup import c_header
+    from tractive_sam.output_file import write_file
 
-    path.write_text(c_header(found, path.stem), encoding="ascii")
+    write_file(path, c_header(found, path.stem))
 
 
 def _fmu(found, path: Path) -> None:
@@ -152,8 +153,9 @@ def _fmu(found, path: Path) -> None:
 
 def _text(found, path: Path) -> None:
     from tractive_sam.lookup import columns_of
+    from tractive_sam.output_file import write_file
 
-    path.write_text(columns_of(found), encoding="ascii")
+    write_file(path, columns_of(found))
 
 
 def _figure(found, path: Path) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 import platformdirs
 
 from tractive_sam.operators.fftw import pyfftw
+from tractive_sam.output_file import make_folder, write_file
 
 PRECISIONS = ("double", "single")
 """Those in use, in FFTW's order."""
@@ -30,9 +31,6 @@ def save() -> None:
     """Store FFTW's wisdom; a cache that cannot be written is done without."""
     for precision, wisdom in zip(PRECISIONS, pyfftw.export_wisdom(), strict=False):
         file = _file(precision)
-        scratch = file.with_suffix(f".{os.getpid()}")
         with suppress(OSError):
-            file.parent.mkdir(parents=True, exist_ok=True)
-            scratch.write_bytes(wisdom)
-            # Renaming is atomic: processes that plan at the same time never see half a file.
-            scratch.replace(file)
+            make_folder(file.parent)
+            write_file(file, wisdom)  # processes that plan at the same time never see half a file

@@ -10,6 +10,7 @@ from pathlib import Path
 from string import Template
 from typing import Any
 
+from tractive_sam.output_file import write_file
 from tractive_sam.pages import text
 from tractive_sam.pages.data import of_history
 from tractive_sam.results import History, balances, caveats, rolled_on_by
@@ -53,16 +54,14 @@ def report(history: History, path: str | PathLike[str]) -> Path:
     ImportError
         If plotly is not installed, which comes with the extra ``report``.
     OSError
-        If the page cannot be written.
+        If the page cannot be written; one that was there before is unchanged.
 
     Examples
     --------
     >>> ts.report(history, "discs.html").stat().st_size < 15e6
     True
     """
-    path = Path(path)
-    path.write_text(_page(history), "utf-8")
-    return path
+    return write_file(path, _page(history))
 
 
 def _page(history: History) -> str:

@@ -8,6 +8,7 @@ from os import PathLike
 from pathlib import Path
 from time import perf_counter
 
+from tractive_sam.output_file import make_folder, write_file
 from tractive_sam.paper import creep_force, discs, orthotropic, spheres, wear_depth
 from tractive_sam.paper.finding import Chapter, Finding, Picture, Statement, Work
 from tractive_sam.paper.page import chapter, page
@@ -63,7 +64,7 @@ def reproduce(
     directory = Path(directory)
     figures, results = directory / "figures", directory / "results"
     for folder in (figures, results):
-        folder.mkdir(parents=True, exist_ok=True)
+        make_folder(folder)
     target, list_of_statements = directory / "index.html", directory / "statements.json"
     for old in (target, list_of_statements):
         old.unlink(missing_ok=True)  # a run that is interrupted must not leave the page of another
@@ -74,9 +75,8 @@ def reproduce(
         chapters.append((about, chapter(number, about, findings)))
     seconds = perf_counter() - began
     listed = [asdict(statement) for statement in statements]
-    list_of_statements.write_text(json.dumps(listed, indent=1, ensure_ascii=False), "utf-8")
-    target.write_text(page(chapters, statements, size, seconds), "utf-8")
-    return target
+    write_file(list_of_statements, json.dumps(listed, indent=1, ensure_ascii=False))
+    return write_file(target, page(chapters, statements, size, seconds))
 
 
 def _kept(
@@ -102,6 +102,6 @@ def _save(picture: Picture, figures: Path, format: str) -> None:
         (figures / f"{picture.name}.{old}").unlink(missing_ok=True)
     path = figures / f"{picture.name}.{format}"
     if format == "svg":
-        path.write_bytes(picture.svg)
+        write_file(path, picture.svg)
     else:
         picture.figure.savefig(path)

@@ -2,13 +2,15 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from io import BytesIO
 from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
-from matplotlib.animation import PillowWriter
+from PIL import Image
 
 from tractive_sam import interrupt
+from tractive_sam.output_file import write_file
 from tractive_sam.plot import transient
 from tractive_sam.plot.drawn import Drawn
 from tractive_sam.plot.figure import Figure
@@ -75,14 +77,25 @@ def animate(history: History, path: str | Path, rate: float = 2.0) -> Path:
     if history.scene.transient is not None:
         beside, draw = 0.0, transient.picture
     figure = paper(LEFT + frame.width + RIGHT + beside + 0.2, frame, f"{history.title}\n")
-    writer = PillowWriter(fps=rate)
+    pictures = []
     # Once saved, a figure without a layout takes that of the settings.
     unplaced = mpl.rc_context({"figure.constrained_layout.use": False})
-    with unplaced, writer.saving(figure, str(path), RESOLUTION):
+    with unplaced:
         for state in _states(history):
             draw(figure, frame, state, envelope)
-            writer.grab_frame()
-    return path
+            pictures.append(_drawn(figure))
+    memory, duration = BytesIO(), int(1000 / rate)
+    pictures[0].save(
+        memory, "gif", save_all=True, append_images=pictures[1:], duration=duration, loop=0
+    )
+    return write_file(path, memory.getbuffer())
+
+
+def _drawn(figure: Figure) -> Image.Image:
+    """Return the figure in dots."""
+    memory = BytesIO()
+    figure.savefig(memory, format="png", dpi=RESOLUTION)
+    return Image.open(memory).convert("RGB")
 
 
 def _states(history: History) -> Iterator[Drawn]:

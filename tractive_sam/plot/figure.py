@@ -2,8 +2,13 @@
 
 from base64 import b64encode
 from io import BytesIO
+from os import PathLike
+from pathlib import Path
+from typing import IO
 
 import matplotlib.figure
+
+from tractive_sam.output_file import write_file
 
 SHARP = 2
 """Dots of a picture in a notebook over the pixels that it takes there: as many as screens have."""
@@ -14,6 +19,26 @@ class Figure(matplotlib.figure.Figure):
 
     It belongs to no window and no list of figures, so nothing else draws it there.
     """
+
+    def savefig(self, fname: str | PathLike[str] | IO, **options) -> None:
+        """Save the figure, in a file as a whole; arguments are those of matplotlib.
+
+        Raises
+        ------
+        OutputError
+            If the file cannot be written; one that was there before is unchanged.
+        """
+        if not isinstance(fname, str | PathLike):
+            super().savefig(fname, **options)
+            return
+        path = Path(fname)
+        if not options.get("format"):
+            options["format"] = path.suffix[1:] or self.canvas.get_default_filetype()
+        if not path.suffix:
+            path = path.with_name(f"{path.name.rstrip('.')}.{options['format']}")
+        memory = BytesIO()
+        super().savefig(memory, **options)
+        write_file(path, memory.getbuffer())
 
     def _repr_png_(self) -> tuple[bytes, dict[str, float]]:
         """The picture, and its size on the page."""

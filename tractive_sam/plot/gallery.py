@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from tractive_sam import interrupt
+from tractive_sam.output_file import make_folder
 from tractive_sam.plot.courses import (
     creepages,
     forces,
@@ -94,13 +95,13 @@ def save_all(
     """
     directory = Path(directory)
     chosen = {history.place_of(block): history.block(block) for block in blocks}
-    directory.mkdir(parents=True, exist_ok=True)
+    make_folder(directory)
     paths = []
     with drawn_in(units):
         for name, figure in chain(_all(history), _of_blocks(chosen)):
             interrupt.heed()
             paths.append(directory / f"{name}.{format}")
-            paths[-1].parent.mkdir(exist_ok=True)
+            make_folder(paths[-1].parent)
             figure.savefig(paths[-1], dpi=dpi or DPI)
     return paths
 

@@ -5,6 +5,7 @@ from tractive_sam.store.errors import DamagedError, GapError, HeldError, Results
 from tractive_sam.store.gap import read_gap
 from tractive_sam.store.layout import FORMAT_VERSION
 from tractive_sam.store.lock import locked
+from tractive_sam.store.netcdf import write_netcdf
 from tractive_sam.store.reader import open_history, state_of
 from tractive_sam.store.versions import versions
 from tractive_sam.store.volume import Image, check_volume, write_surface, write_volume
@@ -33,6 +34,7 @@ __all__ = [
     "results_writer",
     "state_of",
     "versions",
+    "write_netcdf",
     "write_surface",
     "write_volume",
 ]

@@ -1,26 +1,56 @@
-"""Changes to a file that happen whole or not at all."""
+"""Changes to an HDF5 file that happen whole or not at all."""
 
 import os
-import shutil
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 
 import h5py
 
-from tractive_sam.store.errors import StorageError, reason
-from tractive_sam.store.writable import copy_of, real
+from tractive_sam.interrupt import deferred
+from tractive_sam.output_file import OutputError, OutputFile, followed, reason, replace_file
+from tractive_sam.store.errors import StorageError
 
 LIBVER = ("v110", "v110")
 """File format: the first whose metadata all have checksums."""
 
 
+class WritableFile(h5py.File):
+    """An HDF5 file for writing; what the disk refuses is reported by `check`, not by HDF5.
+
+    HDF5 ends the process if it cannot write while it closes a file.
+
+    Parameters
+    ----------
+    output : OutputFile
+        Where to write.
+    size : int
+        Bytes of the HDF5 file that it holds; 0 for a new one.
+    """
+
+    def __init__(self, output: OutputFile, size: int = 0) -> None:
+        self._content = _UnfailingFile(output, size)
+        # Without a cache of chunks every write is made at once, so that `check` sees its failure.
+        mode = "r+" if size else "w"
+        super().__init__(self._content, mode, libver=LIBVER, rdcc_nbytes=0)
+
+    def check(self) -> None:
+        """Raise OutputError if the disk refused anything so far."""
+        if self._content.error is not None:
+            raise self._content.error
+
+    def close(self) -> None:
+        """Close the file; an interrupt waits, since HDF5 does not survive an exception there."""
+        with deferred():
+            super().close()
+
+
 @contextmanager
-def atomic_rewrite(path: Path, *, empty: bool = False) -> Iterator[h5py.File]:
+def atomic_rewrite(path: Path, *, empty: bool = False) -> Iterator[WritableFile]:
     """Work on a copy of a file, or on an empty one, that takes the place of the file at the end.
 
     If the block fails, or the process is killed in it, the file remains as it was. Every copy has a
-    name of its own, so that two processes at one file do not write into each other's; what a killed
+    unique name, so that two processes at one file do not write into each other's; what a killed
     process leaves behind, the next `sole_writer` removes.
 
     Raises
@@ -28,37 +58,86 @@ def atomic_rewrite(path: Path, *, empty: bool = False) -> Iterator[h5py.File]:
     StorageError
         If the disk does not take it.
     """
-    path = real(path)
-    copy = copy_of(path)
     try:
-        if path.exists():
-            copy.touch(mode=0o600)  # never open to more people than the file that it replaces
-            shutil.copymode(path, copy)
-        if not empty:
-            shutil.copyfile(path, copy)
-        # Without a cache of chunks every write reaches the system where it is made, and raises
-        # there. One that fails later, as the cache is emptied, HDF5 drops without a word.
-        with h5py.File(
-            copy, "w" if empty else "r+", libver=LIBVER, locking=False, rdcc_nbytes=0
-        ) as file:
-            yield file
-        _to_disk(copy)
-        os.replace(copy, path)
+        with replace_file(path) as output:
+            size = 0 if empty else output.copy(followed(path))
+            with WritableFile(output, size) as file:
+                try:
+                    yield file
+                except Exception:
+                    file.check()  # what HDF5 reports may only follow from that
+                    raise
+            file.check()
+    except OutputError as error:
+        raise StorageError(str(error)) from error
     except Exception as error:
-        if not _of_the_disk(error):
+        if not _is_of_disk(error):
             raise
         raise StorageError(f"{path} cannot be written: {reason(error)}") from error
-    finally:
-        with suppress(OSError):
-            copy.unlink()
 
 
-def _of_the_disk(error: Exception) -> bool:
-    """Whether the system, or HDF5 on top of it, could not write."""
+def _is_of_disk(error: Exception) -> bool:
+    """Check whether the system, or HDF5 on top of it, could not read what it had written."""
     return isinstance(error, OSError | RuntimeError) or "errno = " in str(error)
 
 
-def _to_disk(path: Path) -> None:
-    """Have the content on disk before the name points to it, should the machine fail."""
-    with path.open("rb+") as file:
-        os.fsync(file.fileno())
+class _UnfailingFile:
+    """The file object that HDF5 writes into.
+
+    After a failure the rest is kept in memory, where HDF5 finds it when it reads it again.
+    """
+
+    def __init__(self, output: OutputFile, size: int) -> None:
+        self._output, self._size, self._position = output, size, 0
+        self._unwritten: list[tuple[int, bytes]] = []
+        self.error: OutputError | None = None
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        start = {os.SEEK_SET: 0, os.SEEK_CUR: self._position, os.SEEK_END: self._size}
+        self._position = start[whence] + offset
+        return self._position
+
+    def tell(self) -> int:
+        return self._position
+
+    def read(self, size: int) -> bytes:
+        data = bytearray(size)
+        return bytes(data[: self.readinto(data)])
+
+    def readinto(self, buffer) -> int:
+        view, start = memoryview(buffer).cast("B"), self._position
+        count = max(0, min(len(view), self._size - start))
+        found = self._output.read(count, start)
+        view[: len(found)] = found
+        view[len(found) : count] = bytes(count - len(found))  # a hole at the end
+        for place, data in self._unwritten:
+            first, last = max(start, place), min(start + count, place + len(data))
+            if first < last:
+                view[first - start : last - start] = data[first - place : last - place]
+        self._position += count
+        return count
+
+    def write(self, data) -> int:
+        size = memoryview(data).nbytes
+        try:
+            if self.error is None:
+                self._output.write(data, self._position)
+        except OutputError as error:
+            self.error = error
+        if self.error is not None:
+            self._unwritten.append((self._position, bytes(data)))
+        self._position += size
+        self._size = max(self._size, self._position)
+        return size
+
+    def truncate(self, size: int) -> int:
+        try:
+            if self.error is None:
+                self._output.truncate(size)
+        except OutputError as error:
+            self.error = error
+        self._size = size
+        return size
+
+    def flush(self) -> None:
+        """Nothing waits to be written."""

@@ -1,21 +1,6 @@
 """What can be wrong with a file, in words that name the file and the cure."""
 
-import errno
-import re
 from pathlib import Path
-
-CURES = {
-    errno.ENOSPC: "the disk is full; make room, or choose another",
-    errno.EDQUOT: "your share of the disk is used up; make room, or choose another",
-    errno.EFBIG: "it is larger than files may be here; raise the limit (ulimit -f)",
-    errno.EACCES: "permission denied; ask for it, or choose another folder",
-    errno.EPERM: "permission denied; ask for it, or choose another folder",
-    errno.EROFS: "the disk is read-only; choose another",
-    errno.ENAMETOOLONG: "the name is too long; choose a shorter one",
-    errno.ELOOP: "it is a link that leads in a circle; remove it, or choose another name",
-    errno.EIO: "the disk fails; choose another",
-}
-"""What the system found wrong, and what to do about it."""
 
 
 class ResultsError(Exception):
@@ -56,13 +41,6 @@ class StorageError(ResultsError):
 
 class HeldError(ResultsError):
     """A file that another process is writing."""
-
-
-def reason(error: Exception) -> str:
-    """What is behind an error of the system, also where HDF5 tells of it, and the cure."""
-    told = re.search(r"errno = (\d+)", str(error))  # in the words of HDF5
-    number = int(told[1]) if told else getattr(error, "errno", None)
-    return CURES.get(number) or getattr(error, "strerror", None) or str(error).partition("\n")[0]
 
 
 class GapError(ValueError):

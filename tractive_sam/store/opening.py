@@ -7,8 +7,9 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from tractive_sam.output_file import reason
 from tractive_sam.store import layout
-from tractive_sam.store.errors import DamagedError, ResultsError, reason
+from tractive_sam.store.errors import DamagedError, ResultsError
 from tractive_sam.store.hdf5_file import open_to_read
 from tractive_sam.store.hdf5_guard import (
     check_claim,

@@ -26,7 +26,7 @@ import numpy as np
 from tractive_sam.mechanics import CRITERIA, VON_MISES
 from tractive_sam.results import FIELDS, Quantity
 from tractive_sam.scene import Scene
-from tractive_sam.store.atomic import atomic_rewrite
+from tractive_sam.store.atomic import WritableFile, atomic_rewrite
 from tractive_sam.store.errors import ResultsError
 from tractive_sam.store.hdf5_file import open_to_read
 from tractive_sam.store.texts import create_text, set_text, text_of
@@ -125,6 +125,7 @@ def write_volume(
         for k, layer in enumerate(layers):
             for name, values in layer.items():
                 arrays[name][k] = (values[VTK_ORDER] if name == "stress" else values).T
+            file.check()
 
 
 def write_surface(
@@ -165,12 +166,13 @@ def write_surface(
                 # Vectors lie in the plane; ParaView's have three components.
                 third = () if values.ndim == 2 else (np.zeros((1, *values.shape[1:])),)
                 arrays[name][k] = np.concatenate((values, *third)).T
+            file.check()
 
 
 @contextmanager
 def _written(
     path: Path, scene: Scene, about: Mapping[str, str | float], overwrite: bool
-) -> Iterator[h5py.File]:
+) -> Iterator[WritableFile]:
     """A file that tells what it is of, and appears when all is written."""
     _check_suffix(path)
     with sole_writer(path, overwrite, _check_kind), atomic_rewrite(path, empty=True) as file:

@@ -1,22 +1,22 @@
 """The place on the disk where a file is to be: whether it may be written, and by whom."""
 
-import hashlib
-import os
-import stat
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from glob import escape
 from pathlib import Path
-from uuid import uuid4
 
-from tractive_sam.store.errors import HeldError, ResultsError, reason
+from tractive_sam.output_file import (
+    TEMPORARY,
+    OutputPlaceError,
+    followed,
+    hidden_beside,
+    is_write_protected,
+    reason,
+    short_name,
+    temporary_of,
+)
+from tractive_sam.store.errors import HeldError, ResultsError, StorageError
 from tractive_sam.store.lock import is_locked, locked
-
-LONGEST = 180
-"""Bytes of a name that fit into that of a hidden file beside it; systems allow 255."""
-
-NEW = ".new"
-"""How the names of copies end that are to take the place of a file."""
 
 
 @contextmanager
@@ -35,8 +35,11 @@ def sole_writer(path: Path, overwrite: bool, check_kind: Callable[[Path], None])
         except HeldError:
             cure = "wait for it, stop it, or give this run a file of its own"
             raise HeldError(f"{path} is being written by another run; {cure}") from None
+        except OSError as error:
+            raise StorageError(f"{path} cannot be written: {reason(error)}") from error
         # Nobody else works on copies now: those there are were left behind by killed processes.
-        for copy in real(path).parent.glob(f".{escape(_short(path))}.*{NEW}"):
+        target = real(path)
+        for copy in target.parent.glob(f".{escape(short_name(target))}.*{TEMPORARY}"):
             with suppress(OSError):
                 copy.unlink()
         yield
@@ -49,12 +52,7 @@ def is_written(path: Path) -> bool:
 
 def lock_of(path: Path) -> Path:
     """The lock of a file."""
-    return _hidden(path, ".lock")
-
-
-def copy_of(path: Path) -> Path:
-    """A name for a copy of a file that is to take its place."""
-    return _hidden(path, f".{uuid4().hex[:12]}{NEW}")
+    return hidden_beside(real(path), ".lock")
 
 
 def check_writable(path: Path, overwrite: bool, check_kind: Callable[[Path], None]) -> None:
@@ -81,7 +79,7 @@ def check_writable(path: Path, overwrite: bool, check_kind: Callable[[Path], Non
             raise ResultsError(f"{folder} is not a folder; create it, or choose another")
         if real(path).exists():
             _check_replaced(path, overwrite, check_kind)
-        scratch = copy_of(path)
+        scratch = temporary_of(real(path))
         scratch.touch()
         scratch.unlink()
     except OSError as error:
@@ -96,10 +94,10 @@ def real(path: Path) -> Path:
     ResultsError
         If it leads in a circle.
     """
-    found = Path(os.path.realpath(path))
-    if found.is_symlink():
-        raise ResultsError(f"{path} is a link that leads in a circle; choose another name")
-    return found
+    try:
+        return followed(path)
+    except OutputPlaceError as error:
+        raise ResultsError(str(error)) from None
 
 
 def _check_replaced(path: Path, overwrite: bool, check_kind: Callable[[Path], None]) -> None:
@@ -112,18 +110,5 @@ def _check_replaced(path: Path, overwrite: bool, check_kind: Callable[[Path], No
     except ResultsError as error:
         cure = "choose another name, or remove it"
         raise ResultsError(f"{path} would be overwritten, but {error}; {cure}") from error
-    # The mode is asked, too: to the administrator everything is allowed.
-    may_write = path.stat().st_mode & (stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH)
-    if not may_write or not os.access(path, os.W_OK):
+    if is_write_protected(path):
         raise ResultsError(f"{path} is write-protected; unprotect it, or choose another name")
-
-
-def _hidden(path: Path, suffix: str) -> Path:
-    return real(path).with_name(f".{_short(path)}{suffix}")
-
-
-def _short(path: Path) -> str:
-    """The name of a file, or if that is very long, one that stands for it."""
-    name = real(path).name
-    encoded = os.fsencode(name)
-    return name if len(encoded) <= LONGEST else hashlib.sha256(encoded).hexdigest()

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from tractive_sam import interrupt
+from tractive_sam.output_file import make_folder
 from tractive_sam.plot import DPI, Figure, Variable, study_curves, study_map, study_samples
 from tractive_sam.results import COLUMNS, by_name
 from tractive_sam.scene import Scene
@@ -80,7 +81,7 @@ def save_figures(
         raise ValueError(f"no quantity {', '.join(unknown)}; there are {known}")
     left = _held(results, at or {})
     names = quantities or [name for name in DRAWN if _varies(results, name)]
-    directory.mkdir(parents=True, exist_ok=True)
+    make_folder(directory)
     held = {_short(key, results.study): value for key, value in (at or {}).items()}
     named = ", ".join(f"{key} = {value}" for key, value in held.items())
     title = "\n".join(filter(None, (results.study.title or results.study.scene.title, named)))

@@ -6,25 +6,27 @@
     00012-0123456789abcdef.damaged    what was found there and could not be read
     0123456789abcdef.txt        why a case failed: the message, and after an empty line the version
                                 of this package, the worker and its traceback
-    complete.jsonl              last records of the cases that are complete, to be read at once
+    complete.jsonl              last records of complete cases, to be read at once, each
+                                with a checksum (see `case_log`)
 
 Results files are written by workers, everything else by the one client that runs the study. There
 is no other state: what is complete is what these files say. Other files are let alone.
 
 A study that keeps scalars has no results files: complete.jsonl is all there is, a line for each
-case that ended. A line is written before the case is told complete, and is whole or ignored.
+case that ended. A line is written before the case is reported as complete, and counts only if it
+agrees with its checksum.
 """
 
-import json
 import os
 import re
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import Any
 
+from tractive_sam.output_file import OutputError, write_file
 from tractive_sam.store import HeldError, ResultsError, locked
 from tractive_sam.studies.case import DIGEST, Case
+from tractive_sam.studies.case_log import CaseLog
 from tractive_sam.studies.design import Study
 from tractive_sam.studies.task import Outcome, Task
 
@@ -42,7 +44,7 @@ class Folder:
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(path).absolute()
-        self._study, self._complete = self.path / "study.toml", self.path / "complete.jsonl"
+        self._study, self.log = self.path / "study.toml", CaseLog(self.path / "complete.jsonl")
 
     @contextmanager
     def taken(self, study: Study) -> Iterator[None]:
@@ -61,7 +63,7 @@ class Folder:
                         f"{self.path} holds other files; a study needs a folder of its own"
                     )
                 held.enter_context(locked(self.path / ".client.lock"))
-                _replace(self._study, study.to_toml())
+                write_file(self._study, study.to_toml())
             except HeldError:
                 raise ResultsError(
                     f"{self.path} is being run by another client; wait for it, stop it, or choose "
@@ -69,6 +71,8 @@ class Folder:
                 ) from None
             except FileExistsError:
                 raise ResultsError(f"{self.path} is not a folder; choose another") from None
+            except OutputError:
+                raise
             except OSError as error:
                 raise ResultsError(
                     f"{self.path} cannot be written: {error}; choose another folder"
@@ -106,13 +110,6 @@ class Folder:
         """The results file of a case, be it there already or not."""
         return results.get(case.digest, self.path / f"{case.name}.h5")
 
-    def complete(self) -> dict[str, dict[str, Any]]:
-        """What `keep` was told, by the hash of the scene; the results files have the last word."""
-        if not self._complete.is_file():
-            return {}
-        lines = self._complete.read_text(encoding="utf-8", errors="replace").splitlines()
-        return {one["digest"]: one for one in map(_kept, lines) if one is not None}
-
     def keep(self, task: Task, outcome: Outcome) -> None:
         """Remember the last record of a complete case; its size is 0 where it has no file."""
         kept = {
@@ -122,14 +119,13 @@ class Folder:
             "message": outcome.message,
             "row": outcome.row,
         }
-        with self._complete.open("a", encoding="utf-8") as file:
-            file.write(f"\n{json.dumps(kept)}")
+        self.log.append(kept)
         self._fault(task.case).unlink(missing_ok=True)
 
     def fail(self, case: Case, outcome: Outcome) -> None:
         """Say why a case failed."""
         by = f"tractive-sam {outcome.version or 'of unknown version'} on {outcome.worker or '?'}"
-        _replace(self._fault(case), f"{outcome.message}\n\n{by}\n{outcome.traceback}")
+        write_file(self._fault(case), f"{outcome.message}\n\n{by}\n{outcome.traceback}")
 
     def failures(self) -> dict[str, str]:
         """Why cases failed, by the hash of their scenes."""
@@ -141,28 +137,3 @@ class Folder:
 
     def _fault(self, case: Case) -> Path:
         return self.path / f"{case.digest}.txt"
-
-
-def _kept(line: str) -> dict[str, Any] | None:
-    """A line as `keep` writes it; None for half of one, as a killed client leaves it, or others."""
-    try:
-        one = json.loads(line)
-    except ValueError:
-        return None
-    match one:
-        case {
-            "digest": str(),
-            "size": int(),
-            "version": str(),
-            "message": str(),
-            "row": dict(row),
-        } if all(isinstance(value, int | float) for value in row.values()):
-            return one
-    return None
-
-
-def _replace(path: Path, text: str) -> None:
-    """Write a text file whole or not at all."""
-    scratch = path.with_name(f".{path.name}.new")
-    scratch.write_text(text, encoding="utf-8")
-    os.replace(scratch, path)

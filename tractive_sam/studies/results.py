@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from io import StringIO
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,10 +15,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tractive_sam import interrupt
+from tractive_sam.output_file import write_file
 from tractive_sam.plain import html_table, text_table
 from tractive_sam.results import BODIES, COLUMNS, History, Quantity, by_name
 from tractive_sam.scene import Scene, SceneWarning
-from tractive_sam.store import ResultsError, is_written, open_history
+from tractive_sam.store import ResultsError, is_written, open_history, write_netcdf
 from tractive_sam.studies.case import Case, cases
 from tractive_sam.studies.design import Study
 from tractive_sam.studies.folder import Folder
@@ -83,6 +85,9 @@ class StudyResults:
         What was asked.
     rows : tuple of Row
         What each case has come to, in the order of the cases.
+    damage_note : str
+        What to report of the log of complete cases if lines of it disagree with their checksums;
+        without a results file, their cases count as not computed.
 
     Examples
     --------
@@ -103,6 +108,7 @@ class StudyResults:
     path: Path
     study: Study
     rows: tuple[Row, ...]
+    damage_note: str = ""
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -262,7 +268,7 @@ class StudyResults:
 
     def save_netcdf(self, path: str | PathLike[str]) -> None:
         """Write `dataset` as a netCDF file."""
-        self.dataset().to_netcdf(path, engine="h5netcdf")
+        write_netcdf(path, self.dataset())
 
     def save_csv(
         self,
@@ -296,15 +302,16 @@ class StudyResults:
         names = list(quantities or self.quantities)
         headings = [self._heading(name) if units else name for name in names]
         told = [] if quantities else ["status", "message", "file", "version"]
-        with Path(path).open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(["case", *keys, *told, *headings])
-            for row in self.rows:
-                changes = [row.case.changes[key] for key in keys]
-                about = [row.status, row.message, row.file.name if row.file else "", row.version]
-                about = about[: len(told)]
-                last = [row.last.get(name, "") for name in names]
-                writer.writerow([row.case.number, *changes, *about, *last])
+        text = StringIO(newline="")
+        writer = csv.writer(text)
+        writer.writerow(["case", *keys, *told, *headings])
+        for row in self.rows:
+            changes = [row.case.changes[key] for key in keys]
+            about = [row.status, row.message, row.file.name if row.file else "", row.version]
+            about = about[: len(told)]
+            last = [row.last.get(name, "") for name in names]
+            writer.writerow([row.case.number, *changes, *about, *last])
+        write_file(path, text.getvalue())
 
     def _heading(self, name: str) -> str:
         unit = self.quantities[name].unit
@@ -335,11 +342,11 @@ def open_study(directory: str | PathLike[str]) -> StudyResults:
         warnings.simplefilter("ignore", SceneWarning)  # told where it was computed
         study = folder.study()
         found = cases(study)
-    files, complete, failures = folder.results(), folder.complete(), folder.failures()
+    files, logged, failures = folder.results(), folder.log.read(), folder.failures()
     rows = []
     for case in found:
         interrupt.heed()
-        file, kept = folder.file_of(case, files), complete.get(case.digest)
+        file, kept = folder.file_of(case, files), logged.entries.get(case.digest)
         if kept and study.keep == "scalars" and not kept["size"]:
             rows.append(Row(case, COMPLETE, kept["message"], None, kept["row"], kept["version"]))
         elif kept and case.digest in files and file.stat().st_size == kept["size"]:
@@ -347,7 +354,7 @@ def open_study(directory: str | PathLike[str]) -> StudyResults:
             rows.append(Row(case, COMPLETE, *told))
         else:
             rows.append(_row(case, file, failures.get(case.digest, "")))
-    return StudyResults(folder.path, study, tuple(rows))
+    return StudyResults(folder.path, study, tuple(rows), logged.damage_note)
 
 
 def _ends(column: Sequence[Any]) -> tuple[Any, Any]:

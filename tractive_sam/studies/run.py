@@ -143,12 +143,15 @@ def study(
         raise ValueError(f"encrypted: {SCHEDULER_ENCRYPTS}")
     asked = asked if isinstance(asked, Study) else Study.from_toml(asked)
     found, folder = cases(asked), Folder(directory)
+    tell, say = progress or (lambda _: None), say or (lambda _: None)
     with folder.taken(asked):
+        if note := folder.log.read().damage_note:
+            say(note)
+            folder.log.drop_damaged()
         tasks, done = _left(folder, found, asked)
         # Cases that are complete already are of no interest to the bar: it shows the work left.
         total = sum(task.seconds for task in tasks) or 1.0
         ended, failed, share = done, 0, 0.0
-        tell, say = progress or (lambda _: None), say or (lambda _: None)
         tell(Progress(len(found), ended, failed, share))
         for task, outcome in _ended(tasks, scheduler, workers, encrypted, say):
             if outcome.status == COMPLETE:
@@ -169,7 +172,7 @@ def _left(folder: Folder, found: list[Case], asked: Study) -> tuple[list[Task], 
 
     Long cases come first; where scalars are kept, neighbours come one after another.
     """
-    files, complete = folder.results(), folder.complete()
+    files, complete = folder.results(), folder.log.read().entries
     scalars = asked.keep == "scalars"
     left = []
     for case in found:

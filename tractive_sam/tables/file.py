@@ -1,14 +1,13 @@
 """Writes a table as netCDF, as studies write theirs."""
 
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray
 
 from tractive_sam.lookup import NAMES, CreepTable
-from tractive_sam.store import TABLE_FORMAT, versions
+from tractive_sam.store import TABLE_FORMAT, versions, write_netcdf
 
 FORCES = ("Qx", "Qy", "Mz")
 
@@ -80,10 +79,4 @@ def write_table(table: CreepTable, path: str | PathLike[str]) -> None:
     } | dict(table.contact or {})
     dataset = xarray.Dataset(variables, coordinates, told | about)
     kept = {name: {"zlib": True, "complevel": 4} for name in ("coefficients", "error_bar")}
-    path = Path(path)
-    part = path.with_name(f".{path.name}.part")
-    try:
-        dataset.to_netcdf(part, engine="h5netcdf", encoding=kept)
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
+    write_netcdf(path, dataset, kept)

@@ -19,6 +19,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from tractive_sam.lookup import CreepTable, arguments_of, c_header, plain_title
+from tractive_sam.output_file import write_file
 from tractive_sam.store import versions
 
 MISSING = "an FMU needs fmpy, of the extra fmu: pip install 'tractive_sam[fmu]'"
@@ -91,18 +92,15 @@ def write_fmu(table: CreepTable, path: str | PathLike[str]) -> bool:
         (sources / "unit.c").write_text(_code(table, name, guid), encoding="ascii")
         (root / "modelDescription.xml").write_text(_description(table, name, guid), "utf-8")
         compiled = _compiled(root, name, fmpy)
-        part = path.with_name(f".{path.name}.part")
-        try:
-            with zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED) as archive:
-                for file in sorted(root.rglob("*")):
-                    if file.is_file():
-                        archive.write(file, file.relative_to(root).as_posix())
-            problems = validate_fmu(str(part))
-            if problems:
-                raise RuntimeError(f"{path}: {'; '.join(problems)}")
-            part.replace(path)
-        finally:
-            part.unlink(missing_ok=True)
+        content = [file for file in sorted(root.rglob("*")) if file.is_file()]
+        unit = root / path.name
+        with zipfile.ZipFile(unit, "w", zipfile.ZIP_DEFLATED) as archive:
+            for file in content:
+                archive.write(file, file.relative_to(root).as_posix())
+        problems = validate_fmu(str(unit))
+        if problems:
+            raise RuntimeError(f"{path}: {'; '.join(problems)}")
+        write_file(path, unit.read_bytes())
     return compiled
 
 
