@@ -17,6 +17,7 @@ from tractive_sam.results import (
     FIELDS,
     LABELS,
     OUTSIDE,
+    PARTS,
     STRESS,
     Grid,
     History,
@@ -173,7 +174,9 @@ def _own(file: Results) -> list[Quantity]:
     try:
         told = json.loads(file.text("history", layout.OWN, "[]"))
         found = [Quantity(**one | {"dims": tuple(one["dims"])}) for one in told]
-        wrong = [one.name for one in found if not one.name.isidentifier() or one.dims not in DIMS]
+        # Those of a duty cycle, too: of each block, and what each block wore off each body.
+        dims = (*DIMS, *(("block", *each) for each in DIMS), PARTS.dims)
+        wrong = [one.name for one in found if not one.name.isidentifier() or one.dims not in dims]
         if wrong:
             raise ValueError(f"{wrong[0]!r} is no name of a column, or has other dimensions")
         return found
