@@ -143,6 +143,34 @@ def test_energy_is_archard_where_all_slips_alike():
     np.testing.assert_array_equal(energy, archard)
 
 
+def test_energy_counts_the_work_along_each_axis():
+    """Additive, by the work alone; less than Archard's norm where slip is oblique."""
+    random = np.random.default_rng(4)
+    k, mu, angle = np.array((3e-6, 8e-6)), np.array((0.3, 0.2)), 0.4
+    axes = np.array(((np.cos(angle), np.sin(angle)), (-np.sin(angle), np.cos(angle))))
+    slip = random.normal(size=(2, 6, 5))
+    in_axes = np.tensordot(axes, slip, axes=1)
+    p = random.uniform(0.1, 1.0, (6, 5))
+    norm = np.hypot(*(mu[:, None, None] * in_axes))  # of full slip: p_j = -p mu_j² s_j/norm
+    traction = -p * np.tensordot(axes.T, mu[:, None, None] ** 2 * in_axes, axes=1) / norm
+    work = p * mu[:, None, None] ** 2 * in_axes**2 / norm
+    rate = Energy(tuple(k), angle).rate(p, traction, slip)
+    # Rounding, here and below.
+    np.testing.assert_allclose(rate, np.tensordot(k, work, axes=1), rtol=1e-12)
+    parts = [Energy(one, angle).rate(p, traction, slip) for one in ((k[0], 0.0), (0.0, k[1]))]
+    np.testing.assert_allclose(rate, sum(parts), rtol=1e-12)
+    archard = ArchardByWork(tuple(k * mu), tuple(mu), angle).rate(p, traction, slip)
+    np.testing.assert_allclose(
+        archard, p * np.hypot(*((k * mu)[:, None, None] * in_axes)), rtol=1e-12
+    )
+    assert (rate < archard).all()
+    along = np.tensordot(axes.T, in_axes * np.array((1.0, 0.0))[:, None, None], axes=1)
+    sliding = p, -0.3 * p * along / np.hypot(*along), along
+    laws = Energy(tuple(k), angle), ArchardByWork(tuple(k * mu), tuple(mu), angle)
+    rates = [law.rate(*sliding) for law in laws]
+    np.testing.assert_allclose(*rates, rtol=1e-12)
+
+
 def test_each_body_by_its_own():
     fields = sliding([[1.0, 30.0, 0.0], [2.0, 60.0, 0.0]])
     A, B = Energy((3e-6, 3e-6)), ByWork(USFD["r8t-uic60"], STEEL)

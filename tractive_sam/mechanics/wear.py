@@ -177,9 +177,11 @@ def work_of(traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
 class Energy(WearLaw):
     """Depth by the frictional work w_k = -p_k s_k along either tribological axis.
 
-    With k1 = k2 = k it is k times the work. Else the work along each axis counts by its own
-    coefficient, sqrt((w_1 + w_2) (k1^2 w_1 + k2^2 w_2)), as it does in `ArchardByWork`: in full
-    slip it is Archard's law of i = k mu.
+    The depth is k1 w_1 + k2 w_2: it depends on the work alone and is additive, so that work done
+    along one axis after the other wears as much as both at once, and what a contact wears follows
+    from its total work along each axis. With k1 = k2 the axes do not matter. `ArchardByWork` has a
+    norm of the slip instead: with i_j = k_j mu_j it wears as much where slip is along an axis or
+    k1 = k2, and more elsewhere.
 
     Parameters
     ----------
@@ -205,10 +207,9 @@ class Energy(WearLaw):
         along, across = work_along(traction, slip, self.angle)
         work = np.maximum(along + across, 0.0)
         first, second = self.per_work
-        squared = work * (first**2 * along + second**2 * across)
-        # Work against one axis only must not leave the bounds that work along both has.
-        least, most = sorted((first, second))
-        return np.sqrt(np.clip(squared, (least * work) ** 2, (most * work) ** 2))
+        # Negative work along one axis must not leave the bounds of positive work along both.
+        least, most = sorted(self.per_work)
+        return np.clip(first * along + second * across, least * work, most * work)
 
 
 @dataclass(frozen=True)
@@ -245,8 +246,13 @@ class ArchardByWork(WearLaw):
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
         """See `WearLaw.rate`; zero where the work is negative, as it is in a few elements."""
-        per_work = tuple(i / mu for i, mu in zip(self.intensity, self.mu, strict=True))
-        rate = Energy(per_work, self.angle).rate(pressure, traction, slip)
+        along, across = work_along(traction, slip, self.angle)
+        work = np.maximum(along + across, 0.0)
+        first, second = (i / mu for i, mu in zip(self.intensity, self.mu, strict=True))
+        squared = work * (first**2 * along + second**2 * across)
+        # Negative work along one axis must not leave the bounds of positive work along both.
+        least, most = sorted((first, second))
+        rate = np.sqrt(np.clip(squared, (least * work) ** 2, (most * work) ** 2))
         if self.friction is None:
             return rate
         return rate / self.friction.left(pressure, slip, self.length)

@@ -444,8 +444,8 @@ class Wear(Table):
         None,
     )
     coefficient: OrthotropicNotNegative | Coefficients | None = entry(
-        "specific wear rates k along the axes e1, e2, mm3/(N m), or of the energy law mm3/J, of "
-        "both bodies together, or of each on its own",
+        "specific wear rates k along the axes e1, e2, mm3/(N m), or of the energy law, in mm3/J of "
+        "the work along each axis; of both bodies together, or of each on its own",
         "a number of at least 0, a pair of them, or { A = ..., B = ... }",
         None,
     )
