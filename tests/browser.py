@@ -1,5 +1,7 @@
 """A browser without windows, for tests of pages."""
 
+import base64
+import hashlib
 import json
 import os
 import re
@@ -41,6 +43,8 @@ def browse(folder, *options):
 def told_by(html, script, folder, width, height=3000):
     """What a script at the end of a page posts to the window around it, at a width in pixels."""
     page = html.replace("</body>", f"<script>{script}</script></body>")
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    page = page.replace("script-src 'none'", f"script-src 'sha256-{digest}'")
     (folder / "page.html").write_text(page, "utf-8")
     frame = folder / "frame.html"
     frame.write_text(FRAME.format(width=width, height=height), "utf-8")
@@ -50,13 +54,13 @@ def told_by(html, script, folder, width, height=3000):
 
 
 class Tab:
-    """A page in a browser that is driven: keys are pressed as by hand, and requests are noted.
+    """A page in a browser that is driven: keys are pressed, requests and errors are noted.
 
     Speaks the browser's own protocol over its file descriptors 3 and 4.
     """
 
     def __init__(self, url, folder, width, height=1000):
-        self.requests, self._number = [], 0
+        self.requests, self.errors, self._number = [], [], 0
         (theirs, ours), (back, told) = os.pipe(), os.pipe()
         options = ["--headless", "--disable-gpu", "--no-sandbox", "--remote-debugging-pipe"]
         profile = f"--user-data-dir={folder / 'profile'}"
@@ -81,7 +85,7 @@ class Tab:
         self._session = {"sessionId": attached["sessionId"]}
         size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
         self._ask("Emulation.setDeviceMetricsOverride", **size)
-        for part in ("Network", "Page", "Runtime"):
+        for part in ("Network", "Page", "Runtime", "Log"):
             self._ask(f"{part}.enable")
         self._ask("Page.navigate", url=url)
         while not self.run("location.href != 'about:blank' && document.readyState == 'complete'"):
@@ -119,6 +123,10 @@ class Tab:
             answer = json.loads(self._read())
             if answer.get("method") == "Network.requestWillBeSent":
                 self.requests.append(answer["params"]["request"]["url"])
+            if answer.get("method") == "Log.entryAdded":  # also what a policy of the page refuses
+                self.errors.append(answer["params"]["entry"]["text"])
+            if answer.get("method") == "Runtime.exceptionThrown":
+                self.errors.append(answer["params"]["exceptionDetails"]["text"])
             if answer.get("id") == self._number:
                 assert "error" not in answer, answer
                 return answer["result"]

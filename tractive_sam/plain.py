@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from html import escape
 
 _COMMANDS = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f"  # of terminals; the tab and the end of a line do no harm
@@ -28,19 +27,22 @@ def plain(text: str, most: int | None = MOST) -> str:
 
 def text_table(head: str, rows: Mapping[str, str]) -> str:
     """A heading and lines of (what, told)."""
-    width = max(map(len, rows), default=0)
-    return "\n".join([head, *(f"  {what:{width}}  {plain(told)}" for what, told in rows.items())])
+    named = {plain(what): plain(told) for what, told in rows.items()}
+    width = max(map(len, named), default=0)
+    return "\n".join([head, *(f"  {what:{width}}  {told}" for what, told in named.items())])
 
 
-def html_table(rows: Mapping[str, str], picture: str = "") -> str:
-    """Lines of (what, told) as a table of HTML, beside a picture."""
-    lines = "".join(
-        f'<tr><th style="text-align:left;vertical-align:top;padding-right:1em">{escape(what)}</th>'
-        f'<td style="text-align:left">{escape(plain(told))}</td></tr>'
-        for what, told in rows.items()
-    )
-    table = f"<table>{lines}</table>"
-    if not picture:
-        return table
-    style = "display:flex;flex-wrap:wrap;gap:1em;align-items:flex-start"
-    return f'<div style="{style}">{table}<div>{picture}</div></div>'
+def csv_cell(value: object) -> object:
+    """Return a cell of CSV that neither commands a terminal nor is a formula in a spreadsheet.
+
+    Numbers, also as text, stay as they are. Before other text that a spreadsheet would compute
+    stands an apostrophe, which spreadsheets take as the sign of text.
+    """
+    if not isinstance(value, str):
+        return value
+    text = plain(value, None)
+    try:
+        float(text)
+    except ValueError:
+        return f"'{text}" if text.lstrip(" ").startswith(("=", "+", "-", "@", "\t", "\n")) else text
+    return text

@@ -10,6 +10,7 @@ import typer
 
 from tractive_sam.cli.explain import print_sections
 from tractive_sam.cli.output import Status, bad_input_told, console, stop, tell
+from tractive_sam.plain import csv_cell
 
 Results = Annotated[Path, typer.Argument(metavar="FILE.h5", help="A results file.")]
 
@@ -46,7 +47,7 @@ def show(
     if as_csv:
         columns = history.numbers()
         writer = csv.writer(sys.stdout, lineterminator="\n")
-        writer.writerow(columns)
+        writer.writerow(map(csv_cell, columns))
         writer.writerows(zip(*(values.tolist() for values in columns.values()), strict=True))
         return
     from tractive_sam.cli import tables

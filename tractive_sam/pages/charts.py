@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from tractive_sam.markup import Html, as_html, fill
 from tractive_sam.pages import text
 from tractive_sam.pages.arrays import packed
 from tractive_sam.results import BODIES, COORDINATE, LABELS, PREFIX, History, Quantity
@@ -84,12 +85,12 @@ def _title(one: Quantity) -> str:
 def _chart(history: History, title: str, group: list[Quantity]) -> dict[str, Any]:
     """One chart: its title, the label of its axis, its lines, and whether it is set aside."""
     units = [text.unit(one.unit) for one in group]
-    label = ", ".join(dict.fromkeys(filter(None, units)))
+    label = as_html(", ".join(dict.fromkeys(filter(None, units))))
     names = {_of_cycle(history, one).name for one in group}
     if len(names) == 1 and (symbol := text.symbol(group[0].symbol)):
-        label = f"{symbol} ({label})" if label else symbol
+        label = fill("$symbol ($label)", symbol=symbol, label=label) if label else symbol
     return {
-        "title": text.told(title),
+        "title": as_html(title),
         "label": label,
         "lines": [line for one in group for line in _lines(history, one, len(group))],
         "aside": names <= BOOKKEEPING and bool(group),
@@ -108,16 +109,16 @@ def _lines(history: History, one: Quantity, several: int) -> Iterator[dict[str, 
         known = line[np.isfinite(line)]
         if known.size < 2 or np.ptp(known) <= max(noise, ROUNDING * np.abs(known).max()):
             continue
-        name = text.symbol(one.symbol) or text.told(one.name)
+        name = text.symbol(one.symbol) or as_html(one.name)
         kind = one.role.removeprefix("stress_") if one.role.startswith("stress_") else ""
-        named = [f"body {k}" if k in BODIES else k for k in place]
+        named = [as_html(f"body {k}" if k in BODIES else k) for k in place]
         if PREFIX + one.name in history.columns:
-            named = ["cycle", *named]
+            named = [Html("cycle"), *named]
         elif kind:
-            named.append(kind)
+            named.append(as_html(kind))
         elif "block" not in one.dims and (several > 1 or not place):
             named = [name, *named]
-        drawn = {"name": ", ".join(named), "values": packed(line)}
+        drawn = {"name": Html(", ".join(named)), "values": packed(line)}
         bars = history.values.get(f"{one.name}_error")
         if bars is not None and np.isfinite(bars[at]).any():
             drawn["bars"] = packed(bars[at])

@@ -7,9 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from tractive_sam.markup import as_html
 from tractive_sam.pages import text
 from tractive_sam.pages.arrays import packed
 from tractive_sam.pages.charts import charts
+from tractive_sam.plain import plain
 from tractive_sam.plot import Drawn, Scale, chosen, continued, edge_level, stick_level
 from tractive_sam.results import COMPONENTS, Grid, History, PlaneStress, numbers, widened
 from tractive_sam.scene import label
@@ -51,14 +53,12 @@ def of_history(history: History) -> dict[str, Any]:
     return {
         "line": history.line,
         "along": {
-            "name": along.label or along.name,
-            "symbol": text.symbol(along.symbol),
-            "unit": text.unit(along.unit),
+            "name": as_html(along.label or along.name),
+            "symbol": text.symbol(along.symbol) or as_html(along.name),
+            "unit": as_html(text.unit(along.unit)),
         },
         "places": [
-            format(at, along.format) + text.told(name)
-            for at in saved.tolist()
-            for name, _ in blocks
+            as_html(format(at, along.format) + name) for at in saved.tolist() for name, _ in blocks
         ],
         "at": packed(np.repeat(saved, len(blocks))),
         "scale": _scale(history) if len(history) else None,
@@ -277,10 +277,10 @@ def _numbers(history: History, row: int) -> list[Mapping[str, str]]:
     """The numbers of a record, one a line of a table."""
     return [
         {
-            "name": text.told(name),
-            "value": text.told(value),
-            "unit": text.told(text.unit(one.unit)),
-            "about": text.told(one.long_name),
+            "name": plain(name),
+            "value": plain(value),
+            "unit": plain(text.unit(one.unit)),
+            "about": plain(one.long_name),
         }
         for name, value, one in numbers(history, row)
     ]

@@ -37,6 +37,28 @@ const largest = values => values.reduce((most, v) => v > most ? v : most, -Infin
 const least = values => values.reduce((most, v) => v < most ? v : most, Infinity);
 const short = v => Number(v.toPrecision(4)).toString().replace("-", "\u2212");
 
+// ---- text ---------------------------------------------------------------------------------------
+// Text of the page's data has sub and sup alone, and five entities: it is never parsed as HTML.
+const SIGNS = {"&lt;": "<", "&gt;": ">", "&amp;": "&", "&quot;": '"', "&#x27;": "'"};
+const decoded = text => text.replace(/&(lt|gt|amp|quot|#x27);/g, one => SIGNS[one]);
+const encoded = text => text.replace(/[<>&]/g, one => ({"<": "&lt;", ">": "&gt;", "&": "&amp;"})[one]);
+
+function write(element, text) {
+  const inside = [element];
+  element.replaceChildren();
+  for (const part of text.split(/(<\/?su[bp]>)/)) {
+    const tag = /^<(\/?)(su[bp])>$/.exec(part);
+    if (!tag) inside.at(-1).append(decoded(part));
+    else if (tag[1]) inside.length > 1 && inside.pop();
+    else {
+      const inner = document.createElement(tag[2]);
+      inside.at(-1).append(inner);
+      inside.push(inner);
+    }
+  }
+  return element;
+}
+
 // ---- charts -------------------------------------------------------------------------------------
 const font = {family: getComputedStyle(document.body).fontFamily, size: 13, color: "#1c2126"};
 const config = {responsive: true, displaylogo: false, displayModeBar: false};
@@ -81,7 +103,8 @@ function card(parent, title, group, make, {kind = "", about = "", control = null
   const figure = document.createElement("figure"), head = document.createElement("figcaption"),
     element = document.createElement("div");
   figure.className = "card";
-  head.innerHTML = `<h3>${title}</h3>` + (about ? `<small>${about}</small>` : "");
+  head.append(write(document.createElement("h3"), title));
+  if (about) head.append(write(document.createElement("small"), about));
   if (control) head.append(control);
   element.className = `chart ${kind}`;
   element.setAttribute("role", "img");
@@ -380,7 +403,8 @@ function stressCard() {
         y: [deep ? (up && most.body === "A" ? most.depth : -most.depth) : most.depth],
         marker: {size: 9, color: "#fff", line: {color: "#000", width: 1.2}}, cliponaxis: false}];
     const place = `${first} = ${short(most.x)} mm, ${second} = ${short(most.depth)} mm`;
-    chart.head.querySelector("h3").innerHTML = `${symbol(name)} on ${plane}${up ? ", A above B" : `, body ${which}`}${now()}`;
+    write(chart.head.querySelector("h3"),
+      `${symbol(name)} on ${encoded(plane)}${up ? ", A above B" : `, body ${encoded(which)}`}${now()}`);
     chart.head.querySelector("small").textContent =
       `largest ${short(most.value)} MPa in ${most.body} at ${place}` +
       (most.depth === 0 && deep ? "; values at the surface depend on the mesh" : "");
@@ -452,7 +476,7 @@ function courseCards() {
   if (!data.charts.length) { hide("charts"); return; }
   const x = unpack(data.course), places = data.places.length ? unpack(data.at) : [];
   const name = data.along.name + (data.along.unit ? ` (${data.along.unit})` : "");
-  $("along-told").textContent = data.along.name;
+  write($("along-told"), data.along.name);
   $("aside").hidden = !data.charts.some(one => one.aside);
   for (const one of data.charts) {
     const chart = card(one.aside ? "charts-aside" : "charts", one.title, "course", k => {
@@ -485,7 +509,7 @@ function courseCards() {
 // ---- the place ----------------------------------------------------------------------------------
 const told = k => `${data.along.symbol} = ${data.places[k]}${data.along.unit ? ` ${data.along.unit}` : ""}`;
 const now = () => data.places.length > 1 ? `, ${told(at)}` : "";
-const plainly = text => { const p = document.createElement("p"); p.innerHTML = text; return p.textContent; };
+const plainly = text => write(document.createElement("p"), text).textContent;
 
 function hide(of) {
   for (const element of document.querySelectorAll(`[data-of=${of}]`)) element.hidden = true;
@@ -496,13 +520,13 @@ function rows() {
     const row = document.createElement("tr");
     for (const text of [name, value, unit, about]) {
       const cell = document.createElement("td");
-      cell.innerHTML = text;
+      cell.textContent = text;
       row.append(cell);
     }
     return row;
   });
   $("rows").replaceChildren(...found);
-  $("numbers-told").innerHTML = data.places.length ? `of the record at ${told(at)}` : "of the last record";
+  write($("numbers-told"), data.places.length ? `of the record at ${told(at)}` : "of the last record");
 }
 
 function show(k) {
@@ -510,7 +534,7 @@ function show(k) {
   $("at").value = at;
   if (data.places.length) {
     $("at").setAttribute("aria-valuetext", plainly(told(at)));
-    $("at-told").innerHTML = told(at);
+    write($("at-told"), told(at));
   }
   rows();
   refresh();
@@ -521,7 +545,7 @@ profileCard();
 stressCard();
 courseCards();
 $("place").hidden = data.places.length < 2;
-document.querySelector("#place label").textContent = `Stored ${data.along.name}`;
+write(document.querySelector("#place label"), `Stored ${data.along.name}`);
 $("at").max = last;
 $("own-colours").addEventListener("change", () => { refresh("map"); refresh("stress"); });
 let asked = 0;

@@ -1,17 +1,17 @@
 """The page of a history: every stored record behind one slider, and the course of all numbers."""
 
 import json
+import re
 import warnings
 from collections.abc import Iterator
 from importlib.metadata import version
 from importlib.resources import files
 from os import PathLike
 from pathlib import Path
-from string import Template
 from typing import Any
 
+from tractive_sam.markup import Html, fill, policy
 from tractive_sam.output_file import write_file
-from tractive_sam.pages import text
 from tractive_sam.pages.data import of_history
 from tractive_sam.results import History, balances, caveats, rolled_on_by
 from tractive_sam.scene import Scene, told
@@ -71,20 +71,35 @@ def _page(history: History) -> str:
     kind = "good" if history.finished else "part" if history.status == "running" else "bad"
     notes = [*_notes(history), *data.pop("leftOut")]
     named = [f"{name} {number}" for name, number in history.versions.items()]
-    return Template(parts["report.html"]).substitute(
-        title=text.told(history.title or "A rolling contact"),
-        style=parts["style.css"] + parts["report.css"],
-        status=text.told(history.status),
+    found = _harmless(json.dumps(data, allow_nan=False))
+    style = f"\n{parts['style.css']}{parts['report.css']}\n"
+    # plotly sets attributes of style and fills an empty element of style: neither runs anything.
+    return fill(
+        parts["report.html"],
+        policy=policy([script, parts["report.js"]], [style, ""], attributes=True),
+        title=history.title or "A rolling contact",
+        style=Html(style),
+        status=history.status,
         kind=kind,
-        message=text.told(history.message),
-        notes="".join(f'<p class="notice">{text.told(note)}</p>\n' for note in notes),
-        facts="".join(f"<dt>{name}</dt><dd>{text.told(one)}</dd>" for name, one in _facts(history)),
-        scene=text.told(_scene(history)),
-        versions=text.told(", ".join(named or [f"tractive-sam {version('tractive-sam')}"])),
-        plotly=script,
-        data=_harmless(json.dumps(data, allow_nan=False)),
-        script=parts["report.js"],
+        message=history.message,
+        notes=(fill('<p class="notice">$note</p>\n', note=note) for note in notes),
+        facts=(fill("<dt>$name</dt><dd>$one</dd>", name=k, one=v) for k, v in _facts(history)),
+        scene=_scene(history),
+        versions=", ".join(named or [f"tractive-sam {version('tractive-sam')}"]),
+        plotly=Html(script),
+        unused=[_unused(one) for one in set(re.findall(_GUARDED_STYLE, script))],
+        data=Html(found),
+        script=Html(parts["report.js"]),
     )
+
+
+_GUARDED_STYLE = r'getElementById\("([0-9a-f]{64})"\)'
+"""How plotly seeks a style of its maps, which it adds if there is none of this name."""
+
+
+def _unused(name: str) -> Html:
+    """An empty style in place of one that the page has no use for, and its policy refuses."""
+    return fill('<style id="$name"></style>', name=name)
 
 
 _PARTS = ("report.html", "report.js", "report.css", "style.css")
@@ -104,7 +119,7 @@ def _plotly() -> tuple[str, dict[str, Any]]:
 
 def _harmless(data: str) -> str:
     """JSON that ends no script, whatever a title holds."""
-    return data.replace("<", "\\u003c")
+    return data.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
 
 
 def _facts(history: History) -> Iterator[tuple[str, str]]:

@@ -1,10 +1,8 @@
-"""Symbols, units and texts as HTML."""
+"""Symbols and units as HTML."""
 
 import re
-from html import escape
 
-from tractive_sam.plain import plain
-from tractive_sam.results import Quantity
+from tractive_sam.markup import Html, as_html, fill
 
 _SIGNS = {
     "alpha": "α",
@@ -27,19 +25,14 @@ _SIGNS = {
 }
 
 
-def told(text: str) -> str:
-    """Plain text, as it is, for HTML."""
-    return escape(plain(text, None))
-
-
-def symbol(math: str) -> str:
+def symbol(math: str) -> Html:
     """Math text of a symbol as HTML; empty where it is more than letters, signs and indices."""
     flat = re.sub(r"\\(?:mathrm|text)\{([^{}]*)\}", r"\1", math)
     flat = re.sub(r"\\([A-Za-z]+)\s*", lambda found: _SIGNS.get(found[1], found[0]), flat)
-    flat = escape(flat.replace(r"\,", "\u2009"), quote=False)
+    flat = as_html(flat.replace(r"\,", "\u2009"))
     for sign, tag in (("_", "sub"), (r"\^", "sup")):
         flat = re.sub(rf"{sign}(?:\{{([^{{}}]*)\}}|(\w+|\S))", rf"<{tag}>\1\2</{tag}>", flat)
-    return "" if re.search(r"[\\{}$]", flat) else flat
+    return Html("" if re.search(r"[\\{}$]", flat) else flat)
 
 
 def unit(one: str) -> str:
@@ -48,7 +41,6 @@ def unit(one: str) -> str:
     return "" if one == "1" else raised
 
 
-def label(one: Quantity) -> str:
-    """Symbol, or description, and unit of a quantity, for an axis."""
-    name = symbol(one.symbol) or told(one.label or one.long_name)
-    return f"{name} ({unit(one.unit)})" if unit(one.unit) else name
+def with_unit(content: Html, one: str) -> Html:
+    """HTML followed by a unit in brackets, if there is one."""
+    return fill("$content ($unit)", content=content, unit=unit(one)) if unit(one) else content

@@ -8,6 +8,7 @@ from typing import IO
 
 import matplotlib.figure
 
+from tractive_sam.markup import Html, fill
 from tractive_sam.output_file import write_file
 
 SHARP = 2
@@ -45,10 +46,11 @@ class Figure(matplotlib.figure.Figure):
         width, height = (float(round(side * self.dpi)) for side in self.get_size_inches())
         return self._png(self.dpi), {"width": width, "height": height}
 
-    def in_html(self, width: float) -> str:
+    def in_html(self, width: float) -> Html:
         """The picture as an image of a page, that many pixels wide."""
         encoded = b64encode(self._png(width / self.get_figwidth())).decode()
-        return f'<img alt="figure" src="data:image/png;base64,{encoded}" width="{width:.0f}">'
+        image = '<img alt="figure" src="data:image/png;base64,$encoded" width="$width">'
+        return fill(image, encoded=encoded, width=f"{width:.0f}")
 
     def _png(self, dpi: float) -> bytes:
         """The picture, of `SHARP` dots for one of so many an inch."""

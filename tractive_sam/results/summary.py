@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from tractive_sam.plain import html_table
+from tractive_sam.markup import Html, html_table
 
 if TYPE_CHECKING:
     from tractive_sam.results.history import History
@@ -62,12 +62,12 @@ def of_history(history: "History") -> dict[str, str]:
     return rows
 
 
-def shown(rows: Mapping[str, str], source: "State | History") -> str:
+def shown(rows: Mapping[str, str], source: "State | History") -> Html:
     """What is told as a table, beside a figure."""
     return html_table(rows, _picture(source))
 
 
-def _picture(source: Any) -> str:
+def _picture(source: Any) -> Html:
     """The figure that tells most of a contact or a history; none where nothing touches."""
     # What draws is above this room: it is taken from the package's own door, as a user does.
     import tractive_sam  # noqa: PLC0415
@@ -81,5 +81,5 @@ def _picture(source: Any) -> str:
         else:
             figure = plot.pressure(source)
     except (LookupError, ValueError):  # no fields, or nothing to draw
-        return ""
+        return Html()
     return figure.in_html(WIDE if figure.get_figwidth() > figure.get_figheight() else NARROW)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from html import escape
 from typing import TYPE_CHECKING
 
-from tractive_sam.plain import html_table, text_table
+from tractive_sam.markup import Html, as_html, html_table
+from tractive_sam.plain import text_table
 
 from .told import friction_told, load_told, wear_told
 
@@ -48,26 +48,26 @@ def text(scene: Scene) -> str:
     return text_table("Scene", rows(scene))
 
 
-def html(scene: Scene) -> str:
+def html(scene: Scene) -> Html:
     """The same as a table, beside the contact ellipse by Hertz."""
     return html_table(rows(scene), _ellipse(scene))
 
 
-def _ellipse(scene: Scene) -> str:
+def _ellipse(scene: Scene) -> Html:
     """The unworn contact by Hertz as vectors, true to scale; x, the rolling direction, upwards."""
     hertz = scene.hertz
     if hertz is None or scene.line:
-        return ""
+        return Html()
     largest = max(hertz.a, hertz.b)
     rx, ry, half = 0.33 * SIDE * hertz.b / largest, 0.33 * SIDE * hertz.a / largest, SIDE / 2
-    told = f"2a = {2 * hertz.a:.3g} mm, 2b = {2 * hertz.b:.3g} mm"
+    told = as_html(f"2a = {2 * hertz.a:.3g} mm, 2b = {2 * hertz.b:.3g} mm")
     size, blue = 'font-size="12"', "#0072b2"
     parts = (
-        f'<svg width="{SIDE}" height="{SIDE + 18}" role="img" aria-label="{escape(told)}">',
+        f'<svg width="{SIDE}" height="{SIDE + 18}" role="img" aria-label="{told}">',
         f'<path d="M{half} {SIDE - 6}V6m-4 7 4-7 4 7M6 {half}H{SIDE - 6}" stroke="#999" ',
         f'fill="none"/><ellipse cx="{half}" cy="{half}" rx="{rx:.1f}" ry="{ry:.1f}" fill="{blue}" ',
         f'fill-opacity=".3" stroke="{blue}"/><text x="{half + 7}" y="15" {size}>x</text>',
         f'<text x="{SIDE - 14}" y="{half - 6}" {size}>y</text>',
-        f'<text x="{half}" y="{SIDE + 13}" text-anchor="middle" {size}>{escape(told)}</text></svg>',
+        f'<text x="{half}" y="{SIDE + 13}" text-anchor="middle" {size}>{told}</text></svg>',
     )
-    return "".join(parts)
+    return Html("".join(parts))

@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tractive_sam import interrupt
+from tractive_sam.markup import Html, html_table
 from tractive_sam.output_file import write_file
-from tractive_sam.plain import html_table, text_table
+from tractive_sam.plain import csv_cell, text_table
 from tractive_sam.results import BODIES, COLUMNS, History, Quantity, by_name
 from tractive_sam.scene import Scene, SceneWarning
 from tractive_sam.store import ResultsError, is_written, open_history, write_netcdf
@@ -130,12 +131,12 @@ class StudyResults:
             told[key] = f"{len(column)} values, {first} to {last}"
         return told
 
-    def _picture(self) -> str:
+    def _picture(self) -> Html:
         """Curves of the first quantity that varies over one or two axes; else none."""
         from tractive_sam.studies.figures import first_figure  # which reads results
 
         figure = first_figure(self)
-        return "" if figure is None else figure.in_html(380)
+        return Html() if figure is None else figure.in_html(380)
 
     @property
     def complete(self) -> bool:
@@ -304,13 +305,14 @@ class StudyResults:
         told = [] if quantities else ["status", "message", "file", "version"]
         text = StringIO(newline="")
         writer = csv.writer(text)
-        writer.writerow(["case", *keys, *told, *headings])
+        writer.writerow(map(csv_cell, ["case", *keys, *told, *headings]))
         for row in self.rows:
             changes = [row.case.changes[key] for key in keys]
             about = [row.status, row.message, row.file.name if row.file else "", row.version]
             about = about[: len(told)]
             last = [row.last.get(name, "") for name in names]
-            writer.writerow([row.case.number, *changes, *about, *last])
+            cells = [row.case.number, *changes, *about, *last]
+            writer.writerow([csv_cell(one) for one in cells])
         write_file(path, text.getvalue())
 
     def _heading(self, name: str) -> str:
