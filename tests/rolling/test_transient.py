@@ -4,6 +4,7 @@ import math
 import sys
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
@@ -154,6 +155,18 @@ def test_it_goes_on_from_the_two_contacts_that_it_had(tmp_path):
         for name in ("approach", "xi_x", "Qx"):
             # Forces are summed once more.
             assert getattr(one.contact, name) == pytest.approx(history[name][row], rel=1e-12)
+
+
+def test_slip_of_a_shift_is_a_length(tmp_path):
+    """Its numbers grow with the unit of length, so that the file must not call them pure."""
+    shift = {"start": "shift", "distance": [0, 1], "step": 1.0, "creepage.longitudinal": [0, 0.01]}
+    ts.roll(scene(shift, 13), tmp_path / "shift.h5")
+    ts.roll(scene(shift | {"start": "rest"}, 13), tmp_path / "rolling.h5")
+    for name, unit in (("shift", "mm"), ("rolling", "1")):
+        with h5py.File(tmp_path / f"{name}.h5") as file:
+            assert file["fields/slip_x"].attrs["units"] == unit
+        slip = ts.open_history(tmp_path / f"{name}.h5").to_xarray()["slip_y"]
+        assert slip.attrs["units"] == unit
 
 
 @pytest.mark.slow

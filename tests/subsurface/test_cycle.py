@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
+from tractive_sam.results import BodyFatigue
 from tractive_sam.subsurface import cycle_depths
 
 ASKED = {"shear_yield": 300.0, "criterion": "orthogonal-shear", "limit": 250.0}
@@ -259,3 +260,22 @@ def test_survival_is_that_of_weibull():
     volume = life.volume(y, depth, stress + 11.0, around=2.0)
     assert volume > 0.0
     assert life.survival(volume, life.life(volume, 0.9)) == pytest.approx(0.9, rel=1e-12)
+
+
+def test_rounding_does_not_choose_between_tied_rows():
+    """The best residual stress of a depth leaves two rows equal, which rounding tells apart."""
+    depth = np.array([0.0, 0.1, 0.25, 0.4, 0.6])
+    rows = np.array([0.3, 0.7, 1.0, 1.0, 0.9, 0.2, 0.4, 1.0, 0.1])
+    values = rows[:, None] * np.array([0.5, 0.9, 1.0, 0.8, 0.3])
+
+    def largest(values):
+        fatigue = BodyFatigue("A", np.arange(9.0), depth, values, values, values, None, 1.0)
+        return fatigue.largest("residual_shear").interior
+
+    found = []
+    for row in (2, 3, 7):
+        rounded = values.copy()
+        rounded[row] *= 1.0 + 4e-16
+        found += [largest(rounded), largest(rounded[::-1])]
+    np.testing.assert_allclose(found, found[0], rtol=1e-14)  # rounding of a few sums
+    assert found[0] >= values.max()

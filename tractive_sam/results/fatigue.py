@@ -87,8 +87,8 @@ class BodyFatigue:
         j, k = np.unravel_index(np.argmax(inside), inside.shape)
         value, at = float(inside[j, k]), (math.nan, float(self.y[j]), float(self.zeta[k]))
         if k and left[j, k - 1]:
-            depth, more = _top(self.zeta, inside[j], int(k))
-            value, at = value + more, (math.nan, at[1], depth)
+            depth, more = _tops(self.zeta, inside[j])
+            value, at = value + float(more[k]), (math.nan, at[1], float(depth[k]))
         first = np.minimum(np.argmax(left, axis=1), self.zeta.size - 2)
         row = np.arange(self.y.size)
         here, below = self.damage[row, first], self.damage[row, first + 1]
@@ -118,12 +118,17 @@ class BodyFatigue:
         return Maximum(self.criterion, value, at, interior, interior_at, surface, surface_at)
 
     def _interior(self, values: np.ndarray) -> tuple[float, tuple[float, float, float]]:
+        """The largest value below the surface by parabolas through all points, and its place.
+
+        Not through the largest one alone: the best residual stress of a depth leaves two rows the
+        same, so that rounding would choose between their parabolas.
+        """
         below = values[:, 1:]
-        j, k = np.unravel_index(np.argmax(below), below.shape)
-        value = float(below[j, k])
-        y, gain_y = _top(self.y, below[:, k], j)
-        depth, gain_z = _top(self.depth[1:], below[j], k)
-        return value + gain_y + gain_z, (math.nan, y, depth)
+        y, gain_y = _tops(self.y, below)
+        depth, gain_z = (found.T for found in _tops(self.depth[1:], below.T))
+        total = below + gain_y + gain_z
+        at = np.unravel_index(np.argmax(total), total.shape)
+        return float(total[at]), (math.nan, float(y[at]), float(depth[at]))
 
     @property
     def utilisation_max(self) -> float:
@@ -145,18 +150,30 @@ class BodyFatigue:
         return math.inf if shear == 0.0 else self.shear_yield / shear
 
 
-def _top(x: np.ndarray, values: np.ndarray, k: int) -> tuple[float, float]:
-    """Where the parabola through the largest of values and those beside it has its top.
+def _tops(x: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Tops of the parabolas through each value and those before and after it.
 
-    And how much higher it is there; the largest itself at an end.
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+        Ascending places.
+    values : ndarray, shape (n, ...)
+        Values there.
+
+    Returns
+    -------
+    place, gain : ndarray, shape (n, ...)
+        Where each top is, and how much higher than the value. At an end, and where the top is
+        farther away than the neighbours, the place itself and 0.
     """
-    if not 0 < k < x.size - 1:
-        return float(x[k]), 0.0
-    left, right = x[k] - x[k - 1], x[k + 1] - x[k]
-    down, up = (values[k] - values[k - 1]) / left, (values[k + 1] - values[k]) / right
+    own = x.reshape(-1, *(1,) * (values.ndim - 1))
+    place, gain = np.broadcast_to(own, values.shape).copy(), np.zeros(values.shape)
+    left, right = own[1:-1] - own[:-2], own[2:] - own[1:-1]
+    down, up = (values[1:-1] - values[:-2]) / left, (values[2:] - values[1:-1]) / right
     curvature = (down - up) / (0.5 * (left + right))
     slope = (down * right + up * left) / (left + right)
-    if curvature <= 0.0:
-        return float(x[k]), 0.0
-    step = slope / curvature
-    return float(x[k] + step), float(0.5 * slope * step)
+    step = np.divide(slope, curvature, out=np.full_like(slope, np.inf), where=curvature > 0.0)
+    near = (-left <= step) & (step <= right)
+    place[1:-1] += np.where(near, step, 0.0)
+    gain[1:-1] = 0.5 * slope * np.where(near, step, 0.0)
+    return place, gain

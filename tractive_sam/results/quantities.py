@@ -614,8 +614,18 @@ WARM = by_name(
 """What is kept beside `FIELDS` of scenes with [heat]; rolling goes on without."""
 
 
+_SHIFTED = (
+    ("slip_x", "longitudinal slip of A over B in the step"),
+    ("slip_y", "lateral slip of A over B in the step"),
+)
+"""Slip of a shift, which rolls no distance that it could be divided by."""
+
+
 def kept_fields(scene: Scene) -> dict[str, Quantity]:
     """The functions of x and y that are kept of a scene."""
+    if scene.shifts:
+        slipped = (replace(FIELDS[name], unit="mm", long_name=told) for name, told in _SHIFTED)
+        return FIELDS | by_name(slipped)
     return FIELDS | WARM if scene.heat is not None else FIELDS
 
 
