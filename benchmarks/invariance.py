@@ -1,0 +1,516 @@
+"""Do results stay the same where only the description of a scene changes? Random small scenes.
+
+Each scene, of any kind, is computed as it is, and
+
+- mirrored in y; with bodies exchanged; with lengths, and stresses, in other units; with the axes of
+  friction exchanged: the same discrete problem, so that results differ by tolerance and rounding;
+- a transient with half its step: results differ by the error of the step;
+- a transient or a roll with other records stored: what is stored is no part of the physics.
+
+Differences are the largest of a group of quantities, over its natural scale: friction times load
+for forces, friction times the largest pressure for tractions, else the largest value. A scene whose
+difference is above the bound of its change is listed, and the script ends with status 1.
+
+The rows of a run that was cut are in `results/invariance.part.csv`; the same command continues.
+
+    python benchmarks/invariance.py [--scenes 400] [--seed 1] [--kinds steady,heat]
+"""
+
+import argparse
+import csv
+import math
+import re
+import sys
+import warnings
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+
+import numpy as np
+from error_bars import random_scenes
+from falling import falling_scene
+from hard_scenes import _gap, gentle_scene, hard_scene, line_scene
+from scene_changes import CHANGES, EXACT, SAVE, STEP, Change, Outcome
+from timing import RESULTS, show, write
+from transient import random_scene as transient_scene
+
+import tractive_sam as ts
+
+__all__ = ["CHANGES", "EXACT", "KINDS", "compared", "differences", "random_scene"]
+
+TOLERANCE = 1e-10
+
+
+def log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
+    """A number of any magnitude between two."""
+    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+
+def meshed(scene: ts.Scene, rng: np.random.Generator, least: int = 12, most: int = 26) -> ts.Scene:
+    """A scene on a small mesh, with a sharp tolerance."""
+    half = scene.grid.half_length if scene.grid else None
+    hertz = scene.hertz
+    if half is None:
+        half = (1.3 * hertz.a, 1.3 * hertz.b)
+    elements = tuple(int(n) for n in rng.integers(least, most, len(half)))
+    grid = {"half_length": half, "elements": elements}
+    return scene.replace(grid=grid, **{"solver.tolerance": TOLERANCE})
+
+
+def moderate(rng: np.random.Generator, **tables) -> ts.Scene:
+    """A scene of the hypercube of `error_bars`, its curvature shared by both bodies."""
+    scene = random_scenes(1, int(rng.integers(2**31)))[0]
+    bodies = scene.entries()["body"]
+    share = float(rng.choice([1.0, 0.5, 0.4, 0.7, 1.25]))
+    for key in ("radius_x", "radius_y"):
+        radius = bodies["A"][key]
+        bodies["A"][key] = radius / share
+        bodies["B"][key] = radius / (1.0 - share) if share != 1.0 else math.inf
+    return meshed(scene.replace(body=bodies, subsurface=None, **tables), rng)
+
+
+def steady(rng: np.random.Generator) -> ts.Scene:
+    """Creepages and spin; one scene in three with stress below the surface."""
+    scene = moderate(rng)
+    if rng.random() < 1 / 3:
+        planes = ("y=0", "x=0.5a", "y=0.3b")
+        scene = scene.replace(subsurface={"planes": planes, "elements": 6})
+    return scene
+
+
+def gentle(rng: np.random.Generator) -> ts.Scene:
+    """Dissimilar bodies at small creepage."""
+    return meshed(gentle_scene(int(rng.integers(10**6)))[0], rng)
+
+
+def hard(rng: np.random.Generator) -> ts.Scene:
+    """Extremes of geometry, moduli and friction; rough, worn and stepped gaps."""
+    return meshed(hard_scene(int(rng.integers(10**6)))[0], rng)
+
+
+def forced(rng: np.random.Generator) -> ts.Scene:
+    """Prescribed tangential forces, one or both."""
+    scene = moderate(rng)
+    most = 0.9 * min(scene.friction.mu) * scene.load.normal
+    turned, which = rng.uniform(0.0, 2.0 * np.pi), rng.integers(3)
+    forces = {"force_x": most * np.cos(turned), "force_y": most * np.sin(turned)}
+    creepage = scene.creepage.entries()
+    for k, (force, key) in enumerate((("force_x", "longitudinal"), ("force_y", "lateral"))):
+        if which == k:
+            del forces[force]
+        else:
+            creepage.pop(key, None)
+    return scene.replace(load={"normal": scene.load.normal} | forces, creepage=creepage)
+
+
+def gap(rng: np.random.Generator) -> ts.Scene:
+    """A measured gap, rough, worn or with steps."""
+    scene = moderate(rng)
+    half = tuple(1.3 * length for length in scene.grid.half_length)
+    kind = str(rng.choice(["rough", "worn", "steps"]))
+    shape = _gap(rng, kind, half, scene.hertz)
+    shape["separation"] = 0.3 * shape["separation"]
+    return scene.replace(gap=shape, **{"grid.half_length": half})
+
+
+def line(rng: np.random.Generator) -> ts.Scene:
+    """Unlike cylinders under a force, or creeping; half of them wear."""
+    scene = meshed(line_scene(int(rng.integers(10**6)))[0], rng, 15, 60)
+    full = scene.friction.mu[0] * scene.hertz.p0 / scene.material.shear
+    if rng.random() < 0.5:
+        changes = {"load.force_x": None, "creepage.longitudinal": full * rng.uniform(-1.5, 1.5)}
+        scene = scene.replace(**changes)
+    if rng.random() < 0.5:
+        scene = scene.replace(wear=wear_table(rng, scene, revolutions=6))
+    return scene
+
+
+def falling(rng: np.random.Generator) -> ts.Scene:
+    """Friction that falls, with memory, layer and strength."""
+    scene = meshed(falling_scene(int(rng.integers(10**6))), rng)
+    return scene.replace(**{"friction.start": str(rng.choice(["rest", "sliding"]))})
+
+
+def thermal(rng: np.random.Generator) -> dict:
+    """How a body conducts heat."""
+    return {
+        "conductivity": log_uniform(rng, 5.0, 200.0),
+        "density": log_uniform(rng, 2e3, 8e3),
+        "heat_capacity": log_uniform(rng, 300.0, 1000.0),
+    }
+
+
+def heat(rng: np.random.Generator) -> ts.Scene:
+    """Flash temperature, with friction and wear that depend on it."""
+    scene = moderate(rng)
+    bodies = scene.entries()["body"]
+    for body in bodies.values():
+        body["thermal"] = thermal(rng)
+    changes: dict = {"body": bodies, "creepage.speed": log_uniform(rng, 100.0, 3e4)}
+    changes["heat"] = {"bulk": {"A": rng.uniform(0.0, 80.0), "B": rng.uniform(0.0, 80.0)}}
+    warmer = ((20.0, 1.0), (rng.uniform(100.0, 600.0), rng.uniform(0.3, 0.9)))
+    if rng.random() < 0.5:
+        changes["friction.temperature"] = warmer
+    if rng.random() < 0.5:
+        changes["wear"] = wear_table(rng, scene, 4) | {"temperature": warmer}
+    return scene.replace(**changes)
+
+
+def wear_table(rng: np.random.Generator, scene: ts.Scene, revolutions: int) -> dict:
+    """Any wear law, as fast as wears a few per cent of the approach away."""
+    mu, hertz = max(scene.friction.mu), scene.hertz
+    creep = max(abs(scene.creepage.longitudinal), abs(scene.creepage.lateral))
+    creep = max(creep, abs(scene.creepage.spin) * hertz.a, mu * hertz.p0 / scene.material.shear)
+    approach = hertz.a**2 / scene.body.radii[0]
+    rate = 0.1 * approach / (2.0 * hertz.a * creep * hertz.p0 * revolutions) * rng.uniform(0.2, 1.0)
+    one, other = rate, rate * rng.uniform(0.2, 1.0)
+    work = mu * hertz.p0 * creep
+    table: dict = {"revolutions": revolutions, "save": (0, revolutions)}
+    table["turns"] = str(rng.choice(["each", "each", "equal"]))
+    law = rng.integers(6)
+    if law == 0:
+        table["intensity"] = (one, other)
+    elif law == 1:
+        table["coefficient"] = {"A": 1e3 * one, "B": 1e3 * other}
+    elif law == 2:
+        table |= {"law": "energy", "coefficient": (1e3 * one / mu, 1e3 * other / mu)}
+    elif law == 3:
+        mass = 7.85e3 * rate * hertz.p0 * creep
+        points = ((0.3 * work, 0.1 * mass), (work, mass), (2.0 * work, 1.5 * mass))
+        table["law"] = {"table": points} if rng.random() < 0.5 else {"A": "table", "B": "archard"}
+        if "A" in table["law"]:
+            table["law"]["table"] = points
+            table["coefficient"] = {"B": 1e3 * other}
+    else:
+        table["intensity"] = one
+    return table
+
+
+def wear(rng: np.random.Generator) -> ts.Scene:
+    """Wear by every revolution, any law."""
+    scene = moderate(rng)
+    bodies = scene.entries()["body"]
+    bodies["A"]["hardness"], bodies["B"]["hardness"] = rng.uniform(0.3, 3.0, 2)
+    table = wear_table(rng, scene, int(rng.integers(4, 9)))
+    return scene.replace(body=bodies, wear=table | {"stepping": "every-revolution"})
+
+
+def adaptive(rng: np.random.Generator) -> ts.Scene:
+    """Wear by adaptive jumps over many revolutions."""
+    scene = wear(rng)
+    table = wear_table(rng, scene, int(rng.integers(100, 400)))
+    return scene.replace(wear=table)
+
+
+def duty(rng: np.random.Generator) -> ts.Scene:
+    """Blocks of other loads, creepages, friction and places; some with fatigue."""
+    scene = wear(rng)
+    count, cycles = int(rng.integers(2, 4)), int(rng.integers(2, 5))
+    blocks = []
+    for _ in range(count):
+        block: dict = {"revolutions": int(rng.integers(1, 4))}
+        if rng.random() < 0.6:
+            block["load"] = {"normal": scene.load.normal * rng.uniform(0.6, 1.1)}
+        block["creepage"] = {
+            key: getattr(scene.creepage, key) * rng.uniform(-1.0, 1.5)
+            for key in ("longitudinal", "lateral", "spin")
+            if rng.random() < 0.5
+        }
+        if rng.random() < 0.3:
+            block["friction"] = {"angle": rng.uniform(-90.0, 90.0)}
+        block["shift_y"] = scene.hertz.b * rng.uniform(-0.5, 0.5)
+        blocks.append(block)
+    total = cycles * sum(block["revolutions"] for block in blocks)
+    table = wear_table(rng, scene, total)
+    if rng.random() < 0.5:
+        table["stepping"] = "every-revolution"
+    half = scene.grid.half_length
+    changes = {"duty": blocks, "wear": table, "grid.half_length": (half[0], 1.5 * half[1])}
+    if rng.random() < 0.4:
+        changes["fatigue"] = fatigue_table(rng, scene)
+    return scene.replace(**changes)
+
+
+def fatigue_table(rng: np.random.Generator, scene: ts.Scene) -> dict:
+    """Any criterion, yield and limit near the stress of the contact."""
+    p0 = scene.hertz.p0
+    criteria = {"dang-van": 0.3, "crossland": 0.3, "findley": 0.4, "fatemi-socie": 0.5}
+    table: dict = {"shear_yield": 0.25 * p0, "limit": 0.2 * p0, "exponent": rng.uniform(3.0, 8.0)}
+    table |= {"elements": 8, "cycles": 1e4}
+    criterion = str(rng.choice([*criteria, "orthogonal-shear"]))
+    if criterion in criteria:
+        table["sensitivity"] = criteria[criterion]
+    return table | {"criterion": criterion}
+
+
+def fatigue(rng: np.random.Generator) -> ts.Scene:
+    """Shakedown, utilisation and damage, half of them with wear."""
+    scene = wear(rng) if rng.random() < 0.5 else moderate(rng)
+    elements = tuple(min(n, 17) for n in scene.grid.elements)
+    return scene.replace(fatigue=fatigue_table(rng, scene), **{"grid.elements": elements})
+
+
+def transient(rng: np.random.Generator) -> ts.Scene:
+    """Courses that roll, from rest or from steady rolling, with profiles and wear."""
+    return courses(rng, rolls=True)
+
+
+def shift(rng: np.random.Generator) -> ts.Scene:
+    """Courses of shifts."""
+    return courses(rng, rolls=False)
+
+
+def courses(rng: np.random.Generator, rolls: bool) -> ts.Scene:
+    """A scene of `transient`, its course at most a few contacts long."""
+    while True:
+        scene = transient_scene(int(rng.integers(10**6)), int(rng.integers(11, 16)))
+        if scene.shifts != rolls:
+            return scene.replace(**{"solver.tolerance": TOLERANCE})
+
+
+KINDS: dict[str, Callable[[np.random.Generator], ts.Scene]] = {
+    one.__name__: one
+    for one in (
+        *(steady, gentle, hard, forced, gap, line, falling, heat),
+        *(wear, adaptive, duty, fatigue, transient, shift),
+    )
+}
+
+
+GROUPS = {
+    "load, forces": r"P|Q[xy](_over_P)?",
+    "moment": "Mz",
+    "creepages": r"xi_[xy]|spin|creepage_found|shift_[xy]|turn",
+    "pressure": r"pressure|p_max|p_95|approach",
+    "tractions": r"traction_[xy]",
+    "slip": r"slip_[xy]",
+    "gap": r"gap",
+    "contact": r"half_width_[xy]|area|stick_fraction",
+    "work": r"dissipation|work_supplied|t_gamma.*|step_work|.*friction(_work)?|elastic_energy",
+    "wear": r"wear.*|entering_profile|worn_by|measured_profile",
+    "worn volume": r"worn_.*|step_worn|block_share",
+    "stress": r"von_mises.*",
+    "fatigue": r"shakedown.*|utilisation.*|damage|initiation|fatigue_life|fi_surf|balancing.*"
+    r"|wear_margin",
+    "temperature": r"temperature.*|heat.*",
+}
+
+
+def group_of(name: str) -> str | None:
+    """The group of a quantity; None of what is not compared."""
+    return next((group for group, names in GROUPS.items() if re.fullmatch(names, name)), None)
+
+
+def natural_scale(name: str, found: Outcome) -> float:
+    """What a difference of a quantity is measured by."""
+
+    def largest(*quantities: str) -> float:
+        values = np.concatenate([np.ravel(found.values[one]) for one in quantities])
+        return float(np.max(np.abs(values), where=np.isfinite(values), initial=0.0))
+
+    friction = max(found.scene.friction.mu) if found.scene.friction else 0.0
+    size = math.sqrt(largest("half_width_x") * (largest("half_width_y") or largest("half_width_x")))
+    slips = max(largest("xi_x", "xi_y", "slip_x", "slip_y"), largest("spin") * size)
+    force = friction * largest("P")
+    own = {
+        **dict.fromkeys(("Qx", "Qy"), force),
+        **dict.fromkeys(("Qx_over_P", "Qy_over_P"), friction),
+        "Mz": force * size,
+        **dict.fromkeys(("traction_x", "traction_y"), friction * largest("pressure")),
+        **dict.fromkeys(("slip_x", "slip_y", "xi_x", "xi_y", "creepage_found"), slips),
+        "spin": slips / (size or 1.0),
+        "gap": largest("approach"),
+        **dict.fromkeys(("dissipation", "work_supplied", "t_gamma"), force * slips),
+        "t_gamma_over_area": force * slips / (largest("area") or 1.0),
+    }
+    return own[name] if name in own else largest(name)
+
+
+OF_A_STEP = re.compile(
+    r"step_.*|xi_[xy]|spin|creepage_found|slip_[xy]|dissipation|work_supplied|t_gamma.*"
+)
+"""Quantities of a step of a transient: sums or means over it, so that they follow its length."""
+
+
+def differences(one: Outcome, two: Outcome) -> Iterator[tuple[str, str, float]]:
+    """Largest difference of each quantity over its scale, at the coordinates of both."""
+    same_steps = len(one.at) == len(two.at) and np.allclose(one.at, two.at)
+    other_steps = one.scene.transient is not None and not same_steps
+    for name, values in one.values.items():
+        group = group_of(name)
+        if group is None or name not in two.values or not values.size:
+            continue
+        if other_steps and OF_A_STEP.fullmatch(name):
+            continue
+        first, second = one.rows(name), two.rows(name)
+        near = np.isclose(first[:, None], second[None, :], rtol=1e-9, atol=1e-12 * np.ptp(first))
+        mine, theirs = near.any(axis=1), near.any(axis=0)
+        a = last_of(first[mine], values[mine])
+        b = last_of(second[theirs], two.values[name][theirs])
+        if a.shape != b.shape or (np.isfinite(a) != np.isfinite(b)).any():
+            yield group, f"{name}: known in one of both only", math.inf
+            continue
+        known = np.isfinite(a)
+        apart = float(np.max(np.abs(a[known] - b[known]), initial=0.0))
+        scale = natural_scale(name, one)
+        yield group, name, apart / scale if scale else (math.inf if apart else 0.0)
+
+
+def last_of(at: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """The last row at each coordinate: a jump has two."""
+    last = np.append(np.diff(at) > 1e-12 * np.ptp(at), True) if len(at) else []
+    return values[np.asarray(last, bool)]
+
+
+def bound_of(change: Change, scene: ts.Scene, group: str) -> float:
+    """Largest difference that is allowed, over the natural scale."""
+    fatigue, wear = scene.fatigue, scene.wear
+    adaptive = wear is not None and scene.transient is None and wear.stepping == "adaptive"
+    # A residual of 1e-10 times what the operators amplify it by.
+    bound = 1e3 * TOLERANCE
+    if adaptive:
+        # Contacts are solved to a part of the error that a jump may have.
+        bound = 0.1 * wear.tolerance
+    if group == "stress":
+        # The search inside the body takes elements together (`subsurface.multilevel`).
+        bound = max(bound, 6e-4)
+    if group == "fatigue" and fatigue is not None:
+        # A critical plane is found to 1e-4, and life is a power of the stress.
+        planes = fatigue.criterion in ("findley", "fatemi-socie")
+        bound = (max(bound, 1e-4) if planes else bound) * fatigue.exponent
+    if change is SAVE and adaptive:
+        # Other jumps: each of both rolls is off by the tolerance; damage has its own.
+        bound = max(bound, 3.0 * wear.tolerance)
+        if group == "fatigue":
+            bound = max(bound, fatigue.tolerance) * fatigue.exponent
+    if change in (STEP, SAVE) and scene.transient is not None:
+        bound = OF_STEPS[group]
+    return bound
+
+
+OF_STEPS = {
+    **dict.fromkeys(("load, forces", "moment", "pressure", "gap", "creepages"), 0.01),
+    **dict.fromkeys(("tractions", "contact", "work", "wear", "worn volume"), 0.1),
+    "slip": 0.1,
+}
+"""Bounds where other steps lead to the same record: on 11 to 15 elements, one of which a step
+rolls, forces are right to a part of a per cent, and fields and sums of work to some per cent."""
+
+
+def random_scene(kind: str, seed: int, number: int) -> ts.Scene:
+    """A valid scene of a kind, the same for the same seed and number."""
+    rng = np.random.default_rng([seed, number])
+    while True:
+        try:
+            return KINDS[kind](rng)
+        except ts.SceneError:  # such as a force beyond friction, or keys that exclude each other
+            continue
+
+
+def compared(scene: ts.Scene, changes: Iterable[Change] = CHANGES) -> Iterator[dict]:
+    """The largest difference of each group of quantities under each change, with its bound."""
+    try:
+        one = Outcome.of(scene)
+    except ts.SceneError as refused:
+        yield _row("as it is", "refused", str(refused).splitlines()[-1])
+        return
+    if one.status != "done":
+        yield _row("as it is", "refused", one.status)
+        return
+    for change in changes:
+        if not change.applies(scene):
+            continue
+        two = change.back(Outcome.of(change.scene(scene)))
+        if two.status != one.status:
+            yield _row(change.name, "status", two.message, math.inf)
+            continue
+        worst: dict[str, tuple[float, str]] = defaultdict(lambda: (-1.0, ""))
+        for group, name, apart in differences(one, two):
+            worst[group] = max(worst[group], (apart, name))
+        for group, (apart, name) in worst.items():
+            yield _row(change.name, group, name, apart, bound_of(change, scene, group))
+
+
+def _row(change: str, group: str, name: str, difference: float = 0.0, bound: float = 0.0) -> dict:
+    """What a comparison has found."""
+    found = {"change": change, "group": group, "quantity": name}
+    return found | {"difference": difference, "bound": bound, "holds": difference <= bound}
+
+
+def campaign(count: int, seed: int, kinds: list[str], part: Path) -> list[dict]:
+    """Rows of all scenes; those of `part` are not computed again."""
+    rows: list[dict] = []
+    if part.exists():
+        with part.open(newline="") as file:
+            rows = [_read(row) for row in csv.DictReader(file)]
+        last = max((row["scene"] for row in rows), default=-1)
+        rows = [row for row in rows if row["scene"] < last]  # the last one may be cut
+    for number in range(1 + max((row["scene"] for row in rows), default=-1), count):
+        kind = kinds[number % len(kinds)]
+        about = {"scene": number, "kind": kind}
+        rows += [about | row for row in compared(random_scene(kind, seed, number))]
+        write(part.stem, rows)
+        print(f"\r{number + 1} of {count} scenes", end="", flush=True)
+    print()
+    return rows
+
+
+def _read(row: dict[str, str]) -> dict:
+    """A row of a file."""
+    numbers = {"scene": int(row["scene"])} | {k: float(row[k]) for k in ("difference", "bound")}
+    return row | numbers | {"holds": row["holds"] == "True"}
+
+
+def largest(rows: list[dict]) -> list[dict]:
+    """For each kind, change and group the largest difference, its quantity, scene and bound."""
+    found: dict[tuple, list[dict]] = defaultdict(list)
+    for row in rows:
+        if row["change"] != "as it is":
+            found[row["kind"], row["change"], row["group"]].append(row)
+    table = []
+    for of in found.values():
+        worst = max(of, key=lambda row: row["difference"] / (row["bound"] or 1.0))
+        broken = sum(not row["holds"] for row in of)
+        names = ("kind", "change", "group", "quantity", "difference", "bound", "scene")
+        table.append({k: worst[k] for k in names} | {"scenes": len(of), "broken": broken})
+    return table
+
+
+def by_group(table: list[dict]) -> Iterator[dict]:
+    """The largest differences over all kinds, a column for each change."""
+    for group in (*GROUPS, "status"):
+        of = [row for row in table if row["group"] == group]
+        columns = {}
+        for change in CHANGES:
+            values = [row["difference"] for row in of if row["change"] == change.name]
+            columns[change.name] = max(values) if values else ""
+        if of:
+            yield {"quantity": group, **columns}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--scenes", type=int, default=400)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--kinds", default=",".join(KINDS))
+    parser.add_argument("--name", default="invariance")
+    settings = parser.parse_args()
+    warnings.simplefilter("ignore")  # of coarse meshes
+    part = RESULTS / f"{settings.name}.part.csv"
+    rows = campaign(settings.scenes, settings.seed, settings.kinds.split(","), part)
+    refused = Counter(row["kind"] for row in rows if row["group"] == "refused")
+    scenes = Counter(row["kind"] for row in {row["scene"]: row for row in rows}.values())
+    table = largest(rows)
+    show("Scenes", [{"kind": k, "scenes": n, "refused": refused[k]} for k, n in scenes.items()])
+    for kind in scenes:
+        show(f"Largest differences: {kind}", by_group([r for r in table if r["kind"] == kind]))
+    show("Largest differences: all kinds", by_group(table))
+    print(f"written: {write(settings.name, table)}")
+    part.unlink()
+    if broken := [row for row in rows if not row["holds"]]:
+        show("Above their bounds", broken)
+        sys.exit(1)
+
+
+if __name__ == "__main__":
+    main()
