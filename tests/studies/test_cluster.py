@@ -242,25 +242,48 @@ def alive(group):
 
 def test_processes_listen_to_this_machine_alone():
     with cluster.local_cluster(1) as (address, _):
-        assert address.startswith("tcp://127.0.0.1:")
+        assert address.startswith("tls://127.0.0.1:")
         listening = [one for one in psutil.net_connections("inet") if one.status == "LISTEN"]
         ours = {os.getpid(), *(one.pid for one in psutil.Process().children(recursive=True))}
-        heard = {one.laddr.ip for one in listening if one.pid in ours}
-    assert heard == {"127.0.0.1"}
+        heard = {one.laddr for one in listening if one.pid in ours}
+        assert {one.ip for one in heard} == {"127.0.0.1"}
+        assert len(heard) == 3  # scheduler, nanny and worker; none for browsers
+        for port in {one.port for one in heard}:
+            assert not answered(port)
 
 
-def test_processes_speak_tls_where_asked_to(tmp_path):
-    pytest.importorskip("cryptography", reason="it makes the keys, and is asked for by nobody else")
+def answered(port):
+    """What a port answers to who has no keys: to a browser, and to a client of dask."""
+    found = b""
+    for words in (b"GET / HTTP/1.0\r\n\r\n", bytes(8)):
+        with suppress(OSError), socket.create_connection(("127.0.0.1", port), 5) as connection:
+            connection.settimeout(1)
+            connection.sendall(words)
+            answer = connection.recv(1000)
+            # An alert of TLS, which closes the connection, is no answer.
+            found += b"" if answer[:1] == b"\x15" else answer
+    return found
+
+
+def test_processes_speak_tls(tmp_path):
     friction = {"key": "friction.mu", "values": [0.2, 0.4]}
     asked = Study(scene="spheres", set=["grid.elements=[21, 21]"], axis=[friction])
-    assert study(asked, tmp_path, workers=1, encrypted=True).complete
-    with cluster.local_cluster(1, encrypted=True) as (address, security):
+    assert study(asked, tmp_path, workers=1).complete
+    with cluster.local_cluster(1) as (address, security):
         assert address.startswith("tls://127.0.0.1:")
         with distributed.Client(address, security=security, set_as_default=False) as client:
             assert client.submit(abs, -1).result() == 1
         # Without the keys, nobody is let in.
-        with pytest.raises((OSError, TypeError, ValueError)):
-            distributed.Client(address, timeout=2, set_as_default=False)
+        for scheme in ("tls", "tcp"):
+            at = address.replace("tls://", f"{scheme}://")
+            with pytest.raises((OSError, TypeError, ValueError)):
+                distributed.Client(at, timeout=2, set_as_default=False)
+    with (
+        cluster.local_cluster(1, encrypted=False) as (address, security),
+        distributed.Client(address, set_as_default=False) as client,
+    ):
+        assert (address[:6], security) == ("tcp://", None)
+        assert client.submit(abs, -1).result() == 1
 
 
 def test_keys_that_cannot_be_made_are_asked_for(tmp_path, monkeypatch):

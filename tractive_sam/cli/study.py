@@ -47,13 +47,13 @@ def study(
         ),
     ] = None,
     encrypted: Annotated[
-        bool,
+        bool | None,
         typer.Option(
-            "--encrypted",
+            "--encrypted/--unencrypted",
             help="Have the processes of this machine speak TLS, so that no other user of it can "
-            "hand them work.",
+            "run programs through them; they do by default.",
         ),
-    ] = False,
+    ] = None,
 ) -> None:
     """Compute every case of a study that is not complete, long ones first."""
     from tractive_sam import studies

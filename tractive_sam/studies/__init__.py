@@ -77,11 +77,11 @@ Who may hand out work
 ---------------------
 Whoever reaches the port of a scheduler or worker of dask.distributed can have it run any program in
 your name: dask asks for no password. Processes that this package starts listen to 127.0.0.1 alone,
-which keeps other machines out, but not other users of this one; ``tractive-sam study ...
---encrypted`` (`study(..., encrypted=True)`) has them speak TLS with keys that live as long as the
-study, and so keeps those out as well (it needs ``pip install cryptography``). A scheduler of your
-own listens to all interfaces unless told otherwise, and so does its dashboard: start it with
-``--host`` on a network that you trust and with ``--no-dashboard``, or with TLS, see
+which keeps other machines out, and speak TLS with keys that live as long as the study, which keeps
+out other users of this one; the package cryptography makes them. ``tractive-sam study ...
+--unencrypted`` (`study(..., encrypted=False)`) does without. A scheduler of your own listens to all
+interfaces unless told otherwise, and so does its dashboard: start it with ``--host`` on a network
+that you trust and with ``--no-dashboard``, or with TLS, see
 https://distributed.dask.org/en/stable/tls.html; its address then begins with ``tls://``, and the
 keys are found by dask's configuration. A folder of results is safe to receive: reading one runs
 nothing of it.

@@ -24,7 +24,7 @@ from tractive_sam.studies.task import FAILED, HELD, Outcome, Task
 from tractive_sam.studies.worker import ONE_THREAD, run_case, run_chain
 
 if TYPE_CHECKING:
-    from distributed import Client, Future
+    from distributed import Client, Future, Scheduler, Worker
     from distributed.security import Security
 
 T = TypeVar("T")
@@ -70,21 +70,34 @@ class _CutOffError(Exception):
     """The connection to the scheduler broke, or it forgot what it was asked for."""
 
 
-NO_CRYPTOGRAPHY = "encrypted: the package cryptography makes the keys; pip install cryptography"
+NO_CRYPTOGRAPHY = (
+    "the package cryptography, of the extra study, makes the keys of workers: pip install "
+    "cryptography; or encrypted=False (--unencrypted), where no other user of this machine is one "
+    "that could run programs in your name"
+)
+
+
+NO_PAGES: dict[str, list[str]] = {
+    "distributed.scheduler.http.routes": [],
+    "distributed.worker.http.routes": [],
+}
+"""What a local cluster shows at its ports for browsers, until they close: a worker that is started
+in place of one that died has one again."""
 
 
 @contextmanager
-def local_cluster(workers: int, encrypted: bool = False) -> Iterator[tuple[str, "Security | None"]]:
+def local_cluster(workers: int, encrypted: bool = True) -> Iterator[tuple[str, "Security | None"]]:
     """Processes on this machine.
 
-    They listen to this machine alone, and nothing shows a dashboard.
+    They listen to this machine alone, and none of them shows a page of its state. Whoever reaches
+    a port of dask without TLS has it run any program, other users of this machine included.
 
     Parameters
     ----------
     workers : int
         Their number.
     encrypted : bool
-        Whether they speak TLS, with keys made for this cluster and kept in memory.
+        Whether they speak TLS, with keys made for this cluster and stored in memory alone.
 
     Yields
     ------
@@ -94,15 +107,16 @@ def local_cluster(workers: int, encrypted: bool = False) -> Iterator[tuple[str, 
     Raises
     ------
     ResultsError
-        If keys are asked for and cannot be made.
+        If keys are needed and cannot be made.
 
     Examples
     --------
     >>> from tractive_sam import studies
-    >>> def by_cluster(study, folder):
-    ...     with studies.local_cluster(2) as (address, _):
-    ...         return studies.study(study, folder, scheduler=address)
+    >>> def by_cluster(calls):
+    ...     with studies.local_cluster(2) as (address, security):
+    ...         return dict(studies.computed(calls, address, print, security))
     """
+    from dask import config  # of an extra
     from distributed import Client, LocalCluster  # of an extra
     from distributed.security import Security  # of an extra
 
@@ -111,7 +125,7 @@ def local_cluster(workers: int, encrypted: bool = False) -> Iterator[tuple[str, 
     except ImportError:
         raise ResultsError(NO_CRYPTOGRAPHY) from None
     _closed_before()
-    with _signals_kept_from_threads():
+    with _signals_kept_from_threads(), config.set(NO_PAGES):
         cluster = LocalCluster(
             n_workers=workers,
             threads_per_worker=1,
@@ -127,6 +141,7 @@ def local_cluster(workers: int, encrypted: bool = False) -> Iterator[tuple[str, 
     with cluster:
         with Client(cluster.scheduler_address, security=security, set_as_default=False) as client:
             client.run(_quiet)
+            client.run_on_scheduler(_without_pages)
         yield cluster.scheduler_address, security
 
 
@@ -139,9 +154,15 @@ def _closed_before() -> None:
     gc.collect()
 
 
-def _quiet() -> None:
+def _quiet(dask_worker: "Worker") -> None:
     """Have a worker say nothing of a case that it leaves when it is ended: the client does."""
     logging.getLogger("distributed.worker.state_machine").setLevel(logging.ERROR)
+    dask_worker.http_server.stop()
+
+
+def _without_pages(dask_scheduler: "Scheduler") -> None:
+    """Close the port at which a scheduler shows its state."""
+    dask_scheduler.http_server.stop()
 
 
 @contextmanager

@@ -74,7 +74,7 @@ def study(
     *,
     scheduler: str | None = None,
     workers: int | None = None,
-    encrypted: bool = False,
+    encrypted: bool | None = None,
     progress: Callable[[Progress], None] | None = None,
     say: Callable[[str], None] | None = None,
 ) -> StudyResults:
@@ -101,9 +101,10 @@ def study(
         Without a scheduler: number of processes on this machine. With 0, the cases are computed in
         this process, one after another. By default as many as cores, or 0 where the work is done
         sooner than they would have started.
-    encrypted : bool
+    encrypted : bool, optional
         Whether the processes of this machine speak TLS among each other, so that no other user of
-        it can hand them work; needs the package cryptography.
+        it can hand them work; needs the package cryptography, of the extra study. They do unless
+        it is False.
     progress : callable, optional
         Called at the beginning, and whenever a case has ended.
     say : callable, optional
@@ -199,7 +200,7 @@ def _ended(
     tasks: list[Task],
     scheduler: str | None,
     workers: int | None,
-    encrypted: bool,
+    encrypted: bool | None,
     say: Callable[[str], None],
 ) -> Iterator[tuple[Task, Outcome]]:
     if not tasks:
@@ -215,7 +216,7 @@ def _ended(
     else:
         count = workers or cores()
         check_memory([task.case for task in tasks], count)
-        chosen = cluster.local_cluster(count, encrypted)
+        chosen = cluster.local_cluster(count, encrypted is not False)
     with chosen as (address, security):
         yield from cluster.on_cluster(tasks, address, _reached, say, security)
 
