@@ -4,10 +4,11 @@ from tractive_sam.contact.equilibrium import equilibrium, fitted, fitted_blocks
 from tractive_sam.contact.heat import wear_law_in, with_heat
 from tractive_sam.contact.jacobian import check_jacobian, jacobian_of
 from tractive_sam.contact.laws import Laws
-from tractive_sam.contact.measured import across
+from tractive_sam.contact.measured import across, standing_roughness, uncovered_axes
 from tractive_sam.contact.mesh import as_asked, choose_grid, grown, reaching
 from tractive_sam.contact.message import not_resolved
 from tractive_sam.contact.model import Gap, Model
+from tractive_sam.contact.roughness import Roughness, rough_maps
 from tractive_sam.contact.step import Asked, Stepped, Stepper, travelled
 from tractive_sam.contact.worn import Worn
 from tractive_sam.results import NotConverged, State
@@ -18,6 +19,7 @@ __all__ = [
     "Laws",
     "Model",
     "NotConverged",
+    "Roughness",
     "State",
     "Stepped",
     "Stepper",
@@ -33,7 +35,10 @@ __all__ = [
     "jacobian_of",
     "not_resolved",
     "reaching",
+    "rough_maps",
+    "standing_roughness",
     "travelled",
+    "uncovered_axes",
     "wear_law_in",
     "with_heat",
 ]

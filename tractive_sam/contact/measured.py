@@ -1,16 +1,12 @@
-"""The measured separation of a scene at the elements of its mesh, and what of it they miss."""
+"""The measured separation of a scene at the elements of its mesh."""
 
 import numpy as np
 import scipy  # its parts are loaded when first used
 
 from tractive_sam.results import Grid
-from tractive_sam.scene import warn
 
 Gap = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Coordinates x (n,), y (m,) and separation (n, m) of a measured gap, mm."""
-
-UNSEEN = 0.03
-"""Part of a gap that a mesh may miss unsaid, over the depth to which pressure bends surfaces."""
 
 ROUND = 4
 """Degree of the polynomial in x that is taken for the form of a body, which stays as it turns."""
@@ -23,19 +19,6 @@ def resampled(measured: Gap, grid: Grid) -> np.ndarray:
     parabolas that bodies are near a contact, where facets of a bilinear one would carry the
     pressure, and unlike a spline it does not ring at the steps of a profile.
     """
-    x, y, _ = measured
-    short = [
-        axis
-        for axis, known, asked, step in (("x", x, grid.x, grid.dx), ("y", y, grid.y, grid.dy))
-        if known[0] > asked[0] + step or known[-1] < asked[-1] - step
-    ]
-    if short:
-        text = (
-            f"gap: the measured separation covers less than the grid in {' and '.join(short)}; "
-            "beyond its edge it is continued as a constant. Measure further, or lessen "
-            "grid.half_length"
-        )
-        warn(text)
     return sampled(measured, *_clipped(measured, grid.x, grid.y))
 
 
@@ -116,53 +99,27 @@ def _clipped(measured: Gap, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, n
     return np.clip(x, *measured[0][[0, -1]]), np.clip(y, *measured[1][[0, -1]])
 
 
-def warn_if_unseen(measured: Gap, grid: Grid, taken: np.ndarray, scale: float) -> None:
-    """Warn of a gap with waves between the elements.
-
-    Parameters
-    ----------
-    measured : Gap
-        The measured separation.
-    grid : Grid
-        The mesh.
-    taken : ndarray, shape (n_x, n_y)
-        The gap as it is `resampled` there, mm.
-    scale : float
-        Depth to which the pressure bends a surface, mm.
-    """
-    x, y, separation = _within(measured, grid)
-    each = (grid.dx * _per_length(x), grid.dy * _per_length(y))
-    if max(each) <= 1.0 or y.size < 2:
-        return
-    seen = sampled((grid.x, grid.y, taken), x, y)
-    missed = float(np.sqrt(np.mean((separation - seen) ** 2)))
-    if missed > UNSEEN * scale:
-        finer = (int(np.ceil(n * max(1.0, s))) for n, s in zip(grid.elements, each, strict=True))
-        samples = f"{each[0]:.2g} x {each[1]:.2g} of its samples"
-        text = (
-            f"gap: an element has {samples}, and {missed:.2g} mm rms of it between the centres of "
-            f"elements are not seen; grid.elements = [{', '.join(map(str, finer))}] takes every "
-            "sample. Or smooth the measurement"
-        )
-        warn(text)
+def uncovered_axes(measured: Gap, grid: Grid) -> list[str]:
+    """Return the axes along which a mesh reaches beyond the measured separation."""
+    x, y, _ = measured
+    sides = (("x", x, grid.x, grid.dx), ("y", y, grid.y, grid.dy))
+    return [
+        axis
+        for axis, known, at, side in sides
+        if known[0] > at[0] + side or known[-1] < at[-1] - side
+    ]
 
 
-def warn_if_standing(measured: Gap, grid: Grid) -> None:
-    """Warn of roughness along x, which in steady rolling does not pass through the contact."""
+def standing_roughness(measured: Gap, grid: Grid) -> float:
+    """Return the rms roughness along x, mm, beside a round form; zero where it is rounding."""
     x, _, separation = _within(measured, grid)
     if x.size <= ROUND + 1:
-        return
+        return 0.0
     powers = np.vander(x / np.abs(x).max(), ROUND + 1)
     form = powers @ np.linalg.lstsq(powers, separation, rcond=None)[0]
     rest = float(np.sqrt(np.mean((separation - form) ** 2)))
     rounding = 1e-12 * float(np.abs(separation).max())  # of a distance that all share
-    if rest > max(1e-3 * float(np.ptp(separation)), rounding):
-        text = (
-            f"gap: it varies along x by {rest:.2g} mm rms beside a round form. In steady rolling a "
-            "gap stands still in space: asperities do not travel through the contact, nor do "
-            "waves around a body. Only ridges along x are those of bodies that turn"
-        )
-        warn(text)
+    return rest if rest > max(1e-3 * float(np.ptp(separation)), rounding) else 0.0
 
 
 def _within(measured: Gap, grid: Grid) -> Gap:
@@ -178,18 +135,18 @@ def _within(measured: Gap, grid: Grid) -> Gap:
     return x_in, y_in, sampled(measured, x_in, y_in)
 
 
-def _per_length(known: np.ndarray) -> float:
+def samples_per_length(known: np.ndarray) -> float:
     """Samples per length, 1/mm; of those in the middle, as ends may be far away."""
     return 1.0 / float(np.median(np.diff(known))) if known.size > 1 else 0.0
 
 
 def sampled(known: Gap, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """A gap at any places, shape (len(x), len(y))."""
-    rows = _interpolated(known[0], known[2], x)
-    return _interpolated(known[1], rows.T, y).T
+    rows = interpolate(known[0], known[2], x)
+    return interpolate(known[1], rows.T, y).T
 
 
-def _interpolated(known: np.ndarray, values: np.ndarray, asked: np.ndarray) -> np.ndarray:
+def interpolate(known: np.ndarray, values: np.ndarray, asked: np.ndarray) -> np.ndarray:
     """Interpolate rows of values along the first axis; beyond its ends, on as it was there."""
     if known.size == 2:  # a straight line; Akima's slopes need a third point
         share = ((asked - known[0]) / (known[1] - known[0]))[:, None]

@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 
+from tractive_sam.contact.measured import Gap
+from tractive_sam.contact.roughness import follow, rough_maps
 from tractive_sam.results import Grid
 from tractive_sam.scene import ALONG, MOST_ELEMENTS, Fault, Scene, SceneError
 
@@ -51,11 +53,17 @@ def as_asked(grid: Grid) -> str:
     return f"grid.half_length=[{lengths}] and grid.elements=[{elements}]"
 
 
-def choose_grid(scene: Scene, measured=None, finer: float = 1.0) -> Grid:
+def choose_grid(
+    scene: Scene,
+    measured: Gap | None = None,
+    profiles: tuple[Gap, ...] = (),
+    finer: float | None = None,
+) -> Grid:
     """The scene's [grid]; what it does not give is chosen from the Hertzian contact or the gap.
 
     Chosen elements are at most twice as long as wide or the reverse; their number is odd, so that
-    one is centred on the axis.
+    one is centred on the axis. Where a map is finer than they are, they follow it as far as its
+    content matters (`contact.roughness`); with [accuracy] the results decide instead.
 
     Parameters
     ----------
@@ -63,8 +71,10 @@ def choose_grid(scene: Scene, measured=None, finer: float = 1.0) -> Grid:
         What is asked.
     measured : Gap, optional
         The measured separation of a scene with [gap].
-    finer : float
-        Elements of a chosen mesh along each axis over the usual.
+    profiles : tuple of Gap
+        Those that a [transient] has fixed to the bodies.
+    finer : float, optional
+        Elements of a chosen mesh along each axis over the usual; then maps are not followed.
 
     Raises
     ------
@@ -72,6 +82,16 @@ def choose_grid(scene: Scene, measured=None, finer: float = 1.0) -> Grid:
         If the domain, as that of a measured gap, is so long that they would be too many; if that of
         flat bodies is to be chosen from a profile.
     """
+    grid = _usual_grid(scene, measured, finer or 1.0)
+    given = scene.grid is not None and scene.grid.elements is not None
+    if given or finer is not None or scene.accuracy is not None:
+        return grid
+    maps = rough_maps(scene, measured, profiles, grid.half_length)
+    return follow(grid, [one for _, one in maps])
+
+
+def _usual_grid(scene: Scene, measured: Gap | None, finer: float) -> Grid:
+    """Return the mesh of a scene by its contact, or by the extent of its gap."""
     wears, shifts_only = scene.wear is not None, scene.shifts
     scene = scene.heaviest
     length = elements = None

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from tractive_sam.contact.laws import Laws
-from tractive_sam.contact.measured import Gap, lowest, resampled, warn_if_standing, warn_if_unseen
+from tractive_sam.contact.measured import Gap, lowest, resampled
 from tractive_sam.contact.mesh import choose_grid
 from tractive_sam.contact.worn import Worn
 from tractive_sam.mechanics import Coulomb, Frame, Friction, FrictionLaw, WearLaw
@@ -84,7 +84,7 @@ class Model:
         self.method = METHODS[scene.solver.method] if solver is None else Method.of(solver)
         self._solver = solver
         self.measured, self.profiles = measured, profiles
-        self.grid = grid or choose_grid(scene, measured)
+        self.grid = grid or choose_grid(scene, measured, profiles)
         self.elasticity = self.laws.elasticity.spanning(2.0 * self.grid.half_length[0])
 
     def on(self, grid: Grid) -> "Model":
@@ -161,9 +161,6 @@ class Model:
             taken = resampled(self.measured, self.grid)
             # At once: a distance that all elements share would take the digits of the parabola.
             gap = gap + (taken - lowest(self.measured, self.grid, taken, self.scene.body.radii))
-            warn_if_unseen(self.measured, self.grid, taken, self.units.gap)
-            if self.transmits or self.scene.wear is not None:
-                warn_if_standing(self.measured, self.grid)
         return gap if self.datum == "vertex" else gap - gap.min()
 
     @cached_property

@@ -2,6 +2,7 @@
 
 from tractive_sam.run import explain, memory
 from tractive_sam.run.export import export_surface, export_volume
+from tractive_sam.run.gap_notes import warn_of_gap
 from tractive_sam.run.given import measured_gap
 from tractive_sam.run.many import InTurn, nearby, snake, solve_many, under
 from tractive_sam.run.pipeline import roll, solve
@@ -22,5 +23,6 @@ __all__ = [
     "solve",
     "solve_many",
     "under",
+    "warn_of_gap",
     "what_differs",
 ]

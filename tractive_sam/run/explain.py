@@ -5,13 +5,14 @@ from time import perf_counter
 
 import numpy as np
 
-from tractive_sam.contact import Model, choose_grid
+from tractive_sam.contact import Model, choose_grid, rough_maps
 from tractive_sam.operators import STEPS_FROM, available
 from tractive_sam.results import columns
 from tractive_sam.rolling import MISSED, Saves, expected_steps
 from tractive_sam.run import memory
 from tractive_sam.run.accuracy.levels import with_tolerances
 from tractive_sam.run.accuracy.steady import Refined, refined
+from tractive_sam.run.gap_notes import warn_of_gap
 from tractive_sam.run.given import measured_gap, travelling
 from tractive_sam.scene import Scene, told
 
@@ -77,9 +78,9 @@ def explain(scene: Scene) -> Explanation:
     ('Bodies', ('combined radii', 'R_x = 168.75 mm, R_y = 168.75 mm'))
     """
     measured = measured_gap(scene)
-    travelling(scene)  # whose faults are told
+    profiles = travelling(scene)
     accuracy = []
-    model = Model(scene, measured)
+    model = Model(scene, measured, profiles=profiles)
     if scene.accuracy is not None:
         memory.check_solve(model)
         chosen = with_tolerances(scene)
@@ -127,7 +128,7 @@ def _bodies(model: Model) -> Section:
     rows.append(("load", told.load_told(model.scene)))
     if model.measured is not None:
         rows.append(("separation", "that of the radii and the measured one of [gap]"))
-        _ = model.undeformed_gap  # warns of what the mesh or the motion makes of it
+        warn_of_gap(model)
     return Section("Bodies", rows)
 
 
@@ -335,6 +336,7 @@ def _mesh(model: Model) -> Section:
             given = "given" if model.scene.grid.elements else f"{given}, the domain given"
     elif model.scene.accuracy is not None:
         given = "found by refinement"
+    given += _refinement(model)
     if grid.line:
         rows = [
             ("mesh", f"{nx} elements in x, {given}"),
@@ -354,18 +356,46 @@ def _mesh(model: Model) -> Section:
     return Section("Mesh", rows)
 
 
+def _refinement(model: Model) -> str:
+    """Say that a mesh follows a measured map, and what it was without; else nothing."""
+    scene, grid = model.scene, model.grid
+    if scene.accuracy is not None or (model.measured is None and not model.profiles):
+        return ""
+    usual = choose_grid(scene, model.measured, model.profiles, finer=1.0)
+    if (usual.dx, usual.dy) == (grid.dx, grid.dy):
+        return ""
+    elements = " x ".join(str(n) for n in usual.elements if n > 1)
+    return f", refined from {elements} to the waves of the measured gap or profile"
+
+
+def _resolving(model: Model, seconds: float) -> list[tuple[str, str]]:
+    """What it takes to resolve maps that the mesh does not."""
+    rows, grid = [], model.grid
+    for table, one in rough_maps(model.scene, model.measured, model.profiles, grid.half_length):
+        if any(one.unresolved(grid)):
+            elements = one.resolving(grid).elements
+            more = np.prod(elements, dtype=float) / np.prod(grid.elements)
+            time = duration(seconds * work(elements) / work(grid.elements))
+            room = f"{memory.of_contact(model) * more / 2**20:.0f} MiB"
+            answer = f"{' x '.join(map(str, elements))} elements, about {room} and {time}"
+            rows.append((f"to resolve {table}", answer))
+    return rows
+
+
 def _work(model: Model) -> Section:
+    resolving = []
     if not model.method.predictable:
         time = "not estimated: the iterations of Uzawa's method are not known beforehand"
     else:
         count = applications(model)
-        seconds = duration(seconds_per_application(model) * count)
-        time = f"about {seconds}, for {count} elastic responses by Fourier transforms"
+        seconds = seconds_per_application(model) * count
+        time = f"about {duration(seconds)}, for {count} elastic responses by Fourier transforms"
+        resolving = _resolving(model, seconds)
     needed, free = memory.of_scene(model), available()
     room = f"about {needed / 2**20:.0f} MiB, and {OF_PROGRAMS} MiB for programs"
     if needed > free:
         room += f": more than the {free / 2**20:.0f} MiB that are free here"
-    return Section("Work", [("memory", room), ("time", time)])
+    return Section("Work", [("memory", room), ("time", time), *resolving])
 
 
 def _transient(model: Model) -> list[Section]:

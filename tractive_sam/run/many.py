@@ -15,6 +15,7 @@ from tractive_sam.operators import one_blas_thread
 from tractive_sam.results import History, Quantity, State, Status, columns
 from tractive_sam.rolling import begun
 from tractive_sam.run import given, memory
+from tractive_sam.run.gap_notes import warn_of_gap
 from tractive_sam.run.given import measured_gap
 from tractive_sam.run.pipeline import roll
 from tractive_sam.run.recording import Recording
@@ -91,7 +92,11 @@ def solve_many(
     described: dict[str, Quantity] = {}
     told = {name: np.full(shape, "", dtype=object) for name in ("status", "message")}
     derivatives: dict[tuple[int, ...], Any] = {}
+    noted = set[tuple[int, int]]()
     for place, model, contact in _solved(scene, columns_over, jacobian):
+        if model.grid.elements not in noted:  # once for all loads and creepages on a mesh
+            noted.add(model.grid.elements)
+            warn_of_gap(model)
         told["status"][place], told["message"][place] = str(contact.status.value), contact.message
         if not contact.converged:
             continue

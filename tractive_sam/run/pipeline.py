@@ -17,6 +17,7 @@ from tractive_sam.operators import one_blas_thread
 from tractive_sam.results import History, NotConverged, Quantity, Record, State
 from tractive_sam.rolling import first_passage, resumed
 from tractive_sam.run import accurately, given, memory
+from tractive_sam.run.gap_notes import warn_of_gap
 from tractive_sam.run.given import measured_gap
 from tractive_sam.run.progress import progress_shown, solving_shown
 from tractive_sam.run.recording import Recording
@@ -114,6 +115,8 @@ def solve(
             contact = accurately.solved(scene, measured, model_of)
         else:
             _, contact = fitted(model)
+    if measured is not None:
+        warn_of_gap(model_of(scene, measured, contact.grid))
     contact = _checked(contact, throw)
     if jacobian and contact.converged:  # on the mesh that it was solved on
         model = model_of(scene, measured, contact.grid)

@@ -14,6 +14,7 @@ from tractive_sam import interrupt
 from tractive_sam.contact import Gap, Model, not_resolved
 from tractive_sam.results import Grid, History, Quantity, Record, Status, caveats, fields
 from tractive_sam.rolling import ErrorEstimator, Passage, followed, passages, recorded
+from tractive_sam.run.gap_notes import warn_of_gap
 from tractive_sam.run.given import hash_of
 from tractive_sam.run.resume import last_damage
 from tractive_sam.scene import FewestElements, PlausibilityWarning, Scene, warn
@@ -65,6 +66,7 @@ class Recording:
     ) -> History:
         """Roll from the unworn bodies on; `missed` tells what is wrong with their accuracy."""
         laws = model.laws.beside(model.scene)
+        warn_of_gap(model)
         _warn_beyond_tests(model, start)
         keeper: HistoryWriter | _InMemory = _InMemory(self.scene, laws, self.started)
         if self.path is not None:
@@ -83,6 +85,7 @@ class Recording:
         missed: str = "",
     ) -> History:
         """Roll on from the last record of a file that holds `before`; arguments as of `begun`."""
+        warn_of_gap(model)
         keeper = HistoryWriter.reopen(self.path, self.scene, len(before))
         if isinstance(last, Passage):
             last = replace(last, damage=last_damage(self.path, last))

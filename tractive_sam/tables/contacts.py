@@ -9,7 +9,7 @@ from scipy.special import elliprd
 
 from tractive_sam.contact import Model, State, fitted, jacobian_of
 from tractive_sam.operators import one_blas_thread
-from tractive_sam.run import measured_gap, nearby, under
+from tractive_sam.run import measured_gap, nearby, under, warn_of_gap
 from tractive_sam.scene import Scene
 
 MARGIN = 2
@@ -110,6 +110,7 @@ class Contacts:
         model, contact = fitted(Model(smooth, measured_gap(smooth)))
         if not contact.converged:
             raise RuntimeError(f"a contact without friction was not solved: {contact.message}")
+        warn_of_gap(model)
         grid, touches = model.grid, contact.pressure > 0.0
         x, y = np.abs(grid.x)[touches.any(axis=1)], np.abs(grid.y)[touches.any(axis=0)]
         return float(x.max() + 0.5 * grid.dx), float(y.max() + 0.5 * grid.dy)

@@ -1,0 +1,197 @@
+"""What a mesh leaves out of a measured map, and the mesh that leaves out little of it.
+
+The gap is sampled at the centres of elements, where the displacements are computed. Waves between
+the samples of the mesh are not resolved: they appear as longer ones. A wave of amplitude h and wave
+number q is flattened by a pressure of the amplitude E* q h/2 (Johnson 1985, Contact Mechanics,
+13.2), and many waves by E*/2 times their rms slope. So the slope of what a mesh leaves out tells
+whether it matters, beside the pressure of the contact. Its height does not: of white noise the
+height is the same on all meshes, while a smooth profile has little slope between the elements
+however finely it was sampled.
+
+The map is not averaged over the elements: that would lower all summits, and with them the pressure,
+without a sign of it, and would shift profiles that are resolved.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from tractive_sam.contact.measured import Gap, interpolate, samples_per_length
+from tractive_sam.results import Grid
+from tractive_sam.scene import Scene
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """What a mesh leaves out of a map along one axis.
+
+    Attributes
+    ----------
+    samples : float
+        Samples of the map per element.
+    height, slope : float
+        Root mean square of the difference between the map and its interpolation from the mesh, mm,
+        and of its slope.
+    """
+
+    samples: float
+    height: float
+    slope: float
+
+
+@dataclass(frozen=True, eq=False)
+class Roughness:
+    """A map beside the pressure of its contact.
+
+    Attributes
+    ----------
+    map : Gap
+        Coordinates and heights, mm.
+    e_star : float
+        Combined modulus, MPa.
+    pressure : float
+        Pressure of the contact without the map, MPa.
+    travels : bool
+        Whether the map passes through the contact in x, so that all of it counts.
+    share : float
+        Pressure, over that of the contact, that what is left out may take to be flattened. At a
+        tenth the kinks of worn profiles are resolved by the usual mesh; roughness that is not
+        resolved takes a multiple.
+    """
+
+    map: Gap
+    e_star: float
+    pressure: float
+    travels: bool = False
+    share: float = 0.1
+
+    def left_out(self, grid: Grid) -> tuple[LeftOut, LeftOut]:
+        """Return what a mesh leaves out along x and along y."""
+        x, y, heights = self.map
+        if grid.elements[1] == 1:  # a row: only y = 0 counts
+            heights = interpolate(y, heights.T, np.clip([0.0], y[0], y[-1])).T
+            return self._along(x, heights, grid.x, grid.dx), LeftOut(0.0, 0.0, 0.0)
+        near_y = np.abs(y) <= grid.half_length[1]
+        near_x = np.abs(x) <= (math.inf if self.travels else grid.half_length[0])
+        of_x = heights[:, near_y] if near_y.any() else heights
+        of_y = heights[near_x] if near_x.any() else heights
+        return (
+            self._along(x, of_x, grid.x, grid.dx),
+            self._along(y, of_y.T, grid.y, grid.dy, travels=False),
+        )
+
+    def _along(
+        self, known: np.ndarray, heights: np.ndarray, at: np.ndarray, side: float, travels=None
+    ) -> LeftOut:
+        """Return what samples at places along the first axis leave out."""
+        samples = side * samples_per_length(known)
+        if self.travels if travels is None else travels:
+            at = np.arange(known[0], known[-1] + side, side)
+        at = np.clip(at, known[0], known[-1])
+        at = np.unique(at)
+        inside = (known >= at[0]) & (known <= at[-1])
+        if samples <= 1.0 or at.size < 3 or np.count_nonzero(inside) < 3:
+            return LeftOut(samples, 0.0, 0.0)
+        seen = interpolate(at, interpolate(known, heights, at), known[inside])
+        rest = heights[inside] - seen
+        slopes = np.diff(rest, axis=0) / np.diff(known[inside])[:, None]
+        height, slope = (float(np.sqrt(np.mean(part**2))) for part in (rest, slopes))
+        return LeftOut(samples, height, slope)
+
+    def flattening(self, part: LeftOut) -> float:
+        """Return the rms pressure, MPa, that flattens what is left out."""
+        return 0.5 * self.e_star * part.slope
+
+    def unresolved(self, grid: Grid) -> tuple[bool, bool]:
+        """Return whether a mesh leaves out too much along x and along y."""
+        allowed = self.share * self.pressure
+        along_x, along_y = (self.flattening(part) > allowed for part in self.left_out(grid))
+        return along_x, along_y
+
+    def resolving(self, grid: Grid) -> Grid:
+        """Return the coarsest mesh of the same domain that leaves out little.
+
+        Its elements are shorter by roots of 2, and not shorter than the step of the map; their
+        number along a refined axis is odd.
+        """
+        steps = [1.0 / max(samples_per_length(known), 1e-300) for known in self.map[:2]]
+        while any(coarse := self.unresolved(grid)):
+            elements = []
+            for n, half, step, refine in zip(
+                grid.elements, grid.half_length, steps, coarse, strict=True
+            ):
+                finest = _odd(2.0 * half / step)
+                elements.append(min(_odd(math.sqrt(2.0) * n), max(n, finest)) if refine else n)
+            if tuple(elements) == grid.elements:
+                break
+            grid = Grid(grid.half_length, tuple(elements))
+        return grid
+
+
+def _odd(number: float) -> int:
+    return 2 * math.ceil(0.5 * (number - 1.0) - 1e-9) + 1
+
+
+def rough_maps(
+    scene: Scene, measured: Gap | None, profiles: tuple[Gap, ...], half_length: tuple[float, ...]
+) -> Iterator[tuple[str, Roughness]]:
+    """Yield the maps of a scene with their tables.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    measured : Gap, optional
+        The map of its [gap].
+    profiles : tuple of Gap
+        Those that its [transient] has fixed to the bodies.
+    half_length : tuple of float
+        Half lengths of the mesh, mm: that of the contact where the radii do not close.
+    """
+    e_star, pressure = scene.material.plane_strain_modulus, _pressure(scene.heaviest, half_length)
+    if measured is not None:
+        yield "gap", Roughness(measured, e_star, pressure)
+    if profiles:
+        for table, profile in zip(scene.transient.profile.given, profiles, strict=True):
+            yield table, Roughness(profile, e_star, pressure, travels=scene.transient.rolls)
+
+
+def _pressure(scene: Scene, half_length: tuple[float, ...]) -> float:
+    """Return the pressure of a contact, MPa; about, where the radii do not close."""
+    if scene.hertz is not None:
+        return scene.hertz.p0
+    length = 0.5 * math.sqrt(half_length[0] * half_length[-1])
+    if scene.normal_load is not None:
+        return scene.normal_load / (math.pi * length**2)
+    return 0.5 * scene.material.plane_strain_modulus * scene.load.approach / length
+
+
+def follow(grid: Grid, maps: list[Roughness], most: int = 2**17, slender: float = 5.0) -> Grid:
+    """Return the mesh that resolves the maps, if it has not too many elements, or the same mesh.
+
+    A mesh that resolves a part of the waves costs more and settles nothing.
+
+    Parameters
+    ----------
+    grid : Grid
+        The usual mesh.
+    maps : list of Roughness
+        The maps.
+    most : int
+        Elements up to which it is taken: a contact on them takes seconds to a minute.
+    slender : float
+        Longer over shorter side of an element, at most, where the mesh is refined.
+    """
+    finer = grid
+    for one in maps:
+        finer = one.resolving(finer)
+    if finer != grid and grid.elements[1] > 1:
+        shorter = min(finer.dx, finer.dy)
+        sides = zip(finer.elements, (finer.dx, finer.dy), strict=True)
+        elements = [max(n, _odd(n * side / (slender * shorter))) for n, side in sides]
+        finer = Grid(grid.half_length, tuple(elements))
+    return finer if math.prod(finer.elements) <= most else grid

@@ -1,0 +1,66 @@
+"""Notes on what a mesh and steady rolling make of a measured map."""
+
+import math
+from collections.abc import Iterator
+
+from tractive_sam.contact import (
+    Model,
+    Roughness,
+    as_asked,
+    rough_maps,
+    standing_roughness,
+    uncovered_axes,
+)
+from tractive_sam.run import memory
+from tractive_sam.scene import warn
+
+
+def warn_of_gap(model: Model) -> None:
+    """Warn of what the mesh of a model leaves out of its maps, and of what does not roll."""
+    for note in gap_notes(model):
+        warn(note)
+
+
+def gap_notes(model: Model) -> Iterator[str]:
+    """Yield the notes on the maps of a model: its [gap], and those that a [transient] moves."""
+    measured, grid = model.measured, model.grid
+    short = [] if measured is None else uncovered_axes(measured, grid)
+    if short:
+        yield (
+            f"gap: the measured separation covers less than the grid in {' and '.join(short)}; "
+            "beyond its edge it is continued as a constant. Measure further, or lessen "
+            "grid.half_length"
+        )
+    for table, one in rough_maps(model.scene, measured, model.profiles, grid.half_length):
+        if any(one.unresolved(grid)):
+            yield f"{table}: {unresolved_note(model, one)}"
+    rolls = model.transmits or model.scene.wear is not None
+    if measured is not None and rolls and (rest := standing_roughness(measured, grid)):
+        yield (
+            f"gap: it varies along x by {rest:.2g} mm rms beside a round form. In steady rolling a "
+            "gap stands still in space: asperities do not travel through the contact, nor do "
+            "waves around a body. Only ridges along x are those of bodies that turn"
+        )
+
+
+def unresolved_note(model: Model, map_: Roughness) -> str:
+    """Describe what the mesh leaves out of a map, and what it costs to resolve it."""
+    grid, parts, finer = model.grid, map_.left_out(model.grid), map_.resolving(model.grid)
+    axes = [k for k, n in enumerate(grid.elements) if n > 1]
+    sides, shortest = (grid.dx, grid.dy), (finer.dx, finer.dy)
+    samples = " x ".join(f"{max(parts[k].samples, 0.0):.2g}" for k in axes)
+    waves = " x ".join(f"{2.0 * sides[k]:.2g}" for k in axes)
+    height = math.hypot(*(part.height for part in parts))
+    pressure = math.hypot(*map(map_.flattening, parts))
+    more = math.prod(finer.elements) / math.prod(grid.elements)
+    mib = memory.of_contact(model) * more / 2**20
+    resolved = " x ".join(f"{2.0 * shortest[k]:.2g}" for k in axes)
+    return (
+        f"an element has {samples} samples of it, and the mesh resolves no waves shorter than two "
+        f"elements, {waves} mm: it misses the map by {height:.2g} mm rms, which take "
+        f"{pressure:.2g} MPa to flatten, {pressure / map_.pressure:.2g} times the pressure of the "
+        "contact. The gap is sampled at the centres of elements, so that p_max and the contact "
+        f"area depend on the mesh. {as_asked(finer)} resolves waves of {resolved} mm: "
+        f"{math.prod(finer.elements)} elements, {mib:.0f} MiB and about {more:.2g} times the time "
+        "of this mesh. Or smooth the measurement"
+    )
