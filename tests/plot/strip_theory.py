@@ -12,7 +12,7 @@ from tractive_sam.results.quantities import columns
 from tractive_sam.results.record import Record, fields
 from tractive_sam.results.state import State
 from tractive_sam.results.status import Cost, Status
-from tractive_sam.scene import Scene
+from tractive_sam.scene import Friction, Scene
 
 HERTZ = HertzContact(a=0.5, b=0.8, p0=900.0, approach=0.01, load=754.0)
 SLIPPING = 0.2
@@ -39,7 +39,7 @@ def scene(title="Strips", mu=(0.3, 0.3), angle=0.0, hertz=HERTZ):
     """What figures need to know of a scene; mu is None without friction."""
     return _Strips(
         title=title,
-        friction=None if mu is None else SimpleNamespace(mu=mu, angle=angle, varies=False),
+        friction=None if mu is None else Friction(mu=mu, angle=angle),
         hertz=hertz,
         body=SimpleNamespace(A=SimpleNamespace(radius_y=50.0), B=SimpleNamespace(radius_y=np.inf)),
     )
@@ -68,8 +68,10 @@ def slip():
 def contact(asked=None, **changes):
     """A solved contact."""
     fields = {"pressure": pressure(), "traction": traction(), "slip": slip()}
+    of_scene = asked or scene()
     found = State(
-        scene=asked or scene(),
+        scene=of_scene,
+        frame=None if of_scene.friction is None else of_scene.friction.frame,
         grid=GRID,
         gap=np.zeros(GRID.elements),
         wear=np.zeros(GRID.elements),

@@ -35,7 +35,7 @@ def test_edge_of_a_contact_as_wide_as_the_mesh_is_closed(axes):
 def test_what_sticks_at_its_very_bound_has_no_reserve():
     pressure = np.array([[0.0, 2.0, 2.0]])
     slip = np.array([[[0.0, 0.0, 1e-3]], np.zeros((1, 3))])
-    fields = {"touching": pressure > 0.0, "pressure": pressure, "utilisation": pressure}
+    fields = {"touching": pressure > 0.0, "bound": pressure, "utilisation": pressure}
     state = SimpleNamespace(contact=SimpleNamespace(**fields, slip=slip))
     level = stick_level(state, np.array([[False, True, False]]))
     np.testing.assert_array_equal(level, [[0.0, 0.0, -1.0]])

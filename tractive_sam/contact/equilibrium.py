@@ -9,6 +9,7 @@ from tractive_sam.contact.heat import warmed
 from tractive_sam.contact.mesh import grown
 from tractive_sam.contact.message import message, not_resolved, too_steep
 from tractive_sam.contact.model import Model
+from tractive_sam.mechanics import Coulomb
 from tractive_sam.results import State, Status
 from tractive_sam.scene import FewestElements, warn
 from tractive_sam.solvers import ALONE, METHODS, FromRest, Outcome, Problem, Start
@@ -183,6 +184,17 @@ def _contact(
     return finished(model, problem, outcome, slip, creepages, depth, resistance)
 
 
+def _traction_bound(model: Model, problem: Problem, outcome: Outcome) -> np.ndarray | None:
+    """Largest traction that friction allows, MPa; None where it is the pressure (Coulomb's law)."""
+    seen = problem.friction_slip(outcome.pressure, outcome.gap)
+    fields = outcome.pressure, outcome.traction, outcome.slip
+    radius = problem.bound_sliding(problem.bound(outcome.pressure), *fields, seen).radius
+    is_pressure = np.allclose(radius, outcome.pressure, rtol=1e-12, atol=0.0)  # up to rounding
+    if type(model.friction_law) is Coulomb and is_pressure:
+        return None
+    return model.units.pressure * radius
+
+
 def finished(
     model: Model,
     problem: Problem,
@@ -215,10 +227,10 @@ def finished(
     touching = outcome.pressure > 0.0
     pressure = units.pressure * outcome.pressure
     traction, gap = _traction(model, outcome.traction), units.gap * outcome.gap
-    sliding, steepness = touching, 0.0
+    sliding, steepness, bound = touching, 0.0, None
     if model.laws.friction is not None:
         fields = outcome.pressure, outcome.gap, outcome.traction, outcome.slip
-        sliding = problem.sliding(*fields)
+        sliding, bound = problem.sliding(*fields), _traction_bound(model, problem, outcome)
         if model.friction_law.falls:
             steepness = problem.steepness(*fields)
     contact = State(
@@ -238,6 +250,9 @@ def finished(
         outcome.residual,
         outcome.cost,
         tuple(map(str, outcome.trace)),
+        frame=None if model.laws.friction is None else model.frame,
+        traction_bound=bound,
+        laws=model.laws,
     )
     if contact.converged and steepness >= 1.0:
         warn(too_steep(steepness))

@@ -1,7 +1,8 @@
 """The laws of mechanics that a scene names: the one place where its tables become laws."""
 
 import math
-from dataclasses import dataclass, fields, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -38,7 +39,10 @@ from tractive_sam.mechanics import (
     VolumeLife,
     WearLaw,
     Woehler,
+    describe,
+    fingerprint,
 )
+from tractive_sam.results import UNNAMED, LawRecord, State, describe_laws
 from tractive_sam.scene import BY_COEFFICIENT, PER_INTENSITY, Scene
 
 
@@ -91,32 +95,46 @@ class Laws:
         """These laws, with others in place of some."""
         return replace(self, **laws)
 
+    @classmethod
+    def of_contact(cls, contact: State, needed: Sequence[str] = ("elasticity",)) -> "Laws":
+        """Return the laws that a contact was solved with.
+
+        Parameters
+        ----------
+        contact : State
+            The contact.
+        needed : sequence of str
+            Attributes that will be used.
+
+        Raises
+        ------
+        ValueError
+            If the contact was read from a file, and a needed law had replaced that of its scene: a
+            file does not hold it.
+        """
+        if isinstance(contact.laws, Laws):
+            return contact.laws
+        missing = {k: one for k, one in contact.laws.items() if k in (*needed, UNNAMED)}
+        if missing:
+            raise ValueError(
+                f"laws: the contact was computed with {describe_laws(missing)} in place of the law "
+                "of its scene, which a results file does not hold; give laws=... with that law"
+            )
+        return cls.of(contact.scene)
+
     def of_block(self, scene: Scene, block: Scene) -> "Laws":
-        """Those of a block of a scene, but for what is not the scene's."""
-        named, own = Laws.of(scene), Laws.of(block)
-        given = {
-            one.name: getattr(self, one.name)
-            for one in fields(self)
-            if _told(getattr(self, one.name)) != _told(getattr(named, one.name))
+        """Return the laws of a block of a scene; laws that replace the scene's remain."""
+        replaced = {name: getattr(self, name) for name in self.differences_from(scene)}
+        return Laws.of(block).replace(**replaced)
+
+    def differences_from(self, scene: Scene) -> dict[str, LawRecord]:
+        """Return the laws that differ from those of a scene, by the name of their attribute."""
+        of_scene = Laws.of(scene)
+        return {
+            name: LawRecord(describe(law), fingerprint(law), getattr(law, "frame", None))
+            for name, law in vars(self).items()
+            if fingerprint(law) != fingerprint(getattr(of_scene, name))
         }
-        return own.replace(**given)
-
-    def beside(self, scene: Scene) -> str:
-        """Those that are not the scene's, as text: the same for the same laws in any process."""
-        named = Laws.of(scene)
-        told = {
-            one.name: (_told(getattr(self, one.name)), _told(getattr(named, one.name)))
-            for one in fields(self)
-        }
-        return ", ".join(f"{name}={here}" for name, (here, there) in told.items() if here != there)
-
-
-def _told(law: object) -> str:
-    """The law by its name and what it is made of: where that is not told, `repr` has an address."""
-    if type(law).__repr__ is object.__repr__:
-        given = ", ".join(f"{name}={value!r}" for name, value in vars(law).items())
-        return f"{type(law).__name__}({given})"
-    return repr(law)
 
 
 def _elasticity(scene: Scene) -> Elasticity:

@@ -36,6 +36,9 @@ from .full_slip import load_to_carry as load_to_carry
 from .invariants import max_shear as max_shear
 from .invariants import principal_stresses as principal_stresses
 from .invariants import von_mises as von_mises
+from .law import Law as Law
+from .law import describe as describe
+from .law import fingerprint as fingerprint
 from .layer import Layered as Layered
 from .line_contact import HertzLine as HertzLine
 from .line_contact import hertz_line as hertz_line

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from tractive_sam.mechanics.invariants import max_shear
+from tractive_sam.mechanics.law import Law
 
 
-class StressCriterion(ABC):
+class StressCriterion(Law, ABC):
     """One number of the six components of a stress; the larger, the worse.
 
     Attributes
@@ -57,7 +58,7 @@ class StressCriterion(ABC):
         """
 
 
-class CycleCriterion(ABC):
+class CycleCriterion(Law, ABC):
     """An equivalent stress amplitude of a cycle; above a limit of the material it does damage.
 
     Attributes

@@ -7,18 +7,20 @@ surface gives way by itself only, is a subclass of `Elasticity`.
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 
 from tractive_sam.kernels.rectangle import quadrant
 from tractive_sam.kernels.strip import logarithm, step
+from tractive_sam.mechanics.law import Law
 from tractive_sam.mechanics.material import CombinedMaterial, Material, combine
 
 COMPONENTS = ("xx", "xy", "yy", "zz", "xz", "yz")
 """The six independent influence coefficients; A_zx = -A_xz and A_zy = -A_yz (reciprocity)."""
 
 
-class Elasticity(ABC):
+class Elasticity(Law, ABC):
     """Two bodies as one; a subclass gives `coefficients`, and the rest where it is another.
 
     Examples
@@ -129,13 +131,17 @@ class Elasticity(ABC):
             If stress in the bodies is not known, as by default.
         """
         raise ValueError(
-            f"the stress in body {body} is not known of {self!r}: leave [subsurface] out"
+            f"the stress in body {body} is not known of {self!r}: leave [subsurface] and [fatigue] "
+            f"out, or define {type(self).__name__}.alone(body)"
         )
 
 
 @dataclass(frozen=True)
 class HalfSpaces(Elasticity):
     """Two isotropic half-spaces.
+
+    A subclass with other `coefficients` is no homogeneous body any more: its stress is not known
+    unless it defines `alone` as well.
 
     Juliá & Rodríguez-Tembleque (2025), eqs. (43) and (45); the signs of the coupling terms are
     those of a z-axis that points into body A.
@@ -153,6 +159,12 @@ class HalfSpaces(Elasticity):
 
     A: Material
     B: Material
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        """Withdraw the stress of homogeneous bodies from subclasses of other coefficients."""
+        super().__init_subclass__(**kwargs)
+        if "coefficients" in vars(cls) and "alone" not in vars(cls):
+            cls.alone = Elasticity.alone
 
     @cached_property
     def material(self) -> CombinedMaterial:
@@ -248,6 +260,8 @@ class Strips(HalfSpaces):
             case "xz":
                 table[:, 0] = -c * K * step(x, dx)
         return table
+
+    alone = HalfSpaces.alone
 
     def spanning(self, length: float) -> "Strips":
         """With a datum of twice the length at least.

@@ -7,6 +7,7 @@ import numpy as np
 
 from tractive_sam.kernels import fatigue
 from tractive_sam.mechanics.criteria import CycleCriterion
+from tractive_sam.mechanics.law import Law
 
 
 def checked(cycle: np.ndarray) -> np.ndarray:
@@ -264,7 +265,7 @@ MOST_PER_CYCLE = 1e9
 
 
 @dataclass(frozen=True)
-class Woehler:
+class Woehler(Law):
     """A life of N = cycles u^-exponent cycles at the utilisation u, and damage that adds up.
 
     Each cycle does 1/N of the damage that starts a crack (Palmgren 1924, Miner 1945).
@@ -303,7 +304,7 @@ PARTS = 8
 
 
 @dataclass(frozen=True)
-class VolumeLife:
+class VolumeLife(Law):
     """Life of a volume under stress, with the probability that all of it survives (Weibull).
 
     ln(1/S) = constant N^slope integral of (tau - limit)^c / z^h dV: with no limit and the amplitude

@@ -14,6 +14,7 @@ import numpy as np
 
 from tractive_sam.kernels import friction
 from tractive_sam.mechanics.frame import Frame
+from tractive_sam.mechanics.law import Law
 
 Pair = tuple[float, float]
 
@@ -84,7 +85,7 @@ class Slope:
         return self.by_share * np.hypot(*self.by_slip)
 
 
-class FrictionLaw(ABC):
+class FrictionLaw(Law, ABC):
     """What friction does in every element; a subclass gives `frame` and `bound`.
 
     Examples

@@ -9,9 +9,10 @@ import numpy as np
 from tractive_sam.kernels import wear
 from tractive_sam.mechanics.falling import FallingCoulomb
 from tractive_sam.mechanics.frame import Frame
+from tractive_sam.mechanics.law import Law
 
 
-class WearLaw(ABC):
+class WearLaw(Law, ABC):
     """How deep the contact wears in one pass.
 
     Examples

@@ -164,8 +164,7 @@ def _surface(state: Drawn) -> Iterator[tuple[str, np.ndarray]]:
     yield "sy", continued(contact.slip[1], contact.touching)
     yield "wear", continued(1e3 * contact.wear, contact.touching)
     yield "sliding", contact.sliding.astype(float)
-    friction = contact.scene.friction
-    if friction is not None and friction.varies:
+    if contact.friction_varies:
         pressure = np.where(contact.touching, contact.pressure, 1.0)
         yield "friction", continued(contact.utilisation / pressure, contact.touching)
     if contact.heat is not None:

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.ndimage import binary_opening
 
 from tractive_sam.plot.scale import Scale
-from tractive_sam.plot.style import friction_told, place, told
+from tractive_sam.plot.style import friction_label, place, told
 from tractive_sam.results import REVOLUTION, History, Quantity, State
 
 
@@ -86,7 +86,7 @@ class Drawn:
             self.title,
             quantity,
             self.place if self.at or begins else "",
-            friction_told(scene),
+            friction_label(self.contact.frame),
             self.scale.told if scaled else "",
         )
 
@@ -108,8 +108,8 @@ class Drawn:
     @property
     def isotropic(self) -> bool:
         """Whether friction is the same in all directions."""
-        friction = self.contact.scene.friction
-        return friction is None or friction.mu[0] == friction.mu[1]
+        frame = self.contact.frame
+        return frame is None or frame.mu[0] == frame.mu[1]
 
     @property
     def x_over_a(self) -> np.ndarray:

@@ -261,8 +261,8 @@ _LINE_EVOLUTIONS = {"pressure-profiles": line_pressures}
 
 def _of_state(state: Drawn) -> dict[str, Callable[[Drawn], Figure]]:
     """Names and functions of the figures of a state that would not be empty."""
-    law, warm = state.contact.scene.friction, {}
-    if law is not None and law.varies:
+    warm = {}
+    if state.contact.friction_varies:
         warm = {"friction": friction}
     if state.contact.heat is not None:
         warm |= {"temperature": temperature}

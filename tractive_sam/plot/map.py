@@ -10,7 +10,7 @@ from matplotlib.collections import QuadMesh
 from tractive_sam.plot.drawn import Drawn
 from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.frame import Frame
-from tractive_sam.plot.style import WIDTH, friction_told, set_title, wrapped
+from tractive_sam.plot.style import WIDTH, friction_label, set_title, wrapped
 from tractive_sam.plot.style import told as titled
 from tractive_sam.plot.zones import contact_edge, continued, fill_zones, stick_edge
 
@@ -75,9 +75,9 @@ class Map:
         frame = Frame.around(*states, width=1.7 * WIDTH / len(states))
         step = frame.width + APART
         width = LEFT + len(states) * step - APART + RIGHT
-        scene, scale = states[0].contact.scene, states[0].scale
+        scale, friction = states[0].scale, friction_label(states[0].contact.frame)
         told += states[0].ahead + frame.stretched
-        title = titled(states[0].title, told, friction_told(scene), scale.told)
+        title = titled(states[0].title, told, friction, scale.told)
         figure = paper(width, frame, f"{title}\n")
         charts = [cls(figure, LEFT + k * step, state, frame) for k, state in enumerate(states)]
         for chart in charts:

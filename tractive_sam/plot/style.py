@@ -1,5 +1,6 @@
 """The look of the figures: one column of a journal, readable on a screen as well."""
 
+import math
 from collections.abc import Callable
 from functools import wraps
 from textwrap import wrap
@@ -10,10 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from matplotlib.ticker import MaxNLocator
 
+from tractive_sam.mechanics import Frame
 from tractive_sam.plain import plain
 from tractive_sam.plot.figure import Figure
 from tractive_sam.results import History, Quantity
-from tractive_sam.scene import Scene
 
 P = ParamSpec("P")
 Drawn = TypeVar("Drawn")
@@ -97,14 +98,15 @@ def told(title: str, *more: str) -> str:
 
 def told_of(history: History, quantity: str, scale: str = "") -> str:
     """Title of a figure over the course of a history."""
-    return told(history.title, quantity, friction_told(history.scene), scale)
+    return told(history.title, quantity, friction_label(history.frame), scale)
 
 
-def friction_told(scene: Scene) -> str:
-    """The coefficients of friction, and the angle where they differ."""
-    if scene.friction is None:
+def friction_label(frame: Frame | None) -> str:
+    """Return the coefficients of friction, and the angle where they differ; empty without."""
+    if frame is None:
         return ""
-    (first, second), angle = scene.friction.mu, scene.friction.angle
+    first, second = frame.mu
+    angle = math.degrees(frame.angle)
     return f"µ = {first:g}" if first == second else f"µ = {first:g}/{second:g}, β = {angle:g}°"
 
 

@@ -80,7 +80,7 @@ def stick_level(state: Drawn, stick: np.ndarray) -> np.ndarray:
     """
     touching = state.contact.touching
     reserve = np.maximum(
-        1.0 - state.contact.utilisation / np.where(touching, state.contact.pressure, 1.0), 0.0
+        1.0 - state.contact.utilisation / np.where(touching, state.contact.bound, 1.0), 0.0
     )
     reserve = np.where(stick, reserve, 0.0)
     slip = np.where(touching & ~stick, np.hypot(*state.contact.slip), 0.0)

@@ -8,15 +8,18 @@ from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar
 
 import numpy as np
 
+from tractive_sam.mechanics import Frame
 from tractive_sam.plain import text_table
 from tractive_sam.results import summary
 from tractive_sam.results.cycle import PREFIX
 from tractive_sam.results.fatigue import BodyFatigue
 from tractive_sam.results.grid import Grid, widened
 from tractive_sam.results.heat import FlashTemperature
+from tractive_sam.results.law_record import UNNAMED, LawRecord, describe_laws
 from tractive_sam.results.plane_stress import PlaneStress
 from tractive_sam.results.quantities import (
     BODIES,
+    BOUND,
     COORDINATE,
     FIELDS,
     OUTSIDE,
@@ -93,8 +96,8 @@ class History:
         block has its own.
     provenance : tuple of (int, mapping of str to str)
         Programs that computed the records from each of these rows on.
-    laws : str
-        Laws that were given in place of the scene's; empty where none were.
+    law_records : mapping of str to LawRecord
+        Laws that replaced those of the scene, by "friction", "wear" and so on.
     started : str
         Where the worn bodies are from with which it began; empty of new ones.
     cycles : mapping of str to Rows, length m
@@ -128,7 +131,7 @@ class History:
     saved: np.ndarray
     stresses: Mapping[tuple[str, str], Rows[PlaneStress]]
     provenance: tuple[tuple[int, Mapping[str, str]], ...] = ()
-    laws: str = ""
+    law_records: Mapping[str, LawRecord] = field(default_factory=dict)
     started: str = ""
     cycles: Mapping[str, Rows[BodyFatigue]] = field(default_factory=dict)
     stresses_of_blocks: tuple[Mapping[tuple[str, str], Rows[PlaneStress]], ...] = ()
@@ -144,7 +147,7 @@ class History:
         *,
         status: str = DONE,
         message: str = "",
-        laws: str = "",
+        law_records: Mapping[str, LawRecord] | None = None,
         started: str = "",
     ) -> Self:
         """Collect records in memory; those of smaller meshes are widened to the last mesh."""
@@ -163,15 +166,12 @@ class History:
                 for name, one in names.items()
             },
             {
-                name: [
-                    widened(record.fields[name], grid.elements, OUTSIDE.get(name, 0.0))
-                    for record in kept
-                ]
-                for name in (kept[0].fields if kept else FIELDS)
+                name: [_field(record, name, grid) for record in kept]
+                for name in ({k: None for one in kept for k in one.fields} if kept else FIELDS)
             },
             np.array([record.at for record in kept], int if coordinate.whole else float),
             _by_plane(kept),
-            laws=laws,
+            law_records=law_records or {},
             started=started,
             cycles=_by_body(kept),
             stresses_of_blocks=tuple(_by_plane(kept, k) for k in range(len(scene.duty))),
@@ -270,6 +270,11 @@ class History:
         return self.status == DONE
 
     @property
+    def laws(self) -> str:
+        """Laws that replaced those of the scene, in one line; empty where none did."""
+        return describe_laws(self.law_records)
+
+    @property
     def versions(self) -> Mapping[str, str]:
         """Programs that computed the last records."""
         return self.provenance[-1][1] if self.provenance else {}
@@ -325,7 +330,7 @@ class History:
             or friction.varies
             or (self.scene.transient is not None and self.scene.transient.friction.mu)
             or self.scene.duty
-            or any(law.startswith("wear=") for law in self.laws.split(", "))
+            or not {"wear", UNNAMED}.isdisjoint(self.law_records)
         ):
             return np.full(len(self), np.nan)
         per_work = wear.per_work(friction.mu)
@@ -578,6 +583,9 @@ class History:
             cost=Cost(number["operator_applications"]),
             revolution=int(number.get("revolution", 0)),
             volumes=self._volumes(row),
+            frame=self.frame,
+            traction_bound=_known(fields.get(BOUND.name)),
+            laws=self.law_records,
         )
         if all(name in fields for name in WARM):
             into_A = fields["heat_into_A"]
@@ -586,6 +594,13 @@ class History:
             flux = {"A": into_A, "B": made - into_A}
             found = replace(found, heat=FlashTemperature(self.grid, found.touching, warm, flux))
         return found if "sliding" in fields else found.with_sliding_by_traction()
+
+    @property
+    def frame(self) -> Frame | None:
+        """Scaled tribological frame of the friction law; None without friction."""
+        if (record := self.law_records.get("friction")) is not None:
+            return record.frame
+        return None if self.scene.friction is None else self.scene.friction.frame
 
     def _volumes(self, row: int) -> dict[str, float] | None:
         """Worn volume of each body in a record, as far as it was recorded."""
@@ -693,6 +708,18 @@ class _OfBlock:
 
     def __getitem__(self, row: int) -> np.ndarray:
         return self.rows[row][self.block]
+
+
+def _field(record: Record, name: str, grid: Grid) -> np.ndarray:
+    """Return a field of a record on a mesh that may be wider; nan where the record has none."""
+    if name not in record.fields:
+        return np.full_like(record.fields["pressure"], np.nan)
+    return widened(record.fields[name], grid.elements, OUTSIDE.get(name, 0.0))
+
+
+def _known(bound: np.ndarray | None) -> np.ndarray | None:
+    """Return a stored bound of the traction; None where the file does not have that of a record."""
+    return None if bound is None or np.isnan(bound).any() else bound
 
 
 def _status(ended: str) -> Status:

@@ -592,6 +592,14 @@ FIELDS = by_name(
 )
 """A function of x and y, kept at chosen revolutions; all that rolling goes on from."""
 
+BOUND = Quantity(
+    "traction_bound",
+    "MPa",
+    "largest traction that friction allows, in the norm of its law",
+    attrgetter("traction_bound"),
+)
+"""Kept beside `FIELDS` where it is not the pressure, as it is under Coulomb's law."""
+
 BEFORE = by_name(
     (
         Quantity("before_pressure", "MPa", "pressure a step before"),
@@ -622,11 +630,11 @@ _SHIFTED = (
 
 
 def kept_fields(scene: Scene) -> dict[str, Quantity]:
-    """The functions of x and y that are kept of a scene."""
-    if scene.shifts:
-        slipped = (replace(FIELDS[name], unit="mm", long_name=told) for name, told in _SHIFTED)
-        return FIELDS | by_name(slipped)
-    return FIELDS | WARM if scene.heat is not None else FIELDS
+    """Return the functions of x and y that may be kept of a scene, by name."""
+    warm = {} if scene.heat is None else WARM
+    slipped = (replace(FIELDS[name], unit="mm", long_name=text) for name, text in _SHIFTED)
+    shifted = by_name(slipped) if scene.shifts else {}
+    return FIELDS | shifted | warm | {BOUND.name: BOUND}
 
 
 OUTSIDE = {"gap": math.inf} | dict.fromkeys(WARM, math.nan)

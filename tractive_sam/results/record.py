@@ -8,7 +8,15 @@ import numpy as np
 
 from tractive_sam.results.fatigue import BodyFatigue
 from tractive_sam.results.plane_stress import PlaneStress
-from tractive_sam.results.quantities import COORDINATE, FIELDS, WARM, Quantity, columns, of_role
+from tractive_sam.results.quantities import (
+    BOUND,
+    COORDINATE,
+    FIELDS,
+    WARM,
+    Quantity,
+    columns,
+    of_role,
+)
 from tractive_sam.results.state import State
 
 
@@ -70,9 +78,10 @@ class Record:
             name: given[name] if name in given else _read(one, contact)
             for name, one in names.items()
         }
+        if not with_fields:
+            return cls(values, names)
         warm = {} if contact.heat is None else {k: one.of(contact) for k, one in WARM.items()}
-        kept = (fields(contact) | warm, tuple(stress), tuple(cycles)) if with_fields else ({}, ())
-        return cls(values, names, *kept)
+        return cls(values, names, fields(contact) | warm, tuple(stress), tuple(cycles))
 
     @property
     def coordinate(self) -> Quantity:
@@ -113,5 +122,8 @@ def _read(one: Quantity, contact: State) -> Any:
 
 
 def fields(contact: State) -> dict[str, np.ndarray]:
-    """All fields of a contact, from which rolling goes on, by the names of `FIELDS`."""
-    return {name: one.of(contact) for name, one in FIELDS.items()}
+    """Return all fields of a contact from which rolling continues: `FIELDS`, and its `BOUND`."""
+    found = {name: one.of(contact) for name, one in FIELDS.items()}
+    if contact.traction_bound is not None:
+        found[BOUND.name] = contact.traction_bound
+    return found

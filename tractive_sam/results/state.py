@@ -122,6 +122,14 @@ class State:
         nor do results files.
     heat : FlashTemperature or None
         Of scenes with [heat]: temperatures of both surfaces, and the heat that goes into them.
+    frame : Frame or None
+        Scaled tribological frame of the friction law; None without friction.
+    traction_bound : ndarray or None
+        Largest ||p_t||_mu that friction allows in every element under its slip, MPa; None where
+        that is the pressure itself, as of Coulomb's law.
+    laws : Laws or mapping of str to LawRecord
+        Laws it was solved with; of a contact read from a file the laws that replaced those of its
+        scene (`History.law_records`).
 
     Examples
     --------
@@ -159,6 +167,9 @@ class State:
     volumes: Mapping[str, float] | None = field(default=None, repr=False)
     jacobian: "xarray.DataArray | None" = field(default=None, repr=False)
     heat: FlashTemperature | None = field(default=None, repr=False)
+    frame: Frame | None = None
+    traction_bound: np.ndarray | None = field(default=None, repr=False)
+    laws: Any = field(default_factory=dict, repr=False)
 
     def __repr__(self) -> str:
         return text_table("Contact", summary.of_contact(self))
@@ -210,6 +221,8 @@ class State:
             name: widened(getattr(self, name), grid.elements, math.inf if name == "gap" else 0.0)
             for name in ("pressure", "traction", "slip", "gap", "wear", "sliding")
         }
+        if self.traction_bound is not None:
+            changes["traction_bound"] = widened(self.traction_bound, grid.elements)
         return replace(self, grid=grid, heat=None, **changes)  # how warm it is there nobody asked
 
     @cached_property
@@ -223,22 +236,30 @@ class State:
         return self.touching & ~self.sliding
 
     @cached_property
-    def frame(self) -> Frame | None:
-        """Scaled tribological frame; None without friction."""
-        friction = self.scene.friction
-        return None if friction is None else Frame(friction.mu, math.radians(friction.angle))
-
-    @cached_property
     def utilisation(self) -> np.ndarray:
-        """Traction in the norm of the friction law, ||p_t||_mu <= p_n, MPa; else zero."""
+        """Traction in the norm of the friction law, ||p_t||_mu, MPa; zero without friction."""
         if self.frame is None:
             return np.zeros_like(self.pressure)
         return np.hypot(*self.frame.to_scaled(self.traction))
 
+    @property
+    def bound(self) -> np.ndarray:
+        """Largest `utilisation` that friction allows in every element under its slip, MPa."""
+        return self.pressure if self.traction_bound is None else self.traction_bound
+
+    @property
+    def friction_varies(self) -> bool:
+        """Whether the bound of the traction is not the pressure in every element.
+
+        Files that were written before the bound was stored have it from their scene.
+        """
+        friction = self.scene.friction
+        return self.traction_bound is not None or (friction is not None and friction.varies)
+
     def with_sliding_by_traction(self) -> "State":
-        """The same, sliding where the traction is on its bound, as far as any solution tells."""
+        """Return the contact with `sliding` where the traction is on its bound."""
         margin = ON_THE_BOUND * self.pressure.max()
-        return replace(self, sliding=self.touching & (self.utilisation >= self.pressure - margin))
+        return replace(self, sliding=self.touching & (self.utilisation >= self.bound - margin))
 
     def _integral(self, field: np.ndarray) -> float:
         return float(field.sum() * self.grid.element_area)
@@ -317,8 +338,8 @@ class State:
         """Share of the contact area that sticks.
 
         What the traction lacks of its bound nears zero where stick ends as the pressure does at the
-        edge of the contact, so both areas end there between the centres of elements. Where what
-        slides is not on the bound of Coulomb's law, elements are counted.
+        edge of the contact, so both areas end there between the centres of elements. Where the
+        bound of what slides is not the pressure, it may drop there: then elements are counted.
         """
         if not self.sticking.any():
             return 0.0

@@ -12,7 +12,16 @@ import numpy as np
 
 from tractive_sam import interrupt
 from tractive_sam.contact import Gap, Model, not_resolved
-from tractive_sam.results import Grid, History, Quantity, Record, Status, caveats, fields
+from tractive_sam.results import (
+    Grid,
+    History,
+    LawRecord,
+    Quantity,
+    Record,
+    Status,
+    caveats,
+    fields,
+)
 from tractive_sam.rolling import ErrorEstimator, Passage, followed, passages, recorded
 from tractive_sam.run.gap_notes import warn_of_gap
 from tractive_sam.run.given import hash_of
@@ -65,7 +74,7 @@ class Recording:
         missed: str = "",
     ) -> History:
         """Roll from the unworn bodies on; `missed` tells what is wrong with their accuracy."""
-        laws = model.laws.beside(model.scene)
+        laws = model.laws.differences_from(model.scene)
         warn_of_gap(model)
         _warn_beyond_tests(model, start)
         keeper: HistoryWriter | _InMemory = _InMemory(self.scene, laws, self.started)
@@ -143,8 +152,8 @@ def _warn_beyond_tests(model: Model, start: Passage) -> None:
 class _InMemory:
     """Keeps records as a `HistoryWriter` does, without a file."""
 
-    def __init__(self, scene: Scene, laws: str, started: str) -> None:
-        self._scene, self._about = scene, {"laws": laws, "started": started}
+    def __init__(self, scene: Scene, laws: Mapping[str, LawRecord], started: str) -> None:
+        self._scene, self._about = scene, {"law_records": laws, "started": started}
         self._grid, self._records = Grid.of((1.0,), (1,)), list[Record]()
 
     def __enter__(self) -> Self:

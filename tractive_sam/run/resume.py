@@ -1,6 +1,6 @@
 """Where a results file ends, and how to go on from there."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from os import PathLike
 from typing import Any
@@ -8,7 +8,18 @@ from typing import Any
 import numpy as np
 
 from tractive_sam.contact import Gap, Laws, Stepped, as_asked, choose_grid, reaching
-from tractive_sam.results import BODIES, PARTS, ROLLED, Cost, History, Quantity, State
+from tractive_sam.results import (
+    BODIES,
+    PARTS,
+    ROLLED,
+    UNNAMED,
+    Cost,
+    History,
+    LawRecord,
+    Quantity,
+    State,
+    describe_laws,
+)
 from tractive_sam.rolling import Damage, Moment, Passage, ProfilePoint
 from tractive_sam.scene import Scene
 from tractive_sam.store import DamagedError, ResultsError, open_history, state_of
@@ -74,7 +85,7 @@ def last_passage(
         further.
     """
     _check_same(history, path, scene)
-    _check_laws(history, path, "" if laws is None else laws.beside(scene))
+    _check_laws(history, path, {} if laws is None else laws.differences_from(scene))
     _check_columns(history, path, columns)
     row = int(np.flatnonzero(history["converged"])[-1]) if history["converged"].any() else None
     if row is None:
@@ -218,13 +229,21 @@ def _check_same(history: History, path: str | PathLike, scene: Scene) -> None:
         )
 
 
-def _check_laws(history: History, path: str | PathLike, laws: str) -> None:
-    if history.laws != laws:
-        raise ResultsError(
-            f"{path} was rolled with {history.laws or 'the laws of its scene'}, and is to go on "
-            f"with {laws or 'those of its scene'}: resume it with the same laws, or give this run "
-            "a file of its own"
-        )
+def _check_laws(history: History, path: str | PathLike, laws: Mapping[str, LawRecord]) -> None:
+    """Raise where the laws of a file are not those to resume with, by their content."""
+    before, now = (
+        {name: one.fingerprint for name, one in records.items()}
+        for records in (history.law_records, laws)
+    )
+    line = describe_laws(laws)
+    if before == now or (UNNAMED in before and history.laws == line):
+        return
+    alike = ", of other content," if history.laws == line else ""
+    raise ResultsError(
+        f"laws: {path} was computed with {history.laws or 'the laws of its scene'}, and is to be "
+        f"resumed with {line or 'those of its scene'}{alike}: resume it with the same laws, or "
+        "write this run to another file"
+    )
 
 
 def check_measured(history: History, path: str | PathLike | None, measured: str) -> None:

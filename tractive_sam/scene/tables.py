@@ -12,7 +12,7 @@ from typing import Annotated, Any, ClassVar, Literal, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator
 
-from tractive_sam.mechanics import BRR, JENDEL, USFD
+from tractive_sam.mechanics import BRR, JENDEL, USFD, Frame
 
 from .alternatives import exactly_one
 from .faults import Fault
@@ -233,6 +233,11 @@ class Friction(Table):
         _law_is_given,
         _kinetic_is_less,
     )
+
+    @property
+    def frame(self) -> Frame:
+        """Scaled tribological frame of the coefficients at rest."""
+        return Frame(self.mu, math.radians(self.angle))
 
     @property
     def varies(self) -> bool:

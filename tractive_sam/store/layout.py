@@ -1,10 +1,11 @@
 """Groups, datasets and dimensions of a results file.
 
     /scene     the TOML text; attributes: status, message, a0, b0, p0, versions (JSON: the programs,
-               and from which record on), digest (SHA-256 of the text), laws (those that are not the
-               scene's), started (where the worn bodies are from with which it began), measured
-               (SHA-256 of the numbers of its measured gap and profiles), datum (what the approach
-               is counted from: vertex; without it the nearest node)
+               and from which record on), digest (SHA-256 of the text), laws and law_records (laws
+               that replaced those of the scene, as text and as JSON with fingerprints), started
+               (where the worn bodies are from with which it began), measured (SHA-256 of the
+               numbers of its measured gap and profiles), datum (what the approach is counted
+               from: vertex; without it the nearest node)
     /grid      x, y
     /history   record, y, axis, body, block, position; a dataset for each column (record, its
                dimensions), one of them the coordinate, revolution; attribute: own (JSON: columns
@@ -34,6 +35,7 @@ import numpy as np
 
 from tractive_sam.results import (
     BEFORE,
+    BOUND,
     COLUMNS,
     COORDINATE,
     CYCLES,
@@ -43,9 +45,12 @@ from tractive_sam.results import (
     STRESS,
     BodyFatigue,
     Grid,
+    LawRecord,
     PlaneStress,
     Quantity,
     Record,
+    describe_laws,
+    dump_laws,
     kept_fields,
     of_role,
 )
@@ -98,14 +103,19 @@ def known_names() -> set[str]:
 
 
 def create(
-    file: h5py.File, scene: Scene, mesh: Grid, laws: str = "", coordinate: Quantity | None = None
+    file: h5py.File,
+    scene: Scene,
+    mesh: Grid,
+    laws: Mapping[str, LawRecord] | None = None,
+    coordinate: Quantity | None = None,
 ) -> None:
     """Lay out an empty results file of a history along a coordinate, by default the scene's."""
     coordinate = coordinate or of_role(columns_of(scene).values(), COORDINATE)
     set_text(file, "format", FORMAT)
     file.attrs["format_version"] = FORMAT_VERSION
     set_scene(file, scene)
-    set_text(file["scene"], "laws", laws)
+    set_text(file["scene"], "laws", describe_laws(laws or {}))
+    set_text(file["scene"], "law_records", dump_laws(laws or {}))
     set_status(file, *RUNNING)
     set_versions(file, [])
     grid = file.create_group("grid")
@@ -124,7 +134,8 @@ def create(
     if scene.duty:
         names = [label(scene, k) for k in range(len(scene.duty))]
         _labels(history, "block", names, "block of the duty cycle")
-    _create_fields(file.create_group("fields"), grid, history, coordinate, kept_fields(scene))
+    kept = {name: one for name, one in kept_fields(scene).items() if one is not BOUND}
+    _create_fields(file.create_group("fields"), grid, history, coordinate, kept)
     file.create_group("stress")
     _create_state(file.create_group("state"), grid, history, scene)
 
@@ -175,6 +186,8 @@ def add_columns(file: h5py.File, records: Iterable[Record]) -> None:
         if not record.columns.keys() <= known:
             _create_columns(file["history"], record.columns, record.blocks)
             known |= record.columns.keys()
+        if BOUND.name in record.fields and BOUND.name not in file["fields"]:
+            _create_field(file["fields"], BOUND, record.coordinate)
         for one in record.stress:
             if (place := place_of(one.body, one.plane, one.block)) not in file["stress"]:
                 group = file["stress"].create_group(place)
@@ -287,6 +300,13 @@ def _create_fields(
     scales = (record, *axes)
     for name, quantity in kept.items():
         _rows(fields, name, quantity, scales, coordinate=coordinate.name, **SQUEEZED)
+
+
+def _create_field(fields: h5py.Group, quantity: Quantity, coordinate: Quantity) -> None:
+    """Create one more field; it is unknown in the records before."""
+    scales = [fields[name] for name in ("record", "block", "x", "y") if name in fields]
+    about = {"rows": len(fields["record"]), "coordinate": coordinate.name}
+    _rows(fields, quantity.name, quantity, tuple(scales), **about, **SQUEEZED)
 
 
 def _labels(group: h5py.Group, name: str, values: Sequence[str], about: str) -> None:

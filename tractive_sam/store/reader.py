@@ -11,6 +11,7 @@ import numpy as np
 from tractive_sam.results import (
     BEFORE,
     BODIES,
+    BOUND,
     COORDINATE,
     CYCLES,
     DIMS,
@@ -21,9 +22,11 @@ from tractive_sam.results import (
     STRESS,
     Grid,
     History,
+    LawRecord,
     Quantity,
     columns,
     kept_fields,
+    load_laws,
     of_role,
 )
 from tractive_sam.scene import Scene, SceneError, SceneWarning, files_anywhere
@@ -88,7 +91,7 @@ def state_of(path: str | Path, row: int) -> dict[str, np.ndarray]:
             if kept != row:
                 raise ResultsError(f"{path} holds no state of record {row}; run its scene again")
             mesh = _shape_of_fields(file)
-            names = (*FIELDS, *_known("state", BEFORE, file))
+            names = (*FIELDS, *_known("state", (*BEFORE, BOUND.name), file))
             fields = {name: file.numbers(f"state/{name}", mesh) for name in names}
             more = (name for name in file.names("state") if name not in (*names, "block", "x", "y"))
             fields |= {name: file.whole(f"state/{name}") for name in more}
@@ -120,13 +123,21 @@ def _history(file: Results) -> History:
         file.numbers(f"fields/{coordinate}", (m,)),
         _stresses(file, m, coordinate),
         _versions(file),
-        file.text("scene", "laws", ""),
+        _laws(file),
         file.text("scene", "started", ""),
         _cycles(file, scene, m),
         tuple(_stresses(file, m, coordinate, k, one.shift_y) for k, one in enumerate(scene.duty)),
         file.text("scene", "measured", ""),
         file.text("scene", "datum", "node"),
     )
+
+
+def _laws(file: Results) -> dict[str, LawRecord]:
+    """Return the laws that replaced those of the scene."""
+    try:
+        return load_laws(file.text("scene", "law_records", ""), file.text("scene", "laws", ""))
+    except ValueError as error:
+        raise file.damaged(f"scene {error}") from None
 
 
 def _cycles(file: Results, scene: Scene, length: int) -> dict[str, StoredCycles]:

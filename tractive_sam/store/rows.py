@@ -9,6 +9,7 @@ import numpy as np
 from tractive_sam.mechanics import VON_MISES
 from tractive_sam.results import (
     BEFORE,
+    BOUND,
     CYCLES,
     FIELDS,
     OUTSIDE,
@@ -82,6 +83,7 @@ def _append(
     outside: Mapping[str, float],
 ) -> None:
     about = {"record": rows, records[0].coordinate.name: [one.at for one in records]}
+    count = len(group["record"]) + len(rows)
     for name in (*about, *values[0]):
         dataset = _opened(group, name)
         before, *shape = dataset.shape
@@ -89,6 +91,9 @@ def _append(
             widened(np.asarray(one[name]), tuple(shape), outside.get(name, 0.0)) for one in values
         ]
         _extend(dataset, before, before + len(rows), np.stack(each))
+    for name in group:
+        if name not in about and name not in values[0] and name not in AXES:
+            _extend(_opened(group, name), 0, count, None)  # not known in these records
 
 
 def _opened(group: h5py.Group, name: str) -> h5py.h5d.DatasetID:
@@ -110,6 +115,8 @@ def put_state(file: h5py.File, row: int, state: Mapping[str, np.ndarray]) -> Non
     """Keep the state after the record of a row, in place of the one before."""
     group = file["state"]
     group.attrs["record"] = row
+    if BOUND.name in group and BOUND.name not in state:  # the traction is bound by the pressure
+        del group[BOUND.name]
     for name, values in state.items():
         if name not in group:
             layout.add_state(group, name, values)
@@ -143,14 +150,15 @@ def widen(file: h5py.File, grid: "Grid") -> None:
         dims = history[name].dims
         if "y" in dims[len(dims) - 1]:
             _widen(history[name], ("y",), before, after, lead=len(dims) - 2)
-    for name in (name for name in (*FIELDS, *WARM) if name in fields):
+    for name in (name for name in (*FIELDS, *WARM, BOUND.name) if name in fields):
         lead = fields[name].ndim - 3
         _widen(fields[name], ("x", "y"), before, after, OUTSIDE.get(name, 0.0), lead)
-    for name in (name for name in (*FIELDS, *BEFORE, *DEPTHS) if name in state):
+    for name in (name for name in (*FIELDS, BOUND.name, *BEFORE, *DEPTHS) if name in state):
         values = state[name][:]
         state[name].resize((*values.shape[:-2], after["x"], after["y"]))
         state[name][...] = widened(values, state[name].shape, OUTSIDE.get(name, 0.0))
-    for name in (name for name in state if name not in (*FIELDS, *BEFORE, *DEPTHS, *AXES)):
+    of_mesh = (*FIELDS, BOUND.name, *BEFORE, *DEPTHS, *AXES)
+    for name in (name for name in state if name not in of_mesh):
         if state[name].ndim > 1:  # (..., y, depth)
             values = state[name][:]
             shape = after["y"], values.shape[-1]

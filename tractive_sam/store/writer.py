@@ -17,7 +17,7 @@ from uuid import uuid4
 import numpy as np
 from h5py import File
 
-from tractive_sam.results import Grid, Quantity, Record, widened
+from tractive_sam.results import Grid, LawRecord, Quantity, Record, widened
 from tractive_sam.scene import Scene
 from tractive_sam.store import former, layout, rows, writable
 from tractive_sam.store.atomic import atomic_rewrite
@@ -49,7 +49,9 @@ class HistoryWriter:
         Whether a results file there may be replaced. A file of any other kind never is.
     checkpoints : Checkpoints, optional
         When records are put on disk.
-    laws, started, measured : str
+    laws : mapping of str to LawRecord, optional
+        `law_records` of the `History`.
+    started, measured : str
         As of `History`.
     coordinate : Quantity, optional
         The column along which the history goes, of the role `COORDINATE`; by default the scene's.
@@ -67,7 +69,7 @@ class HistoryWriter:
         grid: Grid,
         overwrite: bool = False,
         checkpoints: Checkpoints | None = None,
-        laws: str = "",
+        laws: Mapping[str, LawRecord] | None = None,
         coordinate: Quantity | None = None,
         started: str = "",
         measured: str = "",

@@ -61,7 +61,7 @@ def fatigue(
     depths : array_like, shape (n,), optional
         Depths, ascending from 0, mm; by default those that the scene asks for.
     laws : Laws, optional
-        Criterion, and what the contact was solved with; by default those of its scene.
+        Criterion and bodies; by default those that the contact was solved with.
 
     Returns
     -------
@@ -88,7 +88,8 @@ def fatigue(
     depths = cycle_depths(contact) if depths is None else checked(depths)
     if not depths.size or depths[0] != 0.0 or (np.diff(depths) <= 0.0).any():
         raise ValueError("depths must ascend from 0, the surface")
-    found = cycle_fatigue([contact], depths, [laws or Laws.of(contact.scene)])
+    needed = "elasticity", "fatigue", "life"
+    found = cycle_fatigue([contact], depths, [laws or Laws.of_contact(contact, needed)])
     return {body: worst for body, (worst, _) in found.items()}
 
 

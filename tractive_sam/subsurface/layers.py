@@ -41,7 +41,7 @@ def stress_layers(
     threads : int
         Threads to use.
     laws : Laws, optional
-        Laws that the contact was solved with, where they are not those of its scene.
+        Laws of the bodies; by default those that the contact was solved with.
 
     Yields
     ------

@@ -62,7 +62,7 @@ class LoadedBodies:
         laws: Laws | None = None,
         beyond: int = 0,
     ) -> "LoadedBodies":
-        """Take bodies of a contact, by default with the laws of its scene.
+        """Take bodies of a contact, by default with the laws that it was solved with.
 
         Their mesh may go on `beyond` the contact's by so many elements without load, before and
         behind it in the rolling direction.
@@ -78,7 +78,7 @@ class LoadedBodies:
         tractions = np.concatenate((contact.traction, contact.pressure[None]))
         grid = contact.grid.lengthened(beyond) if beyond else contact.grid
         tractions = widened(tractions, grid.elements)
-        elasticity = (laws or Laws.of(contact.scene)).elasticity
+        elasticity = (laws or Laws.of_contact(contact)).elasticity
         bodies = tuple(elasticity.alone(name) for name in names)
         signs = tuple(SIGNS[name] for name in names)
         source = stress_source(bodies[0], bodies, signs, grid, tractions)

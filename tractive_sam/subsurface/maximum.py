@@ -58,7 +58,7 @@ def stress_maximum(contact: State, body: str = "A", laws: Laws | None = None) ->
     body : "A" or "B"
         The body concerned.
     laws : Laws, optional
-        Criterion, and what the contact was solved with; by default those of its scene.
+        Criterion and bodies; by default those that the contact was solved with.
 
     Returns
     -------
@@ -93,7 +93,7 @@ def stress_maxima(contact: State, laws: Laws | None = None) -> dict[str, Maximum
 
 def _maxima(contact: State, bodies: Sequence[str], laws: Laws | None) -> dict[str, Maximum]:
     """The largest stress in bodies, which share most of the work."""
-    laws = laws or Laws.of(contact.scene)
+    laws = laws or Laws.of_contact(contact, ("elasticity", "criterion"))
     load, criterion = LoadedBodies.of(contact, bodies, laws), laws.criterion
     if not load.tractions.any():
         nothing = Maximum(criterion, 0.0, _NOWHERE, np.nan, _NOWHERE, 0.0, _NOWHERE)

@@ -36,7 +36,7 @@ def stress_on_plane(
     depths : array_like, optional
         Depths of a vertical plane, mm; by default those of the scene's [subsurface].
     laws : Laws, optional
-        Laws that the contact was solved with, where they are not those of its scene.
+        Laws of the bodies; by default those that the contact was solved with.
 
     Raises
     ------

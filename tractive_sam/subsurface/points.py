@@ -29,7 +29,7 @@ def stress_at(
     body : "A" or "B"
         The body concerned.
     laws : Laws, optional
-        Laws that the contact was solved with, where they are not those of its scene.
+        Laws of the bodies; by default those that the contact was solved with.
 
     Returns
     -------
@@ -88,7 +88,7 @@ def stress_path(
         Where it is looked at, mm; by default `POINTS` times, from `WAY` semi-axes a before the
         contact, on the leading side x > 0, to as many behind it.
     laws : Laws, optional
-        Laws that the contact was solved with, where they are not those of its scene.
+        Laws of the bodies; by default those that the contact was solved with.
 
     Returns
     -------

@@ -1,0 +1,95 @@
+"""What every law of mechanics has: a description for people and a fingerprint of its content."""
+
+import hashlib
+from collections.abc import Iterator, Mapping
+from dataclasses import fields, is_dataclass
+from functools import cached_property
+from numbers import Real
+from types import CodeType, FunctionType
+from typing import Any
+
+import numpy as np
+
+
+class Law:
+    """Base class of the laws of mechanics.
+
+    Examples
+    --------
+    >>> ts.Coulomb(mu=(0.6, 0.3)).describe()
+    'Coulomb(mu=(0.6, 0.3), angle=0.0)'
+    >>> strong, weak = ts.Coulomb(mu=(0.6, 0.3)), ts.Coulomb(mu=(0.3, 0.3))
+    >>> strong.fingerprint() == weak.fingerprint()
+    False
+    """
+
+    def describe(self) -> str:
+        """Return the name of the law and its parameters in one line."""
+        return describe(self)
+
+    def fingerprint(self) -> str:
+        """Return a hash of the content: equal for equal laws, in any process.
+
+        It covers the name of the class and its parameters: arrays with every number, functions
+        with their code. The code of the class itself is not covered. A law that depends on more (a
+        file, a compiled library) overrides this method.
+        """
+        content = _content([type(self), _parameters(self)])
+        return hashlib.sha256(b"".join(content)).hexdigest()
+
+
+def describe(law: object) -> str:
+    """Return the name of a law and its parameters; the default `repr` would print an address."""
+    if type(law).__repr__ is object.__repr__:
+        given = ", ".join(f"{name}={value!r}" for name, value in _parameters(law).items())
+        return f"{type(law).__name__}({given})"
+    return repr(law)
+
+
+def fingerprint(law: object) -> str:
+    """Return the fingerprint of a law, see `Law.fingerprint`; of any other object, or None, too."""
+    return law.fingerprint() if isinstance(law, Law) else Law.fingerprint(law)
+
+
+def _parameters(law: object) -> dict[str, Any]:
+    """Parameters of an object by name, without values that it only caches."""
+    if is_dataclass(law):
+        return {one.name: getattr(law, one.name) for one in fields(law)}
+    kind = type(law)
+    return {
+        name: value
+        for name, value in sorted(getattr(law, "__dict__", {}).items())
+        if not isinstance(getattr(kind, name, None), cached_property)
+    }
+
+
+def _content(value: Any) -> Iterator[bytes]:
+    """Yield bytes that are equal for equal content; lengths keep neighbours apart."""
+    match value:
+        case Law() if type(value).fingerprint is not Law.fingerprint:
+            yield value.fingerprint().encode()
+        case None | complex() | str() | bytes():
+            text = repr(value).encode()
+            yield f"{type(value).__name__}{len(text)}:".encode() + text
+        case Real():  # 1, 1.0 and numpy's are equal parameters
+            yield f"number{float(value).hex()}".encode()
+        case np.ndarray() if value.dtype != object:
+            yield f"array{value.dtype.str}{value.shape}".encode() + value.tobytes()
+        case Mapping():
+            yield f"mapping{len(value)}".encode()
+            for key in sorted(value, key=repr):
+                yield from _content(key)
+                yield from _content(value[key])
+        case list() | tuple() | set() | frozenset() | np.ndarray():
+            yield f"sequence{len(value)}".encode()
+            for item in sorted(value, key=repr) if isinstance(value, set | frozenset) else value:
+                yield from _content(item)
+        case FunctionType():
+            closure = [cell.cell_contents for cell in value.__closure__ or ()]
+            yield from _content(["function", value.__code__, value.__defaults__, closure])
+        case CodeType():
+            yield from _content(["code", value.co_code, value.co_names, list(value.co_consts)])
+        case type():
+            yield from _content(["class", value.__module__, value.__qualname__])
+        case _:
+            yield from _content([type(value), _parameters(value)])
