@@ -440,6 +440,34 @@ def tables() -> str:
     return told + "\n\n" + of_columns(rows_of("tables.csv"), columns)
 
 
+def table_gradients() -> str:
+    """Slopes at rest of the table of steel over a/b, and gradients at random points."""
+    names = ("C11", "C22", "C23, force", "C23, moment", "C33")
+    rows = rows_of("table_slopes.csv")
+    small = number(".2f")
+    body = [
+        (
+            number(".3g")(row["a/b"]),
+            *(f"{float(row[name]):+.2f} ({small(row[f'bar of {name}'])})" for name in names),
+        )
+        for row in rows
+    ]
+    about = rows_of("table_gradients.csv")[0]
+    share = number(".2g", 100.0)
+    return (
+        "Errors of the slopes at rest of the table of steel in percent, against limits of 22 "
+        "meshes of up to 131 elements, and in brackets the error bars that the table reports "
+        "(`python benchmarks/table_gradients.py`):"
+        f"\n\n{markdown(('a/b', *names), body)}\n\n"
+        f"At {about['points']} random points the largest error of the derivatives of a force is "
+        f"{share(about['forces median'])} % of sqrt(K_ii K_jj) in the median, "
+        f"{share(about['forces 95%'])} % at 95 of 100, {share(about['forces largest'])} % at most; "
+        f"of the moment {share(about['moment median'])} %, {share(about['moment 95%'])} % and "
+        f"{share(about['moment largest'])} %. {float(about['inside']):.0%} of the points "
+        "are within their error bars."
+    )
+
+
 def table_cluster() -> str:
     """A table by one process, and by workers of which one was killed."""
     columns = {
@@ -601,6 +629,7 @@ TABLES = {
         jacobian,
         jacobian_carter,
         tables,
+        table_gradients,
         table_cluster,
         study_scaling,
         transient_order,

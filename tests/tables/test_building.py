@@ -97,3 +97,24 @@ def test_intervals_that_stay_are_judged_by_the_same_points():
     table = one._table([np.zeros((max(len(axis) - 1, 0), 3)) for axis in one.axes])
     for first, again in zip(one._between(table), one._between(table), strict=True):
         np.testing.assert_array_equal(first, again)
+
+
+def test_tables_are_updated_without_solving_their_nodes_again():
+    """Slopes at rest and checks of gradients are solved; the other nodes are those of the file."""
+    table = builder(orthotropic, 0.05, 0).built()
+    requested = []
+
+    def count(jobs):
+        requested.extend(jobs)
+        return solve(lambda place: 1.1 * orthotropic(place), jobs)
+
+    one = builder(orthotropic, 0.05, 0)
+    one.solve = count
+    updated = one.updated(table)
+    assert all(job.finer or not any(job.w) for job in requested)
+    new, old = (each.law.coefficients for each in (updated, table))
+    # Rounding: slopes in full slip are computed from the others again.
+    np.testing.assert_allclose(new[..., 1:, :4, :][..., [0], :], old[..., 1:, :4, :][..., [0], :])
+    np.testing.assert_allclose(new[..., 0, 1, :], 1.1 * old[..., 0, 1, :], atol=1e-6)
+    assert updated.about["contacts"] > table.about["contacts"]
+    assert updated.gradient_bars.shape == (len(table.law.axes[-1]), 3, 3)

@@ -19,8 +19,9 @@ def table(
         str,
         typer.Argument(
             metavar="TABLE.toml|FILE.nc|NAME",
-            help="A file (TOML) that says what the table is to hold; or a table, to write it anew "
-            "as a header or as text: a file, or the built-in steel.",
+            help="A file (TOML) that describes the table; or a table, a file or the built-in "
+            "steel, to write it as a header or as text, or with --output to add error bars of "
+            "gradients.",
         ),
     ],
     output: Annotated[
@@ -69,9 +70,9 @@ def table(
     writes: tuple[tuple[Path | None, Callable[[Any, Path], None]], ...] = (
         (header, _header), (fmu, _fmu), (text, _text), (figure, _figure),
     )  # fmt: skip
-    if made == (output is not None) or (made and not any(path for path, _ in writes)):
-        needed = "--header, --fmu, --text or --figure" if made else "--output FILE.nc"
-        raise stop(Status.INVALID, f"{file}: {needed} is needed, and for a table nothing else")
+    if output is None and not (made and any(path for path, _ in writes)):
+        needed = "--output, --header, --fmu, --text or --figure" if made else "--output FILE.nc"
+        raise stop(Status.INVALID, f"{file}: {needed} is needed")
     if scheduler is not None and workers:
         refusal = "--workers: a scheduler has its own, start them by dask worker ADDRESS"
         raise stop(Status.INVALID, refusal)
@@ -79,7 +80,7 @@ def table(
         _check_folder(path)
     _check_code(header, fmu)
     with bad_input_told():
-        if made:
+        if made and output is None:
             found = open_table(file)
         else:
             try:

@@ -14,7 +14,7 @@ from tractive_sam.lookup.coordinates import (
     by_coordinates,
     creepages_at,
 )
-from tractive_sam.lookup.creep_table import CreepTable, Forces
+from tractive_sam.lookup.creep_table import CreepTable, Forces, share_of_bar
 from tractive_sam.lookup.header import (
     arguments_of,
     c_header,
@@ -44,4 +44,5 @@ __all__ = [
     "columns_of",
     "creepages_at",
     "plain_title",
+    "share_of_bar",
 ]

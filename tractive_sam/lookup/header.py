@@ -37,7 +37,8 @@ HEAD = """\
    gradient[9] with their derivatives by xi_x, xi_y, spin, those of Qx first. Returns 0; 1 if a
    creepage is no number or several are infinite, 2 if a property is not positive and finite, 3 if
    a/b is not from @LOW@ to @HIGH@, 4 if another value is outside the table:
-@RANGES@   arrays are left as they are then. Tolerance over mu P: @TOLERANCE@. */
+@RANGES@   arrays are left as they are then. Tolerance over mu P: @TOLERANCE@.
+@GRADIENTS@ */
 #ifndef @GUARD@
 #define @GUARD@
 #include <math.h>
@@ -196,6 +197,7 @@ def c_header(table: CreepTable, name: str = "creep_forces") -> str:
         "CHECKS": "".join(_check(table, one) for one in table.names),
         "WHOLE": str(int(table.whole)),
         "TOLERANCE": f"{float(table.about.get('tolerance', np.nan)):g}",
+        "GRADIENTS": _describe_gradients(table),
         "LOW": f"{low:.6g}",
         "HIGH": f"{high:.6g}",
         "SPIN": _number(SPIN),
@@ -276,6 +278,18 @@ def plain_title(table: CreepTable) -> str:
     """The title without what a comment of C or an attribute of XML could not hold."""
     title = str(table.about.get("title", ""))
     return re.sub(r"[^\w ,.;:()-]", " ", title, flags=re.ASCII) or "A table"
+
+
+def _describe_gradients(table: CreepTable) -> str:
+    """The error bars of gradients at rest, as lines of a comment."""
+    if table.gradient_bars is None:
+        return "   Error bars of gradients are not known."
+    rest = table.gradient_bars[0].max(axis=1)
+    forces = ", ".join(f"{one:.1e}" for one in rest)
+    return (
+        f"   Error bars of gradients at rest, over sqrt(K_ii K_jj), K_ii the slopes at rest:\n"
+        f"   {forces} of Qx, Qy, Mz; elsewhere see gradient_error of the table in Python."
+    )
 
 
 def _told_range(table: CreepTable, name: str) -> str:

@@ -21,6 +21,7 @@ def faults_of_table(
     apart: Sequence[str] = (),
     whole: bool = False,
     contact: Mapping[str, float] | None = None,
+    gradient_bars: Any = None,
 ) -> Iterator[str]:
     """Yield what is wrong with the parts of a `CreepTable`, each with its variable.
 
@@ -34,6 +35,8 @@ def faults_of_table(
     shape = tuple(map(len, axes))
     yield from _of_array("coefficients", coefficients, (*shape, 2 ** len(shape), 3))
     yield from _of_array("error_bar", bars, (*shape, 3), least=0.0)
+    if gradient_bars is not None:
+        yield from _of_array("gradient_bar", gradient_bars, (shape[-1], 3, 3), least=0.0)
     if len(between) != len(every):
         yield f"between: for {len(between)} axes; allowed: for all {len(every)}"
         return

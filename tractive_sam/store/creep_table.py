@@ -24,10 +24,15 @@ CHECKS = ("check_points", "check_errors", "check_told")
 HELD_OUT = ("held_out", "held_out_median", "held_out_worst", "held_out_inside")
 """What these points say of the errors of the table."""
 
+GRADIENTS = (
+    "gradient_checks", "gradient_median", "gradient_worst", "gradient_at_rest", "gradient_inside",
+)  # fmt: skip
+"""Summary of the measured errors of gradients."""
+
 TEXTS = ("format", "axes", "apart", "scaling", "version", "title", "design")
 """Attributes that are texts."""
 
-NUMBERS = ("whole", "rounds", "contacts", "cpu_seconds", "widened", *HELD_OUT)
+NUMBERS = ("whole", "rounds", "contacts", "cpu_seconds", "widened", *HELD_OUT, *GRADIENTS)
 """Attributes that are numbers."""
 
 POSITIVE = ("tolerance", "a", "b", "load", "mu", "shear")
@@ -50,6 +55,8 @@ class StoredTable:
         Errors of interpolation within the intervals of each axis; empty along an axis of one node.
     about : mapping
         Attributes of the file, and the points that were held out.
+    gradient_bars : ndarray or None
+        Error bars of gradients; none in files from before they were measured.
     """
 
     names: tuple[str, ...]
@@ -58,6 +65,7 @@ class StoredTable:
     bars: np.ndarray
     between: tuple[np.ndarray, ...]
     about: Mapping[str, Any]
+    gradient_bars: np.ndarray | None = None
 
 
 def read_creep_table(path: Path) -> StoredTable:
@@ -102,7 +110,8 @@ def _stored(file: h5py.File) -> StoredTable:
     )
     about |= {name: _numbers(file, name) for name in CHECKS if name in file}
     coefficients, bars = (_numbers(file, name) for name in ("coefficients", "error_bar"))
-    return StoredTable(names, axes, coefficients, bars, between, about)
+    gradient_bars = _numbers(file, "gradient_bar") if "gradient_bar" in file else None
+    return StoredTable(names, axes, coefficients, bars, between, about, gradient_bars)
 
 
 def _numbers(file: h5py.File, name: str) -> np.ndarray:
@@ -127,7 +136,8 @@ def _about(file: h5py.File) -> dict[str, Any]:
             raise ValueError(f"{name}: {value!r}; allowed: a finite number")
         elif name in POSITIVE and value <= 0.0:
             raise ValueError(f"{name}: {value!r}; allowed: a positive number")
-    for together in (HELD_OUT, CHECKS, ("a", "b", "load", "mu", "shear")):
+    bars = (*GRADIENTS, "gradient_bar")
+    for together in (HELD_OUT, CHECKS, bars, ("a", "b", "load", "mu", "shear")):
         lacking = [name for name in together if name not in about and name not in file]
         if lacking and len(lacking) < len(together):
             raise ValueError(f"no {', '.join(lacking)}; allowed: all of {', '.join(together)}")

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterable
-from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from dataclasses import dataclass, field, replace
 from os import PathLike
 from time import process_time
 
@@ -16,11 +16,14 @@ from scipy.stats import qmc
 from tractive_sam.lookup import CreepTable, Hermite, by_coordinates, cell_of, creepages_at
 from tractive_sam.reference import full_slip_with_spin
 from tractive_sam.scene import Fault
+from tractive_sam.store import ResultsError
 from tractive_sam.studies import check_installed, local_cluster
 from tractive_sam.tables.coefficients import coefficients
 from tractive_sam.tables.contacts import Solved
 from tractive_sam.tables.design import TableDesign, TableError
+from tractive_sam.tables.gradient_errors import GradientBars, GradientChecks
 from tractive_sam.tables.grid import CreepageGrid
+from tractive_sam.tables.opening import is_table, open_table
 from tractive_sam.tables.solving import SHARE, Job, Solve, elsewhere, here
 
 FIRST_U = (0.0, 0.2, 0.4, 0.475, 0.55, 0.625, 0.7, 0.85, 1.0)
@@ -81,12 +84,14 @@ def build_table(
     workers: int = 0,
     say: Callable[[str], None] | None = None,
 ) -> CreepTable:
-    """Make a table of creep forces.
+    """Make a table of creep forces, or add to one what it lacks.
 
     Parameters
     ----------
     design : TableDesign or path-like
-        What it is to hold, or its file (TOML).
+        What it is to hold, or its file (TOML). The file or the name of a table gives the same table
+        with slopes at rest of fine meshes and error bars of gradients, which files from before
+        these were computed lack; the other contacts are not solved again.
     path : path-like, optional
         File to write, netCDF; see `open_table`.
     progress : callable, optional
@@ -123,20 +128,37 @@ def build_table(
     >>> ts.open_table("rough.nc").nodes == table.nodes
     True
     """
-    design = design if isinstance(design, TableDesign) else TableDesign.from_toml(design)
-    chosen: AbstractContextManager = nullcontext((scheduler, None))
-    if scheduler is not None or workers:
-        check_installed()
-        chosen = chosen if scheduler is not None else local_cluster(workers)
-    with chosen as (address, security):
-        told = say or (lambda _: None)
-        solve = here(design) if address is None else elsewhere(design, address, security, told)
-        table = _Builder(design, solve, progress or (lambda _: None)).built()
+    previous: CreepTable | None = None
+    if not isinstance(design, TableDesign):
+        previous = open_table(design) if is_table(design) else None
+        design = TableDesign.from_toml(design) if previous is None else _design_of(previous)
+    with _solver(design, scheduler, workers, say or (lambda _: None)) as solve:
+        builder = _Builder(design, solve, progress or (lambda _: None))
+        table = builder.built() if previous is None else builder.updated(previous)
     if path is not None:
         from tractive_sam.tables.file import write_table  # noqa: PLC0415 - of an extra
 
         write_table(table, path)
     return table
+
+
+@contextmanager
+def _solver(
+    design: TableDesign, scheduler: str | None, workers: int, say: Callable[[str], None]
+) -> Iterator[Solve]:
+    """What solves contacts: this process, processes of this machine, or a scheduler's workers."""
+    chosen: AbstractContextManager = nullcontext((scheduler, None))
+    if scheduler is not None or workers:
+        check_installed()
+        chosen = chosen if scheduler is not None else local_cluster(workers)
+    with chosen as (address, security):
+        yield here(design) if address is None else elsewhere(design, address, security, say)
+
+
+def _design_of(table: CreepTable) -> TableDesign:
+    if "design" not in table.about:
+        raise ResultsError("design: the table's file lacks it; make the table from a design (TOML)")
+    return TableDesign.from_toml_text(str(table.about["design"]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,6 +181,7 @@ class _Builder:
     round: int = 0
     contacts: int = 0
     seconds: float = 0.0
+    previous_seconds: float = 0.0
 
     def __post_init__(self) -> None:
         design, self.began = self.design, process_time()
@@ -181,7 +204,7 @@ class _Builder:
             if not any(map(len, split)):
                 checked = self._checked(between)
                 if checked.about["held_out_worst"] <= self.design.tolerance:
-                    return checked
+                    return self._with_gradient_bars(checked)
                 self.held_out += map(tuple, checked.about["check_points"])
                 continue
             self.round += 1
@@ -195,6 +218,19 @@ class _Builder:
                     "a larger tolerance, more nodes (most), or less along the axes",
                 )
                 raise TableError([fault])
+
+    def updated(self, previous: CreepTable) -> CreepTable:
+        """The table of the nodes of a previous one: rest is solved again, gradients are checked."""
+        self.axes, coefficients = list(previous.law.axes), previous.law.coefficients
+        self.contacts = int(previous.about.get("contacts", 0))
+        self.previous_seconds = float(previous.about.get("cpu_seconds", 0.0))
+        by_heading_tilt_u = np.moveaxis(coefficients[..., [4, 2, 1], :], -2, -1)
+        for place in np.ndindex(previous.bars.shape[:-1]):
+            point = tuple(float(axis[k]) for axis, k in zip(self.axes, place, strict=True))
+            if point[-1] > 0.0:
+                force = coefficients[place][0]
+                self.nodes[point] = Solved(force, previous.bars[place], by_heading_tilt_u[place])
+        return self._with_gradient_bars(self._table(previous.between, previous.about))
 
     def _refined(self, axis: int, split: np.ndarray) -> np.ndarray:
         """The nodes of an axis with intervals divided; those of creepages stay symmetric."""
@@ -219,8 +255,6 @@ class _Builder:
             "design": design.to_toml(),
             "tolerance": design.tolerance,
             "rounds": self.round,
-            "contacts": self.contacts,
-            "cpu_seconds": max(self.seconds, process_time() - self.began),
             "held_out": len(errors),
             "held_out_median": float(np.median(errors)),
             "held_out_worst": float(np.max(errors)),
@@ -229,6 +263,44 @@ class _Builder:
         }
         checks = {"check_points": np.array(points), "check_errors": off, "check_told": wider * told}
         return self._table([wider * one for one in between], about | checks, wider)
+
+    def _with_gradient_bars(self, table: CreepTable) -> CreepTable:
+        """The table with error bars of its gradients, and what making it took."""
+        axis, lead = self.axes[-1], self.lead
+        # A place costs a dozen fine meshes, for its slopes at rest: so few do, by the table's size.
+        number, random = np.clip(table.nodes // 40, 4, 24), np.random.default_rng(self.design.seed)
+        shares = random.random((number, len(axis) - 1, len(self.axes)))
+        shares[..., :lead] = shares[:, :1, :lead]  # a point in each interval of u, at each place
+        steps = np.arange(len(axis) - 1) + shares[..., -1]
+        shares[..., -1] = np.interp(steps, np.arange(len(axis)), axis)
+        points = self._at_shares(shares.reshape(-1, len(self.axes)))
+        places = {one[:lead] for one in (*points, *itertools.product(*self.axes[:lead]))}
+        moving = self._checks(points, table, finer=True)
+        at_rest = self._checks([(*place, 0.0, 0.0, 0.0) for place in sorted(places)], table)
+        bars = GradientBars.from_errors(
+            axis, moving.points[:, -1], moving.errors(table), at_rest.errors(table)
+        )
+        made = {
+            "contacts": self.contacts,
+            "cpu_seconds": self.previous_seconds + max(self.seconds, process_time() - self.began),
+        }
+        about = {**table.about, **bars.about, **made}
+        return replace(table, about=about, gradient_bars=bars.values)
+
+    def _checks(
+        self, points: list[tuple[float, ...]], table: CreepTable, finer: bool = False
+    ) -> GradientChecks:
+        """Gradients solved at points, where asked on finer meshes than those of the nodes."""
+        lead = self.lead
+        jobs = [replace(self._job(point[:lead], point[lead:]), finer=finer) for point in points]
+        self._solve(jobs, table.nodes)
+        return GradientChecks(
+            np.array(points),
+            np.array([job.w for job in jobs]),
+            np.array([self.design.ratio(job.place) for job in jobs]),
+            np.array([self.solved[job].gradient for job in jobs]),
+            np.array([self.solved[job].gradient_bar for job in jobs]),
+        )
 
     def _table(self, between, about=None, wider: float = 1.0) -> CreepTable:
         shape = tuple(map(len, self.axes))

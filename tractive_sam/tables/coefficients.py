@@ -58,6 +58,7 @@ def coefficients(
                 }
                 found[some] = np.mean(list(parts.values()), axis=0)
                 _keep_known(found[some], parts, count - 3, whole)
+                _keep_at_rest(found[some], parts, count)
     places = [
         frozenset(k for k in range(count) if d >> (count - 1 - k) & 1) for d in range(2**count)
     ]
@@ -71,6 +72,16 @@ def _keep_known(values: np.ndarray, parts: dict, heading: int, whole: bool) -> N
             for place in _known(values.ndim, axis, heading, whole):
                 values[place] = parts[axis][place]
             return
+
+
+def _keep_at_rest(values: np.ndarray, parts: dict, count: int) -> None:
+    """At rest, take mixed derivatives by u of the slopes by u, which are known there.
+
+    Derivatives by other axes are zero at rest: their differences along u say less of it.
+    """
+    others = [part for axis, part in parts.items() if axis < count - 3]
+    if count - 1 in parts and others and not {count - 3, count - 2} & parts.keys():
+        values[..., 0, :] = np.mean([part[..., 0, :] for part in others], axis=0)
 
 
 def _known(dims: int, axis: int, heading: int, whole: bool) -> list[tuple]:

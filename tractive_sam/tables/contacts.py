@@ -1,7 +1,7 @@
 """The contacts behind a table: forces, gradient and error bar at scaled creepages."""
 
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -11,6 +11,7 @@ from tractive_sam.contact import Model, State, fitted, jacobian_of
 from tractive_sam.operators import one_blas_thread
 from tractive_sam.run import measured_gap, nearby, under, warn_of_gap
 from tractive_sam.scene import Scene
+from tractive_sam.tables.rest_slopes import extrapolate_slopes, rest_meshes
 
 MARGIN = 2
 """Elements beside those across the contact."""
@@ -39,11 +40,14 @@ class Solved:
         Their error bars.
     gradient : ndarray, shape (3, 3)
         Derivatives of the three by scaled creepages.
+    gradient_bar : ndarray, shape (3, 3)
+        Error bars of the derivatives, at rest; zero elsewhere, where checks of the table find them.
     """
 
     force: np.ndarray
     bar: np.ndarray
     gradient: np.ndarray
+    gradient_bar: np.ndarray = field(default_factory=lambda: np.zeros((3, 3)))
 
 
 class Contacts:
@@ -76,6 +80,8 @@ class Contacts:
     ) -> Solved:
         """Solve on ever finer meshes until the error bars are within what is wanted.
 
+        At rest there are no forces to judge a mesh by; the gradient is extrapolated there.
+
         Raises
         ------
         RuntimeError
@@ -88,8 +94,29 @@ class Contacts:
             meshes.append(odd(meshes[-1] * 2.0**0.5))
             states.append(self._state(w, meshes[-1]))
             forces.append(self._scaled(states[-1]))
-        slopes = self._gradient(states[-1], meshes[-1]) if gradient else np.zeros((3, 3))
-        return Solved(forces[-1], bar, slopes)
+        if not gradient:
+            return Solved(forces[-1], bar, np.zeros((3, 3)))
+        if np.any(w):
+            return Solved(forces[-1], bar, self._gradient(states[-1], meshes[-1]))
+        return Solved(forces[-1], bar, *self.slopes_at_rest(rest_meshes(elements, finest, wanted)))
+
+    def slopes_at_rest(self, meshes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the gradient at rest on an infinitely fine mesh and its error bars, both (3, 3).
+
+        Parameters
+        ----------
+        meshes : ndarray, shape (M,)
+            Elements across the contact of the meshes to extrapolate from.
+        """
+        slopes, moments = [], []
+        for n in map(int, meshes):
+            stays = n in self._models
+            contact = self._state(np.zeros(3), n)
+            slopes.append(self._gradient(contact, n))
+            moments.append(self._excess_moments(contact, n))
+            if not stays:  # fine meshes are used once, and their operators are large
+                del self._models[n], self._last[n]
+        return extrapolate_slopes(meshes, np.array(slopes), np.array(moments))
 
     def forces(self, w: np.ndarray, elements: int) -> np.ndarray:
         """Forces on one mesh, shape (3,)."""
@@ -118,6 +145,19 @@ class Contacts:
     def _scaled(self, contact: State) -> np.ndarray:
         # By the load that the mesh carries is by that asked for, to its tolerance.
         return np.array([contact.Qx, contact.Qy, contact.Mz]) / self._unit
+
+    def _excess_moments(self, contact: State, elements: int) -> np.ndarray:
+        """Second moments of the covered area over those of Hertz's ellipse, less 1; of others none.
+
+        Shape (2,), x² first, or (0,).
+        """
+        if self.scene.gap is not None:
+            return np.empty(0)
+        grid, touches = self._model(elements).grid, contact.pressure > 0.0
+        a, b = self._reach
+        moments = np.array([touches.sum(axis=1) @ grid.x**2, touches.sum(axis=0) @ grid.y**2])
+        exact = 0.25 * np.pi * a * b * np.array([a**2, b**2])
+        return moments * grid.dx * grid.dy / exact - 1.0
 
     def _state(self, w: np.ndarray, elements: int) -> State:
         model = self._model(elements)

@@ -59,11 +59,7 @@ def write_table(table: CreepTable, path: str | PathLike[str]) -> None:
                 errors,
                 {"long_name": meaning, "units": "1"},
             )
-    for name, meaning in CHECKS.items():
-        if name in table.about:
-            last = "axis" if name == "check_points" else "force"
-            values = np.asarray(table.about[name])
-            variables[name] = (("check", last), values, {"long_name": meaning, "units": "1"})
+    variables |= _checked_errors(table)
     coordinates: dict[str, Any] = {
         name: ((name,), nodes, {"long_name": MEANINGS.get(name, name), "units": "1"})
         for name, nodes in zip(every, axes, strict=True)
@@ -77,6 +73,24 @@ def write_table(table: CreepTable, path: str | PathLike[str]) -> None:
         "scaling": SCALING + ("" if table.whole else SYMMETRIES),
         "version": versions()["tractive-sam"],
     } | dict(table.contact or {})
-    dataset = xarray.Dataset(variables, coordinates, told | about)
+    dataset = xarray.Dataset(variables, coordinates, about | told)
     kept = {name: {"zlib": True, "complevel": 4} for name in ("coefficients", "error_bar")}
     write_netcdf(path, dataset, kept)
+
+
+def _checked_errors(table: CreepTable) -> dict[str, Any]:
+    """Variables of the points held out, and of the error bars of gradients."""
+    variables: dict[str, Any] = {}
+    for name, meaning in CHECKS.items():
+        if name in table.about:
+            last = "axis" if name == "check_points" else "force"
+            values = np.asarray(table.about[name])
+            variables[name] = (("check", last), values, {"long_name": meaning, "units": "1"})
+    if table.gradient_bars is not None:
+        meaning = "error bars of gradients over sqrt(K_ii K_jj): at rest, within each interval of u"
+        variables["gradient_bar"] = (
+            ("gradient_interval", "force", "creepage"),
+            table.gradient_bars,
+            {"long_name": meaning, "units": "1"},
+        )
+    return variables

@@ -69,6 +69,7 @@ def open_table(name: str | PathLike[str]) -> CreepTable:
             tuple(str(about.get("apart", "")).split()),
             bool(about.get("whole", 0)),
             {key: float(about[key]) for key in CONTACT} if CONTACT[0] in about else None,
+            found.gradient_bars,
         )
     except ValueError as error:
         raise DamagedError(f"{path} is damaged: {error}; make it again") from error

@@ -35,11 +35,14 @@ class Job:
         Scaled creepages.
     gradient : bool
         Whether their derivatives are needed.
+    finer : bool
+        Whether to begin with twice the elements of the design, to check what others gave.
     """
 
     place: Place
     w: tuple[float, float, float]
     gradient: bool = True
+    finer: bool = False
 
 
 @dataclass(frozen=True)
@@ -62,8 +65,8 @@ def solve(text: str, jobs: Sequence[Job]) -> Batch:
     before, wanted, found = contacts.solved, SHARE * design.tolerance, []
     for job in jobs:
         interrupt.heed()
-        w = np.array(job.w)
-        found.append(contacts.solve(w, design.elements, design.finest, wanted, job.gradient))
+        w, elements = np.array(job.w), design.elements * (2 if job.finer else 1)
+        found.append(contacts.solve(w, elements, design.finest, wanted, job.gradient))
     return Batch(found, contacts.solved - before, process_time() - began)
 
 

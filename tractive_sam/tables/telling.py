@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from os import PathLike
 from typing import Any
 
@@ -60,6 +61,7 @@ def explain_table(table: CreepTable) -> explain.Explanation:
             f"{about['held_out_median']:.1e} of mu P in the median, {about['held_out_worst']:.1e} "
             f"at most; {about['held_out_inside']:.1%} within what the table tells",
         ))  # fmt: skip
+    errors.append(("gradients", gradient_quality(about)))
     made = [("version", str(about.get("version", "unknown")))]
     if {"contacts", "cpu_seconds"} <= about.keys():
         spent = f"{about['contacts']} contacts, {about['cpu_seconds']:.3g} s of one core"
@@ -77,6 +79,17 @@ def explain_table(table: CreepTable) -> explain.Explanation:
             ("elsewhere", "tractive-sam table FILE, with --header, --fmu, --text or --figure"),
         ]),
     ))  # fmt: skip
+
+
+def gradient_quality(about: Mapping[str, Any]) -> str:
+    """Describe the measured errors of a table's gradients."""
+    if "gradient_checks" not in about:
+        return "errors not measured; tractive-sam table FILE.nc -o NEW.nc measures them"
+    return (
+        f"at rest within {about['gradient_at_rest']:.1e} of sqrt(K_ii K_jj), K_ii the slopes at "
+        f"rest; at {about['gradient_checks']} points {about['gradient_median']:.1e} in the median, "
+        f"{about['gradient_worst']:.1e} at most, {about['gradient_inside']:.1%} within error bars"
+    )
 
 
 def explain_design(design: TableDesign) -> explain.Explanation:

@@ -1,0 +1,88 @@
+"""Gradients of the built-in table of steel against contacts solved on finer meshes.
+
+Slopes at rest, Kalker's creep coefficients C11, C22, C23 (by spin of the lateral force; by lateral
+creepage of the moment) and C33, over a/b: the reference is extrapolated from 22 meshes
+of 29 to 131 elements across the contact. Then gradients at random points, as
+`benchmarks/tables.py` draws them, against contacts of 43 elements: largest of the nine errors over
+sqrt(K_ii K_jj), K_ii the slopes at rest.
+
+    python benchmarks/table_gradients.py [POINTS]
+"""
+
+import math
+import sys
+
+import numpy as np
+from timing import show, write
+
+import tractive_sam as ts
+from tractive_sam.reference import creep_coefficients
+from tractive_sam.tables.contacts import Contacts, unit_scene
+
+NAMES = {"C11": (0, 0), "C22": (1, 1), "C23, force": (1, 2), "C23, moment": (2, 1), "C33": (2, 2)}
+KALKER = {"C11": "C11", "C22": "C22", "C23, force": "C23", "C33": "C33"}
+
+
+def contact_of(ratio: float) -> dict:
+    """Return a contact in which scaled creepages are creepages: G = mu P = c = 1."""
+    root = math.sqrt(ratio)
+    return {"a": root, "b": 1.0 / root, "load": 1.0, "mu": 1.0, "shear": 1.0}
+
+
+def at_rest(table: ts.CreepTable, ratio: float) -> dict:
+    """Return the errors of the slopes at rest of one a/b, in percent."""
+    meshes = 2 * np.unique(np.rint(np.geomspace(29, 131, 22) / 2).astype(int)) + 1
+    limit, bar = Contacts(unit_scene(ratio, 0.3)).slopes_at_rest(meshes)
+    found = table(0.0, 0.0, 0.0, **contact_of(ratio))
+    kalker = creep_coefficients(ratio, 0.3)
+    row = {"a/b": ratio}
+    for name, at in NAMES.items():
+        size = abs(limit[at])
+        row[name] = 100.0 * (found.gradient[at] / limit[at] - 1.0)
+        row[f"bar of {name}"] = 100.0 * found.gradient_error[at] / size
+        row[f"reference of {name}"] = 100.0 * bar[at] / size
+        if name in KALKER:
+            row[f"Kalker of {name}"] = 100.0 * (getattr(kalker, KALKER[name]) / size - 1.0)
+    return row
+
+
+def anywhere(table: ts.CreepTable, count: int, per_ratio: int = 5) -> list[dict]:
+    """Return relative errors of gradients at random points, and whether the bars contain them."""
+    random, rows = np.random.default_rng(60), []
+    while len(rows) < count:
+        ratio = float(np.exp(random.uniform(*np.log(table.ellipticity))))
+        contacts = Contacts(unit_scene(ratio, 0.3))
+        slopes = np.abs(np.diag(table(0.0, 0.0, 0.0, **contact_of(ratio)).gradient))
+        size = np.sqrt(np.outer(slopes, slopes))
+        for w in random.normal(size=(per_ratio, 3)) * [0.4, 0.4, 0.8]:
+            solved = contacts.solve(w, 43, 43, 1.0).gradient
+            found = table(*w, **contact_of(ratio))
+            off = np.abs(found.gradient - solved)
+            inside = bool((off <= found.gradient_error).all())
+            rows.append({"ratio": ratio, "forces": float((off / size)[:2].max()),
+                         "moment": float((off / size)[2].max()), "inside": inside})  # fmt: skip
+    return rows[:count]
+
+
+def main() -> None:
+    """Print and write both comparisons."""
+    table = ts.open_table("steel")
+    count = int(sys.argv[1]) if len(sys.argv) > 1 else 60
+    low, high = table.ellipticity
+    ratios = (low, 0.3, 0.42, 0.5, 0.7, 1.0, 1.2, 1.7, 2.0, 2.4, 3.1, 3.7, 3.9, high)
+    rows = [at_rest(table, min(max(ratio, low), high)) for ratio in ratios]
+    show("errors of slopes at rest, in percent", rows)
+    print(write("table_slopes", rows))
+    points = anywhere(table, count)
+    about = {"points": count, "inside": float(np.mean([row["inside"] for row in points]))}
+    for name in ("forces", "moment"):
+        errors = np.array([row[name] for row in points])
+        about |= {f"{name} median": float(np.median(errors)),
+                  f"{name} 95%": float(np.quantile(errors, 0.95)),
+                  f"{name} largest": float(errors.max())}  # fmt: skip
+    show(f"errors of gradients at {count} points, over sqrt(K_ii K_jj)", [about])
+    print(write("table_gradients", [about]))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,116 @@
+"""Error bars of the gradients of a table, from contacts that are held out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tractive_sam.lookup import Coordinates, CreepTable, cell_of, share_of_bar
+
+
+@dataclass(frozen=True, eq=False)
+class GradientChecks:
+    """Gradients that are solved at points of a table.
+
+    Attributes
+    ----------
+    points : ndarray, shape (P, N)
+        Points along the axes of the table.
+    w : ndarray, shape (P, 3)
+        Their scaled creepages.
+    ratio : ndarray, shape (P,)
+        Their a/b.
+    gradients : ndarray, shape (P, 3, 3)
+        Derivatives of scaled forces by scaled creepages there.
+    bars : ndarray, shape (P, 3, 3)
+        Error bars of these derivatives.
+    """
+
+    points: np.ndarray
+    w: np.ndarray
+    ratio: np.ndarray
+    gradients: np.ndarray
+    bars: np.ndarray
+
+    def errors(self, table: CreepTable) -> np.ndarray:
+        """Return the errors of a table over sqrt(K_ii K_jj), shape (P, 3, 3), at least the bars."""
+        where = Coordinates.of(self.w.T, self.ratio, table.whole)
+        points = (*self.points.T[: len(table.names)], *where.points)
+        found = np.moveaxis(table.gradient_at(points, where), -1, 0)
+        size = np.sqrt(table.slopes_at_rest(points, where.r0)).T
+        off = np.maximum(np.abs(found - self.gradients), self.bars)
+        return off / (size[:, :, None] * size[:, None, :])
+
+
+@dataclass(frozen=True, eq=False)
+class GradientBars:
+    """Error bars of gradients, as `CreepTable.gradient_bars`, and a summary of their checks.
+
+    Attributes
+    ----------
+    values : ndarray, shape (n_u, 3, 3)
+        Error bars at rest, and within each interval of u.
+    about : dict
+        Number of checks, their median and largest error, the largest one at rest, and the share of
+        checks within the bars.
+    """
+
+    values: np.ndarray
+    about: dict[str, float]
+
+    @classmethod
+    def from_errors(
+        cls,
+        nodes: np.ndarray,
+        u: np.ndarray,
+        errors: np.ndarray,
+        at_rest: np.ndarray,
+        *,
+        inside: float = 0.97,
+        shared: float = 0.05,
+    ) -> GradientBars:
+        """Take root mean squares of each interval, times a factor that suits all checks.
+
+        A check is judged by the bars that the others give. At rest, where contacts are solved on
+        many meshes, the largest error counts.
+
+        Parameters
+        ----------
+        nodes : ndarray, shape (n_u,)
+            Nodes along u.
+        u : ndarray, shape (P,)
+            Where the checks are; several in each interval.
+        errors : ndarray, shape (P, 3, 3)
+            Their errors.
+        at_rest : ndarray, shape (R, 3, 3)
+            Errors at rest.
+        inside : float
+            Share of the checks that are to be within: 95 of 100, and the scatter of such shares.
+        shared : float
+            Least bar of a derivative, over the largest of the nine.
+        """
+        cells, rest = cell_of(nodes, u), at_rest.max(axis=0)
+        count = np.bincount(cells, minlength=len(nodes) - 1)
+        sums = np.zeros((len(nodes) - 1, 3, 3))
+        np.add.at(sums, cells, errors**2)
+        others = (sums[cells] - errors**2) / np.maximum(count[cells] - 1, 1)[:, None, None]
+        beyond = np.maximum(errors - rest, 0.0) / _spread(others, shared)
+        shares = beyond.max(axis=(1, 2)) / share_of_bar(nodes, u)
+        factor = max(1.0, float(np.quantile(shares, inside)))
+        bars = factor * _spread(sums / np.maximum(count, 1)[:, None, None], shared)
+        worst = errors.max(axis=(1, 2))
+        about = {
+            "gradient_checks": len(errors),
+            "gradient_median": float(np.median(worst)),
+            "gradient_worst": float(worst.max()),
+            "gradient_at_rest": float(rest.max()),
+            "gradient_inside": float(np.mean(shares <= factor)),
+        }
+        return cls(np.concatenate([rest[None], bars]), about)
+
+
+def _spread(squares: np.ndarray, shared: float) -> np.ndarray:
+    """Root mean squares (..., 3, 3), none of them far less than the largest one."""
+    roots = np.sqrt(squares)
+    return np.maximum(roots, shared * roots.max(axis=(-2, -1), keepdims=True) + 1e-12)
