@@ -2,7 +2,6 @@
 
 import math
 import shutil
-from dataclasses import replace
 
 import h5py
 import numpy as np
@@ -11,7 +10,7 @@ from typer.testing import CliRunner
 
 import tractive_sam as ts
 from tractive_sam.cli import app
-from tractive_sam.lookup import c_header, cell_of, share_of_bar
+from tractive_sam.lookup import cell_of, share_of_bar
 from tractive_sam.reference import creep_coefficients
 from tractive_sam.tables import builtin_tables, explain_table
 from tractive_sam.tables.coefficients import coefficients
@@ -40,7 +39,7 @@ def slopes(table, ratio):
 @pytest.mark.parametrize("ratio", [0.7, 3.9])
 def test_slopes_at_rest_are_those_of_fine_meshes(table, ratio):
     """Between the nodes along a/b, against meshes that the table has not seen."""
-    meshes = 2 * np.unique(np.rint(np.geomspace(33, 91, 12) / 2).astype(int))
+    meshes = 2 * np.unique(np.rint(np.geomspace(33, 81, 10) / 2).astype(int))
     limit, bar = Contacts(unit_scene(ratio, 0.3)).slopes_at_rest(meshes + 1)
     found = slopes(table, ratio)
     known = np.abs(limit) > 0.1  # others are zero by symmetry
@@ -127,20 +126,17 @@ def test_error_bars_of_gradients_contain_new_errors():
     bars = GradientBars.from_errors(nodes, *errors(300), np.full((4, 3, 3), 1e-3))
     np.testing.assert_array_equal(bars.values[0], 1e-3)
     assert bars.about["gradient_at_rest"] == 1e-3
-    table = replace(ts.open_table("steel"), gradient_bars=bars.values)
     u, found = errors(4000)
-    law = replace(table.law, axes=(*table.law.axes[:-1], nodes))
-    reported = bar_at(replace(table, law=law), u)
+    reported = bars_at(nodes, bars.values, u)
     # Of new points, all nine derivatives: 95 of 100 are to be within.
     assert np.mean((found <= reported).all(axis=(1, 2))) >= 0.95
 
 
-def bar_at(table, u):
-    """Relative bars at places along u."""
-    nodes = table.law.axes[-1]
+def bars_at(nodes, values, u):
+    """Return bars at places along u, over sqrt(K_ii K_jj)."""
     cell = cell_of(nodes, u)
-    bars = share_of_bar(nodes, u)[:, None, None] * table.gradient_bars[1 + cell]
-    return bars + np.where(cell == 0, 1.0, 0.0)[:, None, None] * table.gradient_bars[0]
+    bars = share_of_bar(nodes, u)[:, None, None] * values[1 + cell]
+    return bars + (cell == 0)[:, None, None] * values[0]
 
 
 def test_gradients_anywhere_are_within_their_error_bars(table):
@@ -194,8 +190,6 @@ def test_files_from_before_gradients_were_measured(tmp_path, table):
     )
     assert "tractive-sam table" in old_row  # how to measure them
     assert f"{table.about['gradient_checks']} points" in row
-    assert "gradient_error" in c_header(table, "steel")
-    assert "gradient_error" not in c_header(old, "old")
 
 
 def test_show_reports_gradients_of_the_table_of_steel():

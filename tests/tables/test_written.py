@@ -3,6 +3,7 @@
 import math
 import shutil
 import subprocess
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -220,3 +221,20 @@ def test_fmus_refuse(tmp_path, monkeypatch):
 def test_a_name_of_no_file(tmp_path):
     with pytest.raises(ResultsError):
         open_table(tmp_path / "none.nc")
+
+
+def test_headers_report_error_bars_of_gradients():
+    """At rest, or that there are none."""
+    table = of_any()
+    assert "gradients are not known" in c_header(table)
+    bars = np.full((3, 3, 3), 0.5)
+    bars[0] = np.array([1e-3, 2e-3, 4e-3])[:, None]
+    assert "1.0e-03, 2.0e-03, 4.0e-03 of Qx, Qy, Mz" in c_header(replace(table, gradient_bars=bars))
+
+
+@pytest.mark.parametrize(
+    "bars", [np.zeros((2, 3, 3)), -np.ones((3, 3, 3)), np.full((3, 3, 3), np.nan)]
+)
+def test_error_bars_of_gradients_that_are_none(bars):
+    with pytest.raises(ValueError, match="gradient_bar"):
+        replace(of_any(), gradient_bars=bars)
