@@ -131,9 +131,11 @@ class CreepTable:
 
     def __post_init__(self) -> None:
         """Check all parts."""
-        law, errors = self.law, (self.bars, self.between)
-        kind = (self.apart, self.whole, self.contact, self.gradient_bars)
-        faults = list(faults_of_table(self.names, law.axes, law.coefficients, *errors, *kind))
+        names, law, arrays = self.names, self.law, (self.bars, self.between)
+        faults = [
+            *faults_of_table(names, law.axes, law.coefficients, *arrays, self.apart, self.whole,
+                             self.contact, self.gradient_bars)
+        ]  # fmt: skip
         if faults:
             raise ValueError("; ".join(faults))
 
