@@ -13,6 +13,7 @@ import numpy as np
 from tractive_sam.contact.equilibrium import finished
 from tractive_sam.contact.measured import sampled
 from tractive_sam.contact.model import Model
+from tractive_sam.contact.step_work import Particles, StepWork
 from tractive_sam.mechanics import Bound, Friction
 from tractive_sam.operators import Lattice, StepOperators, Way
 from tractive_sam.results import Cost, Grid, State, Status, widened
@@ -137,10 +138,47 @@ class Stepped:
         of_mesh = {"displacement": np.zeros((2, 0, 0)), "normal": None}
         return replace(self, contact=self.contact.on(grid), worn=worn, gained=gained, **of_mesh)
 
+    def since(self, earlier: "Stepped | None") -> "Stepped":
+        """Return the step with what it did after a shorter step from the same contact."""
+        if earlier is None:
+            return self
+        return replace(
+            self,
+            supplied=self.supplied - earlier.supplied,
+            friction=self.friction - earlier.friction,
+            distance=self.distance - earlier.distance,
+            gained=self.gained - earlier.gained,
+        )
+
     def presses_like(self, normal: NormalProblem) -> bool:
         """Whether its pressure is known to solve a normal problem."""
         known = self.normal is not None and self.contact.touching.any()
         return bool(known and normal.is_the_same_as(self.normal))
+
+
+@dataclass(frozen=True, eq=False)
+class Carriage:
+    """How particles came to the nodes in a step.
+
+    Attributes
+    ----------
+    way : Way
+        Their way.
+    held : ndarray of bool, shape (n_x, n_y)
+        Which of them are interpolated by a parabola, see `Way.before`.
+    displacement : ndarray, shape (2 or 3, n_x, n_y)
+        Dimensionless displacements that they had before.
+    rigid : ndarray, shape (2, n_x, n_y)
+        Slip of the undeformed bodies, dimensionless.
+    found : ndarray or float
+        The part of it that was found where a force is given.
+    """
+
+    way: Way
+    held: np.ndarray
+    displacement: np.ndarray
+    rigid: np.ndarray
+    found: np.ndarray | float
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,7 +212,7 @@ class Stepper:
     def __init__(self, model: Model):
         if model.friction_law.falls or model.elasticity.layer:
             raise ValueError("laws: a transient takes no friction that falls, and no layer")
-        self.model, self.wear_law = model, model.wear_law
+        self.model, self.wear_law, self.work = model, model.wear_law, StepWork(model)
         grid, (pressure, gap, slip) = model.grid, astuple(model.units)
         self.operators = StepOperators(
             Lattice(grid.elements, grid.dx, grid.dy),
@@ -197,9 +235,10 @@ class Stepper:
         asked : Asked
             What is asked.
         earlier : Stepped, optional
-            The one before that: what the first guess is extrapolated from.
+            The one before that: what the first guess is extrapolated from. With a negative ratio
+            the end of a longer step: the first guess is interpolated.
         ratio : float
-            Length of the step over that of the one before.
+            Length of the step over that of the one before, or minus that over the longer one.
 
         Returns
         -------
@@ -211,16 +250,16 @@ class Stepper:
         past, displacement = before.contact, self._displacement(before, way.reach)
         touching = _ahead((past.pressure > 0.0)[None], way.reach)[0]
         held = way.held(touching) & model.stencil.staggered
-        moved = self._rigid(asked, way, held)
+        rigid = self._rigid(asked, way, way.middle(held))
         came = way.before(displacement, held)
 
         worn = way.carried(before.worn)
-        foreseen = worn if earlier is None else worn + ratio * before.gained
+        foreseen = worn + self._expected(before, earlier, ratio)
         gap = np.where(past.touching, 0.0, past.gap) / model.units.gap
         ahead = _ahead(gap[None], way.reach, edge=True)[0]
         problem = replace(
             self._problem(asked, foreseen.sum(axis=0)),
-            rigid=moved - came[-2:],
+            rigid=rigid - came[-2:],
             forces=model.forces_of(asked.forces),
             entering=way.before(ahead, held),
             ahead=way.length,
@@ -228,7 +267,19 @@ class Stepper:
         outcome = self._solved(problem, before, self._start(before, way, asked, earlier, ratio))
         if len(problem.forces) and outcome.creepage is None:
             outcome = _without_contact(problem, outcome)
-        return self._stepped(before, asked, way, problem, outcome, came, moved, worn)
+        now = self._ended(asked, way, problem, outcome, worn)
+        if not now.contact.converged:
+            return now
+        found = problem.forces.slip(outcome.creepage) if len(problem.forces) else 0.0
+        return self._worked(before, asked, now, Carriage(way, held, came, rigid + found, found))
+
+    def _expected(
+        self, before: Stepped, earlier: Stepped | None, ratio: float
+    ) -> np.ndarray | float:
+        """Return the depths that a step is expected to wear, mm; arguments as of `step`."""
+        if earlier is None:
+            return 0.0
+        return ratio * before.gained if ratio >= 0.0 else -ratio * earlier.gained
 
     def _solved(self, problem: StepProblem, before: Stepped, start: Start | None) -> Outcome:
         model, past, tolerance = self.model, before.contact, self.model.scene.solver.tolerance
@@ -292,7 +343,7 @@ class Stepper:
     def at_rest(self, contact: State) -> Stepped:
         """A contact from which steps may be taken: its energy and displacements."""
         displacement = self._displacement(Stepped(contact), 0)
-        energy, none = self._energy(self._fields(contact), displacement), self._unworn
+        energy, none = self.work.energy(self._fields(contact), displacement), self._unworn
         return Stepped(contact, energy=energy, displacement=displacement, worn=none, gained=none)
 
     @property
@@ -316,17 +367,23 @@ class Stepper:
         operators = self.operators.part(fields.shape[1:]) if reach else self.operators
         return (operators.coupled if len(fields) == 3 else operators.tangential)(fields)
 
-    def _rigid(self, asked: Asked, way: Way, held: np.ndarray) -> np.ndarray:
-        """What the undeformed bodies slip on the way, dimensionless, shape (2, n_x, n_y)."""
+    def _rigid(self, asked: Asked, way: Way, middle: np.ndarray | float) -> np.ndarray:
+        """Slip of the undeformed bodies in a step, dimensionless, shape (2, n_x, n_y).
+
+        Parameters
+        ----------
+        asked : Asked
+            Creepages of the step; one in place of which a force is given does not count.
+        way : Way
+            Its length.
+        middle : ndarray, shape (n_x, n_y), or float
+            Distance from the nodes to the places where the rigid slip is taken, in elements.
+        """
         model, grid = self.model, self.model.grid
         given = [
             0.0 if force is not None else one
             for one, force in zip(asked.creepages, (*asked.forces, None), strict=True)
         ]
-        m, f, d = way.elements, way.part, max(way.length, 1e-300)
-        # Spin makes the rigid slip linear over the way, so that its mean is that in the middle.
-        # Where the way is interpolated by a straight line, so is the rigid slip on it.
-        middle = np.where(held, 0.5 * d, (0.5 * m * m + f * (m + 0.5)) / d)
         if not model.stencil.staggered and way.length:
             middle = middle - 0.5
         x, y = grid.x[:, None] + grid.dx * middle, grid.y[None, :]
@@ -364,99 +421,123 @@ class Stepper:
             None if coupled and pulled.any() else response,
         )
 
-    def _energy(self, fields: np.ndarray, displacement: np.ndarray) -> float:
-        """Half the work of fields on displacements at the nodes of the mesh, N mm."""
-        return 0.5 * self._work(fields, displacement[:, : fields.shape[1]])
-
-    def _work(self, fields: np.ndarray, moved: np.ndarray) -> float:
-        """Work of dimensionless fields on dimensionless displacements, N mm."""
-        units, grid = self.model.units, self.model.grid
-        unit = units.pressure * grid.element_area
-        work = unit * units.slip * grid.dx * float((fields[-2:] * moved[-2:]).sum())
-        if len(fields) == 3:
-            work += unit * units.gap * float((fields[0] * moved[0]).sum())
-        return work
-
-    def _stepped(self, before, asked, way, problem, outcome, came, moved, worn) -> Stepped:
+    def _ended(
+        self, asked: Asked, way: Way, problem: StepProblem, outcome: Outcome, worn: np.ndarray
+    ) -> Stepped:
+        """Return the contact at the end of a step in mm, N and MPa, without its work."""
         model, units = self.model, self.model.units
         known = [k for k in (0, 1) if asked.forces[k] is not None]
         creepages = list(asked.creepages)
         over = way.length or 1.0 / model.grid.dx
-        if known:
-            moved = moved + problem.forces.slip(outcome.creepage)
-            for k, value in zip(known, outcome.creepage, strict=True):
-                creepages[k] = float(value) * units.slip / over
+        for k, value in zip(known, outcome.creepage if known else (), strict=True):
+            creepages[k] = float(value) * units.slip / over
         slip = units.slip / over * model.frame.slip_to_physical(outcome.slip)
         if way.length:
             slip = model.stencil.at_centres(slip)
         depth = self.off(worn.sum(axis=0))
         contact = finished(model, problem, outcome, slip, tuple(creepages), depth)
-        now = Stepped(contact, distance=asked.distance, shifted=not asked.distance, worn=worn)
-        if not model.elasticity.coupled:
-            now = replace(now, normal=problem.normal)
-        if not contact.converged:
-            return now
-        displacement = self._displacement(now, max(way.reach, 1))
-        fields, there = self._fields(contact), self._fields(before.contact)
-        # Half the tractions before and half those after do the work of a step: so what is supplied
-        # is what friction takes and the change of the elastic energy, by the symmetry of A.
-        straight = np.zeros(contact.pressure.shape, bool)
-        came_with = way.before(_ahead(there, way.reach), straight)
-        mean = 0.5 * (fields + came_with)
-        change = displacement[:, : fields.shape[1]] - came
-        slipped = moved + change[-2:]
-        supplied = -self._work(mean[-2:], moved)
-        if len(fields) == 3:
-            supplied += self._work(
-                np.concatenate((mean[:1], 0.0 * mean[1:])),
-                np.concatenate((change[:1], 0.0 * change[1:])),
-            )
-        contact = replace(contact, cost=contact.cost + Cost(1.0))  # for the displacement
-        gained, deep = self._unworn, 0.0
-        if self.wear_law is not None:
-            came_pressed = way.before(_ahead(before.contact.pressure, way.reach), straight)
-            pressure = 0.5 * (contact.pressure + came_pressed)
-            traction = mean[-2:]
-            if not way.length:
-                # A shift slips with the traction that it ends with: where that has turned round
-                # on the way, its mean opposes neither.
-                last = contact.pressure
-                share = np.divide(pressure, last, out=np.zeros_like(last), where=last > 0.0)
-                traction = np.where(last > 0.0, share * fields[-2:], traction)
-            gained = self._gained(asked, pressure, traction, slipped)
-            worn = worn + gained
-            contact = replace(contact, wear=self.off(worn.sum(axis=0)))
-            deep = self._deep(pressure, gained)
-            if deep > 1.0:
-                contact = replace(contact, status=Status.OUT_OF_ITERATIONS, note=TOO_DEEP)
-        return replace(
-            now,
-            contact=contact,
+        return Stepped(
+            contact,
+            distance=asked.distance,
+            shifted=not asked.distance,
+            normal=None if model.elasticity.coupled else problem.normal,
             worn=worn,
-            gained=gained,
-            deep=deep,
-            supplied=supplied,
-            friction=-self._work(mean[-2:], slipped),
-            energy=self._energy(fields, displacement),
-            displacement=displacement,
+            gained=self._unworn,
         )
 
-    def _gained(
-        self, asked: Asked, pressure: np.ndarray, traction: np.ndarray, slipped: np.ndarray
-    ) -> np.ndarray:
+    def _worked(self, before: Stepped, asked: Asked, now: Stepped, carried: Carriage) -> Stepped:
+        """Return a step with its work, its energy and what it wears, see `step_work`."""
+        way, work = carried.way, self.work
+        displacement = self._displacement(now, max(way.reach, 1))
+        further = way.part and self.model.elasticity.coupled  # see _later
+        cost = now.contact.cost + Cost(2.0 if further else 1.0)  # for the displacement
+        now = replace(now, contact=replace(now.contact, cost=cost), displacement=displacement)
+        groups = self._particles(before, asked, now, carried)
+        energy = work.energy(self._fields(now.contact), displacement)
+        supplied, friction = work.supplied(groups), work.friction(groups)
+        if way.part:
+            friction = supplied - (energy - before.energy)
+            groups = work.matched(groups, friction)
+        now = replace(now, supplied=supplied, friction=friction, energy=energy)
+        return now if self.wear_law is None else self._wear(asked, now, way, groups)
+
+    def _particles(
+        self, before: Stepped, asked: Asked, now: Stepped, carried: Carriage
+    ) -> tuple[Particles, ...]:
+        """Return the particles whose tractions do the work of a step."""
+        way, held, past = carried.way, carried.held, before.contact
+        columns, fields = self.model.grid.elements[0], self._fields(past)
+        change = now.displacement[:, :columns] - carried.displacement
+        after = Particles(now.contact.pressure, self._fields(now.contact), change, carried.rigid)
+        if not way.part:
+            came = way.before(_ahead(fields, way.reach), held)
+            pressed = way.before(_ahead(past.pressure[None], way.reach), held)[0]
+            mean = 0.5 * (after.pressure + pressed), 0.5 * (after.fields + came)
+            return (replace(after, pressure=mean[0], fields=mean[1]),)
+        moves = way.spread((~now.contact.sticking).astype(float), np.zeros_like(held))
+        earlier = Particles(
+            past.pressure,
+            fields,
+            self._later(now, way, held) - self._displacement(before, 0)[:, :columns],
+            self._rigid(asked, way, -0.5 * way.length) + carried.found,
+            earlier=True,
+            wearing=(moves[:columns] > 0.0).astype(float),
+        )
+        return replace(after, weight=0.5), replace(earlier, weight=0.5)
+
+    def _later(self, now: Stepped, way: Way, held: np.ndarray) -> np.ndarray:
+        """Displacements after a step of the particles that were at the nodes before it.
+
+        Of dissimilar bodies the adjoint of the interpolation, as the pressure does work on them. Of
+        alike ones a straight line, which takes no application: they only distribute the wear.
+        """
+        columns = self.model.grid.elements[0]
+        if not self.model.elasticity.coupled:
+            return way.after(now.displacement[:, :columns])
+        spread = way.spread(self._fields(now.contact), held)
+        return self.operators.part(spread.shape[1:]).coupled(spread)[:, :columns]
+
+    def _wear(self, asked: Asked, now: Stepped, way: Way, groups: tuple[Particles, ...]) -> Stepped:
+        """Return a step with what its particles wear off."""
+        gained, deep = self._unworn, 0.0
+        for one in groups:
+            depth = self._gained(asked, self._rubbing(now, one, way))
+            deep = max(deep, self._deep(one.pressure, depth))
+            gained += one.weight * (way.carried(depth) if one.earlier else depth)
+        worn = now.worn + gained
+        contact = replace(now.contact, wear=self.off(worn.sum(axis=0)))
+        if deep > 1.0:
+            contact = replace(contact, status=Status.OUT_OF_ITERATIONS, note=TOO_DEEP)
+        return replace(now, contact=contact, worn=worn, gained=gained, deep=deep)
+
+    def _rubbing(self, now: Stepped, particles: Particles, way: Way) -> Particles:
+        """Return particles with the tractions that wear.
+
+        A shift slips with the traction that it ends with: where that has turned round on the way,
+        its mean opposes neither.
+        """
+        if way.length:
+            return particles
+        last, pressure = now.contact.pressure, particles.pressure
+        share = np.divide(pressure, last, out=np.zeros_like(last), where=last > 0.0)
+        ending = np.where(last > 0.0, share * self._fields(now.contact), particles.fields)
+        return replace(particles, fields=ending)
+
+    def _gained(self, asked: Asked, particles: Particles) -> np.ndarray:
         """Depths that a step wears off A and B, shape (2, n_x, n_y), mm.
 
-        Of each particle by its mean pressure, a traction, and all that it has slipped. Rolling, the
-        traction is the mean of those before and after, so that a law that goes by the work of
-        friction wears exactly by `Stepped.friction`. A shift wears as if it took the way of an
-        element, which matters to a law that is not linear in the slip only.
+        Of each particle by its pressure, its traction, and all that it has slipped. A law that
+        depends on the work of friction wears exactly by `Stepped.friction` where bodies roll. A
+        shift wears as if it rolled the length of an element, which matters to a law that is not
+        linear in the slip only.
         """
         model, units = self.model, self.model.units
         over = asked.distance or model.grid.dx
+        slipped = particles.wearing * particles.slip
         slip = units.slip * model.grid.dx / over * model.frame.slip_to_physical(slipped)
-        fields = pressure, units.pressure * model.frame.to_physical(traction), slip
+        traction = units.pressure * model.frame.to_physical(particles.traction)
         law = self.wear_law.weakened(asked.mean_friction)
-        return over * law.rates(model.scene.wear_share, *fields)
+        return over * law.rates(model.scene.wear_share, particles.pressure, traction, slip)
 
     def _deep(self, pressure: np.ndarray, gained: np.ndarray) -> float:
         """What a step wears over the most that pressure can answer to.

@@ -43,8 +43,8 @@ from tractive_sam.operators.stencil import FrictionSlip
 RIPPLES = 15
 """Elements along each axis, an odd number, of the ripple by whose middle one its depth is told."""
 
-WHOLE = 1e-9
-"""Part of an element that a step may differ from whole ones unseen."""
+WHOLE = 2e-6
+"""Part of an element that a step may differ from whole ones: rounding moves knots by half of it."""
 
 
 @dataclass(frozen=True)
@@ -81,6 +81,20 @@ class Way:
         """Nodes ahead that `before` needs."""
         return self.elements + (2 if self.part else 0)
 
+    def middle(self, parabola: np.ndarray) -> np.ndarray:
+        """Return the distance from particles to the middle of their way, in elements.
+
+        Spin makes the rigid slip linear over the way, so that its mean is that in the middle. Where
+        the way is interpolated by a straight line, so is the rigid slip on it.
+
+        Parameters
+        ----------
+        parabola : ndarray of bool, shape (n_x, n_y)
+            See `before`.
+        """
+        m, f, d = self.elements, self.part, max(self.length, 1e-300)
+        return np.where(parabola, 0.5 * d, (0.5 * m * m + f * (m + 0.5)) / d)
+
     def before(self, nodes: np.ndarray, parabola: np.ndarray) -> np.ndarray:
         """Values a step before at the places where the particles of the nodes were.
 
@@ -100,6 +114,44 @@ class Way:
             return here
         curved = 0.5 * f * (f - 1.0) * np.where(parabola, here - 2.0 * ahead + beyond, 0.0)
         return (1.0 - f) * here + f * ahead + curved
+
+    def spread(self, values: np.ndarray, parabola: np.ndarray) -> np.ndarray:
+        """Return values of particles spread over the nodes: the adjoint of `before`.
+
+        Parameters
+        ----------
+        values : ndarray, shape (..., n_x, n_y)
+            Values of the particles that are at the nodes after the step.
+        parabola : ndarray of bool, shape (n_x, n_y)
+            See `before`.
+
+        Returns
+        -------
+        ndarray, shape (..., n_x + reach, n_y)
+            At the nodes before the step: the sum of the products with any nodal field is that of
+            `values` with the field at the places where the particles were.
+        """
+        f, count = self.part, values.shape[-2]
+        nodes = np.zeros((*values.shape[:-2], count + self.reach, values.shape[-1]))
+        curved = 0.5 * f * (f - 1.0) * np.where(parabola, values, 0.0)
+        parts = ((1.0 - f) * values + curved, f * values - 2.0 * curved, curved)
+        for k, part in enumerate(parts if f else (values,), self.elements):
+            nodes[..., k : k + count, :] += part
+        return nodes
+
+    def after(self, nodes: np.ndarray) -> np.ndarray:
+        """Return values after a step at the places that the particles of the nodes have reached.
+
+        By a straight line between nodes; behind the mesh as at its end.
+
+        Parameters
+        ----------
+        nodes : ndarray, shape (..., n_x, n_y)
+            Values at nodes after the step.
+        """
+        at = np.arange(nodes.shape[-2]) - self.elements
+        here, behind = (nodes[..., np.maximum(k, 0), :] for k in (at, at - 1))
+        return (1.0 - self.part) * here + self.part * behind
 
     def carried(self, nodes: np.ndarray) -> np.ndarray:
         """Depths that move with the material: none becomes negative, and their sum is kept.

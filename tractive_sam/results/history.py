@@ -299,7 +299,7 @@ class History:
         if self.scene.transient is not None:
             gained = np.diff(self["elastic_energy"], prepend=np.nan)
             supplied, size = self["step_work"], np.abs(self["elastic_energy"])
-            return _ratio(self["step_friction"] + gained, supplied, np.abs(supplied) > 1e-9 * size)
+            return _ratio(self["step_friction"] + gained, supplied, np.abs(supplied) > 1e-6 * size)
         supplied = self["work_supplied"]
         rounding = ROUNDING * self["P"] * np.abs(self["approach"]) / self.grid.half_length[0]
         driven = (np.abs(supplied) > rounding) & (self.scene.friction is not None)

@@ -66,25 +66,47 @@ def rolled_on_by(history: "History") -> str:
 
 
 def balances(history: "History", only_if_open: bool = False) -> dict[str, str]:
-    """How the balances of "energy" and "wear" are met where they are met worst.
+    """Describe the balances of "energy" and "wear", each where it is furthest from unity.
 
-    Without those of nothing that is driven, or wears; and of transients, whose steps of parts of an
-    element balance to second order only.
+    Of a duty cycle that is the record and the block. The wear of a transient is that of all its
+    course, as shifts wear by their work only as their steps become small. There is no balance
+    where nothing is driven, or nothing wears.
+
+    Parameters
+    ----------
+    history : History
+        All records.
+    only_if_open : bool
+        Whether to leave out those within `CLOSED` of unity.
     """
-    told: dict[str, str] = {}
-    if history.scene.transient is not None:
-        return told
-    for name, balance, tell in (
-        ("energy", history.energy_balance, _energy),
-        ("wear", history.wear_balance, _wear),
+    parts = [history.block(k) for k in range(len(history.scene.duty))] or [history]
+    wear = _wear_of_course if history.scene.transient is not None else _wear_of_records
+    found: dict[str, str] = {}
+    for name, balance, describe in (
+        ("energy", [part.energy_balance for part in parts], _energy),
+        ("wear", [wear(part) for part in parts], _wear),
     ):
-        known = balance[np.isfinite(balance)]
+        known = np.concatenate(balance)
+        known = known[np.isfinite(known)]
         if known.size:
             worst = known[abs(known - 1.0).argmax()]
             closed = abs(worst - 1.0) <= CLOSED
             if not (closed and only_if_open):
-                told[name] = tell(history, worst, closed)
-    return told
+                found[name] = describe(history, worst, closed)
+    return found
+
+
+def _wear_of_records(history: "History") -> np.ndarray:
+    """Return the wear balance of every record."""
+    return history.wear_balance
+
+
+def _wear_of_course(history: "History") -> np.ndarray:
+    """Return the wear balance of all steps of a transient together, one number or none."""
+    balance = history.wear_balance
+    known = np.isfinite(balance) & (balance > 0.0)
+    worn = history["step_worn"][known] if known.any() else np.zeros(0)
+    return np.array([worn.sum() / (worn / balance[known]).sum()]) if worn.size else worn
 
 
 def caveats(history: "History") -> dict[str, str]:
@@ -126,16 +148,26 @@ def _missed_stress(history: "History") -> str:
 
 
 def _energy(history: "History", balance: float, closed: bool) -> str:
-    told = f"friction dissipates {balance:.5f} of the work supplied"
+    changes = history.scene.transient is not None
+    what = "friction dissipates" if not changes else "friction dissipates and the bodies store"
+    found = f"{what} {balance:.5f} of the work supplied"
     if not closed:
-        told += "; wear is as much in error"
-        if history.scene.solver.slip == "upwind":
-            told += ': the upwind slip of the paper does that, solver.slip = "auto" does not'
-    return told
+        found += "; wear is as much in error"
+        if changes:
+            found += "; material leaves the mesh under load: use a longer grid.half_length"
+        elif history.scene.solver.slip == "upwind":
+            found += ': the upwind slip of the paper does that, solver.slip = "auto" does not'
+    return found
 
 
 def _wear(history: "History", balance: float, closed: bool) -> str:
-    told = f"the worn section is {balance:.5f} of what the frictional work wears"
+    what = "section" if history.scene.transient is None else "volume"
+    found = f"the worn {what} is {balance:.5f} of what the frictional work wears"
     if not closed:
-        told += "; more elements across the contact bring them together"
-    return told
+        cure = "more elements across the contact bring"
+        if history.scene.shifts:
+            cure = "a shorter transient.step brings"
+        elif history.scene.transient is not None and history.scene.solver.slip == "upwind":
+            cure = 'solver.slip = "auto" or more elements across the contact bring'
+        found += f"; {cure} them together"
+    return found

@@ -129,6 +129,11 @@ class Passage:
         return self.revolution
 
     @property
+    def continues(self) -> bool:
+        """Whether rolling continues from it, see `Moment`."""
+        return True
+
+    @property
     def beside(self) -> Mapping[str, np.ndarray]:
         """What rolling goes on from beside the fields of the contact: the damage."""
         return {} if self.damage is None else self.damage.state

@@ -65,8 +65,9 @@ def passages(model: Model, start: Passage | Moment | None = None) -> Iterator[Pa
                 last = last.on(model.grid)
                 _, onward = _course(model)
                 break
-            last = passage
-            yield last
+            if passage.continues:
+                last = passage
+            yield passage
         else:
             return
 

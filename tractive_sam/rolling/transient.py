@@ -2,7 +2,9 @@
 
 The distance goes from knot to knot; between them everything asked for is linear. A stretch of no
 length is a jump: of what presses and pulls the bodies it takes a shift, a step of no distance, to
-follow. Steps meet every knot and every distance that is saved (`rolling.control.Stops`).
+follow. Steps meet every knot (`rolling.control.Stops`). A distance that is saved between two steps
+is reached by a shorter step from the first of them, from which nothing continues: what is stored
+does not change what is computed.
 
 Within a stretch tractions change smoothly, so that they extrapolate: that is where a step starts
 its search from, and, of adaptive steps, how far it missed is what tells their error.
@@ -63,6 +65,10 @@ class Moment:
         Largest depth worn off both so far, mm, also where the contact has passed.
     began : Worn, optional
         Worn bodies with which it began; None of new ones.
+    earlier : Stepped, optional
+        The contact of the record before, if that lies between two steps.
+    continues : bool
+        Whether rolling continues from it; not if it lies between two steps itself.
     """
 
     distance: float
@@ -77,6 +83,8 @@ class Moment:
     volumes: np.ndarray = field(default_factory=lambda: np.zeros(2))
     deepest: float = 0.0
     began: Worn | None = None
+    earlier: Stepped | None = None
+    continues: bool = True
 
     @property
     def contact(self) -> State:
@@ -120,37 +128,38 @@ class Moment:
     def told(self, block: int | None = None) -> tuple[State, dict[str, Any], bool]:
         """The contact to record, the columns that only stepping knows, and whether it is kept."""
         course, contact = Courses(self.contact.scene), self.contact
-        way = self.stepped.distance
+        step = self.stepped.since(self.earlier)
+        way = step.distance
         per_distance: dict[str, Any] = {}
         if course.rolls and way > 0.0:
-            per_distance["work_supplied"] = self.stepped.supplied / way
-            per_distance["dissipation"] = self.stepped.friction / way
-        elif self.stepped.shifted or not course.rolls:
+            per_distance["work_supplied"] = step.supplied / way
+            per_distance["dissipation"] = step.friction / way
+        elif step.shifted or not course.rolls:
             # A shift has no creepage, and its work is not per distance.
             of_rolling = ("xi_x", "xi_y", "spin", "t_gamma", "work_supplied", "dissipation")
             per_distance = dict.fromkeys((*of_rolling, "t_gamma_over_area"), np.nan)
             per_distance["creepage_found"] = np.full(2, np.nan)
         if contact.scene.wear is not None:
-            per_distance |= self._worn(course.rolls)
+            per_distance |= self._worn(course.rolls, step)
             contact = replace(contact, volumes=dict(zip(BODIES, self.volumes, strict=True)))
         given = {
             "distance": self.distance,
             "stretch": self.stretch,
-            "next_step": self.wish,
+            "next_step": self.wish if self.continues else np.nan,
             "shift_x": self.shifts[0],
             "shift_y": self.shifts[1],
             "turn": self.shifts[2],
-            "step_work": self.stepped.supplied,
-            "step_friction": self.stepped.friction,
+            "step_work": step.supplied,
+            "step_friction": step.friction,
             "friction_work": self.friction,
-            "elastic_energy": self.stepped.energy,
+            "elastic_energy": step.energy,
             "solves": self.solves,
             **per_distance,
         }
         return contact, given, not course.jumps_after(self.stretch, self.distance)
 
-    def _worn(self, rolls: bool) -> dict[str, Any]:
-        """What the step and those before have worn."""
+    def _worn(self, rolls: bool, step: Stepped) -> dict[str, Any]:
+        """Return what the step and those before have worn."""
         wear, grid, each = self.contact.wear, self.contact.grid, self.stepped.worn
         # Of shifts nothing is behind the contact: there it is the deepest of each row of elements.
         at, rows = 0 if rolls else wear.argmax(axis=0), np.arange(grid.elements[1])
@@ -159,7 +168,7 @@ class Moment:
             "wear_max": self.deepest,
             "wear_profile": wear[at, rows],
             "entering_profile": wear[-1] if rolls else new.sum(axis=0),
-            "step_worn": float(self.stepped.gained.sum() * grid.element_area),
+            "step_worn": float(step.gained.sum() * grid.element_area),
         }
         for body, before, depth in zip(BODIES, new, each[:, at, rows], strict=True):
             found[f"wear_profile_{body}"] = before + depth
@@ -367,16 +376,39 @@ class Transient:
         """Steps to the end of a stretch of some length."""
         courses, table = self.courses, self.courses.table
         first, end = courses.knots[last.stretch], courses.knots[last.stretch + 1]
-        stops = tuple(sorted({*(s for s in table.save if first < s < end), end}))
+        saves = tuple(s for s in table.save if first < s < end)
         adaptive = table.stepping == "adaptive"
         unit = self.model.grid.dx if courses.rolls else (end - first) / (PARTS * 100)
-        control = Stops(ErrorControl(order=2, unit=unit), stops)
+        control = Stops(ErrorControl(order=2, unit=unit), (end,))
         longest = table.step or self._longest(adaptive, end - first)
         usual = longest if not adaptive else min(longest, unit * (1 if courses.rolls else 100))
         while last.contact.converged and last.distance < end:
             wish = min(last.wish or usual, longest)
-            last = self._next(last, control, wish, adaptive, end)
-            yield last
+            now = self._met(self._next(last, control, wish, adaptive, end), saves, unit)
+            between = self._between(last, now, saves) if now.converged else []
+            if between and not between[-1].converged:
+                yield between[-1]
+                return
+            yield from between
+            yield replace(now, earlier=between[-1].stepped if between else None)
+            last = now
+
+    def _met(self, now: Moment, saves: tuple[float, ...], unit: float) -> Moment:
+        """Return a moment at the distance to save that it meets but for rounding, if it does."""
+        near = [s for s in saves if abs(s - now.distance) <= CLOSE * unit]
+        at_knot = now.distance in self.courses.knots
+        return replace(now, distance=near[0]) if near and not at_knot else now
+
+    def _between(self, last: Moment, now: Moment, saves: tuple[float, ...]) -> list[Moment]:
+        """Return the moments to save between two steps, up to one that is not solved."""
+        found: list[Moment] = []
+        for place in (s for s in saves if last.distance < s < now.distance):
+            moment, _ = self._tried(last, place, None, now)
+            earlier = found[-1].stepped if found else None
+            found.append(replace(moment, earlier=earlier, continues=False))
+            if not moment.converged:
+                break
+        return found
 
     def _longest(self, adaptive: bool, stretch: float) -> float:
         if not self.courses.rolls:
@@ -410,8 +442,22 @@ class Transient:
         after = after if at < end else 0.0
         return replace(now, wish=after, solves=solves)
 
-    def _tried(self, last: Moment, at: float, control: Stops | None) -> tuple[Moment, float]:
-        """A step to a distance, and its error over the tolerance; that of the first one is zero."""
+    def _tried(
+        self, last: Moment, at: float, control: Stops | None, beyond: Moment | None = None
+    ) -> tuple[Moment, float]:
+        """Take a step to a distance; return its end and its error over the tolerance.
+
+        Parameters
+        ----------
+        last : Moment
+            Where it begins.
+        at : float
+            The distance.
+        control : Stops, optional
+            Error control of adaptive steps; without it, as of a first step, the error is zero.
+        beyond : Moment, optional
+            The end of a longer step, from which the first guess is interpolated.
+        """
         courses, stretch, contact = self.courses, last.stretch, last.contact
         then, now = courses.at(last.distance, stretch), courses.at(at, stretch)
         length = at - last.distance
@@ -422,7 +468,10 @@ class Transient:
         )
         asked = self._asked(length if courses.rolls else 0.0, now, creepages, at, then)
         ratio = length / last.length if last.before is not None and last.length > 0.0 else 0.0
-        stepped = self.stepper.step(last.stepped, asked, last.before, ratio)
+        earlier = last.before
+        if beyond is not None:
+            earlier, ratio = beyond.stepped, -length / beyond.length
+        stepped = self.stepper.step(last.stepped, asked, earlier, ratio)
         moment = self._moment(last, stepped, at, stretch, length)
         error = 0.0
         # What was foreseen before a knot tells no error beyond it.
@@ -456,6 +505,7 @@ class Transient:
             length=length,
             wish=0.0,
             shifts=shifts,
+            earlier=None,
             before=before,
             solves=1,
             friction=last.friction + stepped.friction,

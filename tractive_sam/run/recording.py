@@ -117,7 +117,8 @@ class Recording:
                 told = recorded(passage, model, began, estimator, self.columns, self.measured)
                 began = perf_counter()
                 grid = passage.contact.grid.shifted(0.0)
-                keeper.append(told, grid, _state(passage, self.scene))
+                state = _state(passage, self.scene) if passage.continues else None
+                keeper.append(told, grid, state)
                 widest = np.fmax(widest, [told.values[name] for name in _HALF_WIDTHS])
                 if self.progress is not None:
                     self.progress(told)

@@ -87,9 +87,10 @@ def last_passage(
     _check_same(history, path, scene)
     _check_laws(history, path, {} if laws is None else laws.differences_from(scene))
     _check_columns(history, path, columns)
-    row = int(np.flatnonzero(history["converged"])[-1]) if history["converged"].any() else None
-    if row is None:
+    rows = _continuing(history)
+    if not rows.size:
         return None
+    row = int(rows[-1])
     if scene.transient is not None:
         return _on_grid_of(scene, measured, _last_moment(history, path, row, scene), path)
     revolution = int(history["revolution"][row])
@@ -118,23 +119,31 @@ def last_passage(
     return _on_grid_of(scene, measured, passage, path)
 
 
+def _continuing(history: History) -> np.ndarray:
+    """Return the rows of the records from which rolling can continue, shape (n,)."""
+    continues = history["converged"] > 0.0
+    if "next_step" in history.columns:  # a record between two steps has none
+        continues = continues & np.isfinite(history["next_step"])
+    return np.flatnonzero(continues)
+
+
 def _last_moment(history: History, path: str | PathLike, row: int, scene: Scene) -> Moment:
     """The moment of a record, and the contact a step before it."""
     state = state_of(path, row)
     names = "distance", "stretch", "next_step", "approach", "xi_x", "xi_y"
     found = {name: history[name] for name in names}
     contact = replace(history.contact(row, state), scene=scene, cost=Cost())
-    stretch, length, before = int(found["stretch"][row]), 0.0, None
-    if row:
-        length = found["distance"][row] - found["distance"][row - 1]
+    stretch, before = int(found["stretch"][row]), None
+    last = max((k for k in _continuing(history) if k < row), default=row)
+    length = found["distance"][row] - found["distance"][last]
     if length:
         earlier = replace(
             contact,
             pressure=state.get("before_pressure", contact.pressure),
             traction=np.stack((state["before_x"], state["before_y"])),
-            approach=float(found["approach"][row - 1]),
-            xi_x=found["xi_x"][row - 1],
-            xi_y=found["xi_y"][row - 1],
+            approach=float(found["approach"][last]),
+            xi_x=found["xi_x"][last],
+            xi_y=found["xi_y"][last],
         )
         before = Stepped(earlier)
     shifts = np.array([history[name][row] for name in ("shift_x", "shift_y", "turn")])

@@ -125,18 +125,21 @@ def put_state(file: h5py.File, row: int, state: Mapping[str, np.ndarray]) -> Non
         dataset.write(h5py.h5s.ALL, h5py.h5s.ALL, np.ascontiguousarray(whole))
 
 
-def drop_unsolved(file: h5py.File) -> None:
-    """Drop a last record whose contact was not solved; the state is of the one before."""
+def drop_after_state(file: h5py.File) -> None:
+    """Drop the last records from which nothing continues: unsolved ones, or those between steps."""
     history = file["history"]
-    last = len(history["record"]) - 1
-    if last < 0 or history["converged"][last]:
+    continues = history["converged"][:] > 0.0
+    if "next_step" in history:  # a record between two steps has none
+        continues &= np.isfinite(history["next_step"][:])
+    count = len(continues) - int(np.argmax(continues[::-1])) if continues.any() else 0
+    if count == len(continues):
         return
     for group in (file["fields"], *planes(file), *cycles(file)):
-        kept = np.count_nonzero(group["record"][:] < last)
+        kept = np.count_nonzero(group["record"][:] < count)
         for name in (name for name in group if name not in AXES):
             group[name].resize(kept, axis=0)
     for name in (name for name in history if name not in SCALES):
-        history[name].resize(last, axis=0)
+        history[name].resize(count, axis=0)
 
 
 def widen(file: h5py.File, grid: "Grid") -> None:

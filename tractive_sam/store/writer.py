@@ -130,7 +130,7 @@ class HistoryWriter:
                 former.rewrite(history, count, state, scene, file)
             else:
                 layout.set_scene(file, scene)
-                rows.drop_unsolved(file)
+                rows.drop_after_state(file)
             layout.set_status(file, *layout.RUNNING)
             layout.set_versions(file, history.provenance)
             set_text(file, RUN, writer._run)

@@ -1,0 +1,132 @@
+"""Work of a step of transient rolling: what is supplied, rubbed away and stored.
+
+A particle at x was at x + d before the step. With the tractions p and the displacements u = A p of
+the nodes before (0) and after (1), and T the interpolation of nodal values to x + d, it slips by
+
+    S_1 = w + u_1 - T u_0,        u_0 = A p_0.
+
+Half the work of friction is done by the tractions after the step, on the particles that carry them:
+-p_1 . S_1 / 2. The other half is done by the tractions before it, on the particles that carried
+them. These were at nodes, and are between nodes now. With the adjoint of T they slip by
+
+    S_0 = w + A T' p_1 - u_0.
+
+As A is symmetric, p_1 . T A p_0 = p_0 . A T' p_1, and the elastic parts of both halves add up to
+
+    -(p_1 . A p_1 - p_0 . A p_0) / 2,
+
+the change of the elastic energy: work supplied = work of friction + change of energy, for every T
+and any d. Pressure and normal displacement of dissimilar bodies enter in the same way.
+
+For whole elements T moves nodes onto nodes, and both halves belong to the same particles: their
+mean traction does the work. The mean of p_1 and T p_0 at other distances does not: T' T is less
+than one for what changes from node to node, above all where tractions drop at the trailing edge.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tractive_sam.contact.model import Model
+
+
+@dataclass(frozen=True, eq=False)
+class Particles:
+    """Particles at the nodes after a step, or before it, and what they do in it.
+
+    Attributes
+    ----------
+    pressure : ndarray, shape (n_x, n_y)
+        MPa.
+    fields : ndarray, shape (2 or 3, n_x, n_y)
+        Dimensionless tractions that do work; of dissimilar bodies after the pressure.
+    change : ndarray, shape (2 or 3, n_x, n_y)
+        Change of the dimensionless displacements in the step.
+    rigid : ndarray, shape (2, n_x, n_y)
+        Slip of the undeformed bodies, dimensionless.
+    weight : float
+        Their part of the work.
+    earlier : bool
+        Whether they are at the nodes before the step.
+    wearing : ndarray, shape (n_x, n_y), or float
+        Factor on the slip that wears: 0 of particles that stick.
+    """
+
+    pressure: np.ndarray
+    fields: np.ndarray
+    change: np.ndarray
+    rigid: np.ndarray
+    weight: float = 1.0
+    earlier: bool = False
+    wearing: np.ndarray | float = 1.0
+
+    @property
+    def traction(self) -> np.ndarray:
+        """Dimensionless traction, shape (2, n_x, n_y)."""
+        return self.fields[-2:]
+
+    @property
+    def slip(self) -> np.ndarray:
+        """Dimensionless slip, shape (2, n_x, n_y)."""
+        return self.rigid + self.change[-2:]
+
+
+class StepWork:
+    """Work of fields and displacements of a model, in N mm.
+
+    Parameters
+    ----------
+    model : Model
+        The scene in numbers.
+    """
+
+    def __init__(self, model: Model):
+        units, grid = model.units, model.grid
+        force = units.pressure * grid.element_area
+        self._slip, self._gap = force * units.slip * grid.dx, force * units.gap
+
+    def tangential(self, fields: np.ndarray, moved: np.ndarray) -> float:
+        """Return the work of tractions on tangential displacements, both dimensionless."""
+        return self._slip * float((fields[-2:] * moved[-2:]).sum())
+
+    def normal(self, fields: np.ndarray, moved: np.ndarray) -> float:
+        """Return the work of the pressure; 0 of alike bodies, whose fields do not have it."""
+        return self._gap * float((fields[:-2] * moved[:-2]).sum())
+
+    def energy(self, fields: np.ndarray, displacement: np.ndarray) -> float:
+        """Return half the work of fields on displacements, which may reach ahead of the mesh."""
+        moved = displacement[:, : fields.shape[1]]
+        return 0.5 * (self.tangential(fields, moved) + self.normal(fields, moved))
+
+    def supplied(self, groups: Iterable[Particles]) -> float:
+        """Return the work of what drives the bodies in a step."""
+        return sum(
+            one.weight
+            * (self.normal(one.fields, one.change) - self.tangential(one.fields, one.rigid))
+            for one in groups
+        )
+
+    def friction(self, groups: Iterable[Particles]) -> float:
+        """Return the work of friction in a step."""
+        return -sum(one.weight * self.tangential(one.fields, one.slip) for one in groups)
+
+    def matched(self, groups: tuple[Particles, ...], friction: float) -> tuple[Particles, ...]:
+        """Scale the slip that wears to the work of friction of a step between nodes.
+
+        Interpolation also moves particles between nodes that stick a little. That work is part of
+        the sum, but nothing slides there: the particles that slide wear by all of it.
+
+        Parameters
+        ----------
+        groups : tuple of Particles
+            Those of a step.
+        friction : float
+            Work of friction of the step, N mm.
+        """
+        wearing = 0.0
+        for one in groups:
+            local = np.maximum(-(one.traction * one.slip).sum(axis=0), 0.0)
+            wearing += one.weight * self._slip * float((one.wearing * local).sum())
+        factor = max(friction, 0.0) / wearing if wearing > 0.0 else 0.0
+        return tuple(replace(one, wearing=factor * one.wearing) for one in groups)
