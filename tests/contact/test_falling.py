@@ -7,6 +7,7 @@ meshes with the paper's slip, which is its discretisation; they have four digits
 import dataclasses
 import importlib
 import math
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -139,6 +140,43 @@ def test_gentle_slope_has_one_solution_and_a_steep_one_several():
     assert apart(100.0) < 1e-7  # ten times the tolerance
     with pytest.warns(ts.SceneWarning, match=r"friction\.start"):
         assert max(map(apart, (5.0, 10.0))) > 1e-4
+
+
+def solved_from_both_sides(slip, half_speed, creepage):
+    """Q_x/P and whether it warns, from rest and from great speed."""
+    steel = STEEL | {"radius_x": 1000.0, "radius_y": math.inf}
+    out = []
+    for start in ("rest", "sliding"):
+        scene = ts.Scene(
+            body={"A": steel, "B": steel},
+            load={"normal": 178.9},
+            creepage={"longitudinal": creepage, "speed": 45e3},
+            friction=FALLING | {"half_speed": half_speed, "start": start},
+            solver={"slip": slip},
+            grid={"half_length": 1.1, "elements": 45},
+        )
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", ts.SceneWarning)
+            contact = ts.solve(scene)
+        out.append(
+            (contact.Qx / contact.P, any("friction.start" in str(w.message) for w in caught))
+        )
+    return zip(*out, strict=True)
+
+
+@pytest.mark.parametrize("creepage", [-0.8e-4, -1.6e-4, -2.4e-4])
+@pytest.mark.parametrize("half_speed", [2.0, 5.0, 20.0])
+@pytest.mark.parametrize("slip", ["upwind", "auto"])
+def test_both_of_several_solutions_warn_and_a_single_one_does_not(slip, half_speed, creepage):
+    forces, warns = solved_from_both_sides(slip, half_speed, creepage)
+    # Several differ by 1e-3 and more, the same one by ten times the tolerance.
+    several = abs(forces[1] / forces[0] - 1.0) > 1e-6
+    assert warns == (several, several)
+
+
+def test_some_of_these_have_several_solutions():
+    forces, _ = solved_from_both_sides("upwind", 2.0, -1.6e-4)
+    assert abs(forces[1] / forces[0] - 1.0) > 1e-3
 
 
 def test_layer_keeps_the_second_order():

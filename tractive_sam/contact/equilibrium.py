@@ -13,6 +13,7 @@ from tractive_sam.mechanics import Coulomb
 from tractive_sam.results import State, Status
 from tractive_sam.scene import FewestElements, warn
 from tractive_sam.solvers import ALONE, METHODS, FromRest, Outcome, Problem, Start
+from tractive_sam.solvers import steepness as steepness_of
 
 GROWTHS = 8
 """Most enlargements of a mesh that the scene left to us."""
@@ -232,7 +233,7 @@ def finished(
         fields = outcome.pressure, outcome.gap, outcome.traction, outcome.slip
         sliding, bound = problem.sliding(*fields), _traction_bound(model, problem, outcome)
         if model.friction_law.falls:
-            steepness = problem.steepness(*fields)
+            steepness = steepness_of(problem, *fields)
     contact = State(
         model.scene,
         model.grid,

@@ -22,7 +22,7 @@ def message(status: Status, outcome: Outcome, model: Model, steepness: float = 0
     model : Model
         What was asked.
     steepness : float
-        `Problem.steepness` there.
+        `solvers.uniqueness.steepness` there.
     """
     scene, solver = model.scene, model.scene.solver
     courses = {} if scene.transient is None else scene.transient.courses
@@ -118,11 +118,11 @@ def too_steep(steepness: float) -> str:
     Parameters
     ----------
     steepness : float
-        `Problem.steepness`.
+        `solvers.uniqueness.steepness`.
     """
     return (
         f"friction.law: friction falls {steepness:.2g} times as fast with sliding as an element "
-        "gives way by itself, so several solutions may hold, and which is found hinges on the "
+        "deforms by itself, so several solutions may hold, and which is found hinges on the "
         'mesh; friction.start = "sliding" seeks another one. A larger friction.memory or '
         "friction.half_speed, or with a friction.layer a coarser mesh, makes it one"
     )

@@ -34,6 +34,7 @@ from tractive_sam.solvers.problem import Held, NormalProblem, PrescribedForces, 
 from tractive_sam.solvers.problem import WearInPass as WearInPass
 from tractive_sam.solvers.sparing import Sparing as Sparing
 from tractive_sam.solvers.step import StepProblem as StepProblem
+from tractive_sam.solvers.uniqueness import steepness as steepness
 from tractive_sam.solvers.uzawa import Uzawa
 from tractive_sam.solvers.watched import watched_by as watched_by
 

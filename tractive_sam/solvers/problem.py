@@ -339,21 +339,6 @@ class Problem:
         bound = self.bound_sliding(self.bound(pressure), pressure, traction, slip, seen)
         return (pressure > 0.0) & (np.hypot(*(traction - opposed)) > bound.radius)
 
-    def steepness(
-        self, pressure: np.ndarray, gap: np.ndarray, traction: np.ndarray, slip: np.ndarray
-    ) -> float:
-        """Change of a falling bound by the slip that it makes itself, the largest of what slides.
-
-        From one on an element has more than one traction for the same tractions of the others.
-        """
-        seen = self.friction_slip(pressure, gap)
-        bound = self.bound_sliding(self.bound(pressure), pressure, traction, slip, seen)
-        sliding = self.sliding(pressure, gap, traction, slip)
-        if bound.slope is None or not sliding.any():
-            return 0.0
-        own = (0.75 if seen.staggered else 1.0) * max(self.operators.self_influence[::2])
-        return float(own * bound.slope.steepness[sliding].max())
-
     def eased(self, speed: float) -> "Problem":
         """The same at another speed of rolling, over its own: 0 with the friction of rest."""
         return replace(self, friction=self.friction.eased(speed))

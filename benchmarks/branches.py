@@ -1,0 +1,97 @@
+"""When does falling friction have several solutions, and does the warning come there?
+
+Random line contacts with an exponential law, each solved from rest and from great speed. More
+solutions are sought from both: the traction of one element near a border of stick and slip is
+changed by 5 or 15 %, and Newton's method starts from there. `steepness` belongs to the solution;
+from 1 on the package warns.
+
+    python benchmarks/branches.py [--scenes 30]
+"""
+
+import argparse
+import math
+import warnings
+from dataclasses import replace
+
+import numpy as np
+from timing import show, write
+
+import tractive_sam as ts
+from tractive_sam.contact import Model, equilibrium
+from tractive_sam.contact.equilibrium import start_of
+from tractive_sam.solvers import steepness
+
+
+def line_scene(seed: int, slip: str, start: str) -> ts.Scene:
+    """Return a random line contact, 31 to 91 elements, with a half speed of 1 to 8 mm/s."""
+    rng = np.random.default_rng(seed)
+    half_speed = float(np.exp(rng.uniform(0.0, math.log(8.0))))
+    steel = {"shear": 82e3, "poisson": 0.28, "radius_x": 1000.0, "radius_y": math.inf}
+    law = {"law": "exponential", "static": 0.3, "kinetic": rng.uniform(0.1, 0.25)}
+    return ts.Scene(
+        body={"A": steel, "B": steel},
+        load={"normal": 178.9},
+        creepage={"longitudinal": -rng.uniform(0.5e-4, 3e-4), "speed": 45e3},
+        friction=law | {"half_speed": half_speed, "start": start},
+        solver={"slip": slip, "tolerance": 1e-10},
+        grid={"half_length": 1.1, "elements": int(rng.choice([31, 45, 61, 91]))},
+    )
+
+
+def steepness_of(contact: ts.State) -> float:
+    """Return the steepness of a solution."""
+    model = Model(contact.scene, grid=contact.grid)
+    problem, start = model.problem(model.undeformed_gap / model.units.gap), start_of(model, contact)
+    problem = problem.holding(start.pressure, contact.gap / model.units.gap)
+    slip = problem.rigid + problem.response(start.traction)
+    return steepness(problem, start.pressure, problem.normal.gap, start.traction, slip)
+
+
+def forces(contact: ts.State) -> set[float]:
+    """Return Q_x/P of the solutions that are found from a solution."""
+    share = np.hypot(*contact.traction) / np.maximum(contact.pressure, 1e-9)
+    border = np.flatnonzero(contact.sliding[1:, 0] != contact.sliding[:-1, 0])
+    near = {k for at in border for k in range(max(at - 2, 0), at + 4)} or {int(share.argmax())}
+    values = {round(contact.Qx / contact.P, 6)}
+    for k in sorted(near):
+        for factor in (0.85, 0.95, 1.05, 1.15):
+            traction = contact.traction.copy()
+            traction[:, k] *= factor
+            model = Model(contact.scene, grid=contact.grid)
+            other = equilibrium(model, start=replace(contact, traction=traction))
+            if other.converged:
+                values.add(round(other.Qx / other.P, 6))
+    return values
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--scenes", type=int, default=30)
+    scenes = parser.parse_args().scenes
+    warnings.simplefilter("ignore", ts.SceneWarning)
+    rows = []
+    for slip in ("upwind", "auto"):
+        for seed in range(scenes):
+            both = [
+                ts.solve(line_scene(seed, slip, start), throw=False)
+                for start in ("rest", "sliding")
+            ]
+            if not all(contact.converged for contact in both):
+                continue
+            for start, contact in zip(("rest", "sliding"), both, strict=True):
+                values = forces(contact) | {round(one.Qx / one.P, 6) for one in both}
+                steep = steepness_of(contact)
+                row = {"slip": slip, "seed": seed, "start": start, "steepness": steep}
+                rows.append(row | {"solutions": len(values), "spread": max(values) - min(values)})
+    table = []
+    for slip in ("upwind", "auto"):
+        for warned in (False, True):
+            of = [r for r in rows if r["slip"] == slip and (r["steepness"] >= 1.0) == warned]
+            several = sum(row["solutions"] > 1 for row in of)
+            table.append({"slip": slip, "warns": warned, "solved": len(of), "several": several})
+    show("Solved contacts, and of these with several solutions found", table)
+    print(f"written: {write('branches', rows)}")
+
+
+if __name__ == "__main__":
+    main()
