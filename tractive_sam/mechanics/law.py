@@ -43,7 +43,7 @@ def describe(law: object) -> str:
     if type(law).__repr__ is object.__repr__:
         given = ", ".join(f"{name}={value!r}" for name, value in _parameters(law).items())
         return f"{type(law).__name__}({given})"
-    return repr(law)
+    return " ".join(repr(law).split())  # numpy breaks lines within arrays
 
 
 def fingerprint(law: object) -> str:
