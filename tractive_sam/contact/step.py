@@ -261,7 +261,7 @@ class Stepper:
             self._problem(asked, foreseen.sum(axis=0)),
             rigid=rigid - came[-2:],
             forces=model.forces_of(asked.forces),
-            entering=way.before(ahead, held),
+            entering=self._entering(way.before(ahead, held), ahead),
             ahead=way.length,
         )
         outcome = self._solved(problem, before, self._start(before, way, asked, earlier, ratio))
@@ -272,6 +272,26 @@ class Stepper:
             return now
         found = problem.forces.slip(outcome.creepage) if len(problem.forces) else 0.0
         return self._worked(before, asked, now, Carriage(way, held, came, rigid + found, found))
+
+    def _entering(self, gap: np.ndarray, nodes: np.ndarray) -> np.ndarray:
+        """Return the gap that particles close before they are held in a step, dimensionless.
+
+        Upwind slip holds a particle from the first node ahead of the contact on: in steps of one
+        element from where it was, and it closes nothing.
+
+        Parameters
+        ----------
+        gap : ndarray, shape (n_x, n_y)
+            Gap of the particles before the step.
+        nodes : ndarray, shape (n_x + reach, n_y)
+            Gap at the nodes before it.
+        """
+        if self.model.stencil.staggered:
+            return gap
+        edge = nodes.copy()
+        for i in range(len(nodes) - 2, -1, -1):
+            edge[i] = np.where(nodes[i] > 0.0, nodes[i], edge[i + 1])
+        return np.maximum(gap - edge[: len(gap)], 0.0)
 
     def _expected(
         self, before: Stepped, earlier: Stepped | None, ratio: float

@@ -20,7 +20,9 @@ do, so does the particle. A parabola on the side that material comes from damps 
 **Entering the contact.** A particle that was out of contact before is held from the moment at which
 its gap has closed. As in the steady state, what it slipped till then is -share x gap: near the edge
 the tractions are a smooth share of the pressure, and so are their displacements, which differ by
-the gap there from a smooth course. Interpolated in the same way, both match at any d. There the
+the gap there from a smooth course. Interpolated in the same way, both match at any d. Upwind slip
+holds a particle from the first node ahead of the contact on, as in steps of one element: it slips
+by -share x (gap less the gap at that node), which is nothing in steps up to one element. There the
 interpolation is a straight line, as it is wherever one of its nodes is out of contact.
 
 **Where slip points.** The mean slip of the way belongs to its middle, d/2 ahead of the particle; it
@@ -279,12 +281,12 @@ class StepOperators(Operators):
         pressure : ndarray, shape (n_x, n_y)
             Dimensionless pressure after the step.
         gap : ndarray, shape (n_x, n_y)
-            Dimensionless gap of the particles before it.
+            Dimensionless gap that the particles close before they are held.
         ahead : float
             Way of the step in elements: its slip belongs to places half as far ahead.
         """
         staggered = self.stencil.staggered
-        entering = np.nonzero((pressure > 0.0) & (gap > 0.0) & staggered)
+        entering = np.nonzero((pressure > 0.0) & (gap > 0.0))
         back = min(ahead, 1.0) if staggered else 0.0
         aspect = self.lattice.dx / self.lattice.dy
         return EnteringSlip(back, pressure, gap, entering, entering, aspect, self._opening)

@@ -24,7 +24,7 @@ class StepProblem(Problem):
     Parameters
     ----------
     entering : ndarray, shape (n_x, n_y)
-        Gap of the particles before the step.
+        Gap that particles close in the step before they are held.
     ahead : float
         Way of the step, in elements.
     """
