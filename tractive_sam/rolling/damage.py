@@ -13,7 +13,8 @@ the parabola through this record and the two before. What a straight line betwee
 give instead is told as the error, and jumps are made shorter where it is too large.
 
 In a duty cycle d is the mean over its revolutions of what each block does, and in a revolution of
-one block that of the block.
+one block that of the block. The order of the blocks adds to the error of such a mean
+(`rolling.block_order`).
 
 With steady d(z) and wear w' of a revolution, what reaches the surface has D = integral of d dz/w':
 cracks start there if and only if w' is below w'_bal(y) = integral of d dz.
@@ -29,6 +30,7 @@ import numpy as np
 from tractive_sam.contact import Model
 from tractive_sam.mechanics import VolumeLife, Woehler, over_depth
 from tractive_sam.results import BodyFatigue, widened
+from tractive_sam.rolling.block_order import BlockOrder
 from tractive_sam.rolling.passage import Passage
 from tractive_sam.scene import Scene
 from tractive_sam.subsurface import cycle_depths, cycle_fatigue, semi_axes
@@ -153,7 +155,8 @@ class Damage:
         for body, (found, used) in _cycled(passage, model, depths).items():
             worn, rate = passage.off(body)
             rolled = found, used, worn, rate, passage.weights
-            bodies[body] = _rolled(before[body], *rolled, jump, life, self.revolution)
+            order = _block_order(passage, model, body)
+            bodies[body] = _rolled(before[body], *rolled, jump, life, self.revolution, order)
         return Damage(passage.revolution, self.revolution, bodies)
 
     @property
@@ -279,6 +282,15 @@ def _cycled(
     return cycle_fatigue(passage.contacts, depths, laws)
 
 
+def _block_order(passage: Passage, model: Model, body: str) -> BlockOrder | None:
+    """Return the order of the blocks of a cycle that is rolled as its mean."""
+    spectrum = model.scene.spectrum
+    if spectrum is None or passage.rolled is not None:
+        return None
+    rates = passage.gained_by[:, "AB".index(body)] / np.array(passage.weights)[:, None]
+    return BlockOrder.from_spectrum(spectrum, rates)
+
+
 def _per_pass(
     life: Woehler,
     shares: tuple[float, ...],
@@ -327,6 +339,7 @@ def _rolled(
     jump: tuple[int, int],
     life: Woehler | None,
     revolution: int,
+    order: BlockOrder | None = None,
 ) -> Followed:
     """The material after a jump; `jump` tells its length and that of the one before."""
     zeta, before = one.now.zeta, one.now
@@ -346,6 +359,8 @@ def _rolled(
     # Of the places: at the surface, to which the top is taken on, there may be more than at any.
     left = np.where(_left(now), now.damage, 0.0)
     most = float(missed[left >= NEAR * left.max()].max(initial=0.0))
+    if order is not None:  # shorter jumps do not make it smaller
+        missed = missed + one.passes * _order_error(one, later, order, jump[0], life)
     return replace(
         later,
         now=now,
@@ -404,6 +419,22 @@ def _added(
     # ends. Nor may it be less than nothing, where the course is rough.
     total += 0.5 * (end - damage(first, before.worn))
     return np.maximum(total, 0.0), np.abs(missed)
+
+
+def _order_error(
+    one: Followed, later: Followed, order: BlockOrder, length: int, life: Woehler
+) -> np.ndarray:
+    """Error (n_y, m) of the damage of one pass a revolution by the order of blocks."""
+    zeta, depth = one.now.zeta, one.now.depth
+
+    def damage(used: np.ndarray, worn: np.ndarray) -> np.ndarray:
+        deep = zeta - worn[:, None]
+        return np.where(
+            deep >= 0.0, life.damage(over_depth(depth, used, np.maximum(deep, 0.0))), 0.0
+        )
+
+    ends = (one.used, later.used), (one.now.worn, later.now.worn)
+    return order.damage_error(damage, *ends, length)
 
 
 def _between(

@@ -290,7 +290,13 @@ def _fatigue(model: Model) -> Section:
         if laws.volume is not None:
             rows.append(("volume", _volume(model)))
         if len(model.blocks) > 1:
-            rows.append(("duty cycle", "the damage of its blocks by Miner's rule, in any order"))
+            rows.append(
+                (
+                    "duty cycle",
+                    "the damage of its blocks by Miner's rule, in any order (damage_error "
+                    "estimates its effect)",
+                )
+            )
         if model.scene.wear is not None and model.scene.wear.stepping == "adaptive":
             rows.append(
                 (

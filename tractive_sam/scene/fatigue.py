@@ -146,7 +146,8 @@ class Fatigue(Table):
     volume: FatigueVolume | None = entry("life of the whole volume under stress", "", None)
     tolerance: float = entry(
         "share of the largest damage: a jump of the stepping that would miss more than 0.3 of it "
-        "is made shorter; what all miss together is the column damage_error",
+        "is made shorter; what all miss together is the column damage_error, "
+        "with the effect of the order of blocks",
         "a number from 1e-6 to 1",
         1e-2,
         ge=1e-6,
