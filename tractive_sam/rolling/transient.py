@@ -267,15 +267,16 @@ _CREEPAGES = ("creepage.longitudinal", "creepage.lateral", "creepage.spin")
 
 
 def expected_steps(scene: Scene, dx: float) -> int:
-    """Steps that a scene with a [transient] takes on elements so long; of adaptive ones, about."""
+    """Return the contacts that a [transient] takes on elements so long; of adaptive ones, about."""
     courses, count = Courses(scene), 0
     for stretch, (first, end) in enumerate(pairwise(courses.knots)):
         if first == end:
             count += courses.shifted(stretch)
             continue
-        stops = [first, *(s for s in scene.transient.save if first < s < end), end]
         step = scene.transient.step or (dx if courses.rolls else (end - first) / PARTS)
-        count += sum(ceil((b - a) / step - CLOSE) for a, b in pairwise(stops))
+        count += ceil((end - first) / step - CLOSE)
+        saved = ((s - first) / step for s in scene.transient.save if first < s < end)
+        count += sum(abs(place - round(place)) > CLOSE for place in saved)  # between two steps
     return count
 
 
