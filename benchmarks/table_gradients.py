@@ -67,7 +67,7 @@ def anywhere(table: ts.CreepTable, count: int, per_ratio: int = 5) -> list[dict]
 def main() -> None:
     """Print and write both comparisons."""
     table = ts.open_table("steel")
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 60
+    count = int(sys.argv[1]) if len(sys.argv) > 1 else 200
     low, high = table.ellipticity
     ratios = (low, 0.3, 0.42, 0.5, 0.7, 1.0, 1.2, 1.7, 2.0, 2.4, 3.1, 3.7, 3.9, high)
     rows = [at_rest(table, min(max(ratio, low), high)) for ratio in ratios]

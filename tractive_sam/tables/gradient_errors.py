@@ -67,7 +67,7 @@ class GradientBars:
         errors: np.ndarray,
         at_rest: np.ndarray,
         *,
-        inside: float = 0.97,
+        inside: float = 0.98,
         shared: float = 0.05,
     ) -> GradientBars:
         """Take root mean squares of each interval, times a factor that suits all checks.
@@ -86,7 +86,8 @@ class GradientBars:
         at_rest : ndarray, shape (R, 3, 3)
             Errors at rest.
         inside : float
-            Share of the checks that are to be within: 95 of 100, and the scatter of such shares.
+            Share of the checks that are to be within: more than the 95 of 100 that are wanted of
+            new points, as their share scatters.
         shared : float
             Least bar of a derivative, over the largest of the nine.
         """
