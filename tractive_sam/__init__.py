@@ -41,16 +41,22 @@ one; the environment variable OMP_NUM_THREADS bounds them.
 ``~`` in formulas marks the scaled tribological frame of `tractive_sam.mechanics.friction.Frame`.
 """
 
-from importlib import import_module
-
-import lazy_loader
 
 # Names, listed in __init__.pyi, are looked up when first used: reading results or printing help
-# need not wait for the compilers and transforms that computing needs.
-_lookup, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
-
-
+# need not wait for the compilers and transforms that computing needs. What looks them up is loaded
+# by then as well: the program must handle signals before anything else takes its time.
 def __getattr__(name: str):
     if name == "__version__":
-        return import_module("importlib.metadata").version("tractive-sam")
-    return _lookup(name)
+        from importlib.metadata import version  # noqa: PLC0415
+
+        return version("tractive-sam")
+    if name.startswith("__") and name != "__all__":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    import lazy_loader  # noqa: PLC0415
+
+    lookup, _, names = lazy_loader.attach_stub(__name__, __file__)
+    return names if name == "__all__" else lookup(name)
+
+
+def __dir__() -> list[str]:
+    return __getattr__("__all__")

@@ -15,6 +15,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from uuid import uuid4
 
+from tractive_sam.interrupt import heed, protected
+
 CURES = {
     errno.ENOSPC: "the disk is full; make room, or choose another",
     errno.EDQUOT: "your share of the disk is used up; make room, or choose another",
@@ -126,6 +128,12 @@ def replace_file(path: Path, *, exclusive: bool = False) -> Iterator[OutputFile]
     OutputError
         If the system does not take the content.
     """
+    with protected(), _replacement(path, exclusive) as file:
+        yield file
+
+
+@contextmanager
+def _replacement(path: Path, exclusive: bool) -> Iterator[OutputFile]:
     with _failure_reported(path, OutputPlaceError):
         target = followed(path)
         mode = _mode_of(target, exclusive)
@@ -162,6 +170,7 @@ def write_file(
 
     What is no file, as a terminal or a pipe, is written to directly.
     """
+    heed()
     path = Path(path)
     data = content.encode() if isinstance(content, str) else content
     if _is_stream(path):
@@ -201,6 +210,17 @@ def make_folder(path: str | os.PathLike[str]) -> Path:
     with _failure_reported(path, OutputPlaceError):
         path.mkdir(parents=True, exist_ok=True)
     return path
+
+
+def check_folder(path: Path) -> None:
+    """Check that a temporary file can be created beside a file; raises as `replace_file` does."""
+    with _failure_reported(path, OutputPlaceError):
+        temporary = temporary_of(path)
+        try:
+            temporary.touch()
+        finally:
+            with suppress(OSError):
+                temporary.unlink()
 
 
 def followed(path: Path) -> Path:
@@ -249,6 +269,11 @@ def is_write_protected(path: Path) -> bool:
     return not by_mode or not os.access(path, os.W_OK)
 
 
+def is_disk_failure(error: Exception) -> bool:
+    """Check whether the disk is full or fails, rather than that a name or folder is unsuitable."""
+    return getattr(error, "errno", None) in (errno.ENOSPC, errno.EDQUOT, errno.EIO)
+
+
 def reason(error: Exception) -> str:
     """Return the cause of an error of the system, also from the text of HDF5, and the cure."""
     by_hdf5 = re.search(r"errno = (\d+)", str(error))
@@ -266,13 +291,9 @@ def _failure_reported(path: Path, kind: type[OutputError] = OutputError) -> Iter
     except OutputError:
         raise
     except (OSError, ValueError) as error:  # ValueError: a name with a null character
-        if kind is OutputPlaceError and getattr(error, "errno", None) in _OF_THE_DISK:
+        if is_disk_failure(error):
             kind = OutputError
         raise kind(f"{path} cannot be written: {reason(error)}") from error
-
-
-_OF_THE_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EIO)
-"""Errors that another choice of the place does not prevent."""
 
 
 def _mode_of(target: Path, exclusive: bool) -> int | None:

@@ -175,6 +175,61 @@ def test_after_the_end_the_status_is_that_of_what_was_done(folder, one):
     assert ran(folder, text, one).returncode == 0
 
 
+LATE = """
+import os, signal, sys, threading, time
+from tractive_sam.interrupt import note_signals, protected
+note_signals(0.2)
+def busy():
+    while True:
+        time.sleep(0.01)
+{body}
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="there is no such timer")
+@pytest.mark.parametrize("one", interrupt.SIGNALS)
+def test_what_never_looks_at_the_note_is_ended(folder, one):
+    body = f"os.kill(os.getpid(), signal.{one.name})\nbusy()"
+    result = ran(folder, LATE.format(body=body), one)
+    assert result.returncode == 3
+    assert result.stderr == "error: interrupted\n"
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="there is no such timer")
+def test_what_is_protected_is_left_by_an_exception_once(folder):
+    body = """
+try:
+    with protected():
+        os.kill(os.getpid(), signal.SIGTERM)
+        try:
+            busy()
+        finally:
+            time.sleep(0.7)  # longer than the patience: it is not interrupted again
+            print("put away", flush=True)
+except KeyboardInterrupt as error:
+    print(error)
+"""
+    result = ran(folder, LATE.format(body=body), signal.SIGTERM)
+    assert result.stdout.splitlines() == ["put away", "SIGTERM"]
+
+
+def test_signals_are_noted_before_anything_is_loaded(folder):
+    code = "import sys; before = {*sys.modules}; import tractive_sam.cli as cli\n"
+    code += "cli._note_at_once(); print(*sorted({*sys.modules} - before))"
+    found = ran(folder, code, signal.SIGINT)
+    assert found.stdout.split() == ["tractive_sam", "tractive_sam.cli"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("module", ["enum", "contextlib", "lazy_loader", "typer"])
+def test_from_the_first_import_on(folder, module):
+    text = PROGRAM.format(module=module, name="SIGINT", times=1)
+    text = f"import sys\nsys.modules.pop({module!r}, None)\n{text}"
+    result = ran(folder, text, signal.SIGINT)
+    assert result.returncode == 3
+    assert result.stderr == "error: interrupted\n"
+
+
 @pytest.mark.slow
 def test_a_second_signal_ends_at_once(folder):
     result = ended(folder, "typer", signal.SIGINT, times=2)

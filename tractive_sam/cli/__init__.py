@@ -4,11 +4,6 @@ Modules of commands import what computes only when they are run, so that help co
 one imports next to nothing: `main` heeds signals before anything else is loaded.
 """
 
-import atexit
-import gc
-
-from tractive_sam import interrupt
-
 __all__ = ["app", "main"]
 
 OBJECTS = 10_000
@@ -16,17 +11,40 @@ OBJECTS = 10_000
 own 700 it does so hundreds of times while modules are loaded, for a tenth of that time."""
 
 
+PATIENCE = 1.0
+"""Seconds after a signal in which the program may end as it does, before it is ended."""
+
+
 def main() -> None:
-    """Run the program; SIGINT, SIGTERM and SIGHUP end it after the work at hand."""
+    """Run the program; SIGINT, SIGTERM and SIGHUP end it within the time of `PATIENCE`."""
+    early = _note_at_once()
+    from tractive_sam.interrupt import ignore, note_signals
+
+    note_signals(PATIENCE, early)
+    import atexit
+    import gc
+
     try:
         gc.set_threshold(OBJECTS)
-        with interrupt.kept():
-            from tractive_sam.cli.program import run_program
+        from tractive_sam.cli.program import run_program
 
-            run_program()
+        run_program()
     finally:
+        ignore()
         atexit.register(gc.freeze)  # what is left goes with the process: a fifth of a second
-        atexit.register(interrupt.ignore)  # the last one registered is the first one called
+
+
+def _note_at_once() -> list[int]:
+    """Note signals by what Python has loaded already; the list holds those that came."""
+    # The part of `signal` that is in C, without the modules that `signal` loads.
+    import _signal  # type: ignore[import-not-found]
+
+    came: list[int] = []
+    for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+        number = getattr(_signal, name, None)
+        if number is not None and _signal.getsignal(number) != _signal.SIG_IGN:
+            _signal.signal(number, lambda number, _frame: came.append(number))
+    return came
 
 
 def __getattr__(name: str):

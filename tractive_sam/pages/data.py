@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from tractive_sam import interrupt
 from tractive_sam.markup import as_html
 from tractive_sam.pages import text
 from tractive_sam.pages.arrays import packed
@@ -35,7 +36,10 @@ def of_history(history: History) -> dict[str, Any]:
     """All that the page draws, and what is left out of it."""
     saved = chosen(history.saved, MOST_SAVED)
     blocks = _blocks(history)
-    states = [Drawn.of(block, at) for at in saved for _, block in blocks]
+    states = []
+    for at in saved:
+        interrupt.heed()
+        states += [Drawn.of(block, at) for _, block in blocks]
     surface = _Window.around(states, BESIDE, MOST_NUMBERS / (10 * max(len(states), 1)))
     left_out = []
     if len(saved) < len(history.saved):
@@ -215,6 +219,7 @@ def _stress(
     asked = [] if history.scene.subsurface is None else map(str, history.scene.subsurface.planes)
     order = {plane: k for k, plane in enumerate(asked)}
     for body, plane in sorted(history.planes, key=lambda one: order.get(one[1], len(order))):
+        interrupt.heed()
         each = (block.stress(body, plane, at) for at in saved for block in blocks)
         rows = [_on_mesh(one, history.grid) for one in each]
         (first, along), (second, across) = rows[0].axes.items()

@@ -7,13 +7,14 @@ from pathlib import Path
 
 from tractive_sam.output_file import (
     TEMPORARY,
+    OutputError,
     OutputPlaceError,
+    check_folder,
     followed,
     hidden_beside,
     is_write_protected,
     reason,
     short_name,
-    temporary_of,
 )
 from tractive_sam.store.errors import HeldError, ResultsError, StorageError
 from tractive_sam.store.lock import is_locked, locked
@@ -79,9 +80,11 @@ def check_writable(path: Path, overwrite: bool, check_kind: Callable[[Path], Non
             raise ResultsError(f"{folder} is not a folder; create it, or choose another")
         if real(path).exists():
             _check_replaced(path, overwrite, check_kind)
-        scratch = temporary_of(real(path))
-        scratch.touch()
-        scratch.unlink()
+        check_folder(real(path))
+    except OutputPlaceError as error:
+        raise ResultsError(str(error)) from error
+    except OutputError as error:
+        raise StorageError(str(error)) from error
     except OSError as error:
         raise ResultsError(f"{path} cannot be written: {reason(error)}") from error
 

@@ -17,6 +17,7 @@ from uuid import uuid4
 import numpy as np
 from h5py import File
 
+from tractive_sam import interrupt
 from tractive_sam.results import Grid, LawRecord, Quantity, Record, widened
 from tractive_sam.scene import Scene
 from tractive_sam.store import former, layout, rows, writable
@@ -276,7 +277,7 @@ def results_writer(path: Path, overwrite: bool = False) -> Iterator[None]:
     ResultsError
         As by `check_results`.
     """
-    with writable.sole_writer(path, overwrite, _check_kind):
+    with interrupt.protected(), writable.sole_writer(path, overwrite, _check_kind):
         yield
 
 

@@ -23,8 +23,8 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
-from tractive_sam.output_file import OutputError, write_file
-from tractive_sam.store import HeldError, ResultsError, locked
+from tractive_sam.output_file import OutputError, is_disk_failure, reason, write_file
+from tractive_sam.store import HeldError, ResultsError, StorageError, locked
 from tractive_sam.studies.case import DIGEST, Case
 from tractive_sam.studies.case_log import CaseLog
 from tractive_sam.studies.design import Study
@@ -74,6 +74,9 @@ class Folder:
             except OutputError:
                 raise
             except OSError as error:
+                if is_disk_failure(error):
+                    message = f"{self.path} cannot be written: {reason(error)}"
+                    raise StorageError(message) from error
                 raise ResultsError(
                     f"{self.path} cannot be written: {error}; choose another folder"
                 ) from error
