@@ -1,11 +1,15 @@
 """What a notebook shows of scenes, contacts, histories, studies and figures: little, and once."""
 
 import re
+from dataclasses import replace
+from html import escape
 
 import pytest
+from typer.testing import CliRunner
 
 import tractive_sam as ts
 from tractive_sam import plot
+from tractive_sam.cli import app
 
 ROUND = ("grid.elements=[21, 21]", "grid.half_length=[4.08, 4.08]")
 WORN = ("wear.coefficient=1e-4", "wear.revolutions=3", "wear.save=[0, 3]")
@@ -76,3 +80,24 @@ def test_a_figure_shows_itself_once_whatever_a_notebook_was_told(history):
     data, _ = display.format(figure)
     assert sorted(data) == ["image/png", "text/plain"]
     assert not pyplot.get_fignums()  # which it would draw a second time at the end of a cell
+
+
+def test_a_creep_table_shows_its_description_and_no_numbers():
+    table = ts.open_table("steel")
+    shown = " ".join(CliRunner().invoke(app, ["show", "steel"]).output.split())
+    for title, rows in table.sections.items():
+        for what, answer in rows:
+            assert f"{what} {answer}" in shown, title
+            assert f"{what} " in repr(table)
+            assert answer in repr(table)
+            assert escape(answer) in table._repr_html_()
+    assert len(repr(table).splitlines()) < 40  # a screen; its arrays take thousands
+    assert "array(" not in repr(table)
+
+
+def test_titles_of_tables_are_text():
+    """Neither a tag in a page nor a command of a terminal."""
+    table = ts.open_table("steel")
+    hostile = replace(table, about={"title": "<script>alert(1)</script>\x1b[2J"})
+    assert "<script" not in hostile._repr_html_()
+    assert "\x1b" not in repr(hostile)

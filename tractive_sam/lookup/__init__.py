@@ -15,6 +15,7 @@ from tractive_sam.lookup.coordinates import (
     creepages_at,
 )
 from tractive_sam.lookup.creep_table import CreepTable, Forces, share_of_bar
+from tractive_sam.lookup.describe import describe_axis, describe_range
 from tractive_sam.lookup.header import (
     arguments_of,
     c_header,
@@ -43,6 +44,8 @@ __all__ = [
     "check_name",
     "columns_of",
     "creepages_at",
+    "describe_axis",
+    "describe_range",
     "plain_title",
     "share_of_bar",
 ]

@@ -11,8 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tractive_sam.lookup.coordinates import CONTACT, NAMES, RATIO, SPIN, Coordinates
+from tractive_sam.lookup.describe import Sections, describe_table
 from tractive_sam.lookup.hermite import Hermite, cell_of
 from tractive_sam.lookup.table_checks import faults_of_table
+from tractive_sam.markup import fill, html_table
+from tractive_sam.plain import plain, text_table
 
 MARGIN = 1e-9
 """Of a coordinate outside a table that rounding alone may have brought there."""
@@ -138,6 +141,28 @@ class CreepTable:
         ]  # fmt: skip
         if faults:
             raise ValueError("; ".join(faults))
+
+    def __repr__(self) -> str:
+        sections = (text_table(title, dict(rows)) for title, rows in self.sections.items())
+        return "\n\n".join((plain(f"CreepTable {self.title}".rstrip()), *sections))
+
+    def _repr_html_(self) -> str:
+        sections = (
+            fill("<b>$title</b>$rows", title=title, rows=html_table(dict(rows)))
+            for title, rows in self.sections.items()
+        )
+        return fill("<p><b>$title</b></p>$sections", title=self.title, sections=sections)
+
+    @property
+    def title(self) -> str:
+        """Title from the file; empty where it has none."""
+        return str(self.about.get("title", ""))
+
+    @property
+    def sections(self) -> Sections:
+        """Description: rows of (what, answer) by the title of their section."""
+        axes = dict(zip((*self.names, *NAMES), self.law.axes, strict=True))
+        return describe_table(axes, self.about, self.apart, self.whole, self.contact)
 
     @property
     def nodes(self) -> int:

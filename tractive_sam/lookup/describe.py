@@ -1,0 +1,95 @@
+"""The description of a table of creep forces, in sections of (what, answer)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from tractive_sam.lookup.coordinates import CONTACT, NAMES, RATIO
+
+Sections: TypeAlias = dict[str, list[tuple[str, str]]]
+"""Rows of (what, answer) by the title of their section."""
+
+ANY = "any contact of Hertz of alike bodies, with isotropic friction"
+QUARTER = "a quarter of them; the others follow from it by two symmetries"
+
+
+def describe_table(
+    axes: Mapping[str, np.ndarray],
+    about: Mapping[str, Any],
+    apart: Sequence[str],
+    whole: bool,
+    contact: Mapping[str, float] | None,
+) -> Sections:
+    """Describe what a table contains, its errors, and how it is called.
+
+    Parameters
+    ----------
+    axes : mapping of str to ndarray
+        Nodes along every axis, those of creepages last.
+    about, apart, whole, contact
+        As the attributes of `CreepTable`.
+    """
+    nodes = [describe_axis(name, nodes, name in apart) for name, nodes in axes.items()]
+    total = math.prod(len(nodes) for nodes in axes.values())
+    made = [("version", str(about.get("version", "unknown")))]
+    if {"contacts", "cpu_seconds"} <= about.keys():
+        spent = f"{about['contacts']} contacts, {about['cpu_seconds']:.3g} s of one core"
+        made.append(("solved", spent))
+    varying = [one for one in axes if one not in (RATIO, *NAMES) and len(axes[one]) > 1]
+    arguments = [f"{one}=..." for one in (*(() if contact else CONTACT), *varying)]
+    call = f"table({', '.join(('xi_x', 'xi_y', 'spin', *arguments))})"
+    return {
+        "Table of creep forces": describe_range(contact, whole),
+        "Nodes": [*nodes, ("in all", str(total))],
+        "Errors": _describe_errors(about),
+        "Made by": made,
+        "Use": [
+            ("in Python", f"table = ts.open_table(FILE); {call}"),
+            ("elsewhere", "tractive-sam table FILE, with --header, --fmu, --text or --figure"),
+        ],
+    }
+
+
+def describe_range(contact: Mapping[str, float] | None, whole: bool) -> list[tuple[str, str]]:
+    """Describe the contacts and the creepages of a table."""
+    contacts = ANY
+    if contact is not None:
+        a, b, load, mu, shear = (contact[key] for key in CONTACT)
+        scales = f"a = {a:.4g} mm, b = {b:.4g} mm, P = {load:.4g} N, mu = {mu:g}"
+        contacts = f"one scene; scaled by {scales}, G = {shear:.4g} MPa"
+    return [("of", contacts), ("creepages", "all headings and tilts" if whole else QUARTER)]
+
+
+def describe_axis(name: str, nodes: np.ndarray, apart: bool) -> tuple[str, str]:
+    """Describe the nodes along an axis; `apart`: nothing is known between them."""
+    if name == RATIO:
+        name, nodes = "a/b", np.exp(nodes)
+    if len(nodes) == 1:
+        return name, f"{nodes[0]:.4g}"
+    if apart:
+        return name, ", ".join(f"{one:.6g}" for one in nodes) + ", and nothing between them"
+    return name, f"{len(nodes)} from {nodes[0]:.4g} to {nodes[-1]:.4g}"
+
+
+def _describe_errors(about: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Describe the tolerance and the measured errors of forces and gradients."""
+    errors = [("tolerance", f"{float(about.get('tolerance', math.nan)):g} of mu P")]
+    if "held_out" in about:
+        errors.append((
+            f"{about['held_out']} points held out",
+            f"{about['held_out_median']:.1e} of mu P in the median, {about['held_out_worst']:.1e} "
+            f"at most; {about['held_out_inside']:.1%} within the error that the table reports",
+        ))  # fmt: skip
+    gradients = "errors not measured; tractive-sam table FILE.nc -o NEW.nc measures them"
+    if "gradient_checks" in about:
+        gradients = (
+            f"at rest within {about['gradient_at_rest']:.1e} of sqrt(K_ii K_jj), K_ii the slopes "
+            f"at rest; at {about['gradient_checks']} points {about['gradient_median']:.1e} in the "
+            f"median, {about['gradient_worst']:.1e} at most, {about['gradient_inside']:.1%} within "
+            "error bars"
+        )
+    return [*errors, ("gradients", gradients)]
