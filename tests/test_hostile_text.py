@@ -24,6 +24,7 @@ from tests.tables.test_written import of_any
 from tractive_sam import pages
 from tractive_sam.cli import app
 from tractive_sam.lookup import c_header, columns_of
+from tractive_sam.plot.figure import Figure
 from tractive_sam.scene import SceneError
 from tractive_sam.store import GapError, ResultsError, layout, open_history, read_gap
 from tractive_sam.store.texts import create_text, set_text, text_of
@@ -331,6 +332,16 @@ def test_columns_of_text(tmp_path, text):
                 ts.scene.toml.emit(entries | {key: {"file": str(path)} | extra}), "utf-8"
             )
             called("run", toml, "-o", tmp_path / "never.h5")
+
+
+def test_labels_of_figures(tmp_path):
+    """Warnings are errors here: fonts lack control characters, and say so of each."""
+    figure = Figure()
+    axes = figure.subplots()
+    axes.plot([1, 2], label=HOSTILE[6].replace("\n", ""))
+    axes.legend()
+    figure.savefig(tmp_path / "a.png")
+    check_terminal(axes.get_legend().get_texts()[0].get_text())
 
 
 def test_script_of_the_page_parses_no_text_as_html():

@@ -7,9 +7,11 @@ from pathlib import Path
 from typing import IO
 
 import matplotlib.figure
+from matplotlib.text import Text
 
 from tractive_sam.markup import Html, fill
 from tractive_sam.output_file import write_file
+from tractive_sam.plain import plain
 
 SHARP = 2
 """Dots of a picture in a notebook over the pixels that it takes there: as many as screens have."""
@@ -29,6 +31,9 @@ class Figure(matplotlib.figure.Figure):
         OutputError
             If the file cannot be written; one that was there before is unchanged.
         """
+        for text in self.findobj(Text):  # fonts have no signs for control characters
+            if text.get_text() != (shown := plain(text.get_text(), None)):
+                text.set_text(shown)
         if not isinstance(fname, str | PathLike):
             super().savefig(fname, **options)
             return
