@@ -154,7 +154,10 @@ def fail_every_call(name, arguments, file, out, log, counts):
             counts["failed"] += bool(found)
             if found:
                 kind = errno.errorcode.get(error, "short")
-                print(f"{name}, {kind} at call {call} for {length}: {found}: {message[-300:]!r}")
+                print(
+                    f"{name}, {kind} at call {call} for {length}: {found}: {message[-300:]!r}",
+                    flush=True,
+                )
             if calls <= call:
                 break
 
