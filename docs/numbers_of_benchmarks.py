@@ -235,6 +235,35 @@ def hard_scenes() -> str:
     return markdown(("family", "method", "scenes", "solved", "median of applications"), lines)
 
 
+def invariance() -> str:
+    """The largest difference of each group of quantities under each change, over all kinds."""
+    rows = rows_of("invariance.csv")
+    changes = list(dict.fromkeys(row["change"] for row in rows))
+    lines = []
+    for group in dict.fromkeys(row["group"] for row in rows):
+        values = {
+            change: [
+                float(row["difference"])
+                for row in rows
+                if (row["group"], row["change"]) == (group, change)
+            ]
+            for change in changes
+        }
+        lines.append((group, *(f"{max(of):.0e}" if of else "-" for of in values.values())))
+    return markdown(("largest difference of", *changes), lines)
+
+
+def invariance_scenes() -> str:
+    """How many scenes of each kind were compared, and how many comparisons broke their bound."""
+    rows = rows_of("invariance.csv")
+    lines = []
+    for kind in dict.fromkeys(row["kind"] for row in rows):
+        of = [row for row in rows if row["kind"] == kind]
+        broken = sum(int(row["broken"]) for row in of)
+        lines.append((kind, max(int(row["scenes"]) for row in of), broken))
+    return markdown(("kind", "scenes", "differences above their bound"), lines)
+
+
 def falling() -> str:
     """How random scenes with falling friction end, and at what cost beside the constant law."""
     rows = rows_of("falling.csv")
@@ -620,6 +649,8 @@ TABLES = {
         peaks,
         peaks_worn,
         hard_scenes,
+        invariance,
+        invariance_scenes,
         falling,
         heat,
         error_bars,
