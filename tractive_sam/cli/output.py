@@ -150,6 +150,7 @@ def compiling_told() -> Iterator[None]:
 @contextmanager
 def bad_input_told() -> Iterator[None]:
     """Turn errors that the user can cure into messages and an exit status."""
+    from tractive_sam.extras import MissingExtraError
     from tractive_sam.output_file import OutputError, OutputPlaceError
     from tractive_sam.scene import SceneError
     from tractive_sam.store import GapError, ResultsError, StorageError
@@ -164,7 +165,7 @@ def bad_input_told() -> Iterator[None]:
         raise stop(Status.INVALID, str(error)) from None
     except (StorageError, OutputError) as error:
         raise stop(Status.INCOMPLETE, str(error)) from None
-    except ResultsError as error:
+    except (ResultsError, MissingExtraError) as error:
         raise stop(Status.INVALID, str(error)) from None
     except OSError as error:
         if error.filename is None:

@@ -30,10 +30,7 @@ def report(
         if not len(history):
             raise stop(Status.INVALID, f"{file} holds no record to show yet")
         path = output or Path(f"{file.stem}.html")
-        try:
-            pages.report(history, path)
-        except ImportError as error:
-            raise stop(Status.INVALID, str(error)) from None
+        pages.report(history, path)
     if not history.finished:
         say(("note: ", "bold yellow"), f"{file} is {history.status}: {history.message}")
     tell(path)

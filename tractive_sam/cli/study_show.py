@@ -63,10 +63,6 @@ def study_show(
                 written += save_figures(
                     results, figures, quantities=tuple(quantity or ()), at=held, format=format
                 )
-        except ImportError as error:
-            cure = "pip install '.[study]' in the source folder of tractive_sam"
-            told = f"{error.name} is not installed: it comes with the extra study, {cure}"
-            raise stop(Status.INVALID, told) from None
         except ValueError as error:
             raise stop(Status.INVALID, str(error)) from None
     if (csv, netcdf, figures) == (None, None, None):

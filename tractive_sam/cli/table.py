@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -93,9 +92,6 @@ def table(
                 raise stop(Status.INCOMPLETE, str(error)) from None
             except RuntimeError as error:
                 raise stop(Status.INCOMPLETE, str(error)) from None
-            except ImportError as error:
-                cure = "pip install 'tractive_sam[study]'"
-                raise stop(Status.INVALID, f"table: {error.name} is needed: {cure}") from None
         for path, write in writes:
             if path is not None:
                 write(found, path)
@@ -123,6 +119,7 @@ def _check_folder(file: Path | None) -> None:
 
 def _check_code(header: Path | None, fmu: Path | None) -> None:
     """Refuse what could not be written, before anything is computed."""
+    from tractive_sam.extras import check_extra
     from tractive_sam.lookup import check_name
 
     try:
@@ -130,8 +127,9 @@ def _check_code(header: Path | None, fmu: Path | None) -> None:
             check_name(path.stem)
     except ValueError as error:
         raise stop(Status.INVALID, str(error)) from None
-    if fmu is not None and find_spec("fmpy") is None:
-        raise stop(Status.INVALID, "--fmu needs fmpy: pip install 'tractive_sam[fmu]'")
+    if fmu is not None:
+        with bad_input_told():
+            check_extra("fmpy", "--fmu")
 
 
 def _header(found, path: Path) -> None:

@@ -38,6 +38,7 @@ import numpy as np
 from tractive_sam.contact.equilibrium import start_of
 from tractive_sam.contact.heat import in_warmth, warming
 from tractive_sam.contact.model import Model
+from tractive_sam.extras import check_extra
 from tractive_sam.mechanics import Coulomb, FallingCoulomb
 from tractive_sam.results import COLUMNS, State, by_name
 from tractive_sam.scene import warn
@@ -66,11 +67,7 @@ def check_jacobian(model: Model) -> None:
     ValueError
         If there is no friction.
     """
-    try:
-        import xarray  # noqa: F401, PLC0415 - of an extra
-    except ImportError:
-        cure = "pip install 'tractive_sam[study]'"
-        raise ImportError(f"jacobian: xarray is needed, of the extra study: {cure}") from None
+    check_extra("xarray", "jacobian")
     if model.laws.friction is None:
         raise ValueError("jacobian: friction is needed; give the scene a [friction] table")
 

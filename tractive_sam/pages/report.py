@@ -10,6 +10,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from tractive_sam.extras import importing_extra
 from tractive_sam.markup import Html, fill, policy
 from tractive_sam.output_file import write_file
 from tractive_sam.pages.data import of_history
@@ -107,13 +108,9 @@ _PARTS = ("report.html", "report.js", "report.css", "style.css")
 
 def _plotly() -> tuple[str, dict[str, Any]]:
     """The script that draws, and the colours of the figures."""
-    try:
+    with importing_extra("report"):
         from plotly.colors import get_colorscale  # noqa: PLC0415 - of an extra
         from plotly.offline import get_plotlyjs  # noqa: PLC0415
-    except ImportError as error:
-        cure = "pip install '.[report]' in the source folder of tractive_sam"
-        missing = f"{error.name} is not installed: it comes with the extra report, {cure}"
-        raise ImportError(missing, name=error.name) from None
     return get_plotlyjs(), {name: get_colorscale(plotly) for name, plotly in SCALES.items()}
 
 

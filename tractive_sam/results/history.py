@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar
 
 import numpy as np
 
+from tractive_sam.extras import importing_extra
 from tractive_sam.mechanics import Frame
 from tractive_sam.plain import text_table
 from tractive_sam.results import summary
@@ -646,26 +647,36 @@ class History:
     def to_dataframe(self) -> "pandas.DataFrame":
         """`numbers` as a table along the coordinate; needs pandas, which comes with xarray.
 
+        Raises
+        ------
+        ImportError
+            Without pandas, which comes with the extra ``study``.
+
         Examples
         --------
         >>> history.to_dataframe()["worn_mass A"].loc[2] == history["worn_mass"][2, 0]
         True
         """
-        import pandas  # noqa: PLC0415 - of an extra
+        with importing_extra("history.to_dataframe"):
+            import pandas  # noqa: PLC0415 - of an extra
 
         return pandas.DataFrame(self.numbers()).set_index(self.coordinate.name)
 
     def to_xarray(self) -> "xarray.Dataset":
         """Columns, and fields of the records that kept them, with units and coordinates.
 
-        Needs xarray, which comes with the extra ``study``.
+        Raises
+        ------
+        ImportError
+            Without xarray, which comes with the extra ``study``.
 
         Examples
         --------
         >>> history.to_xarray()["Qx"].sel(revolution=2).item() == history["Qx"][2]
         True
         """
-        import xarray  # noqa: PLC0415 - of an extra
+        with importing_extra("history.to_xarray"):
+            import xarray  # noqa: PLC0415 - of an extra
 
         def about(one: Quantity) -> dict[str, str]:
             return {"units": one.unit, "long_name": one.long_name}

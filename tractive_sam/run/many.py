@@ -11,6 +11,7 @@ import numpy as np
 
 from tractive_sam import interrupt
 from tractive_sam.contact import Model, check_jacobian, equilibrium, fitted, jacobian_of
+from tractive_sam.extras import importing_extra
 from tractive_sam.operators import one_blas_thread
 from tractive_sam.results import History, Quantity, State, Status, columns
 from tractive_sam.rolling import begun
@@ -78,11 +79,8 @@ def solve_many(
     >>> bool((found["Qx"].diff("creepage.longitudinal") > 0.0).all())
     True
     """
-    try:
+    with importing_extra("solve_many"):
         import xarray  # noqa: PLC0415 - of an extra
-    except ImportError:
-        cure = "pip install 'tractive_sam[study]'"
-        raise ImportError(f"solve_many: xarray is needed, of the extra study: {cure}") from None
     given.check_scene(scene)
     if scene.accuracy is not None:
         raise ValueError("solve_many: one mesh is needed; give the scene [grid], not [accuracy]")

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from uuid import uuid4
 
 from tractive_sam import interrupt
+from tractive_sam.extras import describe_missing
 from tractive_sam.store import ResultsError
 from tractive_sam.studies.chain import Chain, chained
 from tractive_sam.studies.task import FAILED, HELD, Outcome, Task
@@ -28,11 +29,6 @@ if TYPE_CHECKING:
     from distributed.security import Security
 
 T = TypeVar("T")
-
-MISSING = (
-    "dask is not installed: it comes with the extra study, pip install '.[study]' in the source "
-    "folder of tractive_sam; or ask for 0 workers"
-)
 
 FIRST_CONTACT = 30.0
 """Longest wait for a scheduler that was never there, s."""
@@ -428,7 +424,8 @@ def check_installed() -> None:
     >>> studies.check_installed()
     """
     if find_spec("distributed") is None:
-        raise ResultsError(MISSING)
+        missing = describe_missing("processes that share the work", "distributed")
+        raise ResultsError(f"{missing}; or ask for 0 workers")
 
 
 def _work(chain: Chain) -> tuple[Any, ...]:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tractive_sam import interrupt
+from tractive_sam.extras import importing_extra
 from tractive_sam.markup import Html, html_table
 from tractive_sam.output_file import write_file
 from tractive_sam.plain import csv_cell, text_table
@@ -245,7 +246,8 @@ class StudyResults:
             Take the record of this revolution, in place of the last one of each case; nan where
             there is none.
         """
-        import xarray  # of an extra
+        with importing_extra("study results"):
+            import xarray  # of an extra
 
         study = self.study
         dims, shape = [one.name for one in study.dimensions], study.shape

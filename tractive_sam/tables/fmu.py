@@ -18,11 +18,10 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
+from tractive_sam.extras import importing_extra
 from tractive_sam.lookup import CreepTable, arguments_of, c_header, plain_title
 from tractive_sam.output_file import write_file
 from tractive_sam.store import versions
-
-MISSING = "an FMU needs fmpy, of the extra fmu: pip install 'tractive_sam[fmu]'"
 
 HEADERS = ("fmi2TypesPlatform.h", "fmi2FunctionTypes.h", "fmi2Functions.h")
 
@@ -75,11 +74,9 @@ def write_fmu(table: CreepTable, path: str | PathLike[str]) -> bool:
     ...     if not ts.write_fmu(table, path):
     ...         print("it has its sources alone: fmpy compile adds what this machine needs")
     """
-    try:
+    with importing_extra("write_fmu"):
         import fmpy  # noqa: PLC0415 - of an extra
         from fmpy.validation import validate_fmu  # noqa: PLC0415
-    except ImportError:
-        raise ImportError(MISSING) from None
     path, name = Path(path), Path(path).stem
     header = c_header(table, name)
     with TemporaryDirectory() as folder:

@@ -1,0 +1,75 @@
+"""Packages that only an extra installs: which extra, and the message where one is missing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.util import find_spec
+
+EXTRAS = {
+    "cryptography": "study",
+    "dask": "study",
+    "distributed": "study",
+    "fmpy": "fmu",
+    "h5netcdf": "study",
+    "pandas": "study",
+    "plotly": "report",
+    "xarray": "study",
+}
+"""The extra that installs a package, by package."""
+
+
+class MissingExtraError(ImportError):
+    """A package is missing that an extra installs; the message states the command."""
+
+
+def describe_missing(purpose: str, package: str) -> str:
+    """Return the message of a package that is not installed: for what, which extra, the command."""
+    extra = EXTRAS[package]
+    return (
+        f"{purpose}: {package} is not installed; it comes with the extra {extra}: "
+        f"pip install '.[{extra}]' in the source folder of tractive_sam"
+    )
+
+
+def check_extra(package: str, purpose: str) -> None:
+    """Check that a package of an extra is installed.
+
+    Parameters
+    ----------
+    package : str
+        A package of `EXTRAS`.
+    purpose : str
+        What needs it, such as "--fmu".
+
+    Raises
+    ------
+    MissingExtraError
+        If it is not installed.
+    """
+    if find_spec(package) is None:
+        raise MissingExtraError(describe_missing(purpose, package), name=package)
+
+
+@contextmanager
+def importing_extra(purpose: str) -> Iterator[None]:
+    """Report imports of packages that an extra installs, where they are missing.
+
+    Parameters
+    ----------
+    purpose : str
+        What needs them, such as "history.to_xarray".
+
+    Raises
+    ------
+    MissingExtraError
+        If such a package is not installed.
+    """
+    try:
+        yield
+    except ImportError as error:
+        package = (error.name or "").partition(".")[0]
+        if package not in EXTRAS or isinstance(error, MissingExtraError):
+            raise
+        message = describe_missing(purpose, package)
+        raise MissingExtraError(message, name=package) from None
