@@ -36,7 +36,8 @@ FOUND = (("xi_x", "xi_x", 1, ".3e"), ("xi_y", "xi_y", 1, ".3e"))
 """The same of creepages, where forces are prescribed."""
 
 STEPPING = {
-    "operator_applications", "jump", "converged", "solves", "seconds", "next_step", "stretch"
+    "operator_applications", "convolutions", "jump", "converged", "solves", "seconds",
+    "next_step", "stretch",
 }  # fmt: skip
 """Columns of a record that say how it was computed: the totals tell it, and --json and --csv."""
 

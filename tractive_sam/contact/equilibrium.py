@@ -10,6 +10,7 @@ from tractive_sam.contact.mesh import grown
 from tractive_sam.contact.message import message, not_resolved, too_steep
 from tractive_sam.contact.model import Model
 from tractive_sam.mechanics import Coulomb
+from tractive_sam.operators import ConvolutionMeter
 from tractive_sam.results import State, Status
 from tractive_sam.scene import FewestElements, warn
 from tractive_sam.solvers import ALONE, METHODS, FromRest, Outcome, Problem, Start
@@ -52,12 +53,14 @@ def equilibrium(
         Converged or not: see its status and message.
     """
     tolerance = tolerance or model.scene.solver.tolerance
+    meter = ConvolutionMeter(model.operators.lattice.padded)
     if model.scene.heat is None:
         contact = _equilibrium(model, depth, start, tolerance)
     else:
         contact = warmed(
             model, lambda warm, start: _equilibrium(warm, depth, start, tolerance), start
         )
+    contact = contact.with_convolutions(meter.convolutions)
     few = min(contact.elements_across) < FewestElements.contact and contact.touching.any()
     if check_resolution and contact.converged and few:
         return replace(contact, status=Status.NOT_RESOLVED, note=not_resolved(contact))

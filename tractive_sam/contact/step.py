@@ -15,7 +15,7 @@ from tractive_sam.contact.measured import sampled
 from tractive_sam.contact.model import Model
 from tractive_sam.contact.step_work import Particles, StepWork
 from tractive_sam.mechanics import Bound, Friction
-from tractive_sam.operators import Lattice, StepOperators, Way
+from tractive_sam.operators import ConvolutionMeter, Lattice, StepOperators, Way
 from tractive_sam.results import Cost, Grid, State, Status, widened
 from tractive_sam.solvers import (
     ALONE,
@@ -245,6 +245,13 @@ class Stepper:
         Stepped
             Converged or not: see its contact.
         """
+        meter = ConvolutionMeter(self.model.operators.lattice.padded)
+        now = self._taken(before, asked, earlier, ratio)
+        return replace(now, contact=now.contact.with_convolutions(meter.convolutions))
+
+    def _taken(
+        self, before: Stepped, asked: Asked, earlier: Stepped | None, ratio: float
+    ) -> Stepped:
         model, grid = self.model, self.model.grid
         way = Way.of(asked.distance / grid.dx)
         past, displacement = before.contact, self._displacement(before, way.reach)

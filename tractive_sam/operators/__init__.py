@@ -7,6 +7,7 @@ from tractive_sam.operators.extent import extent
 from tractive_sam.operators.heat import STEPS_FROM, SurfaceHeat
 from tractive_sam.operators.influence import Lattice
 from tractive_sam.operators.memory import available
+from tractive_sam.operators.meter import ConvolutionMeter
 from tractive_sam.operators.rows import row_compliance
 from tractive_sam.operators.stencil import STAGGERED, UPWIND, FrictionSlip, Stencil
 from tractive_sam.operators.step import StepOperators, Way
@@ -22,6 +23,7 @@ __all__ = [
     "STEPS_FROM",
     "UPWIND",
     "Convolution",
+    "ConvolutionMeter",
     "Frame",
     "FrictionSlip",
     "Grid",

@@ -12,6 +12,7 @@ import numpy as np
 from tractive_sam import interrupt
 from tractive_sam.operators import wisdom
 from tractive_sam.operators.fftw import pyfftw
+from tractive_sam.operators.meter import count_transform
 from tractive_sam.operators.threads import of_transform
 
 Plan = TypeVar("Plan")
@@ -86,6 +87,7 @@ class PaddedTransform:
         self, fields: int, shape: tuple[int, int], padded: tuple[int, int], single: bool = False
     ):
         self.shape = shape
+        self._fields, self._padded = fields, padded
         nx, (px, py) = shape[0], padded
         half = (fields, px, py // 2 + 1)
         real, spectral = (np.float32, np.complex64) if single else (np.float64, np.complex128)
@@ -106,6 +108,7 @@ class PaddedTransform:
         ny = self.shape[1]
         self._real[..., :ny] = fields
         self._real[..., ny:] = 0.0
+        count_transform(self._fields, self._padded)
         self._forward_y.execute()
         self._forward_x.execute()
         return self.spectrum
@@ -115,6 +118,7 @@ class PaddedTransform:
 
         The normalisation is left to the spectra of the kernel, which carry it at no cost.
         """
+        count_transform(self._fields, self._padded)
         self._backward_x.execute()
         self._backward_y.execute()
         return self._real[..., : self.shape[1]]

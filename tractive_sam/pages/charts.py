@@ -29,7 +29,15 @@ TOGETHER = (
 HIDDEN = {"stress_max", "stress_max_at", "stress_max_error", COORDINATE}
 """Roles that are drawn otherwise, or not."""
 
-BOOKKEEPING = {"residual", "operator_applications", "jump", "converged", "solves", "seconds"}
+BOOKKEEPING = {
+    "residual",
+    "operator_applications",
+    "convolutions",
+    "jump",
+    "converged",
+    "solves",
+    "seconds",
+}
 """Columns of how it was computed: at the end."""
 
 ROUNDING = 1e-9

@@ -47,7 +47,7 @@ LEAST = (
 )
 """The same of the least."""
 
-SUMS = ("operator_applications",)
+SUMS = ("operator_applications", "convolutions")
 
 
 def cycle_record(

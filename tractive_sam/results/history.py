@@ -581,7 +581,7 @@ class History:
             status=Status.CONVERGED if solved else _status(self.status),
             note="" if solved else self.message,
             residual=number["residual"],
-            cost=Cost(number["operator_applications"]),
+            cost=Cost(number["operator_applications"], convolutions=number["convolutions"]),
             revolution=int(number.get("revolution", 0)),
             volumes=self._volumes(row),
             frame=self.frame,

@@ -315,6 +315,8 @@ _SCALARS = (
              attrgetter("worn_area"), per_length=True),
     Quantity("operator_applications", "1", "applications of elastic operators",
              attrgetter("cost.applications")),
+    Quantity("convolutions", "1", "all convolutions of the solves, in tangential applications",
+             attrgetter("cost.convolutions")),
     Quantity("jump", "1", "revolutions that the next step is to take", format="d"),
     Quantity("converged", "1", "1 where the contact conditions hold to the tolerance",
              partial(_as_number, "converged"), format="d"),

@@ -247,6 +247,10 @@ class State:
         """Largest `utilisation` that friction allows in every element under its slip, MPa."""
         return self.pressure if self.traction_bound is None else self.traction_bound
 
+    def with_convolutions(self, number: float) -> "State":
+        """Return the contact with the number of convolutions that its solve took."""
+        return replace(self, cost=replace(self.cost, convolutions=number))
+
     @property
     def friction_varies(self) -> bool:
         """Whether the bound of the traction is not the pressure in every element.

@@ -27,16 +27,24 @@ class Cost:
     preconditioner : float
         Applications of circulant inverses and, within a step of a transient, of the operators on a
         shorter period, counted alike; each has as many transforms, of a quarter to half the size.
+    convolutions : float
+        All padded transforms of the solve, of operators and preconditioners alike, over those of
+        one application of the tangential operator on the mesh (`operators.meter`).
     """
 
     applications: float = 0.0
     preconditioner: float = 0.0
+    convolutions: float = 0.0
 
     def __add__(self, other: "Cost") -> "Cost":
         return Cost(
-            self.applications + other.applications, self.preconditioner + other.preconditioner
+            self.applications + other.applications,
+            self.preconditioner + other.preconditioner,
+            self.convolutions + other.convolutions,
         )
 
     def scaled(self, share: float) -> "Cost":
         """The cost in units of a mesh on which this one is ``share`` of the elements."""
-        return Cost(share * self.applications, share * self.preconditioner)
+        return Cost(
+            share * self.applications, share * self.preconditioner, share * self.convolutions
+        )

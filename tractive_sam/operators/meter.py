@@ -1,0 +1,40 @@
+"""Count all convolutions of a solve: what it costs beside its operator applications."""
+
+from threading import local
+
+
+class _Transformed(local):
+    """Points that this thread has transformed: fields times padded elements, either way."""
+
+    points = 0.0
+
+
+_TRANSFORMED = _Transformed()
+
+
+def count_transform(fields: int, padded: tuple[int, int]) -> None:
+    """Count one padded transform of several fields, forward or backward."""
+    _TRANSFORMED.points += fields * padded[0] * padded[1]
+
+
+class ConvolutionMeter:
+    """Convolutions of this thread since the meter was made.
+
+    The unit is one application of the tangential operator on a mesh: two fields forward and two
+    backward. A transform of fewer fields, or on a part of the mesh, counts by its share of points,
+    whatever its precision. Operators, preconditioners, coarser meshes and heat are included.
+
+    Parameters
+    ----------
+    padded : tuple of int
+        Padded shape (p_x, p_y) of the mesh.
+    """
+
+    def __init__(self, padded: tuple[int, int]) -> None:
+        self._unit = 4.0 * padded[0] * padded[1]
+        self._before = _TRANSFORMED.points
+
+    @property
+    def convolutions(self) -> float:
+        """Number of convolutions, in applications of the tangential operator."""
+        return (_TRANSFORMED.points - self._before) / self._unit
