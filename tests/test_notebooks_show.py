@@ -59,6 +59,7 @@ def test_names_of_a_scene_are_its_own():
     assert {"body", "load", "hertz", "replace", "with_set", "to_toml"} <= listed
     assert not [name for name in listed if name.startswith("model_")]
     assert not listed & {"copy", "dict", "json", "construct", "parse_obj", "schema", "validate"}
+    assert not listed & {"alone", "bounded", "checks", "heaviest", "table_of", "unfolded"}
     assert "revolutions" in dir(SCENE.with_set(WORN).wear)
 
 

@@ -1,5 +1,8 @@
 """Keys are told by the fields that read them, wherever they are told."""
 
+import inspect
+from pathlib import Path
+
 import pytest
 
 import tractive_sam as ts
@@ -52,3 +55,59 @@ def test_a_file_to_start_from_is_the_same_scene_with_words(name):
 def test_no_such_scene():
     with pytest.raises(ts.SceneError):
         starter("nonsense")
+
+
+def tables():
+    named = (getattr(ts, name) for name in ts.__all__)
+    return [one for one in named if isinstance(one, type) and issubclass(one, Table)]
+
+
+@pytest.mark.parametrize("table", tables(), ids=lambda table: table.__name__)
+def test_signatures_list_the_keys_with_defaults(table):
+    parameters = inspect.signature(table).parameters
+    assert set(table.model_fields) <= set(parameters)
+    for name, info in table.model_fields.items():
+        required = parameters[name].default is inspect.Parameter.empty
+        # A study takes its scene without a keyword, too, and reports that it is missing itself.
+        assert required == info.is_required() or (issubclass(table, ts.Study) and name == "scene")
+        assert "AfterValidator" not in str(parameters[name])
+
+
+def test_signatures_stay_when_a_table_is_built():
+    """The library replaces its own signature with the first object."""
+    before = inspect.signature(ts.Friction)
+    ts.Friction(mu=0.3)
+    assert inspect.signature(ts.Friction) == before
+    assert before.parameters["mu"].annotation == float | tuple[float, float]
+
+
+def test_what_a_signature_accepts_is_accepted():
+    """One number for a pair, a dictionary for a table."""
+    assert ts.Friction(mu=0.3).mu == (0.3, 0.3)
+    assert ts.Wear(coefficient={"A": 1e-4, "B": 0.0}, revolutions=1).coefficient.A == 1e-4
+
+
+CHECKED = """
+import tractive_sam as ts
+mu: tuple[float, float] = ts.Friction(mu=0.3).mu
+ts.Friction(law="exponential", static=(0.3, 0.2), kinetic=0.1, half_speed=1e3)
+ts.Wear(intensity=1e-5, revolutions=3)
+ts.Wear(coefficient=1e-5, revolutions=3)
+ts.Wear(coefficient={"A": 1e-5}, revolutions=3)
+ts.Mesh(half_length=1.0)
+ts.Friction(nu=0.3)
+ts.Friction(mu="0.3")
+"""
+
+
+@pytest.mark.slow
+def test_type_checkers_know_the_keys(tmp_path, monkeypatch):
+    api = pytest.importorskip("mypy.api", reason="mypy is of the extra dev")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MYPYPATH", str(Path(ts.__file__).parents[1]))
+    Path("user.py").write_text(CHECKED, "utf-8")
+    Path("mypy.ini").write_text("[mypy]\nfollow_imports = silent\n", "utf-8")
+    found, _, status = api.run(["--strict", "user.py"])
+    assert status == 1
+    faults = [line.split(":")[1] for line in found.splitlines() if "error:" in line]
+    assert faults == ["9", "10"], found  # lines of `nu` and of the text

@@ -33,6 +33,7 @@ class Document(Table):
 
     invalid: ClassVar[type[SceneError]] = SceneError
     """What is raised of its faults."""
+    internal: ClassVar[frozenset[str]] = frozenset(("files_from", "invalid", "tables_of"))
 
     @keywords_alone
     def __init__(self, /, **given: Any) -> None:

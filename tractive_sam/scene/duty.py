@@ -11,7 +11,7 @@ from .alternatives import not_both
 from .faults import Fault, SceneError
 from .override import override
 from .quantities import (
-    OrthotropicPositive,
+    OptionalOrthotropicPositive,
     Positive,
     Real,
     entry,
@@ -67,7 +67,7 @@ class BlockFriction(Table):
     (0.1, 0.1)
     """
 
-    mu: OrthotropicPositive | None = entry(
+    mu: OptionalOrthotropicPositive = entry(
         "friction coefficients along the axes e1, e2", "a number above 0, or a pair of them", None
     )
     angle: Real | None = entry(

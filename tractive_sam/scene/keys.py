@@ -11,7 +11,14 @@ import re
 import textwrap
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from functools import reduce
+from operator import or_
+from types import UnionType
+from typing import TYPE_CHECKING, Annotated, Any, Union, get_args, get_origin
+
+from pydantic import BeforeValidator
+
+from .quantities import FROM_NUMBER
 
 if TYPE_CHECKING:
     from pydantic.fields import FieldInfo
@@ -115,6 +122,45 @@ def documented(table: type[Table]) -> str:
         return text
     head, examples, tail = text.partition(EXAMPLES)
     return "\n".join((head, "", "Keys", "----", *lines)) + examples + tail
+
+
+def key_signature(table: type[Table]) -> inspect.Signature:
+    """Return the signature of a table: its keys with the types that are accepted, and defaults.
+
+    A default that is a table, or follows from other entries, is None: "not given". What the
+    `__init__` of a table takes in addition, as a study does, comes first.
+    """
+    own = inspect.signature(table.__init__).parameters.values()
+    named = {one.name: one for one in own if one.kind is one.POSITIONAL_OR_KEYWORD}
+    parameters = [one for name, one in named.items() if name != "self"]
+    for name, info in table.model_fields.items():
+        if name in named:
+            continue
+        default = inspect.Parameter.empty if info.is_required() else info.default
+        if info.default_factory is not None or hasattr(default, "table_of"):
+            default = None
+        kind = _accepted_type(info.annotation, info.metadata)
+        keyword = inspect.Parameter.KEYWORD_ONLY
+        parameters.append(inspect.Parameter(name, keyword, default=default, annotation=kind))
+    return inspect.Signature(parameters)
+
+
+def _accepted_type(kind: Any, checks: Iterable[Any] = ()) -> Any:
+    """Return a type without its checks; a table may also be a dictionary, a pair one number."""
+    if get_origin(kind) is Annotated:
+        inner, *checks = get_args(kind)
+        return _accepted_type(inner, checks)
+    if isinstance(kind, UnionType) or get_origin(kind) is Union:
+        return reduce(or_, map(_accepted_type, get_args(kind)))
+    if get_origin(kind) is tuple:
+        items = get_args(kind)
+        accepted: Any = tuple(one if one is ... else _accepted_type(one) for one in items)
+        found: Any = tuple[accepted]
+        number = any(isinstance(one, BeforeValidator) and one.func in FROM_NUMBER for one in checks)
+        return _accepted_type(items[0]) | found if number else found
+    if isinstance(kind, type) and hasattr(kind, "table_of"):
+        return kind | dict
+    return kind
 
 
 def written(value: Any) -> str:

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Generic, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Field
+
+Given = TypeVar("Given")
+Stored = TypeVar("Stored")
 
 SMALLEST, LARGEST = 1e-30, 1e30
 """Magnitudes within which no product or quotient of a few entries can overflow."""
@@ -41,6 +44,10 @@ def alone(value: Any) -> Any:
     return (value,) if number else value
 
 
+FROM_NUMBER = (_twice, alone)
+"""Checks by which one number stands for several."""
+
+
 def _whole(value: Any) -> Any:
     """A whole number may be written 1e4."""
     return int(value) if isinstance(value, float) and value.is_integer() else value
@@ -55,8 +62,26 @@ PositivePair = tuple[Positive, Positive]
 PositiveOneOrTwo = Annotated[
     tuple[Positive, ...], BeforeValidator(alone), Field(min_length=1, max_length=2)
 ]
-OrthotropicPositive = Annotated[PositivePair, BeforeValidator(_twice)]
-OrthotropicNotNegative = Annotated[tuple[NotNegative, NotNegative], BeforeValidator(_twice)]
+if TYPE_CHECKING:
+    Pair = tuple[float, float]
+
+    class Accepting(Generic[Given, Stored]):
+        """A field whose stored type is not all that it accepts, for type checkers."""
+
+        def __get__(self, table: object, kind: type, /) -> Stored: ...
+        def __set__(self, table: object, value: Given, /) -> None: ...
+
+    OrthotropicPositive = Accepting[float | Pair, Pair]
+    OptionalOrthotropicPositive = Accepting[float | Pair | None, Pair | None]
+    OptionalOrthotropicNotNegative = OptionalOrthotropicPositive
+    OptionalPositiveOneOrTwo = Accepting[float | tuple[float, ...] | None, tuple[float, ...] | None]
+else:
+    OrthotropicPositive = Annotated[PositivePair, BeforeValidator(_twice)]
+    OptionalOrthotropicPositive = OrthotropicPositive | None
+    OptionalOrthotropicNotNegative = (
+        Annotated[tuple[NotNegative, NotNegative], BeforeValidator(_twice)] | None
+    )
+    OptionalPositiveOneOrTwo = PositiveOneOrTwo | None
 
 
 def entry(meaning: str, allowed: str, default: Any = ..., **bounds: Any) -> Any:

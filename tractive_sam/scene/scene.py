@@ -78,6 +78,9 @@ class Scene(Document):
     load_history: LoadHistory | None = entry("the load history of the blocks", "", None)
     solver: Solver = entry("the solver", "", Solver())
     checks: ClassVar[tuple[Check, ...]] = SCENE_CHECKS
+    internal: ClassVar[frozenset[str]] = frozenset(
+        ("alone", "bounded", "forced", "heaviest", "named", "save_key", "shifts", "spectrum")
+    )
 
     @keywords_alone
     def __init__(self, /, **tables: Any) -> None:

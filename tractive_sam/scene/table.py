@@ -18,7 +18,7 @@ from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 
 from .faults import MOST_TOLD, Fault, SceneError, shown, suggestion
-from .keys import documented, parts
+from .keys import documented, key_signature, parts
 
 _CONFIG = ConfigDict(strict=True, arbitrary_types_allowed=True)
 
@@ -55,8 +55,16 @@ def _own_names(cls: Any) -> list[str]:
     return [name for name in type(BaseModel).__dir__(cls) if name not in _LIBRARY]
 
 
+def _ignore_signature(cls: Any, of_library: Any) -> None:
+    """Take no signature of the library: it lists its validators as types."""
+
+
 # Its kind is made here, as pydantic has no public name for that of its classes.
-_Bare: Any = type("_Bare", (type(BaseModel),), {"__dir__": _own_names})
+_Bare: Any = type(
+    "_Bare",
+    (type(BaseModel),),
+    {"__dir__": _own_names, "__signature__": property(key_signature, _ignore_signature)},
+)
 
 
 class Table(BaseModel, metaclass=_Bare):
@@ -73,6 +81,10 @@ class Table(BaseModel, metaclass=_Bare):
     model_config = ConfigDict(frozen=True, defer_build=True, extra="forbid", **_CONFIG)
     checks: ClassVar[tuple[Check, ...]] = ()
     """Checks between the entries of the table."""
+    internal: ClassVar[frozenset[str]] = frozenset(
+        ("checks", "described", "internal", "table_of", "unfolded")
+    )
+    """Names that the package uses and completion leaves out."""
 
     def __init__(self, /, **given: Any) -> None:
         reading = _read(type(self), given)
@@ -107,8 +119,13 @@ class Table(BaseModel, metaclass=_Bare):
         raise AttributeError(f"{name}: a {type(self).__name__} stays as it is; {cure}")
 
     def __dir__(self) -> list[str]:
-        """Names of its own, without those of its library."""
-        return [name for name in super().__dir__() if name[:2] == "__" or name not in _LIBRARY]
+        """Names for users, without those of its library and of the package."""
+        internal = frozenset().union(*(getattr(cls, "internal", ()) for cls in type(self).__mro__))
+        return [
+            name
+            for name in super().__dir__()
+            if name[:2] == "__" or (name not in _LIBRARY and name not in internal)
+        ]
 
     def entries(self) -> dict[str, Any]:
         """Return what was given, not the defaults, nested as in TOML."""

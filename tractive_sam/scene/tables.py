@@ -6,9 +6,9 @@ Units mm, N, MPa, degrees, revolutions.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
-from typing import Annotated, Any, ClassVar, Literal, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator
 
@@ -19,10 +19,11 @@ from .faults import Fault
 from .plane import Plane
 from .quantities import (
     NotNegative,
-    OrthotropicNotNegative,
+    OptionalOrthotropicNotNegative,
+    OptionalOrthotropicPositive,
+    OptionalPositiveOneOrTwo,
     OrthotropicPositive,
     Positive,
-    PositiveOneOrTwo,
     Real,
     Whole,
     alone,
@@ -168,7 +169,7 @@ class Friction(Table):
     (0.33, 0.33)
     """
 
-    static: OrthotropicPositive | None = entry(
+    static: OptionalOrthotropicPositive = entry(
         "friction coefficients at rest, of a law that falls with sliding",
         "a number above 0, or a pair of them",
         None,
@@ -187,7 +188,7 @@ class Friction(Table):
         '"constant", "exponential", "rational" or "polach"',
         "constant",
     )
-    kinetic: OrthotropicPositive | None = entry(
+    kinetic: OptionalOrthotropicPositive = entry(
         "friction coefficients at great speed",
         "a number above 0, or a pair in the ratio of that at rest",
         None,
@@ -286,6 +287,15 @@ class Coefficients(Table):
         "specific wear rate k of body B, mm3/(N m)", "a number of at least 0", None
     )
 
+
+if TYPE_CHECKING:
+    from .quantities import Accepting, Pair
+
+    SpecificWearRate = Accepting[
+        float | Pair | Coefficients | Mapping[str, float] | None, Pair | Coefficients | None
+    ]
+else:
+    SpecificWearRate = OptionalOrthotropicNotNegative | Coefficients
 
 LawName = Literal["archard", "energy", "usfd", "brr", "jendel"]
 LawOrTable = Literal[LawName, "table"]
@@ -443,12 +453,12 @@ class Wear(Table):
         '"element" or "contact"',
         "element",
     )
-    intensity: OrthotropicNotNegative | None = entry(
+    intensity: OptionalOrthotropicNotNegative = entry(
         "wear intensities along the axes e1, e2, of both bodies together, 1/MPa",
         "a number of at least 0, or a pair of them",
         None,
     )
-    coefficient: OrthotropicNotNegative | Coefficients | None = entry(
+    coefficient: SpecificWearRate = entry(
         "specific wear rates k along the axes e1, e2, mm3/(N m), or of the energy law, in mm3/J of "
         "the work along each axis; of both bodies together, or of each on its own",
         "a number of at least 0, a pair of them, or { A = ..., B = ... }",
@@ -588,7 +598,7 @@ class Mesh(Table):
     (41, 121)
     """
 
-    half_length: PositiveOneOrTwo | None = entry(
+    half_length: OptionalPositiveOneOrTwo = entry(
         "half lengths of the domain in x and y, mm; by default chosen from the contact",
         "a pair of numbers above 0",
         None,
