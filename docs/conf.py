@@ -2,6 +2,7 @@
 
 import sys
 from importlib.metadata import version as installed
+from importlib.util import find_spec
 from pathlib import Path
 
 HERE = Path(__file__).parent
@@ -35,6 +36,11 @@ nb_execution_mode = "off"
 myst_enable_extensions = ["amsmath", "colon_fence", "dollarmath"]
 myst_heading_anchors = 3
 
+# MathJax is part of the built manual: formulas need no network. This script draws them as SVG and
+# contains all packages of TeX and all glyphs, so it loads no other file.
+mathjax_path = "tex-svg-full.js"
+MATHJAX = Path(find_spec("sphinx-mathjax-offline").origin).parent / "static" / "mathjax"
+
 # Docstrings give shapes and units in words: types are no links, and signatures stay short.
 default_role = "literal"
 autodoc_typehints = "none"
@@ -42,7 +48,7 @@ numpydoc_show_class_members = False
 
 html_theme = "pydata_sphinx_theme"
 html_title = f"tractive_sam {release}"
-html_static_path = ["_static"]
+html_static_path = ["_static", str(MATHJAX / mathjax_path)]
 html_css_files = ["manual.css"]
 html_theme_options = {
     "show_prev_next": False,
