@@ -55,6 +55,7 @@ from .scene import Bulk as Bulk
 from .scene import Coefficients as Coefficients
 from .scene import Creepage as Creepage
 from .scene import CreepageCourse as CreepageCourse
+from .scene import ElasticBodies as ElasticBodies
 from .scene import Fatigue as Fatigue
 from .scene import FatigueVolume as FatigueVolume
 from .scene import Friction as Friction

@@ -61,6 +61,8 @@ def about(history: "History") -> Table:
         rows["unworn contact"] = unworn
     rows["records"] = f"{len(history)}, {len(history.saved)} with fields"
     rows |= asked_of.told(history.scene)
+    if history.laws:
+        rows["laws"] = history.laws
     if history.started:
         rows["began with"] = history.started
     if others := rolled_on_by(history):

@@ -43,7 +43,14 @@ from tractive_sam.mechanics import (
     fingerprint,
 )
 from tractive_sam.results import UNNAMED, LawRecord, State, describe_laws
-from tractive_sam.scene import BY_COEFFICIENT, PER_INTENSITY, Scene
+from tractive_sam.scene import (
+    BY_COEFFICIENT,
+    PER_INTENSITY,
+    Fault,
+    Scene,
+    SceneError,
+    build_law,
+)
 
 
 @dataclass(frozen=True)
@@ -87,7 +94,24 @@ class Laws:
 
     @classmethod
     def of(cls, scene: Scene) -> "Laws":
-        """The laws that the tables of a scene name."""
+        """Return the laws that the tables of a scene name.
+
+        Raises
+        ------
+        SceneError
+            If the scene names a law of another package, and this is not installed or does not take
+            the parameters.
+        """
+        laws = cls.of_package(scene)
+        named = {name: law for name, build in _NAMED.items() if (law := build(scene)) is not None}
+        return laws.replace(**named) if named else laws
+
+    @classmethod
+    def of_package(cls, scene: Scene) -> "Laws":
+        """Return the laws of a scene that belong to this package; no module is imported.
+
+        Where the scene names a law of another package there is none, or homogeneous bodies.
+        """
         laws = _elasticity(scene), _friction(scene), _wear(scene)
         return cls(*laws, fatigue=_fatigue(scene), life=_life(scene), volume=_volume(scene))
 
@@ -120,20 +144,28 @@ class Laws:
                 f"laws: the contact was computed with {describe_laws(missing)} in place of the law "
                 "of its scene, which a results file does not hold; give laws=... with that law"
             )
-        return cls.of(contact.scene)
+        return cls.of_package(contact.scene)
 
     def of_block(self, scene: Scene, block: Scene) -> "Laws":
         """Return the laws of a block of a scene; laws that replace the scene's remain."""
-        replaced = {name: getattr(self, name) for name in self.differences_from(scene)}
+        replaced = self._differing_from(Laws.of(scene))
         return Laws.of(block).replace(**replaced)
 
     def differences_from(self, scene: Scene) -> dict[str, LawRecord]:
-        """Return the laws that differ from those of a scene, by the name of their attribute."""
-        of_scene = Laws.of(scene)
+        """Return the laws that are not of this package's for a scene, by their attribute.
+
+        These are laws that replaced the scene's, and laws of other packages that it names.
+        """
         return {
             name: LawRecord(describe(law), fingerprint(law), getattr(law, "frame", None))
+            for name, law in self._differing_from(Laws.of_package(scene)).items()
+        }
+
+    def _differing_from(self, others: "Laws") -> dict[str, Any]:
+        return {
+            name: law
             for name, law in vars(self).items()
-            if fingerprint(law) != fingerprint(getattr(of_scene, name))
+            if fingerprint(law) != fingerprint(getattr(others, name))
         }
 
 
@@ -141,13 +173,75 @@ def _elasticity(scene: Scene) -> Elasticity:
     """Of line contact relative to the surface one combined radius away; with the layer."""
     A, B = scene.materials["A"], scene.materials["B"]
     bodies = Strips(A, B, scene.body.radii[0]) if scene.line else HalfSpaces(A, B)
+    return _with_layer(bodies, scene)
+
+
+def _with_layer(bodies: Elasticity, scene: Scene) -> Elasticity:
     layer = 0.0 if scene.friction is None else scene.friction.layer
     return Layered(bodies, layer) if layer else bodies
 
 
+def _named_elasticity(scene: Scene) -> Elasticity | None:
+    table = scene.elasticity
+    if table is None or table.named_law is None:
+        return None
+    law = build_law("elasticity.law", table.named_law, Elasticity, scene.materials)
+    return _with_layer(law, scene)
+
+
+def _named_friction(scene: Scene) -> FrictionLaw | None:
+    """Return the law of another package.
+
+    Raises
+    ------
+    SceneError
+        If its frame is not that of the table: limits, units and the wear law follow the table.
+    """
+    table = scene.friction
+    if table is None or table.named_law is None:
+        return None
+    law = build_law("friction.law", table.named_law, FrictionLaw, _tribology(scene))
+    if not np.allclose(law.frame.matrix, table.frame.matrix, rtol=1e-9, atol=1e-12):
+        mu, angle = law.frame.mu, math.degrees(law.frame.angle)
+        given = f"{list(table.mu)} at {table.angle:g} degrees"
+        cure = f"the frame of {table.named_law.name}: mu = {list(mu)}, angle = {angle:g}"
+        raise SceneError([Fault("friction.mu, friction.angle", given, cure)])
+    return law
+
+
+def _named_wear(scene: Scene) -> WearLaw | None:
+    if scene.wear is None or scene.wear.named_law is None:
+        return None
+    return build_law("wear.law", scene.wear.named_law, WearLaw, _tribology(scene))
+
+
+def _named_criterion(scene: Scene) -> CycleCriterion | None:
+    table = scene.fatigue
+    if table is None or table.limit is None or table.named_law is None:
+        return None
+    known = {"yield_stress": table.yield_stress}
+    return build_law("fatigue.criterion", table.named_law, CycleCriterion, known)
+
+
+def _tribology(scene: Scene) -> dict[str, Any]:
+    """Return what laws of friction and wear may take from other keys of a scene."""
+    frame, speed = scene.friction.frame, scene.creepage.speed
+    known = {"mu": frame.mu, "angle": frame.angle}
+    return known if speed is None else known | {"speed": speed}
+
+
+_NAMED = {
+    "elasticity": _named_elasticity,
+    "friction": _named_friction,
+    "wear": _named_wear,
+    "fatigue": _named_criterion,
+}
+"""What builds the laws of other packages that a scene names, by attribute of `Laws`."""
+
+
 def _friction(scene: Scene) -> Coulomb | None:
     table = scene.friction
-    if table is None:
+    if table is None or table.named_law:
         return None
     mu, angle, share = table.mu, float(np.deg2rad(table.angle)), table.share
     falls = share is not None and share[0] < 1.0
@@ -164,7 +258,7 @@ def _friction(scene: Scene) -> Coulomb | None:
 def _wear(scene: Scene) -> WearLaw | None:
     """That of the paper with its slip."""
     table = scene.wear
-    if table is None:
+    if table is None or table.named_law:
         return None
     if table.together:
         return _by_coefficient(scene, table.law, table.intensities)
@@ -172,8 +266,8 @@ def _wear(scene: Scene) -> WearLaw | None:
 
 
 def _by_coefficient(scene: Scene, law: str, intensities: tuple[float, float]) -> WearLaw:
-    friction = _friction(scene)
-    mu, angle = ((1.0, 1.0), 0.0) if friction is None else (friction.mu, friction.angle)
+    friction, frame = _friction(scene), scene.friction.frame
+    mu, angle = frame.mu, frame.angle
     if law == "energy":
         return Energy(intensities, angle)
     if scene.solver.slip == "upwind":
@@ -196,15 +290,14 @@ def _of_body(scene: Scene, name: str) -> WearLaw | None:
         case "brr":
             return ByTotal(BRR[chosen])
         case "jendel":
-            friction, speed = _friction(scene), scene.creepage.speed
-            mu, angle = friction.mu, friction.angle
-            return ByChart(JENDEL[chosen][0], body.hardness, speed, mu, angle)
+            frame, speed = scene.friction.frame, scene.creepage.speed
+            return ByChart(JENDEL[chosen][0], body.hardness, speed, frame.mu, frame.angle)
     return None
 
 
 def _fatigue(scene: Scene) -> CycleCriterion | None:
     table = scene.fatigue
-    if table is None or table.limit is None:
+    if table is None or table.limit is None or table.named_law:
         return None
     if table.criterion == "orthogonal-shear":
         return OrthogonalShear()

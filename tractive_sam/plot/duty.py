@@ -169,8 +169,9 @@ def _contacts(source: History | State) -> dict[str, State]:
 def _wear_law(contact: State, laws: "Laws | None", *, warm: bool) -> "WearLaw | None":
     """The law of wear, as it is in the contact where that is warm, or as it is without heat."""
     # Loads compilers, which no other figure needs.
-    from tractive_sam.contact import Model, wear_law_in  # noqa: PLC0415
+    from tractive_sam.contact import Laws, Model, wear_law_in  # noqa: PLC0415
 
+    laws = laws or Laws.of_contact(contact, ("wear",))
     model = Model(contact.scene, grid=contact.grid, laws=laws)
     return wear_law_in(model, contact) if warm else model.wear_law
 

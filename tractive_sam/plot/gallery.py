@@ -115,7 +115,7 @@ def _all(history: History) -> Iterator[tuple[str, Figure]]:
     if len(history) == 1 and history.scene.gap is not None:
         yield "profiles", worn_profiles(history)
     yield from _of_fatigue(history)
-    wear = history.scene.wear
+    wear = None if "wear" in history.law_records else history.scene.wear
     if wear is not None and not wear.together and np.any(history["wear_profile"]):
         yield "wear-regimes", wear_regimes(history)
 

@@ -532,7 +532,19 @@ class History:
         changes = {"columns": columns, "values": values, "fields": fields}
         changes["stresses"] = self.stresses_of_blocks[k] if self.stresses_of_blocks else {}
         changes["stresses_of_blocks"] = ()
+        changes["law_records"] = self._law_records_of(self.scene.blocks[k])
         return replace(self, scene=self.scene.blocks[k], grid=grid, **changes)
+
+    def _law_records_of(self, block: Scene) -> dict[str, LawRecord]:
+        """Return the laws in a block: a law that the scene names has the coefficients of the block.
+
+        A law that replaced the one of the scene has the same ones in every block.
+        """
+        records, friction = dict(self.law_records), self.scene.friction
+        record = records.get("friction")
+        if record and friction and friction.named_law and record.frame == friction.frame:
+            records["friction"] = replace(record, frame=block.friction.frame)
+        return records
 
     def place_of(self, which: int | str) -> int:
         """Place of a block in the [[duty]] of the scene, from its place or its name.

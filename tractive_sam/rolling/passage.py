@@ -468,7 +468,7 @@ def off_grid(passage: Passage) -> bool:
 def _given_key(model: Model) -> str:
     """Key by which the scene gives how much wears."""
     wear = model.scene.wear
-    if not wear.together:
+    if not wear.together or wear.named_law:
         return "law"
     return "intensity" if wear.coefficient is None else "coefficient"
 

@@ -120,6 +120,8 @@ def _bodies(model: Model) -> Section:
     ]
     if model.grid.line:
         rows.append(("line contact", _plane_strain(model)))
+    if model.scene.elasticity and model.scene.elasticity.named_law:
+        rows.append(("elasticity", f"{model.scene.elasticity.law}, in place of half-spaces"))
     if hertz is not None:
         rows += [
             ("unworn contact (Hertz)", f"a = {hertz.a:.5g} mm, b = {hertz.b:.5g} mm"),

@@ -85,7 +85,7 @@ def last_passage(
         further.
     """
     _check_same(history, path, scene)
-    _check_laws(history, path, {} if laws is None else laws.differences_from(scene))
+    _check_laws(history, path, (laws or Laws.of(scene)).differences_from(scene))
     _check_columns(history, path, columns)
     rows = _continuing(history)
     if not rows.size:

@@ -23,6 +23,7 @@ from .gap import ALONG, LENGTHS, TEXTS, Gap, files_anywhere
 from .heat import Bulk, Heat, Thermal
 from .keys import groups
 from .load_history import Binned, LoadHistory, blocks_of
+from .named_law import NamedLaw, build_law
 from .override import parse_settings
 from .plane import Plane
 from .plausibility import near_edge, pressure_notes
@@ -38,6 +39,7 @@ from .tables import (
     Accuracy,
     Coefficients,
     Creepage,
+    ElasticBodies,
     Friction,
     Load,
     Mesh,
@@ -74,6 +76,7 @@ __all__ = [
     "Creepage",
     "CreepageCourse",
     "Document",
+    "ElasticBodies",
     "Fatigue",
     "FatigueVolume",
     "Fault",
@@ -87,6 +90,7 @@ __all__ = [
     "LoadCourse",
     "LoadHistory",
     "Mesh",
+    "NamedLaw",
     "Plane",
     "PlausibilityWarning",
     "Profiles",
@@ -104,6 +108,7 @@ __all__ = [
     "Wear",
     "WearLaws",
     "blocks_of",
+    "build_law",
     "builtin_names",
     "entry",
     "files_anywhere",

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal, get_args
 
 from pydantic import AfterValidator
 
 from .alternatives import not_both
 from .faults import Fault, shown
+from .named_law import ANOTHER, LawTable, NamedLaw
 from .quantities import NotNegative, Positive, entry, positive
 from .table import Check, Known, Table
 from .tables import distinct
@@ -35,6 +36,8 @@ def _something_asked(known: Known) -> Iterator[Fault]:
 
 def _sensitivity_of_the_criterion(known: Known) -> Iterator[Fault]:
     criterion, given = known["criterion"], known["sensitivity"]
+    if isinstance(criterion, NamedLaw):
+        return
     if criterion not in SENSITIVITIES:
         if given is not None:
             yield Fault("sensitivity", shown(given), f'nothing: "{criterion}" has none')
@@ -96,12 +99,18 @@ def _limit_of_the_volume(known: Known) -> Iterator[Fault]:
         yield Fault("limit", "nothing", "a number above 0: [fatigue.volume] takes the criterion")
 
 
-class Fatigue(Table):
+CriterionName = Literal["dang-van", "crossland", "findley", "fatemi-socie", "orthogonal-shear"]
+
+
+class Fatigue(LawTable):
     """What rolling does to the material: shakedown, fatigue, and damage while it wears.
 
     With a yield stress there are the loads up to which the material can become elastic; with the
     limit of a criterion there are its utilisation and, by a Woehler line, the damage. All stress
     is elastic.
+
+    A criterion of another package has its parameters as further keys. It takes the `yield_stress`
+    in tension from the scene if it has a parameter of this name.
 
     Examples
     --------
@@ -112,12 +121,10 @@ class Fatigue(Table):
 
     shear_yield: Positive | None = positive("yield stress in shear k, MPa", None)
     yield_strength: Positive | None = positive("yield stress in tension, sqrt 3 k, MPa", None)
-    criterion: Literal["dang-van", "crossland", "findley", "fatemi-socie", "orthogonal-shear"] = (
-        entry(
-            "fatigue criterion",
-            '"dang-van", "crossland", "findley", "fatemi-socie" or "orthogonal-shear"',
-            "dang-van",
-        )
+    criterion: CriterionName | NamedLaw = entry(
+        "fatigue criterion",
+        f'"dang-van", "crossland", "findley", "fatemi-socie" or "orthogonal-shear", {ANOTHER}',
+        "dang-van",
     )
     sensitivity: NotNegative | None = entry(
         "sensitivity of the criterion to normal stress: a of Dang Van and Crossland, k of Findley "
@@ -153,6 +160,9 @@ class Fatigue(Table):
         ge=1e-6,
         le=1.0,
     )
+    law_key: ClassVar[str] = "criterion"
+    law_names: ClassVar[tuple[str, ...]] = get_args(CriterionName)
+    law_fields: ClassVar[tuple[str, ...]] = ("sensitivity",)
     checks: ClassVar[tuple[Check, ...]] = (
         not_both("shear_yield", "yield_strength"),
         _something_asked,

@@ -30,7 +30,17 @@ from .plausibility import scene_notes
 from .quantities import entry
 from .resolution import warn_if_coarse
 from .table import Check, Table
-from .tables import Accuracy, Creepage, Friction, Load, Mesh, Solver, Subsurface, Wear
+from .tables import (
+    Accuracy,
+    Creepage,
+    ElasticBodies,
+    Friction,
+    Load,
+    Mesh,
+    Solver,
+    Subsurface,
+    Wear,
+)
 from .transient import Transient
 
 
@@ -63,6 +73,7 @@ class Scene(Document):
     body: Bodies = entry("the two bodies", "")
     load: Load = entry("the load", "")
     creepage: Creepage = entry("the creepages", "", Creepage())
+    elasticity: ElasticBodies | None = entry("the elastic law of the bodies", "", None)
     friction: Friction | None = entry("the friction law", "", None)
     wear: Wear | None = entry("the wear law", "", None)
     grid: Mesh | None = entry("the grid", "", None)

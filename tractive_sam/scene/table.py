@@ -108,6 +108,11 @@ class Table(BaseModel, metaclass=_Bare):
         """
         return given
 
+    @classmethod
+    def described_beyond(cls, name: str) -> FieldInfo | None:
+        """Return the field of a key that is none of the table; None where there is none."""
+        return None
+
     @staticmethod
     def table_of(info: FieldInfo) -> type[Table] | None:
         """The kind of the tables that a field may hold, one or an array of them."""
@@ -164,10 +169,11 @@ class Table(BaseModel, metaclass=_Bare):
             if table is None:
                 place = f"; {before}[0].{name} is that of the first one" if array else ""
                 raise SceneError([Fault(key, shown(key), f"no entry within {before}{place}")])
-            if name not in table.model_fields:
+            found = table.model_fields.get(str(name)) or table.described_beyond(str(name))
+            if found is None:
                 allowed = _suggested(table, str(name))
                 raise SceneError([Fault(key, shown(key), allowed)])
-            info = table.model_fields[name]
+            info = found
             table, array, before = _table_of(info), _item_of(info), f"{before}.{name}".lstrip(".")
         return info
 
@@ -221,7 +227,7 @@ def _read(table: type[Table], given: Mapping[Any, Any]) -> _Reading:
         elif inner := _item_of(info):
             _read_array(reading, key, inner, table)
         else:
-            _read_leaf(reading, key, table, _plain(reading.given[key]))
+            _read_leaf(reading, key, table, plain(reading.given[key]))
     for check in table.checks:
         with suppress(UnknownEntryError):
             reading.faults.extend(check(reading.known))
@@ -343,13 +349,13 @@ def _adapter(table: type[Table], key: str) -> TypeAdapter[Any]:
     return TypeAdapter(kind, config=_CONFIG)
 
 
-def _plain(value: Any) -> Any:
-    """Python numbers and tuples for the scalars, vectors and lists of numpy and TOML."""
+def plain(value: Any) -> Any:
+    """Return Python numbers and tuples for the scalars, vectors and lists of numpy and TOML."""
     match value:
         case np.generic():
             return value.item()
         case np.ndarray(ndim=1):
             return tuple(value.tolist())
         case list() | tuple():
-            return tuple(map(_plain, value))
+            return tuple(map(plain, value))
     return value

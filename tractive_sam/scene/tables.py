@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, TypeVar, get_args
 
 from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator
 
@@ -16,6 +16,7 @@ from tractive_sam.mechanics import BRR, JENDEL, USFD, Frame
 
 from .alternatives import exactly_one
 from .faults import Fault
+from .named_law import ANOTHER, LawTable, NamedLaw
 from .plane import Plane
 from .quantities import (
     NotNegative,
@@ -120,6 +121,8 @@ Factors = Annotated[tuple[tuple[Real, Positive], ...], AfterValidator(_warmer)]
 
 def _law_is_given(known: Known) -> Iterator[Fault]:
     law, given = known["law"], known.given
+    if isinstance(law, NamedLaw):
+        return
     if law == "constant":
         idle = [key for key in ("static", *FALLING, *POLACH, "memory", "start") if key in given]
         if idle:
@@ -155,11 +158,17 @@ def _pair(mu: tuple[float, float]) -> str:
     return f"{mu[0]:g}" if mu[0] == mu[1] else f"[{mu[0]:g}, {mu[1]:g}]"
 
 
-class Friction(Table):
+FrictionName = Literal["constant", "exponential", "rational", "polach"]
+
+
+class Friction(LawTable):
     """Orthotropic Coulomb friction; `angle` also turns the axes of the wear law.
 
     Both coefficients may fall with the local speed of sliding s, in the same ratio:
     kinetic + (static - kinetic) exp(-ln 2 s/half_speed), or .../(1 + s/half_speed).
+
+    A law of another package has its parameters as further keys. It takes `mu`, `angle` in radians
+    and the rolling speed `speed` from the scene if it has parameters of these names.
 
     Examples
     --------
@@ -182,10 +191,10 @@ class Friction(Table):
     angle: Real = entry(
         "angle from x to e1, degrees", "a number from -360 to 360", 0.0, ge=-360, le=360
     )
-    law: Literal["constant", "exponential", "rational", "polach"] = entry(
+    law: FrictionName | NamedLaw = entry(
         "how friction falls with the local speed of sliding; all but the constant one need "
-        "creepage.speed",
-        '"constant", "exponential", "rational" or "polach"',
+        "creepage.speed; or a law of another package",
+        f'"constant", "exponential", "rational" or "polach", {ANOTHER}',
         "constant",
     )
     kinetic: OptionalOrthotropicPositive = entry(
@@ -228,6 +237,8 @@ class Friction(Table):
         '"rest" or "sliding"',
         "rest",
     )
+    law_names: ClassVar[tuple[str, ...]] = get_args(FrictionName)
+    law_fields: ClassVar[tuple[str, ...]] = ("static", *FALLING, *POLACH, "memory", "strength")
     checks: ClassVar[tuple[Check, ...]] = (
         exactly_one("mu", "static"),
         _axes_alike,
@@ -243,12 +254,13 @@ class Friction(Table):
     @property
     def varies(self) -> bool:
         """Whether the coefficients are other than at rest anywhere."""
-        return self.law != "constant" or self.strength is not None or self.temperature is not None
+        falls = self.share is not None
+        return falls or self.strength is not None or self.temperature is not None
 
     @property
     def share(self) -> tuple[float, float] | None:
         """Share left at great speed, and the half speed, mm/s; None of what does not fall."""
-        if self.law == "constant":
+        if self.law == "constant" or self.named_law:
             return None
         if self.A is not None:
             return self.A, 1e3 * math.log(2.0) / self.B
@@ -368,15 +380,17 @@ class Sets(Table):
     B: str | None = entry("set of coefficients of body B", "a name", None)
 
 
-def _laws(law: str | WearLaws) -> dict[str, str | None]:
+def _laws(law: str | WearLaws | NamedLaw) -> dict[str, str | None]:
     """Name of the law of each body."""
-    if isinstance(law, str):
-        return {"A": law, "B": law}
+    if not isinstance(law, WearLaws):
+        return {"A": str(law), "B": str(law)}
     both = "table" if law.A is None and law.B is None else None
     return {"A": law.A or both, "B": law.B or both}
 
 
 def _given_what_its_law_takes(known: Known) -> Iterator[Fault]:
+    if isinstance(known["law"], NamedLaw):
+        return
     laws = _laws(known["law"])
     taking = [body for body, name in laws.items() if name in BY_COEFFICIENT]
     either = known.given & {"intensity", "coefficient"}
@@ -425,8 +439,11 @@ def _sets_are_known(known: Known) -> Iterator[Fault]:
         yield Fault("set", repr(given), f"only with one of {', '.join(OF_SETS)}")
 
 
-class Wear(Table):
+class Wear(LawTable):
     """Wear over many revolutions or a [transient], by Archard's law or by others.
+
+    A law of another package has its parameters as further keys. It takes `mu`, `angle` in radians
+    and the rolling speed `speed` from the scene if it has parameters of these names.
 
     Examples
     --------
@@ -438,9 +455,10 @@ class Wear(Table):
     {'A': 'r8t-uic60', 'B': 'r8t-uic60'}
     """
 
-    law: LawName | WearLaws = entry(
-        "wear law: by pressure and slip, by frictional work, or by measured regimes",
-        f"{_LAWS}, {{ table = [[W, rate], ...] }}, or {{ A = ..., B = ... }}",
+    law: LawName | WearLaws | NamedLaw = entry(
+        "wear law: by pressure and slip, by frictional work, or by measured regimes; or a law of "
+        "another package",
+        f"{_LAWS}, {{ table = [[W, rate], ...] }}, {{ A = ..., B = ... }}, {ANOTHER}",
         "archard",
     )
     set: str | Sets | None = entry(
@@ -499,6 +517,8 @@ class Wear(Table):
         gt=0,
         le=0.1,
     )
+    law_names: ClassVar[tuple[str, ...]] = get_args(LawName)
+    law_fields: ClassVar[tuple[str, ...]] = ("set", "by", "intensity", "coefficient")
     checks: ClassVar[tuple[Check, ...]] = (
         _given_what_its_law_takes,
         _sets_are_known,
@@ -513,7 +533,7 @@ class Wear(Table):
     @property
     def together(self) -> bool:
         """Whether one law wears both bodies together, each by its share."""
-        return self.law in BY_COEFFICIENT
+        return self.law in BY_COEFFICIENT or self.named_law is not None
 
     @property
     def sets(self) -> dict[str, str | None]:
@@ -536,7 +556,7 @@ class Wear(Table):
 
     def per_work(self, mu: tuple[float, float]) -> tuple[float, float] | None:
         """Depth worn over frictional work per area along the axes, 1/MPa; None of other laws."""
-        if not self.together:
+        if self.law not in BY_COEFFICIENT:
             return None
         i = self.intensities
         return i if self.law == "energy" else (i[0] / mu[0], i[1] / mu[1])
@@ -651,6 +671,27 @@ class Subsurface(Table):
     bodies: Annotated[tuple[Literal["A", "B"], ...], AfterValidator(distinct)] = entry(
         "bodies whose stress is computed", 'a list of "A" and "B"', ("A", "B"), min_length=1
     )
+
+
+class ElasticBodies(LawTable):
+    """The [elasticity] table: homogeneous half-spaces, or a law of another package.
+
+    Such a law has its parameters as further keys. It takes the materials `A` and `B` of the bodies
+    from the scene if it has parameters of these names. Hertz's contact, from which the mesh and the
+    units follow, is that of homogeneous bodies.
+
+    Examples
+    --------
+    >>> ts.ElasticBodies(law="my_package:Coated", thickness=0.1).law.parameters
+    {'thickness': 0.1}
+    """
+
+    law: Literal["half-spaces"] | NamedLaw = entry(
+        "how the surfaces of the bodies displace under tractions",
+        f'"half-spaces", {ANOTHER}',
+        "half-spaces",
+    )
+    law_names: ClassVar[tuple[str, ...]] = ("half-spaces",)
 
 
 class Solver(Table):

@@ -85,6 +85,8 @@ def friction_told(scene: Scene) -> str:
         if friction.memory:
             words += f", after {friction.memory:g} mm slid"
         words += f"; followed from {'great speed' if friction.start == 'sliding' else 'rest'}"
+    if friction.named_law:
+        words += f", by the law {friction.named_law}"
     words += _factors_told(friction.temperature)
     if friction.strength is not None:
         words += f"; no more than {friction.strength:g} MPa"
@@ -95,6 +97,8 @@ def friction_told(scene: Scene) -> str:
 
 def wear_told(scene: Scene) -> str:
     """The law of wear with its coefficients, whose they are, and what heat makes of it."""
+    if scene.wear.named_law:
+        return f"{scene.wear.named_law}{_factors_told(scene.wear.temperature)}"
     return _coefficients_told(scene) + _factors_told(scene.wear.temperature)
 
 
@@ -126,6 +130,8 @@ def _coefficients_told(scene: Scene) -> str:
 
 def law_told(scene: Scene) -> str:
     """What the law of wear goes by."""
+    if scene.wear.named_law:
+        return "of another package"
     if scene.wear.law == "energy":
         return "by the work of friction"
     if scene.wear.law == "archard":

@@ -243,7 +243,7 @@ def _transient_is_alone(known: Known) -> Iterator[Fault]:
         if known[table] is not None:
             yield Fault("transient", f"together with [{table}]", why)
     if known["friction"] is not None:
-        if known["friction.law"] != "constant":
+        if known["friction.law"] != "constant" and known["friction"].named_law is None:
             cure = '"constant" with [transient]: others are those of steady rolling'
             yield Fault("friction.law", f'"{known["friction.law"]}"', cure)
         if known["friction.layer"]:
@@ -276,7 +276,8 @@ def _wears_over_the_distance(known: Known) -> Iterator[Fault]:
         if f"wear.{key}" in known.given:
             cure = "nothing: it wears over the distance of the courses"
             yield Fault(f"wear.{key}", "together with [transient]", cure)
-    for law in sorted({law for law in wear.laws.values() if law and law not in LINEAR}):
+    laws = set() if wear.named_law else set(wear.laws.values())
+    for law in sorted({law for law in laws if law and law not in LINEAR}):
         if not transient.rolls:
             cure = "archard or energy: others go by the distance rolled, and shifts have none"
         elif law == "brr" or (law != "jendel" and wear.by == "contact"):

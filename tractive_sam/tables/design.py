@@ -299,8 +299,14 @@ def _in_design(error: SceneError) -> list[Fault]:
 def _mirrored(scene: Scene) -> bool:
     mu1, mu2 = scene.friction.mu
     aligned = mu1 == mu2 or scene.friction.angle % 90.0 == 0.0
-    return aligned and scene.gap is None
+    return aligned and scene.gap is None and not _has_named_law(scene)
 
 
 def _reversed(scene: Scene) -> bool:
-    return bool(scene.material.coupling == 0.0)
+    return bool(scene.material.coupling == 0.0) and not _has_named_law(scene)
+
+
+def _has_named_law(scene: Scene) -> bool:
+    """Whether a law of another package has a say, of whose symmetry nothing is known."""
+    tables = (scene.friction, scene.elasticity)
+    return any(one is not None and one.named_law is not None for one in tables)

@@ -1,0 +1,248 @@
+"""A scene names laws of other packages, with their parameters; a file of results imports none."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import tractive_sam as ts
+
+FILM_LAWS = '''
+"""Laws of a package that is installed beside tractive_sam."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+import tractive_sam as ts
+
+
+@dataclass(frozen=True)
+class Film(ts.Coulomb):
+    """Friction of a film, which carries less of a high pressure."""
+
+    scale: float = 1.0  # MPa
+
+    def bound(self, pressure, x, y):
+        return ts.Bound(pressure * (1.0 - pressure / self.scale), 1.0 - 2.0 * pressure / self.scale)
+
+
+@dataclass(frozen=True)
+class ByWork(ts.WearLaw):
+    per_work: float  # 1/MPa
+
+    def rate(self, pressure, traction, slip):
+        return self.per_work * np.abs((traction * slip).sum(axis=0))
+
+
+@dataclass(frozen=True)
+class Winkler(ts.Elasticity):
+    depth: float
+    A: object
+
+    def coefficients(self, component, offsets, dx, dy):
+        table = np.zeros(offsets)
+        if component in ("xx", "yy", "zz"):
+            table[0, 0] = self.depth / self.A.shear
+        return table
+
+
+@dataclass(frozen=True)
+class Sines(ts.Crossland):
+    """Crossland's criterion by another name."""
+
+
+def no_law(**parameters):
+    raise AssertionError("called")
+'''
+
+SPHERES = ts.Scene.builtin("spheres").with_set(["grid.elements=[15, 15]"]).replace(subsurface=None)
+DISCS = ts.Scene.builtin("twin-discs").replace(subsurface=None)
+DISCS = DISCS.with_set(["wear.revolutions=2", "wear.save=[0, 2]", "grid.elements=[15, 31]"])
+FILM = ["friction.law=film_laws:Film", "friction.scale=5000"]
+WORN = {"law": "film_laws:ByWork", "per_work": 5e-6, "revolutions": 2, "save": [0, 2]}
+
+
+@pytest.fixture
+def package(tmp_path, monkeypatch):
+    """Install a package of laws, and remove it from the process afterwards."""
+    folder = tmp_path / "installed"
+    about = folder / "film_laws-1.0.dist-info"
+    about.mkdir(parents=True)
+    (folder / "film_laws.py").write_text(FILM_LAWS)
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: film-laws\nVersion: 1.0\n")
+    (about / "entry_points.txt").write_text("[tractive_sam.laws]\nfilm = film_laws:Film\n")
+    monkeypatch.syspath_prepend(folder)
+    yield folder
+    sys.modules.pop("film_laws", None)
+
+
+def run(folder, *words, path=()):
+    """Run the command in a folder, with further folders to import from."""
+    path = os.pathsep.join([*map(str, path), str(Path(ts.__file__).parents[1])])
+    return subprocess.run(
+        [sys.executable, "-m", "tractive_sam", *words],
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def faults(scene):
+    with pytest.raises(ts.SceneError) as caught:
+        ts.Laws.of(scene)
+    return {fault.key: fault.allowed for fault in caught.value.faults}
+
+
+@pytest.mark.usefixtures("package")
+class TestNamedLaw:
+    def test_is_the_law_that_laws_would_replace(self):
+        named = ts.solve(DISCS.with_set(FILM))
+        from film_laws import Film  # noqa: PLC0415
+
+        scene = DISCS.friction
+        law = Film(scene.mu, np.deg2rad(scene.angle), 5000.0)
+        given = ts.solve(DISCS, laws=ts.Laws.of(DISCS).replace(friction=law))
+        np.testing.assert_array_equal(named.traction, given.traction)
+        np.testing.assert_array_equal(named.bound, given.bound)
+
+    def test_entry_point_is_a_name_of_it(self):
+        by_entry_point = SPHERES.with_set(["friction.law=film", "friction.scale=5000"])
+        assert by_entry_point == SPHERES.with_set(FILM)
+        assert "film_laws:Film" in by_entry_point.to_toml()
+
+    def test_scene_is_read_again_from_its_text(self):
+        scene = DISCS.with_set(FILM).replace(wear=WORN)
+        assert ts.Scene.from_toml_text(scene.to_toml()) == scene
+        assert scene.fingerprint() != scene.with_set(["friction.scale=4000"]).fingerprint()
+
+    def test_wear(self):
+        history = ts.roll(DISCS.replace(wear=WORN))
+        expected = 5e-6 * history["dissipation"][-1]  # depth rate 5e-6 /MPa of the work
+        assert history["worn_area"][-1] == pytest.approx(expected, rel=1e-6)
+        assert "ByWork" in history.laws
+
+    def test_elasticity_takes_the_materials_of_the_scene(self):
+        soft = SPHERES.replace(elasticity={"law": "film_laws:Winkler", "depth": 2.0})
+        contact = ts.solve(soft)
+        deepest = 2.0 * contact.p_max  # G = 1
+        assert contact.approach == pytest.approx(deepest, rel=1e-6)  # solver tolerance 1e-8
+        assert "Winkler" in str(ts.explain(soft))
+
+    def test_fatigue_criterion(self):
+        plain = {"criterion": "crossland", "sensitivity": 0.3, "limit": 1.0, "bodies": ["A"]}
+        scene = SPHERES.replace(fatigue=plain)
+        named = SPHERES.replace(fatigue=plain | {"criterion": "film_laws:Sines"})
+        of_both = (ts.fatigue(ts.solve(one))["A"].largest().value for one in (scene, named))
+        assert len({float(one) for one in of_both}) == 1
+
+    def test_every_wrong_parameter_is_a_fault(self):
+        assert faults(DISCS.with_set([*FILM, "friction.scole=1"])).keys() == {"friction.scole"}
+        assert faults(DISCS.with_set([*FILM, "friction.scale=high"])).keys() == {"friction.scale"}
+        missing = {"law": "film_laws:ByWork", "per_works": 1.0, "revolutions": 2}
+        found = faults(DISCS.replace(wear=missing))
+        assert found.keys() == {"wear.per_work", "wear.per_works"}
+        assert "per_work" in found["wear.per_works"]
+
+    def test_only_laws_for_the_key_are_called(self):
+        for name in ("film_laws:ByWork", "film_laws:no_law", "film_laws:absent", "absent:Law"):
+            assert faults(DISCS.with_set([f"friction.law={name}"])).keys() == {"friction.law"}
+
+    def test_mu_of_the_table_is_that_of_the_frame(self):
+        class Own(ts.Coulomb):
+            def __init__(self):
+                super().__init__((0.2, 0.2))
+
+        sys.modules["film_laws"] = SimpleNamespace(Own=Own)  # as a module that is imported
+        scene = SPHERES.with_set(["friction.law=film_laws:Own"])
+        assert "friction.mu" in "".join(faults(scene))
+        assert ts.Laws.of(scene.with_set(["friction.mu=0.2"])).friction == Own()
+
+    def test_blocks_and_cases_have_their_own(self):
+        scales = [4000.0, 6000.0]
+        cases = ts.solve_many(DISCS.with_set(FILM), {"friction.scale": scales})
+        alone = [ts.solve(DISCS.with_set([*FILM, f"friction.scale={one}"])).Qx for one in scales]
+        np.testing.assert_allclose(cases["Qx"], alone, rtol=1e-6)  # the solver starts elsewhere
+        block = {"revolutions": 1, "friction": {"mu": 0.2}}
+        duty = DISCS.with_set(FILM).replace(duty=[{"revolutions": 1}, block])
+        assert [one.state(0).frame.mu for one in map(ts.roll(duty).block, (0, 1))] == [
+            DISCS.friction.mu,
+            (0.2, 0.2),
+        ]
+
+    def test_parameters_are_keys_of_studies(self):
+        axis = {"key": "friction.scale", "values": [4000.0, 6000.0]}
+        study = ts.Study(scene=DISCS.with_set(FILM), axis=[axis])
+        assert [
+            case.scene.friction.law.parameters["scale"] for case in ts.studies.cases(study)
+        ] == axis["values"]
+
+    def test_run_resumes_with_the_same_law(self, tmp_path):
+        longer = ["wear.revolutions=4", "wear.save=[0, 2, 4]"]
+        scene = DISCS.with_set(FILM)
+        ts.roll(scene, tmp_path / "film.h5")
+        resumed = ts.roll(scene.with_set(longer), tmp_path / "film.h5", resume=True)
+        whole = ts.roll(scene.with_set(longer))
+        np.testing.assert_allclose(resumed["Qx"], whole["Qx"], rtol=1e-7)  # solver tolerance 1e-8
+        with pytest.raises(ts.ResultsError):
+            ts.roll(DISCS.with_set(longer), tmp_path / "film.h5", resume=True)
+
+    def test_tables_of_creep_forces_assume_no_symmetry(self):
+        design = ts.TableDesign(scene=DISCS.with_set(FILM).replace(wear=None))
+        assert design.symmetries == (False, False)
+
+
+class TestImports:
+    """What a name in a scene may import."""
+
+    def test_reading_and_opening_import_nothing(self, package, tmp_path):
+        scene = DISCS.with_set(FILM).replace(wear=WORN)
+        written = tmp_path / "scene.toml"
+        written.write_text(scene.to_toml())
+        assert ts.Scene.from_toml(written) == scene
+        assert "film_laws" not in sys.modules
+        ts.roll(scene, tmp_path / "film.h5")
+        del sys.modules["film_laws"]
+
+        history = ts.open_history(tmp_path / "film.h5")
+        contact = history.state(2)
+        assert contact.bound.max() < contact.p_max
+        assert contact.frame == scene.friction.frame
+        assert np.isnan(history.wear_balance).all()
+        assert np.isfinite(ts.stress_at(contact, [(0.0, 0.0, 0.1)])).all()
+        ts.plot.traction(contact)
+        ts.report(history, tmp_path / "film.html")
+        assert "film_laws" not in sys.modules
+
+    def test_commands_read_results_without_the_package(self, package, tmp_path):
+        scene, folder = DISCS.with_set(FILM), tmp_path / "elsewhere"
+        folder.mkdir()
+        (folder / "scene.toml").write_text(scene.to_toml())
+        ran = run(folder, "run", "scene.toml", "-o", "film.h5", path=[package])
+        assert ran.returncode == 0, ran.stderr
+        shown = run(folder, "show", "film.h5")
+        assert shown.returncode == 0, shown.stderr
+        assert "Film" in shown.stdout
+        again = run(folder, "run", "scene.toml", "-o", "again.h5")
+        assert again.returncode == 2
+        assert "friction.law" in again.stderr
+
+    @pytest.mark.parametrize("metadata", [False, True])
+    def test_files_beside_a_scene_are_not_imported(self, tmp_path, metadata):
+        """`python -m` searches the current folder, which may have been received with a scene."""
+        (tmp_path / "film_laws.py").write_text("open('imported', 'w')\n" + FILM_LAWS)
+        (tmp_path / "scene.toml").write_text(SPHERES.with_set(FILM).to_toml())
+        if metadata:
+            about = tmp_path / "film_laws-1.0.dist-info"
+            about.mkdir()
+            (about / "METADATA").write_text("Name: film-laws\nVersion: 1.0\n")
+        ran = run(tmp_path, "explain", "scene.toml")
+        assert ran.returncode == 2
+        assert "friction.law" in ran.stderr
+        assert not (tmp_path / "imported").exists()
