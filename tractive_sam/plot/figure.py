@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import IO
 
 import matplotlib.figure
+import numpy as np
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.text import Text
 
 from tractive_sam.markup import Html, fill
@@ -17,11 +19,37 @@ SHARP = 2
 """Dots of a picture in a notebook over the pixels that it takes there: as many as screens have."""
 
 
+class InsideLayout(ConstrainedLayoutEngine):
+    """Constrained layout that leaves no label outside of the figure.
+
+    The size of the axes depends on the labels of their ticks, and the number of ticks on the size
+    of the axes. Constrained layout may alternate between two sets of ticks: it then reserves space
+    for one set, and the other is drawn. What is outside after the layout narrows its rectangle.
+    """
+
+    def execute(self, fig: matplotlib.figure.Figure) -> None:
+        """Lay out a figure, a second time where anything is outside of its padding."""
+        self.set(rect=(0.0, 0.0, 1.0, 1.0))
+        super().execute(fig)
+        drawn, size = fig.get_tightbbox(), fig.get_size_inches()
+        pads = np.array([self.get()["w_pad"], self.get()["h_pad"]])
+        low, high = (np.maximum(pads - space, 0.0) for space in (drawn.min, size - drawn.max))
+        if low.any() or high.any():
+            self.set(rect=(*low / size, *(size - low - high) / size))
+            super().execute(fig)
+
+
 class Figure(matplotlib.figure.Figure):
     """A figure that a notebook shows as the value of a cell, once, whatever it was told before.
 
-    It belongs to no window and no list of figures, so nothing else draws it there.
+    It belongs to no window and no list of figures, so nothing else draws it there. By default its
+    layout leaves all labels inside.
     """
+
+    def __init__(self, *args, **options) -> None:
+        if options.get("layout") is None:
+            options["layout"] = InsideLayout()
+        super().__init__(*args, **options)
 
     def savefig(self, fname: str | PathLike[str] | IO, **options) -> None:
         """Save the figure, in a file as a whole; arguments are those of matplotlib.
