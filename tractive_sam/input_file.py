@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import stat
+import sys
 from os import PathLike
 from typing import BinaryIO
 
@@ -53,8 +54,30 @@ def read_text(path: str | PathLike[str], most: int, encoding: str = "utf-8") -> 
     """
     piped = os.fspath(path).startswith(("/dev/stdin", "/dev/fd/", "/proc/self/fd/"))
     with open(path, "rb") if piped else open_regular(path) as file:
-        content = file.read(most + 1)
+        return _read(file, most, encoding, os.fspath(path))
+
+
+def read_piped(most: int, encoding: str = "utf-8") -> str:
+    """Return the text of the standard input.
+
+    Parameters
+    ----------
+    most, encoding
+        As of `read_text`.
+
+    Raises
+    ------
+    OSError
+        If it is larger.
+    UnicodeDecodeError
+        If its bytes are no such text.
+    """
+    return _read(sys.stdin.buffer, most, encoding, "standard input")
+
+
+def _read(file: BinaryIO, most: int, encoding: str, name: str) -> str:
+    content = file.read(most + 1)
     if len(content) > most:
         reason = f"larger than the {most} bytes that are read of such a file"
-        raise OSError(errno.EFBIG, reason, os.fspath(path))
+        raise OSError(errno.EFBIG, reason, name)
     return content.decode(encoding).replace("\r\n", "\n").replace("\r", "\n")

@@ -26,7 +26,8 @@ def test_explain_bad_input(call):
 
 
 def test_version(call):
-    assert call("--version").stdout.strip() == f"tractive-sam {version('tractive-sam')}"
+    for option in ("--version", "-V"):
+        assert call(option).stdout.strip() == f"tractive-sam {version('tractive-sam')}"
 
 
 @pytest.mark.parametrize(
@@ -59,6 +60,14 @@ def test_keys(call):
     result = call("keys", "waer")
     assert result.exit_code == 2
     assert "wear, perhaps" in result.stderr
+    assert "fault" not in result.stderr
+
+
+def test_a_table_that_is_not_there(call):
+    result = call("table", "nosuch", "--header", "x.h")
+    assert result.exit_code == 2
+    assert "steel" in result.stderr
+    assert "no such file" in result.stderr
 
 
 def test_a_scene_to_start_from(call, folder):

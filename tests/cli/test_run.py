@@ -1,7 +1,14 @@
+import io
+import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
+from typer.testing import CliRunner
 
+from tractive_sam.cli import app
+from tractive_sam.cli.scene_input import complete_keys, complete_scenes
+from tractive_sam.input_file import read_piped
 from tractive_sam.scene import Scene
 from tractive_sam.store import open_history
 
@@ -162,3 +169,83 @@ def test_no_progress_elsewhere(call, roll):
     assert [line for line in lines if not line.startswith("note: ")] == [
         "twin-discs.h5: done; conditions hold"
     ]
+
+
+def test_main_results_come_first_and_all_on_demand(call, roll):
+    short, long = (
+        call("run", "twin-discs", "--overwrite", *more).stdout for more in ([], ["--verbose"])
+    )
+    first = [line.split()[0] for line in short.splitlines() if line.strip()]
+    assert first[:2] == ["P", "Qx"]
+    assert first.index("p_max") < 15  # no longer than a screen, with the load below
+    assert first.index("load") <= 16  # 15 rows and a caption
+    assert "operator_applications" not in short
+    assert "operator_applications" in long
+
+
+def test_a_quiet_run_prints_errors_alone(call, roll):
+    done = call("run", "twin-discs", "--quiet", "--set", "grid.elements=[7, 7]")
+    assert (done.exit_code, done.output) == (0, "")
+    roll.ending = ("stalled", "try solver.method")
+    failed = call("run", "twin-discs", "-q", "--overwrite")
+    assert failed.exit_code == 3
+    assert [line.split(":")[0] for line in failed.stderr.splitlines()] == ["error"]
+    assert "note: " in call("run", "spheres", "--set", "grid.elements=[7, 7]").stderr  # not quiet
+
+
+def test_a_scene_from_the_standard_input(roll):
+    text = Scene.builtin("spheres").to_toml()
+    ended = CliRunner().invoke(app, ["run", "-", "-o", "piped.h5"], input=text)
+    assert ended.exit_code == 0, ended.output
+    assert roll.calls[0][0] == Scene.builtin("spheres")
+    unnamed = CliRunner().invoke(app, ["run", "-"], input=text)
+    assert (unnamed.exit_code, "-o FILE.h5" in unnamed.stderr) == (2, True)
+
+
+def test_a_standard_input_without_end_is_refused(monkeypatch):
+    monkeypatch.setattr(sys, "stdin", SimpleNamespace(buffer=io.BytesIO(b"#" * 1000)))
+    with pytest.raises(OSError, match="larger than the 999 bytes"):
+        read_piped(999)
+
+
+@pytest.mark.parametrize("content", [b"\xff\xfe", b"no TOML", b""])
+def test_a_standard_input_that_is_no_scene(content):
+    ended = CliRunner().invoke(app, ["run", "-", "-o", "x.h5"], input=content)
+    assert ended.exit_code == 2
+    assert isinstance(ended.exception, SystemExit)
+
+
+def test_a_results_file_is_no_scene(call, stored):
+    result = call("run", "stored.h5")
+    assert result.exit_code == 2
+    for command in ("show", "plot", "report", "--start"):
+        assert command in result.stderr
+
+
+def test_a_note_is_printed_once_also_where_a_block_has_it_too(call):
+    blocks = "duty=[{revolutions=5000}, {revolutions=5000, load={normal=200.0}}]"
+    settings = ("--set", "grid.elements=[7, 7]", "--set", blocks)
+    lines = call("explain", "twin-discs", *settings).stderr.splitlines()
+    notes = [one.removeprefix("note: ").removeprefix("duty: ") for one in lines if "note" in one]
+    assert any(one.startswith("grid.elements") for one in notes)
+    assert len(set(notes)) == len(notes)
+
+
+@pytest.mark.parametrize(
+    ("setting", "nearest"),
+    [("fatigue.criterion=dangvan", "dang-van"), ("solver.method=Newtn", "newton")],
+)
+def test_a_misspelt_value_has_its_nearest_one(call, setting, nearest):
+    result = call("run", "spheres", "--set", setting)
+    assert result.exit_code == 2
+    assert f'"{nearest}", perhaps?' in result.stderr
+    assert "perhaps" not in call("run", "spheres", "--set", "solver.method=xyz").stderr
+
+
+def test_completion_of_scenes_and_keys(folder):
+    (folder / "spare.toml").write_text("")
+    (folder / "spoils").mkdir()
+    assert "twin-discs" in complete_scenes("twin")
+    assert complete_scenes("sp")[-2:] == ["spare.toml", "spoils/"]
+    assert complete_keys("load.n") == ["load.normal="]
+    assert {"title=", "body.A.young=", "body.B.young="} <= set(complete_keys(""))

@@ -134,3 +134,15 @@ def test_show_tells_of_wear_both_what_was_asked_and_what_balances(call, folder):
     told = call("show", "worn.h5").stdout
     assert "k = 0.002 mm3/(N m)" in told
     assert "wear balance" in told
+
+
+def test_records_show_the_smooth_pressure_beside_the_peak(call, stored):
+    shown = call("show", stored).stdout
+    heads = next(line for line in shown.splitlines() if "p_95" in line)
+    assert heads.index("p_max") < heads.index("p_95")
+
+
+@pytest.mark.parametrize("source", ["x", None, Scene.builtin("spheres")])
+def test_figures_of_what_is_neither_contact_nor_history(source):
+    with pytest.raises(TypeError, match="contact or a history"):
+        plot.traction(source)

@@ -13,7 +13,7 @@ from tractive_sam.cli.output import (
     bad_input_told,
     compiling_told,
     console,
-    say,
+    note,
     stop,
     warnings_told,
 )
@@ -95,7 +95,7 @@ def _tell_if_design(study: str) -> None:
     with suppress(SceneError):
         TableDesign.from_toml(study)
         cure = "for a table of creep forces write its tolerance into the file: tolerance = 0.02"
-        say(("note: ", "bold yellow"), f"{study} is read as a study; {cure}")
+        note(f"{study} is read as a study; {cure}")
 
 
 def _study(file: Path, settings: list[str] | None, workers: int | None):

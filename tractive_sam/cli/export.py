@@ -6,14 +6,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tractive_sam.cli.output import Status, bad_input_told, say, stop, tell, warnings_told
-from tractive_sam.cli.scene_input import Settings, read_scene
+from tractive_sam.cli.output import Status, bad_input_told, note, stop, tell, warnings_told
+from tractive_sam.cli.scene_input import RESULTS, Settings, read_scene
 
 if TYPE_CHECKING:
     from tractive_sam.results import History, State
-
-RESULTS = (".h5", ".hdf5")
-"""Suffixes by which a results file is told from a scene."""
 
 
 class Body(StrEnum):
@@ -139,7 +136,7 @@ def _opened(source: str, settings: list[str] | None, revolution: float | None) -
             raise stop(Status.INVALID, refusal)
         history = open_history(source)
         if not history.finished:
-            say(("note: ", "bold yellow"), f"{source} is {history.status}: {history.message}")
+            note(f"{source} is {history.status}: {history.message}")
         return history
     from tractive_sam.run import solve
 

@@ -6,7 +6,7 @@ import typer
 from rich import box
 from rich.table import Table
 
-from tractive_sam.cli.output import bad_input_told, console
+from tractive_sam.cli.output import Status, bad_input_told, console, stop
 
 
 def keys(
@@ -16,14 +16,15 @@ def keys(
     ] = None,
 ) -> None:
     """Tell every key of a scene: meaning with unit, what is allowed, default."""
-    from tractive_sam.scene import Fault, Scene, SceneError, groups, shown, suggestion
+    from tractive_sam.scene import Scene, groups, shown, suggestion
 
     found = list(groups(Scene))
     names = [name for group in found for name in group.names if name]
     asked = None if table is None else table.strip("[]")
     with bad_input_told():
         if asked is not None and asked not in names:
-            raise SceneError([Fault("(table)", shown(table), suggestion(asked, names))])
+            allowed = suggestion(asked, names)
+            raise stop(Status.INVALID, f"a scene has no table {shown(table)}; {allowed}")
     out = console()
     for group in found:
         inside = asked is None or any(f"{name}.".startswith(f"{asked}.") for name in group.names)

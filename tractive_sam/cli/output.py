@@ -6,9 +6,11 @@ import sys
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass, field
 from enum import IntEnum
 from io import TextIOWrapper
-from typing import TYPE_CHECKING, TextIO
+from typing import TYPE_CHECKING, Annotated, TextIO, TypeAlias
 
 import typer
 from rich.console import Console
@@ -71,23 +73,88 @@ def silence(stream: TextIO) -> None:
     os.close(nowhere)
 
 
-def console(stderr: bool = False) -> Console:
-    """Console of this moment's standard output, or of the standard error."""
+def console(stderr: bool = False, error: bool = False) -> Console:
+    """Console of this moment's standard output, or of the standard error.
+
+    After `--quiet` the standard error takes errors alone.
+    """
+    if stderr and not error and _running().quiet:
+        return _Console(stderr=True, quiet=True, force_terminal=False)
     found = _Console(stderr=stderr, highlight=False, markup=False)
     if not found.is_terminal:
         found.width = PIPE_WIDTH
     return found
 
 
-def say(*parts: str | tuple[str, str]) -> None:
+@dataclass
+class _Command:
+    """State of the running command.
+
+    Attributes
+    ----------
+    quiet : bool
+        Whether it prints errors alone.
+    notes : set of str
+        Notes that it has printed.
+    """
+
+    quiet: bool = False
+    notes: set[str] = field(default_factory=set)
+
+
+_RUNNING: ContextVar[_Command] = ContextVar("_RUNNING")
+
+
+@contextmanager
+def running_command() -> Iterator[None]:
+    """Begin a command: it is not quiet, and has printed no note."""
+    token = _RUNNING.set(_Command())
+    try:
+        yield
+    finally:
+        _RUNNING.reset(token)
+
+
+def _running() -> _Command:
+    """Return the state of the running command, or of one that begins."""
+    return _RUNNING.get(None) or _Command()
+
+
+def _be_quiet(quiet: bool) -> bool:
+    _running().quiet = quiet
+    return quiet
+
+
+Quiet: TypeAlias = Annotated[
+    bool,
+    typer.Option(
+        "--quiet",
+        "-q",
+        help="Print errors alone: no progress, notes or results.",
+        callback=_be_quiet,
+        is_eager=True,
+    ),
+]
+
+
+def note(text: str) -> None:
+    """Print a note, once in a command, also where it is of a block and of the whole scene."""
+    printed = _running().notes
+    if (content := text.removeprefix("duty: ")) not in printed:
+        printed.add(content)
+        say(("note: ", "bold yellow"), text)
+
+
+def say(*parts: str | tuple[str, str], error: bool = False) -> None:
     """Print a line on the standard error; parts are text, or pairs of text and style.
 
-    Where that is full, or its terminal is gone, there is nobody to tell it to.
+    Where that is full, or its terminal is gone, there is nobody to tell it to. After `--quiet`
+    errors alone are printed.
     """
     try:
         pairs = ((one, "") if isinstance(one, str) else one for one in parts)
         line = Text.assemble(*((plain(text), style) for text, style in pairs))
-        console(stderr=True).print(line, soft_wrap=True)
+        console(stderr=True, error=error).print(line, soft_wrap=True)
     except OSError:
         silence(sys.stderr)
 
@@ -120,7 +187,7 @@ def progress_bar() -> Iterator["Progress | None"]:
 
 def stop(status: Status, *parts: str | tuple[str, str]) -> typer.Exit:
     """Print an error; returns what is to be raised."""
-    say(("error: ", "bold red"), *parts)
+    say(("error: ", "bold red"), *parts, error=True)
     return typer.Exit(status)
 
 
@@ -131,7 +198,7 @@ def warnings_told() -> Iterator[list[warnings.WarningMessage]]:
         warnings.simplefilter("always")
         yield notes
     for text in dict.fromkeys(str(note.message) for note in notes):
-        say(("note: ", "bold yellow"), text)
+        note(text)
 
 
 @contextmanager
@@ -143,7 +210,7 @@ def compiling_told() -> Iterator[None]:
     from tractive_sam.kernels.compiled import compiling_told as told
 
     line = "formulas are compiled for this machine and kept: some 20 seconds, once"
-    with told(lambda: say(("note: ", "bold yellow"), line)):
+    with told(lambda: note(line)):
         yield
 
 
@@ -184,7 +251,8 @@ def _faults(faults: Sequence, subject: str = "scene") -> typer.Exit:
     count = f"{len(faults)} faults" if len(faults) > 1 else "1 fault"
     leave = stop(Status.INVALID, f"{count} in the {subject}")
     for fault in faults[:MOST_TOLD]:
-        say("  ", (fault.key, "bold"), f": given {fault.given}; allowed: {fault.allowed}")
+        told = f": given {fault.given}; allowed: {fault.allowed}"
+        say("  ", (fault.key, "bold"), told, error=True)
     if len(faults) > MOST_TOLD:
-        say(f"  and {len(faults) - MOST_TOLD} more")
+        say(f"  and {len(faults) - MOST_TOLD} more", error=True)
     return leave

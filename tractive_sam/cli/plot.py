@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from tractive_sam.cli.output import Status, bad_input_told, say, stop, tell
+from tractive_sam.cli.output import Status, bad_input_told, note, stop, tell
 from tractive_sam.cli.show import Results
 
 
@@ -76,10 +76,9 @@ def plot(
     if not paths:
         raise stop(Status.INVALID, f"{file} holds no record to draw yet")
     if not history.finished:
-        say(("note: ", "bold yellow"), f"{file} is {history.status}: {history.message}")
+        note(f"{file} is {history.status}: {history.message}")
     if history.scene.duty and not block:
-        say(
-            ("note: ", "bold yellow"),
+        note(
             "--block NAME draws a block of the duty cycle, --block all each",
         )
     for path in paths:

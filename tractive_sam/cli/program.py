@@ -12,7 +12,14 @@ from tractive_sam import interrupt
 from tractive_sam.cli.explain import explain
 from tractive_sam.cli.export import export
 from tractive_sam.cli.keys import keys
-from tractive_sam.cli.output import Status, silence, spell_what_has_no_sign, stop, tell
+from tractive_sam.cli.output import (
+    Status,
+    running_command,
+    silence,
+    spell_what_has_no_sign,
+    stop,
+    tell,
+)
 from tractive_sam.cli.plot import plot
 from tractive_sam.cli.report import report
 from tractive_sam.cli.reproduce import reproduce
@@ -52,7 +59,7 @@ class _Program(TyperGroup):
             return super().make_context(*arguments, **options)
 
     def invoke(self, ctx):
-        with _ended_well():
+        with running_command(), _ended_well():
             return super().invoke(ctx)
 
 
@@ -107,7 +114,7 @@ def _options(
     version: Annotated[
         bool,
         typer.Option(
-            "--version", help="Print the version.", callback=_print_version, is_eager=True
+            "--version", "-V", help="Print the version.", callback=_print_version, is_eager=True
         ),
     ] = False,
 ) -> None:

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from tractive_sam.cli.output import Status, bad_input_told, say, stop, tell
+from tractive_sam.cli.output import Status, bad_input_told, note, stop, tell
 from tractive_sam.cli.show import Results
 
 
@@ -32,5 +32,5 @@ def report(
         path = output or Path(f"{file.stem}.html")
         pages.report(history, path)
     if not history.finished:
-        say(("note: ", "bold yellow"), f"{file} is {history.status}: {history.message}")
+        note(f"{file} is {history.status}: {history.message}")
     tell(path)

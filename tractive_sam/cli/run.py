@@ -6,17 +6,20 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from tractive_sam.cli.output import (
+    Quiet,
     Status,
     bad_input_told,
     compiling_told,
     console,
+    note,
     say,
     stop,
     warnings_told,
 )
-from tractive_sam.cli.scene_input import SceneName, Settings, read_scene
+from tractive_sam.cli.scene_input import STANDARD_INPUT, SceneName, Settings, read_scene
 
 if TYPE_CHECKING:
+    from tractive_sam.results import History
     from tractive_sam.scene import Scene
 
 
@@ -51,10 +54,13 @@ def run(
     overwrite: Annotated[
         bool, typer.Option("--overwrite", help="Replace the results file, if there is one.")
     ] = False,
+    quiet: Quiet = False,
+    verbose: Annotated[
+        bool,
+        typer.Option("--verbose", "-v", help="Print all quantities, also those of the solver."),
+    ] = False,
 ) -> None:
     """Compute a scene, all its revolutions, into a results file."""
-    from tractive_sam.cli import tables
-    from tractive_sam.results import balances, caveats
     from tractive_sam.run import progress_shown, roll
     from tractive_sam.store import open_history
 
@@ -62,6 +68,8 @@ def run(
         raise stop(Status.INVALID, "--resume goes on, --overwrite starts anew: give one of them")
     with bad_input_told():
         asked = read_scene(scene, settings)
+        if output is None and scene == STANDARD_INPUT:
+            raise stop(Status.INVALID, "-o FILE.h5 is needed for a scene from the standard input")
         output = output or Path(Path(scene).name).with_suffix(".h5")
         if output.exists() and not (resume or overwrite):
             raise stop(Status.INVALID, _kept(output, asked))
@@ -78,26 +86,38 @@ def run(
             raise stop(Status.INCOMPLETE, f"interrupted{told}") from None
         except OSError as error:
             raise stop(Status.INCOMPLETE, f"{output} cannot be written: {error}") from None
-    inaccurate = history.status == "inaccurate"
-    unresolved = history.status == "not resolved"
-    if not (history.finished or inaccurate):
+    if not quiet:
+        _print_results(history, verbose, {str(one.message) for one in notes})
+    say(f"{output}: {history.status}; {history.message}")
+    if not history.finished:
+        raise stop(Status.INCOMPLETE, _INCOMPLETE.get(history.status, _ENDED_EARLY))
+
+
+_ENDED_EARLY = "the computation ended early; the file holds it up to there"
+_INCOMPLETE = {
+    "inaccurate": "less accurate than asked for; the error bars tell how much",
+    "not resolved": "the mesh does not resolve the contact",
+}
+
+
+def _print_results(history: "History", verbose: bool, printed: set[str]) -> None:
+    """Print the last record, all of it or the main results, the load, and notes not yet printed."""
+    from tractive_sam.cli import tables
+    from tractive_sam.results import balances, caveats
+
+    if not (history.finished or history.status == "inaccurate"):
         say(("not a solution: ", "bold red"), "the last record below is where it ended")
     if len(history):
+        if verbose:
+            console().print(tables.last_record(history, solver=True))
+        else:
+            console().print(tables.main_results(history))
         console().print(tables.asked(history))
-        console().print(tables.last_record(history))
-    for told in balances(history, only_if_open=True).values():
-        say(("note: ", "bold yellow"), told)
-    printed = {str(note.message) for note in notes}
-    for told in (f"{name}: {text}" for name, text in caveats(history).items()):
-        if told not in printed:
-            say(("note: ", "bold yellow"), told)
-    say(f"{output}: {history.status}; {history.message}")
-    if inaccurate:
-        raise stop(Status.INCOMPLETE, "less accurate than asked for; the error bars tell how much")
-    if unresolved:
-        raise stop(Status.INCOMPLETE, "the mesh does not resolve the contact")
-    if not history.finished:
-        raise stop(Status.INCOMPLETE, "the computation ended early; the file holds it up to there")
+    for text in balances(history, only_if_open=True).values():
+        note(text)
+    for text in (f"{name}: {text}" for name, text in caveats(history).items()):
+        if text not in printed:
+            note(text)
 
 
 def _kept(path: Path, scene: "Scene") -> str:

@@ -7,7 +7,16 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
-from tractive_sam.cli.output import Status, bad_input_told, progress_bar, say, stop, warnings_told
+from tractive_sam.cli.output import (
+    Quiet,
+    Status,
+    bad_input_told,
+    note,
+    progress_bar,
+    say,
+    stop,
+    warnings_told,
+)
 
 if TYPE_CHECKING:
     from tractive_sam.studies import Progress
@@ -54,6 +63,7 @@ def study(
             "run programs through them; they do by default.",
         ),
     ] = None,
+    quiet: Quiet = False,
 ) -> None:
     """Compute every case of a study that is not complete, long ones first."""
     from tractive_sam import studies
@@ -77,7 +87,7 @@ def study(
                     workers=workers,
                     encrypted=encrypted,
                     progress=progress,
-                    say=lambda text: say(("note: ", "bold yellow"), text),
+                    say=note,
                 )
         except KeyboardInterrupt:
             held = f"{output} holds what was computed, the same command goes on from there"

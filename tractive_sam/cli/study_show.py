@@ -7,7 +7,7 @@ import typer
 from rich import box
 from rich.table import Table
 
-from tractive_sam.cli.output import Status, bad_input_told, console, say, stop, tell
+from tractive_sam.cli.output import Status, bad_input_told, console, note, say, stop, tell
 from tractive_sam.cli.plot import Format
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ def study_show(
     failures(results)
     mixed_versions(results)
     if results.damage_note:
-        say(("note: ", "bold yellow"), results.damage_note)
+        note(results.damage_note)
     say(_standing(results))
     for path in written:
         tell(path)
@@ -93,7 +93,7 @@ def mixed_versions(results: "StudyResults") -> None:
         if results.study.keep == "scalars":
             cure = "a new folder has all of them computed by this one"
         told = f"not all cases were computed by one version: {found}; {cure}"
-        say(("note: ", "bold yellow"), told)
+        note(told)
 
 
 def _standing(results: "StudyResults") -> str:

@@ -7,7 +7,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tractive_sam.cli.output import Status, bad_input_told, progress_bar, say, stop, warnings_told
+from tractive_sam.cli.output import (
+    Quiet,
+    Status,
+    bad_input_told,
+    note,
+    progress_bar,
+    say,
+    stop,
+    warnings_told,
+)
 
 if TYPE_CHECKING:
     from tractive_sam.tables import Progress
@@ -60,12 +69,16 @@ def table(
             min=0, metavar="N", help="Without a scheduler: processes on this machine; 0: this one."
         ),
     ] = 0,
+    quiet: Quiet = False,
 ) -> None:
     """Make a table of creep forces with gradients and error bars."""
     from tractive_sam.studies import SchedulerLostError
-    from tractive_sam.tables import build_table, is_table, open_table
+    from tractive_sam.tables import build_table, builtin_tables, is_table, open_table
 
     made = is_table(file)
+    if not (made or Path(file).exists()):
+        named = ", ".join(builtin_tables())
+        raise stop(Status.INVALID, f"{file}: no such file, and no built-in table; one of {named}")
     writes: tuple[tuple[Path | None, Callable[[Any, Path], None]], ...] = (
         (header, _header), (fmu, _fmu), (text, _text), (figure, _figure),
     )  # fmt: skip
@@ -86,7 +99,7 @@ def table(
                 with _progress() as progress, warnings_told():
                     found = build_table(
                         file, output, progress, scheduler=scheduler, workers=workers,
-                        say=lambda told: say(("note: ", "bold yellow"), told),
+                        say=note,
                     )  # fmt: skip
             except SchedulerLostError as error:
                 raise stop(Status.INCOMPLETE, str(error)) from None
@@ -145,7 +158,7 @@ def _fmu(found, path: Path) -> None:
     try:
         if not write_fmu(found, path):
             cure = "fmpy compile adds what a machine with one needs"
-            say(("note: ", "bold yellow"), f"{path} has sources alone, there is no cc; {cure}")
+            note(f"{path} has sources alone, there is no cc; {cure}")
     except RuntimeError as error:
         raise stop(Status.INCOMPLETE, str(error)) from None
 

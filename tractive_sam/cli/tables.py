@@ -10,13 +10,16 @@ from tractive_sam.results import balances, caveats, numbers, rolled_on_by
 from tractive_sam.scene import told as asked_of
 
 if TYPE_CHECKING:
-    from tractive_sam.results import History
+    from collections.abc import Iterable
+
+    from tractive_sam.results import History, Quantity
     from tractive_sam.scene import Scene
 
 COURSE = (
     ("Qx_over_P", "Qx/P", 1, "z.4f"),
     ("Qy_over_P", "Qy/P", 1, "z.4f"),
     ("p_max", "p_max\nMPa", 1, ".4g"),
+    ("p_95", "p_95\nMPa", 1, ".4g"),
     ("half_width_x", "half x\nmm", 1, ".4g"),
     ("half_width_y", "half y\nmm", 1, ".4g"),
     ("wear_max", "wear\nµm", 1e3, ".4g"),
@@ -40,6 +43,13 @@ STEPPING = {
     "next_step", "stretch",
 }  # fmt: skip
 """Columns of a record that say how it was computed: the totals tell it, and --json and --csv."""
+
+MAIN = (
+    "P", "Qx", "Qy", "Mz", "Qx_over_P", "worn_mass", "fatigue_life", "shift_x", "friction_work",
+    "p_max", "p_95", "half_width_x", "half_width_y", "stick_fraction", "wear_max",
+    "temperature_max", "stress_max", "von_mises_max", "utilisation", "xi_x", "xi_y",
+)  # fmt: skip
+"""Main results of a run, in their order: forces, wear or life, contact, stress."""
 
 MOST_ROWS = 20
 
@@ -86,16 +96,36 @@ def asked(history: "History") -> Table:
     return table
 
 
-def last_record(history: "History") -> Table:
-    """The last record, one quantity a row; not those of `STEPPING`."""
+def last_record(history: "History", solver: bool = False) -> Table:
+    """Return the last record, one quantity a row; those of `STEPPING` only with `solver`."""
+    return _quantities(row for row in numbers(history, -1) if solver or row[0] not in STEPPING)
+
+
+def main_results(history: "History", most: int = 15) -> Table:
+    """Return the main results of the last record, those of `MAIN` that are not zero.
+
+    Parameters
+    ----------
+    history : History
+        At least one record.
+    most : int
+        Most rows: they fit a terminal of 24 lines together with the load.
+    """
+    found = [row for row in numbers(history, -1) if row[1] not in ("0", "nan", "none")]
+    ordered = [row for name in MAIN for row in found if row[0].split()[0] == name]
+    table = _quantities(ordered[:most])
+    table.caption = "run --verbose prints all quantities, show FILE those of every record"
+    return table
+
+
+def _quantities(rows: "Iterable[tuple[str, str, Quantity]]") -> Table:
+    """Return a table of quantities: name, number, unit and meaning."""
     table = Table(box=box.SIMPLE_HEAD, show_header=False)
     table.add_column(style="bold")
     table.add_column(justify="right")
     table.add_column()
     table.add_column(style="dim")
-    for name, text, one in numbers(history, -1):
-        if name in STEPPING:
-            continue
+    for name, text, one in rows:
         table.add_row(name, text, "" if one.unit == "1" else one.unit, one.long_name)
     return table
 

@@ -45,11 +45,16 @@ class Drawn:
 
         Raises
         ------
+        TypeError
+            If it is neither.
         LookupError
             If the history did not store the fields of the record.
         """
         if isinstance(source, Drawn):
             return source
+        if not isinstance(source, History | State):
+            kind = type(source).__name__
+            raise TypeError(f"source: a contact or a history is needed, not {kind}")
         if isinstance(source, History):
             saved = source.saved[source.row_of(at, **named)]
             scale = Scale.of_history(source)

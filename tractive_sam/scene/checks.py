@@ -290,11 +290,13 @@ def warn_if_unequal(bodies: Bodies, wear: Wear) -> None:
     if alike or (wear.turns == "each" and "turns" in wear.model_fields_set):
         return
     counted = "A" if math.isfinite(radii["A"]) else "B"
+    meaning = 'each body meets its own wear again, averaged over the phase (wear.turns = "each")'
+    if wear.turns != "each":
+        meaning = 'wear.turns = "each" lets each body meet its own wear, averaged over the phase'
     text = (
         f"wear.turns: radius_x of A is {radii['A']:g} and of B {radii['B']:g}, so the bodies do "
-        f"not come round equally often, a flat one never; wear.revolutions counts those of "
-        f'{counted}. Say wear.turns = "each" where each body is to meet its own wear again, '
-        "averaged over the phase"
+        f"not turn equally often, a flat one never; wear.revolutions counts those of {counted}, "
+        f"and {meaning}"
     )
     warn(text)
 

@@ -10,6 +10,7 @@ import functools
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 from operator import methodcaller
 from typing import Annotated, Any, ClassVar, get_args, get_origin
 
@@ -287,6 +288,7 @@ def _read_leaf(reading: _Reading, key: str, table: type[Table], plain: Any) -> N
         }
         allowed = "; ".join(reasons) or _allowed(table.model_fields[key])
         allowed += _unquoted(_adapter(table, key), plain)
+        allowed += _nearest_name(table.model_fields[key].annotation, plain)
         reading.faults.append(Fault(key, shown(reading.given[key]), allowed))
     else:
         reading.values[key] = reading.known[key] = value
@@ -301,6 +303,21 @@ def _unquoted(adapter: TypeAdapter, given: Any) -> str:
     except ValueError:  # also of pydantic
         return ""
     return f"; the number {given.strip()} without quotes, perhaps?"
+
+
+def _nearest_name(kind: Any, given: Any) -> str:
+    """Return a hint for a text that is like one of the names that are allowed."""
+    if not isinstance(given, str):
+        return ""
+    nearest = get_close_matches(given.casefold(), _names_in(kind), n=1)
+    return "".join(f'; "{one}", perhaps?' for one in nearest)
+
+
+def _names_in(kind: Any) -> list[str]:
+    """Return the names that a type allows."""
+    if isinstance(kind, str):
+        return [kind]
+    return [name for part in get_args(kind) for name in _names_in(part)]
 
 
 def _allowed(info: FieldInfo) -> str:
