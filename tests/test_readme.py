@@ -1,6 +1,7 @@
 """The README keeps its word: its example runs, and its commands are single lines."""
 
 import re
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -30,7 +31,15 @@ def test_pictures_exist():
 
 
 @pytest.mark.parametrize(
-    "page", ["README.md", "benchmarks/README.md", ".github/CONTRIBUTING.md"], ids=str
+    "page",
+    [
+        "README.md",
+        "benchmarks/README.md",
+        ".github/CODE_OF_CONDUCT.md",
+        ".github/CONTRIBUTING.md",
+        ".github/SECURITY.md",
+    ],
+    ids=str,
 )
 def test_links_lead_somewhere(page):
     """Those of the manual are checked as it is built."""
@@ -51,6 +60,16 @@ def test_versions_agree():
     assert re.search(r"^version: (.*)$", citation, re.MULTILINE).group(1) == released
     changelog = (ROOT / "docs" / "changelog.md").read_text(encoding="utf-8")
     assert re.search(rf"^## (Since )?{re.escape(released)}$", changelog, re.MULTILINE)
+
+
+def test_descriptions_agree():
+    about = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    title = re.search(r'^title: "tractive_sam: (.*)"$', citation, re.MULTILINE).group(1)
+    assert about["description"].lower().startswith(title)
+    assert title in (ROOT / "docs" / "citing.md").read_text(encoding="utf-8")
+    (keywords,) = re.findall(r"^keywords: \[(.*)\]$", citation, re.MULTILINE)
+    assert keywords.split(", ") == about["keywords"]
 
 
 def test_nothing_is_left_to_fill_in():
