@@ -19,10 +19,13 @@ from .mechanics import FallingCoulomb as FallingCoulomb
 from .mechanics import FatemiSocie as FatemiSocie
 from .mechanics import Findley as Findley
 from .mechanics import FrictionLaw as FrictionLaw
+from .mechanics import HalfSpaces as HalfSpaces
 from .mechanics import Layered as Layered
+from .mechanics import Material as Material
 from .mechanics import OrthogonalShear as OrthogonalShear
 from .mechanics import SlidingShare as SlidingShare
 from .mechanics import Slope as Slope
+from .mechanics import SpectralHalfSpaces as SpectralHalfSpaces
 from .mechanics import StressCriterion as StressCriterion
 from .mechanics import VolumeLife as VolumeLife
 from .mechanics import WearLaw as WearLaw

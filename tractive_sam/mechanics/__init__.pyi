@@ -48,6 +48,7 @@ from .material import combine as combine
 from .point_contact import HertzContact as HertzContact
 from .point_contact import combined_radius as combined_radius
 from .point_contact import hertz as hertz
+from .spectral import SpectralHalfSpaces as SpectralHalfSpaces
 from .turns import Turns as Turns
 from .wear import Archard as Archard
 from .wear import ArchardByWork as ArchardByWork

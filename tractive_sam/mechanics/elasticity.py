@@ -197,6 +197,37 @@ class HalfSpaces(Elasticity):
                 entry = -K * y2
         return entry / (np.pi * self.material.shear)
 
+    def response(self, component: str, kx: np.ndarray, ky: np.ndarray) -> np.ndarray:
+        """Displacement u_A - u_B over traction in wave numbers, u and p as exp(i (kx x + ky y)).
+
+        Parameters
+        ----------
+        component : str
+            As of `coefficients`.
+        kx, ky : ndarray
+            Wave numbers, not both 0, 1/mm.
+
+        Returns
+        -------
+        ndarray
+            mm/MPa; imaginary for "xz" and "yz".
+        """
+        k, nu, K = np.hypot(kx, ky), self.material.poisson, self.material.coupling
+        match component:
+            case "xx":
+                entry = (1.0 - nu * (kx / k) ** 2) / k
+            case "xy":
+                entry = -nu * kx * ky / k**3
+            case "yy":
+                entry = (1.0 - nu * (ky / k) ** 2) / k
+            case "zz":
+                entry = (1.0 - nu) / k
+            case "xz":
+                entry = 1j * K * kx / k**2
+            case "yz":
+                entry = 1j * K * ky / k**2
+        return 2.0 * entry / self.material.shear
+
     def gap_per_pressure(self, length: float, dx: float, dy: float) -> float:
         """length / E*; see `Elasticity.gap_per_pressure`."""
         return length / self.material.E_star

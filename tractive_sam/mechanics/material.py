@@ -23,7 +23,7 @@ class Material:
 
     Examples
     --------
-    >>> Material.from_young(208e3, 0.3).shear
+    >>> ts.Material.from_young(208e3, 0.3).shear
     80000.0
     """
 

@@ -1,0 +1,186 @@
+"""Half-spaces whose material changes with the depth, by their response in wave numbers.
+
+The response c(k) goes from that of the surface at short waves to that of the material far below at
+long ones. With c_s and c_f, the responses of homogeneous half-spaces of either, it is split into
+
+    c = c_s + (c_f - c_s) exp(-k d) + g.
+
+The influence coefficients of the first term are those of `HalfSpaces`. The second is smooth, and
+is in closed form the displacement at a height d (Boussinesq and Cerruti), with its long range. What
+remains falls fast with the wave number and with the distance, and is integrated over the wave
+numbers.
+"""
+
+from abc import abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+
+from tractive_sam.mechanics.elasticity import HalfSpaces
+
+ODD = {"xy": "xy", "xz": "x", "yz": "y"}
+"""Axes along which a component changes its sign."""
+
+
+@dataclass(frozen=True)
+class SpectralHalfSpaces(HalfSpaces):
+    """Half-spaces with a coating, or graded ones; a subclass gives their `spectrum`.
+
+    Parameters
+    ----------
+    A, B : Material
+        The materials far below the surface.
+    length : float
+        Depth over which the material changes, mm, such as the thickness of a coating.
+
+    Examples
+    --------
+    >>> class Same(ts.SpectralHalfSpaces):
+    ...     @property
+    ...     def surface(self):
+    ...         return ts.HalfSpaces(self.A, self.B)
+    ...
+    ...     def spectrum(self, component, kx, ky):
+    ...         return self.surface.response(component, kx, ky)
+    >>> bodies = ts.Laws.of(scene).elasticity
+    >>> same = Same(bodies.A, bodies.B, 0.5)
+    >>> table = same.coefficients("zz", (9, 9), 0.1, 0.1)
+    >>> bool(np.allclose(table, bodies.coefficients("zz", (9, 9), 0.1, 0.1)))
+    True
+    """
+
+    length: float
+
+    @property
+    @abstractmethod
+    def surface(self) -> HalfSpaces:
+        """Homogeneous half-spaces of the materials at the surface: what short waves see."""
+
+    @abstractmethod
+    def spectrum(self, component: str, kx: np.ndarray, ky: np.ndarray) -> np.ndarray | None:
+        """Displacement u_A - u_B over traction in wave numbers, u and p as exp(i (kx x + ky y)).
+
+        Parameters
+        ----------
+        component : str
+            As of `Elasticity.coefficients`.
+        kx, ky : ndarray, shapes (n, 1) and (1, m)
+            Wave numbers of at least 0, not both 0, 1/mm.
+
+        Returns
+        -------
+        ndarray, shape (n, m), or None
+            mm/MPa; imaginary for "xz" and "yz". None: that of the materials far below.
+        """
+
+    def coefficients(
+        self, component: str, offsets: tuple[int, int], dx: float, dy: float
+    ) -> np.ndarray:
+        """See `Elasticity.coefficients`."""
+        below = HalfSpaces(self.A, self.B)
+        if self.spectrum(component, np.ones((1, 1)), np.ones((1, 1))) is None:
+            return below.coefficients(component, offsets, dx, dy)
+        # At a height of two elements the kernel is smooth enough for its quadrature over one.
+        height = max(self.length, 2.0 * dx, 2.0 * dy)
+        table = self.surface.coefficients(component, offsets, dx, dy)
+        table = table + _raised(below, self.surface, component, offsets, dx, dy, height)
+        return table + self._remainder(below, component, offsets, dx, dy, height)
+
+    def _remainder(
+        self,
+        below: HalfSpaces,
+        component: str,
+        offsets: tuple[int, int],
+        dx: float,
+        dy: float,
+        height: float,
+    ) -> np.ndarray:
+        """Return the coefficients of the response that has no closed form."""
+        kx, along = _waves(offsets[0], dx, self.length, height, "x" in ODD.get(component, ""))
+        ky, across = _waves(offsets[1], dy, self.length, height, "y" in ODD.get(component, ""))
+        small = 1e-3 * kx[1], 1e-3 * ky[1]  # long waves have a limit, which may have a direction
+        x, y = kx[:, None].copy(), ky[None, :].copy()
+        found = self._rest(below, component, x, y, height)
+        found[0, 0] = (
+            0.5
+            * (
+                self._rest(below, component, np.full((1, 1), small[0]), np.zeros((1, 1)), height)
+                + self._rest(below, component, np.zeros((1, 1)), np.full((1, 1), small[1]), height)
+            ).item()
+        )
+        sign = -1.0 if component in ODD else 1.0
+        return sign * (along @ found @ across.T)
+
+    def _rest(
+        self, below: HalfSpaces, component: str, kx: np.ndarray, ky: np.ndarray, height: float
+    ) -> np.ndarray:
+        """Return the remainder g at wave numbers; of an imaginary response its imaginary part."""
+        with np.errstate(divide="ignore", invalid="ignore"):  # no wave at all has no response
+            at_surface = self.surface.response(component, kx, ky)
+            far = below.response(component, kx, ky) - at_surface
+            found = self.spectrum(component, kx, ky) - at_surface
+            found = found - far * np.exp(-height * np.hypot(kx, ky))
+        return np.array(found.imag if component in ("xz", "yz") else found.real)
+
+
+def _waves(
+    count: int, side: float, length: float, height: float, odd: bool
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return wave numbers along an axis, 1/mm, and the displacement at the offsets by each of them.
+
+    The shortest wave is that of which exp(-k length) leaves 1e-8, or an eighth of an element, whose
+    mean leaves next to nothing of shorter ones. The period is that of the quadrature: from 32
+    heights on images of the remainder, which falls with the cube of the distance, do not matter.
+    """
+    shortest = min(18.0 / length, 16.0 * np.pi / side)
+    period = max(3.0 * count * side, 32.0 * max(height, length))
+    step = 2.0 * np.pi / period
+    k = step * np.arange(max(int(np.ceil(shortest / step)), 1) + 1)
+    phase = np.outer(side * np.arange(count), k)
+    weight = np.where(k > 0.0, 2.0, 1.0) * step / (2.0 * np.pi)
+    mean = side * np.sinc(0.5 * side * k / np.pi)
+    return k, weight * mean * (np.sin(phase) if odd else np.cos(phase))
+
+
+def _raised(
+    below: HalfSpaces,
+    surface: HalfSpaces,
+    component: str,
+    offsets: tuple[int, int],
+    dx: float,
+    dy: float,
+    height: float,
+) -> np.ndarray:
+    """Return the coefficients of (c_f - c_s) exp(-k height), by quadrature over an element."""
+    points, weights = np.polynomial.legendre.leggauss(6)  # 1e-9 at a height of two elements
+    table = np.zeros(offsets)
+    x, y = (side * np.arange(n) for side, n in zip((dx, dy), offsets, strict=True))
+    for at_x, of_x in zip(points, weights, strict=True):
+        for at_y, of_y in zip(points, weights, strict=True):
+            place = (x + 0.5 * dx * at_x)[:, None], (y + 0.5 * dy * at_y)[None, :]
+            kernels = (_kernel(one, component, *place, height) for one in (below, surface))
+            far, near = kernels
+            table += 0.25 * of_x * of_y * (far - near)
+    return dx * dy * table
+
+
+def _kernel(
+    bodies: HalfSpaces, component: str, x: np.ndarray, y: np.ndarray, height: float
+) -> np.ndarray:
+    """Displacement at a place by a unit force whose waves are damped by exp(-k height)."""
+    nu, K = bodies.material.poisson, bodies.material.coupling
+    r = np.sqrt(x**2 + y**2 + height**2)
+    reach = r + height
+    match component:
+        case "zz":
+            entry = (1.0 - nu) / r
+        case "xx" | "yy":
+            along = x if component == "xx" else y
+            entry = 1.0 / r - nu * (1.0 / reach - along**2 / (r * reach**2))
+        case "xy":
+            entry = nu * x * y / (r * reach**2)
+        case "xz":
+            entry = -K * x / (r * reach)
+        case "yz":
+            entry = -K * y / (r * reach)
+    return entry / (np.pi * bodies.material.shear)
