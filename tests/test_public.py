@@ -1,6 +1,7 @@
 """The public names are what they say, also after everything has been imported."""
 
 import pickle
+import re
 from dataclasses import fields, is_dataclass
 from importlib import import_module
 from inspect import signature
@@ -26,6 +27,12 @@ def test_names_outlive_the_import_of_their_rooms():
 def test_every_public_name_is_there_and_documented():
     for name in ts.__all__:
         assert getattr(ts, name).__doc__, name
+
+
+def test_help_of_the_package_begins_with_its_names_by_topic():
+    topics = ts.__doc__.partition("Names by topic")[2].partition("Conventions")[0]
+    listed = re.findall(r"\b\w+\b", re.sub(r"\*\*.*?\*\*|-{2,}", "", topics))
+    assert sorted(listed) == sorted(ts.__all__)
 
 
 def test_help_is_short():

@@ -17,6 +17,32 @@ Mech. Sci. 294 (2025) 110195.
 Every public name has an example, which goes on from here; those of `plot`, `subsurface` and
 `reference` also know the names of their package.
 
+Names by topic
+--------------
+**Compute** solve, roll, solve_many, explain, study, explain_study, build_table
+
+**Scene** Scene, Bodies, Body, Load, Creepage, Friction, Wear, Coefficients, WearLaws, Sets, Mesh,
+Accuracy, Gap, Solver, Subsurface, Fatigue, FatigueVolume, Heat, Bulk, Thermal; builtin_names
+
+**Changing scenes** Transient, LoadCourse, CreepageCourse, FrictionCourse, Profiles; Block,
+BlockLoad, BlockCreepage, BlockFriction, LoadHistory, Binned, blocks_of
+
+**Results** Contact, State, History, Quantity, PlaneStress, Maximum, FlashTemperature, BodyFatigue;
+open_history, report, export_surface, export_volume
+
+**Stress and fatigue** stress_at, stress_maximum, stress_on_plane, stress_on_planes, stress_path,
+stress_volume, fatigue
+
+**Many scenes** Study, StudyResults, open_study; CreepTable, TableDesign, open_table, write_fmu
+
+**Laws** Laws, FrictionLaw, Coulomb, FallingCoulomb, Layered, Slope, Bound, Elasticity,
+ElasticBodies, WearLaw, Energy, EachBody, SlidingShare; StressCriterion, CycleCriterion, DangVan,
+Crossland, Findley, FatemiSocie, OrthogonalShear, VolumeLife, Woehler
+
+**Errors** SceneError, SceneWarning, NotConverged, GapError, ResultsError, StudyError, TableError
+
+**Packages** plot, reference, solvers, studies, subsurface
+
 Conventions, stated here once
 -----------------------------
 **Units** mm, N, MPa, revolutions; angles in degrees in a scene, radians inside; spin in 1/mm. Where

@@ -86,6 +86,20 @@ def _of_cycle(history: History, one: Quantity) -> Quantity:
     return history.columns.get(one.name.removeprefix(PREFIX), one)
 
 
+def jumps(position: np.ndarray, travel: float = 3.0) -> bool:
+    """Return whether a position goes to and fro: it is that of neighbouring peaks by turns.
+
+    Parameters
+    ----------
+    position : ndarray, shape (n,)
+        Positions along the course, finite.
+    travel : float
+        Path over range from which it does; 1 of a position that moves one way, 2 of one that
+        returns.
+    """
+    return bool(np.abs(np.diff(position)).sum() > travel * np.ptp(position))
+
+
 def _title(one: Quantity) -> str:
     return one.long_name[:1].upper() + one.long_name[1:]
 
@@ -116,6 +130,8 @@ def _lines(history: History, one: Quantity, several: int) -> Iterator[dict[str, 
         line = values[at].astype(float)
         known = line[np.isfinite(line)]
         if known.size < 2 or np.ptp(known) <= max(noise, ROUNDING * np.abs(known).max()):
+            continue
+        if one.name.removeprefix(PREFIX).endswith("_at") and jumps(known):
             continue
         name = text.symbol(one.symbol) or as_html(one.name)
         kind = one.role.removeprefix("stress_") if one.role.startswith("stress_") else ""
