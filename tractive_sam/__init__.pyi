@@ -28,6 +28,7 @@ from .mechanics import Slope as Slope
 from .mechanics import SpectralHalfSpaces as SpectralHalfSpaces
 from .mechanics import StressCriterion as StressCriterion
 from .mechanics import VolumeLife as VolumeLife
+from .mechanics import WearConditions as WearConditions
 from .mechanics import WearLaw as WearLaw
 from .mechanics import Woehler as Woehler
 from .pages import report as report

@@ -15,7 +15,15 @@ from functools import lru_cache
 import numpy as np
 
 from tractive_sam.contact.model import Model
-from tractive_sam.mechanics import ArchardByWork, EachBody, FallingCoulomb, Warmed, Warmth, WearLaw
+from tractive_sam.mechanics import (
+    ArchardByWork,
+    EachBody,
+    FallingCoulomb,
+    Warmed,
+    Warmth,
+    WearConditions,
+    WearLaw,
+)
 from tractive_sam.operators import SurfaceHeat
 from tractive_sam.results import FlashTemperature, Grid, State, Status
 from tractive_sam.solvers import combined, gmres
@@ -139,7 +147,7 @@ def with_heat(model: Model, contact: State) -> State:
 
 
 def wear_law_in(model: Model, contact: State) -> WearLaw | None:
-    """The law of wear in a contact: by what memory and heat leave of friction, at its heat."""
+    """Return the law of wear in a contact: at its revolution, depth and heat, by its friction."""
     law, scene = model.wear_law, model.scene
     if law is None:
         return law
@@ -147,6 +155,7 @@ def wear_law_in(model: Model, contact: State) -> WearLaw | None:
     if scene.heat is not None:
         heat = with_heat(model, contact).heat
         temperature = heat.temperature["A"]  # where they touch, that of B too
+    law = law.under(WearConditions(contact.wear[-1], float(contact.revolution), temperature))
 
     def of(one: WearLaw) -> WearLaw:
         if isinstance(one, ArchardByWork) and one.friction:

@@ -4,6 +4,7 @@ See `operators.step` for the slip of a step. The step before is all that a step 
 its pressure, tractions and gap.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import astuple, dataclass, field, replace
 from typing import Any
@@ -14,7 +15,7 @@ from tractive_sam.contact.equilibrium import finished
 from tractive_sam.contact.measured import sampled
 from tractive_sam.contact.model import Model
 from tractive_sam.contact.step_work import Particles, StepWork
-from tractive_sam.mechanics import Bound, Friction
+from tractive_sam.mechanics import Bound, Friction, WearConditions
 from tractive_sam.operators import ConvolutionMeter, Lattice, StepOperators, Way
 from tractive_sam.results import Cost, Grid, State, Status, widened
 from tractive_sam.solvers import (
@@ -528,7 +529,7 @@ class Stepper:
         """Return a step with what its particles wear off."""
         gained, deep = self._unworn, 0.0
         for one in groups:
-            depth = self._gained(asked, self._rubbing(now, one, way))
+            depth = self._gained(asked, self._rubbing(now, one, way), now.contact.wear)
             deep = max(deep, self._deep(one.pressure, depth))
             gained += one.weight * (way.carried(depth) if one.earlier else depth)
         worn = now.worn + gained
@@ -550,7 +551,7 @@ class Stepper:
         ending = np.where(last > 0.0, share * self._fields(now.contact), particles.fields)
         return replace(particles, fields=ending)
 
-    def _gained(self, asked: Asked, particles: Particles) -> np.ndarray:
+    def _gained(self, asked: Asked, particles: Particles, worn: np.ndarray) -> np.ndarray:
         """Depths that a step wears off A and B, shape (2, n_x, n_y), mm.
 
         Of each particle by its pressure, its traction, and all that it has slipped. A law that
@@ -564,6 +565,7 @@ class Stepper:
         slip = units.slip * model.grid.dx / over * model.frame.slip_to_physical(slipped)
         traction = units.pressure * model.frame.to_physical(particles.traction)
         law = self.wear_law.weakened(asked.mean_friction)
+        law = law.under(WearConditions(worn, math.nan))
         return over * law.rates(model.scene.wear_share, particles.pressure, traction, slip)
 
     def _deep(self, pressure: np.ndarray, gained: np.ndarray) -> float:

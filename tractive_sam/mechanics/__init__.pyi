@@ -54,6 +54,7 @@ from .wear import Archard as Archard
 from .wear import ArchardByWork as ArchardByWork
 from .wear import Energy as Energy
 from .wear import Warmed as Warmed
+from .wear import WearConditions as WearConditions
 from .wear import WearLaw as WearLaw
 from .wear_maps import ByChart as ByChart
 from .wear_maps import ByTotal as ByTotal

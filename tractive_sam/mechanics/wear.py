@@ -12,6 +12,31 @@ from tractive_sam.mechanics.frame import Frame
 from tractive_sam.mechanics.law import Law
 
 
+@dataclass(frozen=True, eq=False)
+class WearConditions:
+    """What a contact has gone through before a pass, for laws of wear that depend on it.
+
+    Attributes
+    ----------
+    depth : ndarray, shape (n_y,) or (n_x, n_y)
+        Depth worn off both bodies together before the pass, mm: of the material that enters the
+        contact; in a transient of the material in every element.
+    revolution : float
+        Number of the revolution, see `wear.revolutions`; nan in a transient.
+    temperature : ndarray, shape (n_x, n_y), or None
+        Temperature of the surfaces in contact, degrees C; None without [heat].
+
+    Examples
+    --------
+    >>> ts.WearConditions(depth=np.zeros(3), revolution=1.0).temperature is None
+    True
+    """
+
+    depth: np.ndarray
+    revolution: float
+    temperature: np.ndarray | None = None
+
+
 class WearLaw(Law, ABC):
     """How deep the contact wears in one pass.
 
@@ -81,6 +106,13 @@ class WearLaw(Law, ABC):
 
     def weakened(self, factor: float) -> "WearLaw":
         """The law where friction is so many times what it was; by default no other one."""
+        return self
+
+    def under(self, conditions: WearConditions) -> "WearLaw":
+        """Return the law under conditions, such as after running-in; by default the same law.
+
+        The law is to depend on the conditions smoothly: adaptive stepping extrapolates its rate.
+        """
         return self
 
     def beyond_tests(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> str:

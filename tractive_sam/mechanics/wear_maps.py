@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tractive_sam.kernels import wear
-from tractive_sam.mechanics.wear import ArchardByWork, WearLaw, work_of
+from tractive_sam.mechanics.wear import ArchardByWork, WearConditions, WearLaw, work_of
 from tractive_sam.mechanics.wear_sets import JENDEL_BORDERS, JENDEL_LIMIT, Regimes
 
 PER_MASS = 1e-3
@@ -211,6 +211,10 @@ class EachBody(WearLaw):
     def weakened(self, factor: float) -> "EachBody":
         """See `WearLaw.weakened`."""
         return self.mapped(lambda law: law.weakened(factor))
+
+    def under(self, conditions: WearConditions) -> "EachBody":
+        """See `WearLaw.under`."""
+        return self.mapped(lambda law: law.under(conditions))
 
     def beyond_tests(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> str:
         """See `WearLaw.beyond_tests`."""

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tractive_sam.contact import Model, Worn, equilibrium, fitted_blocks, wear_law_in
-from tractive_sam.mechanics import Turns
+from tractive_sam.mechanics import Turns, WearConditions
 from tractive_sam.results import PARTS, Cost, Grid, State, Status
 from tractive_sam.rolling.transient import Moment, Transient
 
@@ -342,7 +342,11 @@ def _of_model(model: Model, contacts: tuple[State, ...], rolled: int | None = No
 def _turns(model: Model, contact: State) -> Turns:
     """What of a pass lasts, as the law of wear shares its depth between the bodies."""
     law, turns = model.wear_law, contact.scene.turns
-    shares = None if law is None else law.shares(contact.pressure, contact.traction, contact.slip)
+    if law is None:
+        return turns
+    temperature = None if contact.heat is None else contact.heat.temperature["A"]
+    law = law.under(WearConditions(contact.wear[-1], float(contact.revolution), temperature))
+    shares = law.shares(contact.pressure, contact.traction, contact.slip)
     return turns if shares is None else replace(turns, share=dict(zip("AB", shares, strict=True)))
 
 
@@ -427,19 +431,20 @@ def _pass(
     conditions hold with it; since a pass wears a thousandth of the approach, each correction gains
     three digits.
     """
-    law, dx = model.wear_law, model.grid.dx
+    conditions = WearConditions(entering, float(revolution))
+    law, dx = model.wear_law.under(conditions), model.grid.dx
 
     def depth(pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
         return law.depth(entering, pressure, traction, slip, dx)
 
     if model.method.wears_in_pass:
-        return equilibrium(model, depth, start), 1
+        return replace(equilibrium(model, depth, start), revolution=revolution), 1
 
     wear = entering + (start.wear - start.wear[-1]) * grown
     contact, cost, solves = start, Cost(), 0
     sharp = max(model.scene.solver.tolerance, SHARPER * tolerance)
     for _ in range(CORRECTIONS):
-        contact = equilibrium(model, wear, contact, sharp)
+        contact = replace(equilibrium(model, wear, contact, sharp), revolution=revolution)
         solves += 1
         cost = cost + contact.cost
         law = wear_law_in(model, contact)
