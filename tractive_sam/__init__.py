@@ -36,8 +36,9 @@ stress_volume, fatigue
 **Many scenes** Study, StudyResults, open_study; CreepTable, TableDesign, open_table, write_fmu
 
 **Laws** Laws, FrictionLaw, Coulomb, FallingCoulomb, Layered, Slope, Bound, Elasticity,
-ElasticBodies, WearLaw, Energy, EachBody, SlidingShare; StressCriterion, CycleCriterion, DangVan,
-Crossland, Findley, FatemiSocie, OrthogonalShear, VolumeLife, Woehler
+ElasticBodies, HalfSpaces, SpectralHalfSpaces, Material, WearLaw, WearConditions, Energy, EachBody,
+SlidingShare; StressCriterion, CycleCriterion, DangVan, Crossland, Findley, FatemiSocie,
+OrthogonalShear, VolumeLife, Woehler
 
 **Errors** SceneError, SceneWarning, NotConverged, GapError, ResultsError, StudyError, TableError
 
