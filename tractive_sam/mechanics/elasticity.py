@@ -153,7 +153,7 @@ class HalfSpaces(Elasticity):
 
     Examples
     --------
-    >>> round(ts.Laws.of(scene).elasticity.material.E_star)
+    >>> round(ts.Laws.of(discs).elasticity.material.E_star)
     114286
     """
 
