@@ -221,7 +221,7 @@ def test_signals_are_noted_before_anything_is_loaded(folder):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("module", ["enum", "contextlib", "lazy_loader", "typer"])
+@pytest.mark.parametrize("module", ["contextlib", "lazy_loader", "typer"])
 def test_from_the_first_import_on(folder, module):
     text = PROGRAM.format(module=module, name="SIGINT", times=1)
     text = f"import sys\nsys.modules.pop({module!r}, None)\n{text}"
