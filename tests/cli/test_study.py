@@ -130,13 +130,22 @@ def test_a_scene_in_place_of_a_study(call, folder):
     assert "1 fault" in result.stderr
 
 
+def test_a_parameter_varies_only_beside_its_law(call, folder):
+    (folder / "study.toml").write_text(SMALL.replace("friction.mu", "friction.mew"))
+    result = call("study", "study.toml", "-o", "done")
+    assert result.exit_code == 2
+    assert "friction.mew" in result.stderr
+    assert "static, mu" in result.stderr  # the keys of the table
+    assert not (folder / "done").exists()
+
+
 def test_every_fault_of_a_study_is_told(call, folder):
-    wrong = SMALL.replace("friction.mu", "friction.mew").replace('"spheres"', '"spheers"')
+    wrong = SMALL.replace("friction.mu", "friction.um").replace('"spheres"', '"spheers"')
     (folder / "study.toml").write_text(wrong)
     result = call("study", "study.toml", "-o", "done")
     assert result.exit_code == 2
     assert "2 faults in the study" in result.stderr
-    assert "axis[0].key: given 'friction.mew'" in result.stderr
+    assert "axis[0].key: given 'friction.um'" in result.stderr
     assert "scene: given 'spheers'" in result.stderr
     assert not (folder / "done").exists()
 

@@ -23,7 +23,7 @@ from .gap import ALONG, LENGTHS, TEXTS, Gap, files_anywhere
 from .heat import Bulk, Heat, Thermal
 from .keys import groups
 from .load_history import Binned, LoadHistory, blocks_of
-from .named_law import NamedLaw, build_law
+from .named_law import LawTable, NamedLaw, build_law
 from .override import parse_settings
 from .plane import Plane
 from .plausibility import near_edge, pressure_notes
@@ -86,6 +86,7 @@ __all__ = [
     "Gap",
     "Heat",
     "Known",
+    "LawTable",
     "Load",
     "LoadCourse",
     "LoadHistory",

@@ -16,6 +16,7 @@ from tractive_sam.scene import (
     Document,
     Fault,
     Known,
+    LawTable,
     Scene,
     SceneError,
     builtin_names,
@@ -57,6 +58,20 @@ def _each_entry_once(known: Known) -> Iterator[Fault]:
         within = [other for other in keys if other.startswith(f"{key}.")]
         if within:
             yield Fault("axis", f"{key} and {', '.join(within)}", "a table, or entries within it")
+
+
+def _parameters_have_a_law(known: Known) -> Iterator[Fault]:
+    """A key beside those of its table must be a parameter of a law of another package."""
+    keys = [key for one in _dimensions(known["axis"], known["latin"]) for key in one.columns]
+    for key in keys:
+        name, _, entry_name = key.partition(".")
+        kind = Scene.table_of(Scene.model_fields[name]) if name in Scene.model_fields else None
+        if kind is None or not issubclass(kind, LawTable) or entry_name in kind.model_fields:
+            continue
+        table = getattr(known["scene"], name)
+        has_law = table is not None and table.named_law is not None
+        if entry_name and not has_law and f"{name}.{kind.law_key}" not in keys:
+            yield Fault("axis", key, suggestion(entry_name, kind.model_fields))
 
 
 def _not_too_many(known: Known) -> Iterator[Fault]:
@@ -115,7 +130,12 @@ class Study(Document):
         '"all" or "scalars"',
         "all",
     )
-    checks: ClassVar[tuple[Check, ...]] = (_something_varies, _each_entry_once, _not_too_many)
+    checks: ClassVar[tuple[Check, ...]] = (
+        _something_varies,
+        _each_entry_once,
+        _parameters_have_a_law,
+        _not_too_many,
+    )
     invalid: ClassVar[type[SceneError]] = StudyError
 
     def __init__(
