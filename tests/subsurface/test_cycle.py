@@ -7,7 +7,6 @@ import pytest
 
 import tractive_sam as ts
 from tractive_sam.results import BodyFatigue
-from tractive_sam.subsurface import cycle as subsurface_cycle
 from tractive_sam.subsurface import cycle_depths
 
 ASKED = {"shear_yield": 300.0, "criterion": "orthogonal-shear", "limit": 250.0}
@@ -109,25 +108,14 @@ PATHS = {
 }
 
 
-def whole_path(contact, y, depth, body, per_element=1):
-    """Stress within 4 a, at the centres of elements or closer, and closely on to 4000 a."""
+def whole_path(contact, y, depth, body):
+    """Stress at the centres of elements within 4 a, and closely on to 4000 a."""
     a, dx = contact.half_width_x, contact.grid.dx
-    spacing = dx / per_element
-    beside = contact.grid.x[-1] + spacing * np.arange(1, math.ceil(3.0 * a / spacing))
+    beside = contact.grid.x[-1] + dx * np.arange(1, math.ceil(3.0 * a / dx))
     further = beside[-1] * np.geomspace(1.0, 1e3, 150)[1:]
-    within = np.linspace(*contact.grid.x[[0, -1]], (contact.grid.x.size - 1) * per_element + 1)
-    x = np.concatenate((within, beside, -beside, further, -further))
+    x = np.concatenate((contact.grid.x, beside, -beside, further, -further))
     path = ts.stress_path(contact, y, depth, body, x=x)
     return np.array([np.append(path[name], 0.0) for name in ("xx", "yy", "zz", "xy", "xz", "yz")])
-
-
-class DangVanOfSamples(ts.CycleCriterion):
-    """Does not interpolate paths."""
-
-    name, long_name = "samples", "criterion of Dang Van for the samples of a path"
-
-    def __call__(self, cycle):
-        return ts.DangVan(0.33)(cycle)
 
 
 @pytest.mark.parametrize("name", PATHS)
@@ -138,14 +126,14 @@ def test_paths_include_the_maxima_outside_the_contact(name, shallow):
     a, y = contact.half_width_x, contact.grid.y
     depths = np.array([0.0, 0.1, 0.3]) * a if shallow else cycle_depths(contact)
     rows = np.unique([y.size // 2, y.size // 3])
-    # 1e-3: the spacing of the columns. The centre of a ball around samples moves with the spacing
-    # itself, where the radius moves with its square.
+    # 1e-3: the spacing of the columns. The centre of a ball moves with the spacing itself, where
+    # the radius moves with its square.
     for criterion, rtol in (
         (ts.Crossland(0.4), 1e-3),
         (ts.Findley(0.3), 1e-3),
         (ts.FatemiSocie(0.8, 500.0), 1e-3),
         (ts.OrthogonalShear(), 1e-3),
-        (DangVanOfSamples(), 4e-3),
+        (ts.DangVan(0.33), 4e-3),
     ):
         laws = ts.Laws.of(contact.scene).replace(fatigue=criterion)
         for body, found in ts.fatigue(contact, depths=depths, laws=laws).items():
@@ -155,39 +143,6 @@ def test_paths_include_the_maxima_outside_the_contact(name, shallow):
             ]
             here = 250.0 * found.utilisation[rows, 1:]
             np.testing.assert_allclose(here, whole, rtol=rtol, err_msg=f"{criterion} {body}")
-
-
-@pytest.mark.parametrize("name", PATHS)
-def test_dang_van_does_not_depend_on_the_spacing_of_a_path(name):
-    """From five elements deep on; above, the stress changes within an element or two."""
-    contact = ts.solve(PATHS[name])
-    criterion, y = ts.DangVan(0.33), contact.grid.y
-    depths = cycle_depths(contact)
-    deep = np.flatnonzero(depths >= 5.0 * contact.grid.dx)[::3]
-    rows = np.unique([y.size // 2, y.size // 3])
-    laws = ts.Laws.of(contact.scene).replace(fatigue=criterion)
-    for body, found in ts.fatigue(contact, depths=depths, laws=laws).items():
-        whole = [
-            [float(criterion(whole_path(contact, y[j], z, body, 16))) for z in depths[deep]]
-            for j in rows
-        ]
-        here = 250.0 * found.utilisation[rows][:, deep]
-        # Splines and columns; the samples at the centres of elements differ by up to 4e-3.
-        np.testing.assert_allclose(here, whole, rtol=1e-3, err_msg=body)
-
-
-def test_mirrored_paths_are_interpolated_alike():
-    """Rounding does not choose between points of a path that hold the ball."""
-    contact = ts.solve(PATHS["spin"])
-    depths, laws = cycle_depths(contact), ts.Laws.of_contact(contact, ("elasticity", "fatigue"))
-    rng = np.random.default_rng(1)
-    for paths, along in subsurface_cycle._layers(contact, depths, laws):
-        for path in paths:
-            value = ts.DangVan(0.33).and_radius(path, along)[0]
-            rounded = path * (1.0 + 1e-13 * rng.normal(size=path.shape))
-            for other, t in ((rounded, along), (path[:, ::-1], -along[::-1])):
-                again = ts.DangVan(0.33).and_radius(other, t)[0]
-                np.testing.assert_allclose(again, value, rtol=1e-9)  # 1e-13, times some hundred
 
 
 def test_mirrored_contacts_stress_mirrored_material():

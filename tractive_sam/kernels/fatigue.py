@@ -72,8 +72,8 @@ def enclosing(centre, support, weights, points, squares, begun=0):
     count, largest = 2, 0.0
     if begun < 2 or _apart(points, support[0], support[1]) == 0.0:
         begun = 2
-        support[0] = farthest_point(squares, points[:, 0], points)
-        support[1] = farthest_point(squares, points[:, support[0]], points)
+        support[0] = _farthest(squares, points[:, 0], points)
+        support[1] = _farthest(squares, points[:, support[0]], points)
     weights[0], weights[1] = 0.5, 0.5
     for j in range(2, begun):
         count = _joined(support, weights, count, support[j], points, target, matrix, right)
@@ -84,7 +84,7 @@ def enclosing(centre, support, weights, points, squares, begun=0):
             for j in range(count):
                 centre[k] += weights[j] * points[k, support[j]]
             radius2 += (points[k, first] - centre[k]) ** 2
-        far = farthest_point(squares, centre, points)
+        far = _farthest(squares, centre, points)
         largest = squares[far]
         if not largest > radius2 * (1.0 + 1e-14):  # nor where it is nan
             break
@@ -118,7 +118,7 @@ def _joined(support, weights, count, far, points, target, matrix, right):
 
 
 @compiled
-def farthest_point(squares, centre, points):
+def _farthest(squares, centre, points):
     """Set the squared distances; the point that is farthest."""
     # One coordinate after another, so that several points go at once.
     for k in range(len(points)):
@@ -129,11 +129,11 @@ def farthest_point(squares, centre, points):
         else:
             for i in range(squares.size):
                 squares[i] += (own[i] - c) ** 2
-    return index_of_largest(squares)
+    return _largest(squares)
 
 
 @compiled
-def index_of_largest(values):
+def _largest(values):
     """Where the largest value is."""
     # Four at once: one after another each would wait for the one before.
     a = b = c = d = values[0]
@@ -261,6 +261,35 @@ def tresca(e):
 
 
 @compiled
+def dang_van(out, radius, paths, a):
+    """Set the largest tau(x) + a sigma_h(x) of each path, and the radius of `balls`.
+
+    tau is the largest shear stress of s minus the centre of the smallest ball around its path,
+    sigma_h the hydrostatic stress; arguments as of `balls`.
+    """
+    n = paths.shape[2]
+    points, squares, centre = np.empty((5, n)), np.empty(n), np.empty(5)
+    support, weights, count = np.empty(7, np.int64), np.empty(7), 0
+    most, pulled, own = np.empty(n), np.empty(n), np.empty(5)
+    for k in range(len(paths)):
+        path = paths[k]
+        deviators(points, path)
+        count, square = enclosing(centre, support, weights, points, squares, count)
+        radius[k] = math.sqrt(square)
+        for i in range(n):
+            pulled[i] = a * (path[0, i] + path[1, i] + path[2, i]) / 3.0
+            most[i] = math.sqrt(squares[i]) + pulled[i]  # tau is at most sqrt(J2)
+        worst, i = -math.inf, _largest(most)
+        while most[i] > worst:
+            for c in range(5):
+                own[c] = points[c, i] - centre[c]
+            worst = max(worst, tresca(own) + pulled[i])
+            most[i] = -math.inf
+            i = _largest(most)
+        out[k] = worst
+
+
+@compiled
 def shakedown_layer(out, paths):
     """Set what is left of sqrt(J2) of the cycles at one depth when the best residual is added.
 
@@ -303,7 +332,7 @@ def shakedown_layer(out, paths):
     fits, at = np.empty(count), np.zeros(count)
     known = np.zeros(count, np.bool_)
     for k in range(count):
-        fits[k] = j2[k, index_of_largest(j2[k])]
+        fits[k] = j2[k, _largest(j2[k])]
     room = np.empty(n), np.empty(n), np.empty((2, 2)), np.empty(2)
     r, best, best_r, bound = 0.0, math.inf, 0.0, 0.0
     # A and B of the last bounds whose minimum is to the right, and to the left.
@@ -347,7 +376,7 @@ def _fitted(p, q, j2, r, room):
     for _ in range(MOST):
         for i in range(p.size):
             values[i] = fixed[i] - 2.0 * c * p[i]
-        i = index_of_largest(values)
+        i = _largest(values)
         best = min(best, values[i] + c * c)
         side = 0 if c < p[i] else 1
         cuts[side, 0], cuts[side, 1], means[side] = fixed[i], -p[i], q[i]
@@ -398,7 +427,7 @@ def circle(support, weights, points, squares, enough=0.0):
             y += weights[j] * points[1, support[j]]
         centre = x, y
         square = (points[0, support[0]] - x) ** 2 + (points[1, support[0]] - y) ** 2
-        far = farthest_point(squares, centre, points)
+        far = _farthest(squares, centre, points)
         largest = squares[far]
         if largest <= max(square * (1.0 + 1e-14), enough):
             break
@@ -468,7 +497,7 @@ def _plane(path, normal, sum_k, product_k, room, enough=-math.inf):
         d, e, f = look[k, 3], look[k, 4], look[k, 5]
         for i in range(out.size):
             out[i] = a * xx[i] + b * yy[i] + c * zz[i] + d * xy[i] + e * xz[i] + f * yz[i]
-    at = index_of_largest(on_plane[0])
+    at = _largest(on_plane[0])
     high = on_plane[0, at]
     factor = max(1.0 + product_k * high, 0.0)
     radius = max(enough - sum_k * high, 0.0) / max(factor, 1e-300)
@@ -549,7 +578,7 @@ def critical_plane(out, paths, sum_k, product_k):
             factor = max(1.0 + product_k * box[1, c], 0.0)
             values[c] = amplitude * factor + sum_k * box[1, c]
         best = max(_maximised(last, path, sum_k, product_k, room), 0.0)
-        normal[:] = normals[index_of_largest(values)]
+        normal[:] = normals[_largest(values)]
         beside = _maximised(normal, path, sum_k, product_k, room)
         if beside > best:
             best, last[:] = beside, normal

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tractive_sam.kernels import dang_van, fatigue
+from tractive_sam.kernels import fatigue
 from tractive_sam.mechanics.criteria import CycleCriterion
 from tractive_sam.mechanics.law import Law
 
@@ -67,22 +67,9 @@ class DangVan(CycleCriterion):
         """See `CycleCriterion`."""
         return self.and_radius(cycle)[0]
 
-    def and_radius(
-        self, cycle: np.ndarray, along: np.ndarray | None = None
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Return the equivalent stress and the radius of the smallest ball around the samples.
-
-        Parameters
-        ----------
-        cycle : ndarray, shape (6, n, ...)
-            See `CycleCriterion`.
-        along : ndarray, shape (n,), optional
-            Ascending parameter, with which the stress changes smoothly: the centre of the ball and
-            the largest value are then those of the interpolated path. By default the cycle is its
-            n points.
-        """
-        along = np.empty(0) if along is None else np.ascontiguousarray(along, float)
-        out, radius = _each(dang_van.dang_van, cycle, self.sensitivity, along, numbers=2)
+    def and_radius(self, cycle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The same, and the radius of the ball that it takes anyway."""
+        out, radius = _each(fatigue.dang_van, cycle, self.sensitivity, numbers=2)
         return out, radius
 
 
@@ -221,23 +208,9 @@ def enclosing_radius(cycle: np.ndarray) -> np.ndarray:
     return _each(fatigue.balls, cycle)[0]
 
 
-def judged(
-    criterion: CycleCriterion, cycle: np.ndarray, along: np.ndarray | None = None
-) -> tuple[np.ndarray, np.ndarray]:
-    """Cycles by a criterion, and their `enclosing_radius`; some criteria have it anyway.
-
-    Parameters
-    ----------
-    criterion : CycleCriterion
-        The criterion.
-    cycle : ndarray, shape (6, n, ...)
-        See `CycleCriterion`.
-    along : ndarray, shape (n,), optional
-        See `DangVan.and_radius`; other criteria are of second order in the spacing of the points.
-    """
-    if isinstance(criterion, DangVan):
-        return criterion.and_radius(cycle, along)
-    if isinstance(criterion, Crossland):
+def judged(criterion: CycleCriterion, cycle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Cycles by a criterion, and their `enclosing_radius`; some criteria have it anyway."""
+    if isinstance(criterion, DangVan | Crossland):
         return criterion.and_radius(cycle)
     return criterion(cycle), enclosing_radius(cycle)
 

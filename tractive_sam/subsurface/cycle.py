@@ -129,15 +129,13 @@ def cycle_fatigue(
     left, radius = ({body: np.zeros(shape) for body in asked.bodies} for _ in range(2))
     limit = 1.0 if asked.limit is None else asked.limit
 
-    def judge(
-        body: str, cycles: Sequence[np.ndarray], along: Sequence[np.ndarray | None]
-    ) -> Iterator[np.ndarray]:
+    def judge(body: str, cycles: Sequence[np.ndarray]) -> Iterator[np.ndarray]:
         criterion = laws[0].fatigue
         if criterion is None or len(cycles) > 1:
             yield enclosing_radius(_through(cycles))
-        for one, cycle, t in zip(laws, cycles, along, strict=True):
+        for one, cycle in zip(laws, cycles, strict=True):
             if one.fatigue is not None:
-                value, path = judged(one.fatigue, cycle, t)
+                value, path = judged(one.fatigue, cycle)
                 if len(cycles) == 1:
                     yield path
                 yield np.maximum(value, 0.0) / limit
@@ -145,8 +143,8 @@ def cycle_fatigue(
     layers = (_layers(one, depths, law) for one, law in zip(contacts, laws, strict=True))
     for k, at_depth in enumerate(zip(*layers, strict=True), 1):
         for i, body in enumerate(asked.bodies):
-            cycles = [layer[i] for layer, _ in at_depth]
-            radius[body][:, k], *values = judge(body, cycles, [t for _, t in at_depth])
+            cycles = [layer[i] for layer in at_depth]
+            radius[body][:, k], *values = judge(body, cycles)
             left[body][:, k] = residual_shear(_through(cycles))
             for own, value in zip(used[body], values, strict=False):
                 own[:, k] = value
@@ -154,7 +152,7 @@ def cycle_fatigue(
     for same in zip(*surfaces, strict=True):
         body, cycles = same[0][0], [cycle for _, cycle, _ in same]
         known = np.any([rows for _, _, rows in same], axis=0)
-        values = judge(body, cycles, [None] * len(cycles))
+        values = judge(body, cycles)
         radius[body][:, 0] = _of_rows(next(values), known, radius[body][:, 1])
         whole = residual_shear(_through(cycles))
         left[body][:, 0] = _of_rows(whole, known, left[body][:, 1])
@@ -191,12 +189,8 @@ def _longer(contact: State) -> float:
 
 def _layers(
     contact: State, depths: np.ndarray, laws: Laws, spaces: int = 12
-) -> Iterator[tuple[np.ndarray, np.ndarray | None]]:
-    """Yield cycles (bodies, 6, n, n_y) at each depth below the surface, and their parameter (n,).
-
-    The cycles are paths from far behind the contact to far ahead; the first and the last stress are
-    none. The parameter is None where paths are not smooth: at less than half an element below the
-    surface.
+) -> Iterator[np.ndarray]:
+    """Yield cycles (bodies, 6, n, n_y) at each depth below the surface; the last stress is none.
 
     See `_columns` for `spaces`: with 12 the maxima outside the layers are found to 1e-3 of a
     criterion, with 8 to 3e-3.
@@ -211,22 +205,20 @@ def _layers(
     load = LoadedBodies.of(contact, bodies, laws)
     for more, together in groupby(zip(beyond, depths[1:], strict=True), lambda one: one[0]):
         at = np.array([depth for _, depth in together])
-        x, along = _columns(contact, int(more), at[0], spaces)
+        x = _columns(contact, int(more), at[0], spaces)
         outside = load.in_contact_axes(load.source.at_columns(x, at))
-        ahead = spaces - 1
+        elements = grid.elements[0] + 2 * int(more)
         layers = stress_layers(contact, at, bodies, int(more), laws=laws)
-        for k, (depth, stress) in enumerate(layers):
+        for k, (_, stress) in enumerate(layers):
             # In memory path by path, as the kernels take them: laid out once for all.
-            paths = np.zeros((len(bodies), stress.shape[3], 6, along.size))
-            paths[..., 1:spaces] = outside[:, :, :ahead, :, k].transpose(0, 3, 1, 2)
-            paths[..., spaces:-spaces] = stress.transpose(0, 3, 1, 2)
-            paths[..., -spaces:-1] = outside[:, :, ahead:, :, k].transpose(0, 3, 1, 2)
-            smooth = depth >= 0.5 * grid.dx
-            yield paths.transpose(0, 2, 3, 1), along if smooth else None
+            paths = np.zeros((len(bodies), stress.shape[3], 6, elements + x.size + 1))
+            paths[..., :elements] = stress.transpose(0, 3, 1, 2)
+            paths[..., elements:-1] = outside[..., k].transpose(0, 3, 1, 2)
+            yield paths.transpose(0, 2, 3, 1)
 
 
-def _columns(contact: State, more: int, depth: float, spaces: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return x of the stress path behind a layer and ahead of it, and a parameter of the path.
+def _columns(contact: State, more: int, depth: float, spaces: int) -> np.ndarray:
+    """Return x of the stress path ahead of a layer and behind it, shape (2 spaces - 2,), mm.
 
     Friction draws the material behind the contact, and the hydrostatic tension of a deep point has
     its maximum some depths over the friction coefficient away. At the distance s from a line
@@ -244,24 +236,12 @@ def _columns(contact: State, more: int, depth: float, spaces: int) -> tuple[np.n
         The smallest depth for which the columns are, mm.
     spaces : int
         Number of spaces between the end of the layer and infinity.
-
-    Returns
-    -------
-    x : ndarray, shape (2 spaces - 2,)
-        Places of the columns, ascending, mm.
-    along : ndarray, shape (n,)
-        Parameter of the path, mm: x within the layer, beyond it linear in 1/sqrt(s) with the same
-        slope at its ends, so that infinity is at a finite distance and columns are equally spaced.
     """
     grid = contact.grid
     end = grid.half_length[0] + (more - 0.5) * grid.dx
     nearest = end - contact.half_width_x + depth
-    number = np.arange(1, spaces + 1)
-    x = end + nearest * ((spaces / number[-2::-1]) ** 2 - 1.0)
-    beyond = end + 2.0 * nearest * number / spaces
-    inside = np.arange(grid.elements[0] + 2 * more) * grid.dx - end
-    along = np.concatenate((-beyond[::-1], inside, beyond))
-    return np.concatenate((-x[::-1], x)), along
+    x = end + nearest * ((spaces / np.arange(spaces - 1, 0, -1)) ** 2 - 1.0)
+    return np.concatenate((x, -x))
 
 
 def _surfaces(contact: State, laws: Laws) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
