@@ -88,6 +88,20 @@ def test_what_is_seen_of_one_force_is_expected_of_all():
     assert bars["approach"] == 0.0
 
 
+@pytest.mark.parametrize("criterion", ["dang-van", "crossland"])
+def test_the_points_of_a_path_count_in_the_bar_of_utilisation(criterion):
+    """All meshes have as many points far from the contact: their differences do not show it."""
+    material = {"limit": 250.0, "sensitivity": 0.333, "criterion": criterion, "bodies": ["A"]}
+    grid = {"half_length": (0.25, 0.75), "elements": (25, 25)}
+    scene = ts.Scene.builtin("twin-discs").replace(wear=None, subsurface=None, grid=grid)
+    scene = scene.replace(fatigue=material | {"elements": 6})
+    contact = ts.solve(scene)
+    one = Sample.of(contact, {}, ts.fatigue(contact))
+    largest = ts.fatigue(contact)["A"].utilisation_max
+    bar = error_bars(relative_error_bars(one, one, one), one)["utilisation"]["A"]
+    assert bar >= ts.Laws.of(scene).fatigue.path_error * largest > 0.0
+
+
 SCENES = {
     "spheres": {},
     "spheres-orthotropic": {"creepage.spin": 0.003},

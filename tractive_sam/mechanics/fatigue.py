@@ -62,6 +62,7 @@ class DangVan(CycleCriterion):
     sensitivity: float
     name = "dang-van"
     long_name = "equivalent shear stress of Dang Van"
+    path_error = 4e-3  # the centre of the ball changes with the first power of the spacing
 
     def __call__(self, cycle: np.ndarray) -> np.ndarray:
         """See `CycleCriterion`."""

@@ -109,12 +109,15 @@ class Sample:
         Relative residual of the contact conditions.
     factors : mapping of (str, str) to float
         Load factors of shakedown, by column and body.
+    floors : mapping of Name to float
+        Relative errors that no mesh shows: of utilisation that by the points of a path.
     """
 
     values: Mapping[Name, float]
     scales: Mapping[Name, float]
     residual: float
     factors: Mapping[tuple[str, str], float] = field(default_factory=dict)
+    floors: Mapping[Name, float] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -164,7 +167,13 @@ class Sample:
             for body, one in (cycled or {}).items()
             for column in ("shakedown_lower", "shakedown_upper")
         }
-        return cls(values, scales, contact.residual, factors)
+        floors: dict[Name, float] = {
+            LargestStress("utilisation", body, at): one.criterion.path_error
+            for body, one in (cycled or {}).items()
+            if one.criterion is not None
+            for at in (False, True)
+        }
+        return cls(values, scales, contact.residual, factors, floors)
 
 
 def off_given(contact: State) -> dict[str, float]:
@@ -210,7 +219,7 @@ def relative_error_bars(coarse: Sample, middle: Sample, fine: Sample) -> dict[Na
     for name, scale in fine.scales.items():
         if scale > 0.0:
             floor = max(shared, fine.residual) if name in SHARING else fine.residual
-            seen[name] = max(seen[name], floor)
+            seen[name] = max(seen[name], floor, fine.floors.get(name, 0.0))
     return seen
 
 
