@@ -92,14 +92,15 @@ def test_what_is_seen_of_one_force_is_expected_of_all():
 def test_the_points_of_a_path_count_in_the_bar_of_utilisation(criterion):
     """All meshes have as many points far from the contact: their differences do not show it."""
     material = {"limit": 250.0, "sensitivity": 0.333, "criterion": criterion, "bodies": ["A"]}
-    grid = {"half_length": (0.25, 0.75), "elements": (25, 25)}
+    grid = {"half_length": (0.32, 0.9), "elements": (25, 25)}
     scene = ts.Scene.builtin("twin-discs").replace(wear=None, subsurface=None, grid=grid)
-    scene = scene.replace(fatigue=material | {"elements": 6})
+    scene = scene.replace(fatigue=material | {"elements": 8})
     contact = ts.solve(scene)
     one = Sample.of(contact, {}, ts.fatigue(contact))
     largest = ts.fatigue(contact)["A"].utilisation_max
     bar = error_bars(relative_error_bars(one, one, one), one)["utilisation"]["A"]
-    assert bar >= ts.Laws.of(scene).fatigue.path_error * largest > 0.0
+    least = ts.Laws.of(scene).fatigue.path_error * largest
+    assert bar >= (1.0 - 1e-12) * least > 0.0  # of rounding
 
 
 SCENES = {
