@@ -1,10 +1,12 @@
 """Fails the n-th call to the disk of every output, for every n, as a program of its own.
 
-    python -m tests.disk_faults FOLDER [OUTPUT ...]
+    python -m tests.disk_faults FOLDER [OUTPUT ...] [--every N]
 
-It runs with the library of `disk_faults.c` loaded, and prints what went wrong.
+It runs with the library of `disk_faults.c` loaded, and prints what went wrong. With `--every` it
+fails each N-th call only, each kind of fault beginning with another one.
 """
 
+import argparse
 import ctypes
 import errno
 import os
@@ -124,7 +126,7 @@ def clear(out, file, earlier):
         file.write_bytes(earlier)
 
 
-def fail_every_call(name, arguments, file, out, log, counts):
+def fail_every_call(name, arguments, file, out, log, counts, every=1):
     """Fail the n-th call, for every n until there is none left, by every fault."""
     library = ctypes.CDLL(None)
 
@@ -141,8 +143,8 @@ def fail_every_call(name, arguments, file, out, log, counts):
     reference = file.read_bytes()
     earlier = EARLIER if name not in ("scene", "run", "study") else None
     earlier = reference if name == "export" else earlier  # it replaces no other files
-    for error, length in FAULTS:
-        for call in range(1000):
+    for first, (error, length) in enumerate(FAULTS):
+        for call in range(first % every, 1000, every):
             clear(out, file, earlier)
             library.fail_calls(os.fsencode(f"{out}/"), call, call + length, error)
             status = in_child(act, log)
@@ -162,14 +164,14 @@ def fail_every_call(name, arguments, file, out, log, counts):
                 break
 
 
-def run(folder, names):
+def run(folder, names, every):
     out, log, counts = folder / "output", folder / "log", Counter()
     out.mkdir()
     prepare(folder)
     for name, (arguments, file) in commands(folder, out).items():
         if not names or name in names:
             before = counts.copy()
-            fail_every_call(name, arguments, file, out, log, counts)
+            fail_every_call(name, arguments, file, out, log, counts, every)
             print(name, dict(counts - before), flush=True)
     print(f"{counts['tried']} tried, {counts['failed']} failed")
     sys.exit(1 if counts["failed"] else 0)
@@ -177,4 +179,9 @@ def run(folder, names):
 
 if __name__ == "__main__":
     np.seterr(all="ignore")
-    run(Path(sys.argv[1]), sys.argv[2:])
+    parser = argparse.ArgumentParser()
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("outputs", nargs="*")
+    parser.add_argument("--every", type=int, default=1)
+    given = parser.parse_args()
+    run(given.folder, given.outputs, given.every)

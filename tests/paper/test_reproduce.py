@@ -1,6 +1,7 @@
 import json
 import re
 from base64 import b64decode
+from html import escape
 from html.parser import HTMLParser
 from importlib import import_module
 
@@ -151,7 +152,7 @@ def test_an_earlier_run_is_replaced(tmp_path, monkeypatch):
         page = reproduce(tmp_path, format=format, tell=lambda *line: told.append(line))
         assert [file.name for file in (tmp_path / "figures").iterdir()] == [f"fig-00.{format}"]
     assert told == [(0, "figure fig-00")] * 2
-    assert FULL.name in page.read_text("utf-8")
+    assert escape(FULL.name) in page.read_text("utf-8")
     monkeypatch.setattr(module, "CHAPTERS", (Chapter("One", "Fig. 0", interrupted),))
     with pytest.raises(KeyboardInterrupt):
         reproduce(tmp_path)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
+from tractive_sam import interrupt
 from tractive_sam.cli.output import (
     Quiet,
     Status,
@@ -79,7 +80,7 @@ def study(
         try:
             with warnings_told():
                 asked = studies.Study.from_toml(file)
-            with _progress() as progress, warnings_told():
+            with interrupt.protected(), _progress() as progress, warnings_told():
                 results = studies.study(
                     asked,
                     output,

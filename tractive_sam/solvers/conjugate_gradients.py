@@ -108,7 +108,7 @@ class ConjugateGradients:
             float(residual),
             taken,
             Cost(applications, preconditionings),
-            pressure=closed(p, gap),
+            pressure=_loaded(problem, closed(p, gap)),
             gap=gap,
             approach=float(delta),
             trace=(Note("conjugate gradients", status),),
