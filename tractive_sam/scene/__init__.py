@@ -19,6 +19,7 @@ from .faults import (
     suggestion,
     warn,
 )
+from .friction import Friction
 from .gap import ALONG, LENGTHS, TEXTS, Gap, files_anywhere
 from .heat import Bulk, Heat, Thermal
 from .keys import groups
@@ -33,24 +34,18 @@ from .scene import Scene
 from .starter import starter
 from .table import Check, Known, Table
 from .tables import (
-    BY_COEFFICIENT,
     MOST_ELEMENTS,
-    PER_INTENSITY,
     Accuracy,
-    Coefficients,
     Creepage,
     ElasticBodies,
-    Friction,
     Load,
     Mesh,
-    Sets,
     Solver,
     Subsurface,
-    Wear,
-    WearLaws,
 )
 from .transient import CreepageCourse, FrictionCourse, LoadCourse, Profiles, Transient
 from .varied import FILES, files_of_varied
+from .wear import BY_COEFFICIENT, PER_INTENSITY, Coefficients, Sets, Wear, WearLaws
 
 __all__ = [
     "ALONG",

@@ -16,8 +16,8 @@ from .line import LINE_CHECKS, is_line
 from .plausibility import pair_notes
 from .readings import Pair
 from .table import Check, Known
-from .tables import Wear
 from .transient import TRANSIENT_CHECKS
+from .wear import Wear
 
 MOST_SLENDER = 1000.0
 """Ratio of the semi-axes up to which a grid is chosen: beyond it takes millions of elements."""

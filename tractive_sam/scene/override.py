@@ -8,8 +8,8 @@ from typing import Any
 from .alternatives import RIVALS
 from .faults import Fault, SceneError, shown
 from .keys import joined, parts
-from .tables import BY_COEFFICIENT
 from .toml import parse_value
+from .wear import BY_COEFFICIENT
 
 
 def parse_settings(settings: Iterable[str]) -> dict[str, Any]:

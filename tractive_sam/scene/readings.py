@@ -11,7 +11,8 @@ import numpy as np
 from tractive_sam.mechanics import HertzContact, HertzLine, Material
 
 from .bodies import Bodies
-from .tables import PER_INTENSITY, Load
+from .tables import Load
+from .wear import PER_INTENSITY
 
 if TYPE_CHECKING:
     from .scene import Scene

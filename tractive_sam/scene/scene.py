@@ -22,6 +22,7 @@ from .document import Document, keywords_alone
 from .duty import Block, Spectrum, block_scenes, off_the_mesh
 from .fatigue import Fatigue
 from .faults import PlausibilityWarning, SceneError, warn
+from .friction import Friction
 from .gap import Gap
 from .heat import STEEL, Heat, Thermal
 from .load_history import DOUBTFUL, LoadHistory, with_blocks
@@ -34,14 +35,13 @@ from .tables import (
     Accuracy,
     Creepage,
     ElasticBodies,
-    Friction,
     Load,
     Mesh,
     Solver,
     Subsurface,
-    Wear,
 )
 from .transient import Transient
+from .wear import Wear
 
 
 class Scene(Document):

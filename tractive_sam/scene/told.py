@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from .duty import label
 from .faults import MOST_TOLD
-from .tables import BY_COEFFICIENT, OF_SETS, PER_INTENSITY, Coefficients
+from .wear import BY_COEFFICIENT, OF_SETS, PER_INTENSITY, Coefficients
 
 if TYPE_CHECKING:
     from .scene import Scene
