@@ -262,7 +262,7 @@ def courses(rng: np.random.Generator, rolls: bool) -> ts.Scene:
     """A scene of `transient`, its course at most a few contacts long."""
     while True:
         scene = transient_scene(int(rng.integers(10**6)), int(rng.integers(11, 16)))
-        if scene.shifts != rolls:
+        if scene.schedule.shifts != rolls:
             return scene.replace(**{"solver.tolerance": TOLERANCE})
 
 
@@ -309,7 +309,7 @@ def natural_scale(name: str, found: Outcome) -> float:
     friction = max(found.scene.friction.mu) if found.scene.friction else 0.0
     size = math.sqrt(largest("half_width_x") * (largest("half_width_y") or largest("half_width_x")))
     slips = max(largest("xi_x", "xi_y", "slip_x", "slip_y"), largest("spin") * size)
-    if found.scene.shifts:  # where all sticks, slip is rounding
+    if found.scene.schedule.shifts:  # where all sticks, slip is rounding
         slips = max(slips, largest("shift_x", "shift_y"))
     force = friction * largest("P")
     own = {

@@ -87,7 +87,7 @@ class Outcome:
 
 def _rolled(scene: ts.Scene, saved: np.ndarray) -> np.ndarray:
     """Where the slip of a record is per distance: not at the start of a transient, nor in jumps."""
-    if scene.transient is None or scene.shifts:
+    if scene.transient is None or scene.schedule.shifts:
         return np.ones(len(saved), bool)
     knots = np.asarray(scene.transient.distance)
     jumps = [knots[0], *knots[1:][np.diff(knots) == 0.0]]
@@ -341,9 +341,13 @@ class Units(Change):
         key = re.sub(r"^(transient|duty)\.(?=load|creepage|friction|profile)", "", key)
         if scene.line and key in ("load.normal", "load.force_x", "load.force_y"):
             return (1, 1)
-        if scene.shifts and path.startswith(".transient.creepage"):
+        if scene.schedule.shifts and path.startswith(".transient.creepage"):
             return PURE if path.endswith("spin") else LENGTH
-        if scene.shifts and path in (".transient.distance", ".transient.save", ".transient.step"):
+        if scene.schedule.shifts and path in (
+            ".transient.distance",
+            ".transient.save",
+            ".transient.step",
+        ):
             return PURE
         return DIMENSIONS[key]
 
@@ -353,7 +357,7 @@ class Units(Change):
 
     def coordinates(self, found: Outcome) -> dict[str, np.ndarray]:
         """Distances in the units of the scene."""
-        if found.scene.transient is None or found.scene.shifts:
+        if found.scene.transient is None or found.scene.schedule.shifts:
             return {}
         return {"at": found.at / self.length, "saved": found.saved / self.length}
 
@@ -392,7 +396,7 @@ def _half_step(tables: dict, scene: ts.Scene) -> None:
         return
     stretch = np.diff(transient["distance"]).max() / 10.0
     element = 2.0 * scene.grid.half_length[0] / scene.grid.elements[0]
-    default = stretch if scene.shifts else element
+    default = stretch if scene.schedule.shifts else element
     transient["step"] = transient.get("step", default) / 2.0
 
 

@@ -133,9 +133,7 @@ def _kept(path: Path, scene: "Scene") -> str:
     if told := what_differs(history.scene, scene):
         return f"{path} holds another scene ({told}); {own}, --overwrite replaces it"
     rolled = history[history.coordinate.name][-1] if len(history) else 0
-    asked: float = scene.wear.revolutions if scene.wear is not None else 0
-    if scene.transient is not None:
-        asked = scene.transient.distance[-1]
+    asked = scene.schedule.end
     if history.finished and rolled >= asked:
         return f"{path} holds this scene, computed to its end; --overwrite computes it anew, {own}"
     at = history.coordinate.name

@@ -104,11 +104,12 @@ def _standing(results: "StudyResults") -> str:
 def _table(results: "StudyResults") -> Table:
     """The cases, one a row."""
     from tractive_sam.cli.tables import course
+    from tractive_sam.results import columns
     from tractive_sam.studies import told_value
 
     keys = [key for one in results.study.dimensions for key in one.columns]
     scene = results.study.scene
-    told, line = course(scene), scene.line
+    told, line = course(columns(scene)), scene.line
     shown = [one for one in told if one[0] != "residual" and not (line and "_y" in one[0])]
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column("case", justify="right")

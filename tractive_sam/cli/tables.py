@@ -10,10 +10,9 @@ from tractive_sam.results import balances, caveats, numbers, rolled_on_by
 from tractive_sam.scene import told as asked_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Collection, Iterable
 
     from tractive_sam.results import History, Quantity
-    from tractive_sam.scene import Scene
 
 COURSE = (
     ("Qx_over_P", "Qx/P", 1, "z.4f"),
@@ -54,9 +53,9 @@ MAIN = (
 MOST_ROWS = 20
 
 
-def course(scene: "Scene") -> tuple[tuple[str, str, float, str], ...]:
-    """What is told of every record of a scene, as `COURSE`."""
-    if scene.transient is None:
+def course(columns: "Collection[str]") -> tuple[tuple[str, str, float, str], ...]:
+    """Return what to print of every record with such columns, as `COURSE`."""
+    if "shift_x" not in columns:
         return COURSE
     kept = [one for one in COURSE if not one[0].startswith("half_width")]
     return (*kept[:3], *MOVED, *kept[3:])
@@ -138,7 +137,7 @@ def records(history: "History") -> Table:
     heading = along.symbol + ("" if along.unit == "1" else f"\n{along.unit}")
     takes = "creepage_found" in history.columns and any(map(math.isfinite, history["xi_x"]))
     found = FOUND if takes else ()
-    told = course(history.scene)
+    told = course(history.columns)
     told = ((along.name, heading, 1, along.format), *told[:2], *found, *told[2:])
     for _, heading, _, _ in told:
         table.add_column(heading, justify="right", no_wrap=True)

@@ -92,7 +92,7 @@ def choose_grid(
 
 def _usual_grid(scene: Scene, measured: Gap | None, finer: float) -> Grid:
     """Return the mesh of a scene by its contact, or by the extent of its gap."""
-    wears, shifts_only = scene.wear is not None, scene.shifts
+    wears, shifts_only = scene.wear is not None, scene.schedule.shifts
     scene = scene.heaviest
     length = elements = None
     if scene.grid is not None:

@@ -25,7 +25,7 @@ def message(status: Status, outcome: Outcome, model: Model, steepness: float = 0
         `solvers.uniqueness.steepness` there.
     """
     scene, solver = model.scene, model.scene.solver
-    courses = {} if scene.transient is None else scene.transient.courses
+    courses = scene.schedule.courses
     if status is Status.CONVERGED:
         text = ""
         if any(note.status is not Status.CONVERGED for note in outcome.trace):

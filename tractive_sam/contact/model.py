@@ -222,12 +222,10 @@ class Model:
     @cached_property
     def transmits(self) -> bool:
         """Whether there is any cause for tangential traction."""
-        if self.scene.transient is not None:
-            return self.laws.friction is not None
         creepage = self.scene.creepage
-        coupled = self.elasticity.coupled
         moving = creepage.longitudinal or creepage.lateral or creepage.spin
-        return self.laws.friction is not None and bool(moving or any(self.free) or coupled)
+        caused = moving or any(self.free) or self.elasticity.coupled
+        return self.laws.friction is not None and bool(caused or not self.scene.schedule.revolves)
 
     @property
     def stencil(self) -> Stencil:

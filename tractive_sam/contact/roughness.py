@@ -156,8 +156,8 @@ def rough_maps(
     if measured is not None:
         yield "gap", Roughness(measured, e_star, pressure)
     if profiles:
-        for table, profile in zip(scene.transient.profile.given, profiles, strict=True):
-            yield table, Roughness(profile, e_star, pressure, travels=scene.transient.rolls)
+        for table, profile in zip(scene.schedule.profiles, profiles, strict=True):
+            yield table, Roughness(profile, e_star, pressure, travels=scene.schedule.rolls)
 
 
 def _pressure(scene: Scene, half_length: tuple[float, ...]) -> float:

@@ -145,7 +145,7 @@ class _Window:
             "frictionless": states[0].contact.frame is None,
             "worn": bool(any(state.contact.wear.any() for state in states)),
             "moved": bool(any(state.contact.slip.any() for state in states)),
-            "shifts": states[0].contact.scene.shifts,
+            "shifts": states[0].contact.scene.schedule.shifts,
         }
 
 

@@ -69,7 +69,7 @@ def animate(history: History, path: str | Path, rate: float = 2.0) -> Path:
     if len(history.saved) < 2:
         raise ValueError(
             "an animation needs at least two stored records, there is "
-            f"{len(history.saved)}: list more in {history.scene.save_key}"
+            f"{len(history.saved)}: list more in {history.scene.schedule.save_key}"
         )
     envelope = _envelope(history)
     frame = Frame.around(envelope, width=0.6 * WIDTH)

@@ -98,7 +98,7 @@ class Drawn:
     @property
     def ahead(self) -> str:
         """Where the leading edge is, told after the name of x; of shifts nowhere."""
-        return "" if self.contact.scene.shifts else ", leading edge right"
+        return "" if self.contact.scene.schedule.shifts else ", leading edge right"
 
     @property
     def place(self) -> str:

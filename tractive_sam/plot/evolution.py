@@ -36,7 +36,7 @@ def slip_over_revolutions(history: History) -> Figure:
     >>> plot.slip_over_revolutions(history)
     <Figure size ...>
     """
-    shifts = history.scene.shifts
+    shifts = history.scene.schedule.shifts
     told = ("slip of the step", "$|s|$ (mm)") if shifts else ("slip over speed", "$|s|/V$")
     return _maps(history, _slip, *told, SLIP, Map.fill_up_to_edge, True)
 

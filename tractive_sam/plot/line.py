@@ -75,7 +75,7 @@ def line_slip(source: Source, at: float | None = None, **named: float) -> Figure
     state = Drawn.of(source, at, **named)
     figure, axes = over_x("slip of A over B", state)
     axes.axhline(0.0, color=GREY, linewidth=0.6)
-    inside, shifts = state.contact.touching[:, 0], state.contact.scene.shifts
+    inside, shifts = state.contact.touching[:, 0], state.contact.scene.schedule.shifts
     over = "" if shifts else "/V"
     for name, slip, color in zip("xy", state.contact.slip[..., 0], (BLUE, VERMILLION), strict=True):
         if np.any(slip):

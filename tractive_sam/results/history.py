@@ -12,11 +12,12 @@ from tractive_sam.extras import importing_extra
 from tractive_sam.mechanics import Frame
 from tractive_sam.plain import text_table
 from tractive_sam.results import summary
+from tractive_sam.results.balance import balance_of
 from tractive_sam.results.cycle import PREFIX
 from tractive_sam.results.fatigue import BodyFatigue
 from tractive_sam.results.grid import Grid, widened
 from tractive_sam.results.heat import FlashTemperature
-from tractive_sam.results.law_record import UNNAMED, LawRecord, describe_laws
+from tractive_sam.results.law_record import LawRecord, describe_laws
 from tractive_sam.results.plane_stress import PlaneStress
 from tractive_sam.results.quantities import (
     BODIES,
@@ -43,9 +44,6 @@ if TYPE_CHECKING:
 
 DONE = "done"
 """The `History.status` that means that nothing is missing."""
-
-ROUNDING = 1e-12
-"""Share of the terms of a sum that its rounding may reach."""
 
 FORMER = {"wear_rate": "worn_area"}
 """Columns by their former names."""
@@ -297,14 +295,7 @@ class History:
         is driven, or no more than the rounding of what the pressure does on the slopes of the
         bodies; and without friction. Of a transient with what is stored as elastic energy.
         """
-        if self.scene.transient is not None:
-            gained = np.diff(self["elastic_energy"], prepend=np.nan)
-            supplied, size = self["step_work"], np.abs(self["elastic_energy"])
-            return _ratio(self["step_friction"] + gained, supplied, np.abs(supplied) > 1e-6 * size)
-        supplied = self["work_supplied"]
-        rounding = ROUNDING * self["P"] * np.abs(self["approach"]) / self.grid.half_length[0]
-        driven = (np.abs(supplied) > rounding) & (self.scene.friction is not None)
-        return _ratio(self["dissipation"], supplied, driven)
+        return balance_of(self).energy
 
     @property
     def wear_balance(self) -> np.ndarray:
@@ -319,27 +310,7 @@ class History:
         with the laws of measured regimes, with one of one's own, with friction or wear that
         varies, and of duty cycles, whose blocks have it.
         """
-        worn, most = self["worn_area"], self["wear_max"] * 2.0 * self.grid.half_length[1]
-        work = self["dissipation"]
-        if "step_worn" in self.columns:
-            worn, work = self["step_worn"], self["step_friction"]
-            most = self["worn_volume"].sum(axis=1)
-        wear, friction = self.scene.wear, self.scene.friction
-        if (
-            wear is None
-            or wear.temperature
-            or friction.varies
-            or (self.scene.transient is not None and self.scene.transient.friction.mu)
-            or self.scene.duty
-            or not {"wear", UNNAMED}.isdisjoint(self.law_records)
-        ):
-            return np.full(len(self), np.nan)
-        per_work = wear.per_work(friction.mu)
-        if per_work is None:
-            return np.full(len(self), np.nan)
-        least, largest = sorted(per_work)
-        wears = (worn > ROUNDING * most) & (work > 0.0)
-        return _ratio(worn, np.clip(worn, least * work, largest * work), wears)
+        return balance_of(self).wear
 
     @property
     def worn_track(self) -> tuple[np.ndarray, np.ndarray]:
@@ -355,8 +326,8 @@ class History:
         ValueError
             If nothing wears, or nothing rolls.
         """
-        transient, x = self.scene.transient, self.grid.x
-        if "step_worn" not in self.columns or not transient.rolls:
+        x = self.grid.x
+        if "step_worn" not in self.columns or not self.scene.schedule.rolls:
             raise ValueError("a track is worn by a [transient] that rolls, with [wear]")
         places, depth = self["distance"] + x[0], self["wear_profile"]
         if len(self.saved) and self.saved[-1] == self["distance"][-1]:
@@ -768,11 +739,6 @@ def stacked(quantity: Quantity, values: Sequence[Any], grid: Grid) -> np.ndarray
     if not shape:
         rows[:] = values
     return rows
-
-
-def _ratio(over: np.ndarray, under: np.ndarray, where: np.ndarray) -> np.ndarray:
-    """Quotients, nan elsewhere."""
-    return np.divide(over, under, out=np.full(len(over), np.nan), where=where)
 
 
 def _by_plane(

@@ -6,7 +6,7 @@ figures: one column more is one line here.
 
 import math
 import re
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from functools import partial
 from operator import attrgetter
@@ -29,46 +29,6 @@ _PER_LENGTH = {"N": "N/mm", "N mm": "N mm/mm", "mm3": "mm2", "mm2": "mm", "mg": 
 
 def _always(_scene: Scene) -> bool:
     return True
-
-
-def _accurate(scene: Scene) -> bool:
-    return scene.accuracy is not None
-
-
-def _worn(scene: Scene) -> bool:
-    return scene.wear is not None
-
-
-def _worn_on_the_way(scene: Scene) -> bool:
-    return _worn(scene) and _transient(scene)
-
-
-def _measured(scene: Scene) -> bool:
-    return scene.gap is not None
-
-
-def _forced(scene: Scene) -> bool:
-    return any(any(block.forced) for block in scene.blocks)
-
-
-def _transient(scene: Scene) -> bool:
-    return scene.transient is not None
-
-
-def _rolling_on(scene: Scene) -> bool:
-    return scene.transient is not None and not scene.shifts
-
-
-def _shifting(scene: Scene) -> bool:
-    return scene.shifts
-
-
-def _revolving(scene: Scene) -> bool:
-    return scene.transient is None
-
-
-def _heated(scene: Scene) -> bool:
-    return scene.heat is not None
 
 
 def _over_load(force: str, contact: State) -> float:
@@ -97,46 +57,18 @@ def _of_heat(name: str, contact: State, none: Any = math.nan) -> Any:
     return none if contact.heat is None else getattr(contact.heat, name)
 
 
-def _stressed(scene: Scene) -> tuple[str, ...]:
-    return () if scene.subsurface is None else scene.subsurface.bodies
+def _alone(scene: Scene) -> bool:
+    """Whether there is one load: error bars of a body are known there."""
+    return not scene.duty
 
 
-def _followed(scene: Scene) -> tuple[str, ...]:
-    return () if scene.fatigue is None else scene.fatigue.bodies
-
-
-def _with_limit(scene: Scene) -> tuple[str, ...]:
-    return () if scene.fatigue is None or scene.fatigue.limit is None else scene.fatigue.bodies
-
-
-def _with_limit_of(body: str, scene: Scene) -> bool:
-    return body in _with_limit(scene)
-
-
-def _with_volume(scene: Scene) -> tuple[str, ...]:
-    return () if scene.fatigue is None or scene.fatigue.volume is None else scene.fatigue.bodies
-
-
-def _with_volume_life(scene: Scene) -> tuple[str, ...]:
-    known = _with_volume(scene) and scene.fatigue.volume.constant is not None
-    return scene.fatigue.bodies if known else ()
-
-
-def _with_yield(scene: Scene) -> tuple[str, ...]:
-    return () if _shear_yield(scene) is None else _followed(scene)
-
-
-def _shear_yield(scene: Scene) -> float | None:
-    return None if scene.fatigue is None else scene.fatigue.shear_yield_stress
-
-
-def _with_yield_and_friction(scene: Scene) -> bool:
-    return _shear_yield(scene) is not None and scene.friction is not None
+def _follows(body: str, scene: Scene) -> bool:
+    return body in scene.fatigue.bodies
 
 
 def _surface_fatigue_index(contact: State) -> float:
-    k, touching = _shear_yield(contact.scene), contact.touching
-    if k is None or not touching.any():
+    k, touching = contact.scene.fatigue.shear_yield_stress, contact.touching
+    if not touching.any():
         return math.nan
     shear = np.hypot(*contact.traction[:, touching]) - k
     return float((shear / contact.pressure[touching]).max())
@@ -170,8 +102,12 @@ class Quantity:
         Whether it is a whole number, and known of every record.
     per_length : bool
         Whether it is per length in a line contact.
+    needs : tuple of str
+        Dotted keys of what a scene has to have for it, see `Scene.has`.
     when : callable
-        Whether a scene has it; of dimensions ("body", ...), in which bodies.
+        What else has to hold of a scene.
+    bodies_of : str
+        Of dimensions ("body", ...): the table of the scene that lists its bodies; by default both.
     role : str
         What it is whatever its name: a column of one's own takes the place of the package's of the
         same role.
@@ -193,7 +129,9 @@ class Quantity:
     format: str = ".4g"
     whole: bool = False
     per_length: bool = False
-    when: Callable[[Scene], bool | Collection[str]] = field(default=_always, compare=False)
+    needs: tuple[str, ...] = field(default=(), compare=False)
+    when: Callable[[Scene], bool] = field(default=_always, compare=False)
+    bodies_of: str = field(default="", compare=False)
     role: str = ""
 
     def __post_init__(self) -> None:
@@ -212,10 +150,15 @@ class Quantity:
             allowed = "a format of numbers such as .4g, of at most 99 places"
             raise ValueError(f"format of the column {self.name} is {self.format!r}; {allowed}")
 
+    def applies(self, scene: Scene) -> bool:
+        """Whether a scene has it."""
+        return all(map(scene.has, self.needs)) and self.when(scene)
+
     def bodies(self, scene: Scene) -> tuple[str, ...]:
         """The bodies in which a scene has it, of dimensions ("body", ...)."""
-        found = self.when(scene)
-        return (BODIES if found else ()) if isinstance(found, bool) else tuple(found)
+        if not self.applies(scene):
+            return ()
+        return getattr(scene, self.bodies_of).bodies if self.bodies_of else BODIES
 
     def of_line(self, line: bool) -> Self:
         """The quantity as it is to be read in a line contact, or else."""
@@ -241,7 +184,7 @@ REVOLUTION = Quantity(
     label="revolutions",
     format="d",
     whole=True,
-    when=_revolving,
+    needs=("schedule.revolves",),
     role=COORDINATE,
 )
 
@@ -251,7 +194,7 @@ DISTANCE = Quantity(
     "distance rolled",
     symbol="s",
     label="distance",
-    when=_rolling_on,
+    needs=("transient.rolls",),
     role=COORDINATE,
 )
 
@@ -261,10 +204,15 @@ PARAMETER = Quantity(
     "parameter of the courses: nothing rolls",
     symbol="s",
     label="parameter",
-    when=_shifting,
+    needs=("schedule.shifts",),
     role=COORDINATE,
 )
 
+
+_IN_STEPS = {"needs": ("transient",)}
+_ROLLING = {"needs": ("transient.rolls",)}
+_SHIFTING = {"needs": ("schedule.shifts",)}
+_HEATED = {"needs": ("heat",)}
 
 # fmt: off
 _SCALARS = (
@@ -323,23 +271,23 @@ _SCALARS = (
     Quantity("solves", "1", "contacts solved for this record", format="d"),
     Quantity("seconds", "s", "time spent on this record"),
     Quantity("shift_x", "mm", "shift of A over B in x since the start, by creepage too",
-             symbol=r"\delta_x", when=_transient),
+             symbol=r"\delta_x", **_IN_STEPS),
     Quantity("shift_y", "mm", "shift of A over B in y since the start, by creepage too",
-             symbol=r"\delta_y", when=_transient),
-    Quantity("turn", "rad", "turn of A over B since the start, by spin too", when=_transient),
+             symbol=r"\delta_y", **_IN_STEPS),
+    Quantity("turn", "rad", "turn of A over B since the start, by spin too", **_IN_STEPS),
     Quantity("step_work", "N mm", "work supplied in the step to this record, by tangential forces "
-             "and, of dissimilar bodies, by the load", per_length=True, when=_transient),
+             "and, of dissimilar bodies, by the load", per_length=True, **_IN_STEPS),
     Quantity("step_friction", "N mm", "work of friction in the step to this record",
-             per_length=True, when=_transient),
+             per_length=True, **_IN_STEPS),
     Quantity("friction_work", "N mm", "work of friction since the start", per_length=True,
-             when=_transient),
+             **_IN_STEPS),
     Quantity("step_worn", "mm3", "volume worn off both bodies in the step to this record",
-             per_length=True, when=_worn_on_the_way),
+             per_length=True, needs=("transient", "wear")),
     Quantity("elastic_energy", "N mm", "elastic energy of the tractions, of dissimilar bodies with "
-             "the pressure", symbol="W", per_length=True, when=_transient),
-    Quantity("next_step", "1", "how far the parameter is to go in the next step", when=_shifting),
-    Quantity("next_step", "mm", "how far the next step is to go", when=_rolling_on),
-    Quantity("stretch", "1", "stretch between two knots, from 0 on", format="g", when=_transient),
+             "the pressure", symbol="W", per_length=True, **_IN_STEPS),
+    Quantity("next_step", "1", "how far the parameter is to go in the next step", **_SHIFTING),
+    Quantity("next_step", "mm", "how far the next step is to go", **_ROLLING),
+    Quantity("stretch", "1", "stretch between two knots, from 0 on", format="g", **_IN_STEPS),
 )
 
 _OTHERS = (
@@ -358,23 +306,23 @@ _OTHERS = (
     Quantity("wear_profile_B", "mm", "wear depth of body B; of a flat one that of a single pass",
              dims=("y",)),
     Quantity("measured_profile", "mm", "measured separation across the track, at x = 0",
-             dims=("y",), when=_measured),
+             dims=("y",), needs=("gap",)),
     Quantity("creepage_found", "1", "creepages (x, y) that the prescribed forces take",
-             attrgetter("creepage_found"), ("axis",), when=_forced),
+             attrgetter("creepage_found"), ("axis",), needs=("finds_creepage",)),
     Quantity("temperature_max", "degC", "largest temperature of the surfaces in contact",
-             partial(_of_heat, "temperature_max"), symbol=r"T_\mathrm{max}", when=_heated),
+             partial(_of_heat, "temperature_max"), symbol=r"T_\mathrm{max}", **_HEATED),
     Quantity("temperature_max_at", "mm", "position (x, y) of the largest temperature",
              partial(_of_heat, "temperature_max_at", none=(math.nan, math.nan)),
-             ("axis",), when=_heated),
+             ("axis",), **_HEATED),
     Quantity("temperature_mean", "degC", "mean temperature of the surfaces in contact",
-             partial(_of_heat, "temperature_mean"), symbol=r"T_\mathrm{mean}", when=_heated),
+             partial(_of_heat, "temperature_mean"), symbol=r"T_\mathrm{mean}", **_HEATED),
     Quantity("heat_share", "1", "share of body A in the heat that friction makes",
-             partial(_of_heat, "share"), format=".4f", when=_heated),
+             partial(_of_heat, "share"), format=".4f", **_HEATED),
     Quantity("worn_volume", "mm3", "volume worn off each body since it was new; of a flat body "
              "only where a transient wears it",
-             attrgetter("worn_volume"), ("body",), symbol="V", per_length=True, when=_worn),
+             attrgetter("worn_volume"), ("body",), symbol="V", per_length=True, needs=("wear",)),
     Quantity("worn_mass", "mg", "mass worn off each body since it was new, by its density",
-             attrgetter("worn_mass"), ("body",), symbol="m", per_length=True, when=_worn),
+             attrgetter("worn_mass"), ("body",), symbol="m", per_length=True, needs=("wear",)),
 )
 # fmt: on
 
@@ -382,15 +330,6 @@ BARRED = (
     *("P", "Qx", "Qy", "Mz", "approach", "p_max", "wear_max", "xi_x", "xi_y"),
     *("temperature_max", "temperature_mean"),
 )
-
-
-def _with_bar(of: Quantity, scene: Scene) -> Any:
-    return _accurate(scene) and of.when(scene)
-
-
-def _with_bars_alone(of: Quantity, scene: Scene) -> Any:
-    """Bodies of which a column has error bars: under one load."""
-    return of.when(scene) if _accurate(scene) and not scene.duty else ()
 
 
 def _bar(name: str, contact: State) -> float:
@@ -411,14 +350,15 @@ def _error_bar(of: Quantity) -> Quantity:
         long_name=f"error bar of {of.name}",
         of=partial(_bars if of.dims else _bar, of.name),
         symbol="",
-        when=partial(_with_bar, of),
+        needs=(*of.needs, "accuracy"),
     )
 
 
 def stress_columns(criterion: StressCriterion) -> tuple[Quantity, ...]:
     """Columns of the largest stress in each body by a criterion, and of its error bar."""
     name, unit, told = criterion.name, criterion.unit, f"largest {criterion.long_name}"
-    of_bodies = {"dims": ("body",), "when": _stressed, "symbol": criterion.symbol}
+    stressed = {"needs": ("subsurface",), "bodies_of": "subsurface"}
+    of_bodies = stressed | {"dims": ("body",), "symbol": criterion.symbol}
     largest = Quantity(
         f"{name}_max", unit, f"{told}, inside or at the surface", role="stress_max", **of_bodies
     )
@@ -435,8 +375,8 @@ def stress_columns(criterion: StressCriterion) -> tuple[Quantity, ...]:
             "mm",
             f"position (x, y, depth) of the {told}",
             dims=("body", "position"),
-            when=_stressed,
             role="stress_max_at",
+            **stressed,
         ),
         replace(_error_bar(largest), role="stress_max_error"),
     )
@@ -444,10 +384,11 @@ def stress_columns(criterion: StressCriterion) -> tuple[Quantity, ...]:
 
 _STRESSES = stress_columns(VON_MISES)
 
-_OF_BODIES = {"dims": ("body",), "when": _with_limit}
-_IN_VOLUME = {"dims": ("body",), "when": _with_volume}
-_OF_PLACES = {"dims": ("body", "position"), "when": _with_limit}
-_SHAKEN = {"dims": ("body",), "when": _with_yield}
+_OF_BODIES = {"dims": ("body",), "needs": ("fatigue.limit",), "bodies_of": "fatigue"}
+_IN_VOLUME = {"dims": ("body",), "needs": ("fatigue.volume",), "bodies_of": "fatigue"}
+_OF_PLACES = _OF_BODIES | {"dims": ("body", "position")}
+_YIELD = "fatigue.shear_yield_stress"
+_SHAKEN = {"dims": ("body",), "needs": (_YIELD,), "bodies_of": "fatigue"}
 
 # fmt: off
 _FATIGUE = (
@@ -460,10 +401,10 @@ _FATIGUE = (
     Quantity("shakedown_surface", "1", "load factor up to which it is certain at the surface",
              format=".3f", **_SHAKEN),
     Quantity("shakedown_lower_at", "mm", "position (no x, y, depth) that bounds shakedown_lower",
-             dims=("body", "position"), when=_with_yield),
+             **_SHAKEN | {"dims": ("body", "position")}),
     Quantity("fi_surf", "1", "surface fatigue index, the largest |p_t|/p_n - k/p_n",
              _surface_fatigue_index, symbol=r"FI_\mathrm{surf}", format=".4f",
-             when=_with_yield_and_friction),
+             needs=(_YIELD, "friction")),
     Quantity("utilisation", "1", "largest equivalent stress of the cycle over its limit",
              symbol="u", format=".3f", **_OF_BODIES),
     Quantity("utilisation_interior", "1", "largest utilisation inside the body",
@@ -488,13 +429,13 @@ _FATIGUE = (
              **_IN_VOLUME),
     Quantity("volume_life", "1", "revolutions that all of the volume survives, by this record's "
              "stress, with the probability fatigue.volume.survival", format=".4g",
-             dims=("body",), when=_with_volume_life),
+             **_IN_VOLUME | {"needs": ("fatigue.volume.constant",)}),
     Quantity("volume_at_top", "1", "share of the stress that counts an element deep in the largest "
              "of all: near 1 the volume grows with the mesh", format=".2g", **_IN_VOLUME),
     Quantity("balancing_wear_A", "mm", "wear of body A in a revolution that balances fatigue",
-             dims=("y",), when=partial(_with_limit_of, "A")),
+             dims=("y",), needs=("fatigue.limit",), when=partial(_follows, "A")),
     Quantity("balancing_wear_B", "mm", "wear of body B in a revolution that balances fatigue",
-             dims=("y",), when=partial(_with_limit_of, "B")),
+             dims=("y",), needs=("fatigue.limit",), when=partial(_follows, "B")),
 )
 # fmt: on
 
@@ -518,11 +459,7 @@ COLUMNS = (
     *_OTHERS,
     *_STRESSES[:-1],
     *_FATIGUE,
-    *(
-        replace(_error_bar(one), when=partial(_with_bars_alone, one))
-        for one in _FATIGUE
-        if one.name in _FATIGUE_BARRED
-    ),
+    *(replace(_error_bar(one), when=_alone) for one in _FATIGUE if one.name in _FATIGUE_BARRED),
     *(_error_bar(_KNOWN[name]) for name in BARRED),
     _STRESSES[-1],
     Quantity(
@@ -530,7 +467,7 @@ COLUMNS = (
         "1",
         "widest relative error bar of what accuracy.tolerance bounds",
         partial(_bar, "relative"),
-        when=_accurate,
+        needs=("accuracy",),
     ),
 )
 """What is recorded of every revolution. What a former results file lacks is nan in it."""
@@ -614,11 +551,11 @@ BEFORE = by_name(
 WARM = by_name(
     (
         Quantity("temperature_A", "degC", "temperature of the surface of body A",
-                 partial(_of_heat, "temperature_A")),
+                 partial(_of_heat, "temperature_A"), **_HEATED),
         Quantity("temperature_B", "degC", "temperature of the surface of body B",
-                 partial(_of_heat, "temperature_B")),
+                 partial(_of_heat, "temperature_B"), **_HEATED),
         Quantity("heat_into_A", "mW/mm2", "heat that goes into body A",
-                 partial(_of_heat, "into_A")),
+                 partial(_of_heat, "into_A"), **_HEATED),
     )
 )  # fmt: skip
 """What is kept beside `FIELDS` of scenes with [heat]; rolling goes on without."""
@@ -633,9 +570,9 @@ _SHIFTED = (
 
 def kept_fields(scene: Scene) -> dict[str, Quantity]:
     """Return the functions of x and y that may be kept of a scene, by name."""
-    warm = {} if scene.heat is None else WARM
     slipped = (replace(FIELDS[name], unit="mm", long_name=text) for name, text in _SHIFTED)
-    shifted = by_name(slipped) if scene.shifts else {}
+    shifted = by_name(slipped) if scene.schedule.shifts else {}
+    warm = {name: one for name, one in WARM.items() if one.applies(scene)}
     return FIELDS | shifted | warm | {BOUND.name: BOUND}
 
 
@@ -695,12 +632,17 @@ def of_role(columns: Iterable[Quantity], role: str) -> Quantity:
     raise LookupError(f"no column is the {role}")
 
 
+def _in_place_of(package: Quantity, own: Quantity) -> Quantity:
+    """Return a user's column in the place of the package's, recorded where that is."""
+    return replace(own, needs=package.needs, when=package.when, bodies_of=package.bodies_of)
+
+
 def columns(scene: Scene, own: Iterable[Quantity] = ()) -> dict[str, Quantity]:
     """The columns of a scene's history by name, and a user's own, as they are to be read in it."""
     own = list(own)
     instead = {one.role: one for one in own if one.role}
     found = [
-        replace(instead[one.role], when=one.when) if one.role in instead else one for one in COLUMNS
+        _in_place_of(one, instead[one.role]) if one.role in instead else one for one in COLUMNS
     ]
     found += [one for one in own if not one.role]
-    return by_name(one.of_line(scene.line) for one in found if one.when(scene))
+    return by_name(one.of_line(scene.line) for one in found if one.applies(scene))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from tractive_sam.results.balance import SteadyBalance, balance_of
 from tractive_sam.results.quantities import BODIES, Quantity
 from tractive_sam.scene import near_edge, pressure_notes
 
@@ -80,11 +81,11 @@ def balances(history: "History", only_if_open: bool = False) -> dict[str, str]:
         Whether to leave out those within `CLOSED` of unity.
     """
     parts = [history.block(k) for k in range(len(history.scene.duty))] or [history]
-    wear = _wear_of_course if history.scene.transient is not None else _wear_of_records
+    each = [balance_of(part) for part in parts]
     found: dict[str, str] = {}
     for name, balance, describe in (
-        ("energy", [part.energy_balance for part in parts], _energy),
-        ("wear", [wear(part) for part in parts], _wear),
+        ("energy", [one.energy for one in each], _energy),
+        ("wear", [one.wear_overall for one in each], _wear),
     ):
         known = np.concatenate(balance)
         known = known[np.isfinite(known)]
@@ -92,21 +93,8 @@ def balances(history: "History", only_if_open: bool = False) -> dict[str, str]:
             worst = known[abs(known - 1.0).argmax()]
             closed = abs(worst - 1.0) <= CLOSED
             if not (closed and only_if_open):
-                found[name] = describe(history, worst, closed)
+                found[name] = describe(each[0], worst, closed)
     return found
-
-
-def _wear_of_records(history: "History") -> np.ndarray:
-    """Return the wear balance of every record."""
-    return history.wear_balance
-
-
-def _wear_of_course(history: "History") -> np.ndarray:
-    """Return the wear balance of all steps of a transient together, one number or none."""
-    balance = history.wear_balance
-    known = np.isfinite(balance) & (balance > 0.0)
-    worn = history["step_worn"][known] if known.any() else np.zeros(0)
-    return np.array([worn.sum() / (worn / balance[known]).sum()]) if worn.size else worn
 
 
 def caveats(history: "History") -> dict[str, str]:
@@ -147,27 +135,11 @@ def _missed_stress(history: "History") -> str:
     )
 
 
-def _energy(history: "History", balance: float, closed: bool) -> str:
-    changes = history.scene.transient is not None
-    what = "friction dissipates" if not changes else "friction dissipates and the bodies store"
-    found = f"{what} {balance:.5f} of the work supplied"
-    if not closed:
-        found += "; wear is as much in error"
-        if changes:
-            found += "; material leaves the mesh under load: use a longer grid.half_length"
-        elif history.scene.solver.slip == "upwind":
-            found += ': the upwind slip of the paper does that, solver.slip = "auto" does not'
-    return found
+def _energy(balance: SteadyBalance, value: float, closed: bool) -> str:
+    found = f"{balance.dissipated} {value:.5f} of the work supplied"
+    return found if closed else f"{found}; wear is as much in error{balance.energy_cure}"
 
 
-def _wear(history: "History", balance: float, closed: bool) -> str:
-    what = "section" if history.scene.transient is None else "volume"
-    found = f"the worn {what} is {balance:.5f} of what the frictional work wears"
-    if not closed:
-        cure = "more elements across the contact bring"
-        if history.scene.shifts:
-            cure = "a shorter transient.step brings"
-        elif history.scene.transient is not None and history.scene.solver.slip == "upwind":
-            cure = 'solver.slip = "auto" or more elements across the contact bring'
-        found += f"; {cure} them together"
-    return found
+def _wear(balance: SteadyBalance, value: float, closed: bool) -> str:
+    found = f"the worn {balance.worn} is {value:.5f} of what the frictional work wears"
+    return found if closed else f"{found}; {balance.wear_cure} them together"

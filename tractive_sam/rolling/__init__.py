@@ -13,7 +13,6 @@ from tractive_sam.rolling.passage import (
     unworn,
 )
 from tractive_sam.rolling.revolutions import ErrorEstimator, passages, recorded
-from tractive_sam.rolling.saves import Saves
 from tractive_sam.rolling.transient import Moment, Transient, expected_steps
 
 __all__ = [
@@ -24,7 +23,6 @@ __all__ = [
     "Moment",
     "Passage",
     "ProfilePoint",
-    "Saves",
     "Transient",
     "begun",
     "expected_steps",

@@ -39,7 +39,7 @@ from tractive_sam.rolling.control import ErrorControl, Stops
 from tractive_sam.rolling.damage import followed
 from tractive_sam.rolling.passage import Passage, ProfilePoint, credited, off_grid, passage_at
 from tractive_sam.rolling.response import cycle_response
-from tractive_sam.rolling.saves import Saves
+from tractive_sam.scene import Schedule
 
 ALLOWED, POWER = 42.0, 1.3
 """Correction of a profile that a tolerance allows, over its depth: ALLOWED tolerance^POWER.
@@ -71,7 +71,7 @@ Rows of elements come into contact at the rim one after the other, and the press
 falls with each. Long jumps meet the profile, but not the moment of that."""
 
 
-def adaptive_passages(model: Model, start: Passage, saves: Saves) -> Iterator[Passage]:
+def adaptive_passages(model: Model, start: Passage, schedule: Schedule) -> Iterator[Passage]:
     """Roll from a passage to the end in jumps, meeting every revolution to be saved.
 
     Each jump costs one contact; more where rows come into contact, and where it is refused and
@@ -83,12 +83,12 @@ def adaptive_passages(model: Model, start: Passage, saves: Saves) -> Iterator[Pa
         The scene in numbers.
     start : Passage
         Where to go on.
-    saves : Saves
+    schedule : Schedule
         What to meet, and where to end.
     """
-    control = Stops(ErrorControl(order=3), saves.stops, SETTLING)
+    control = Stops(ErrorControl(order=3), schedule.stops, SETTLING)
     last = start
-    while last.converged and last.revolution < saves.end:
+    while last.converged and last.revolution < schedule.end:
         last = _next_jump(model, last, control)
         yield last
 

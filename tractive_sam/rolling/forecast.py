@@ -7,7 +7,6 @@ import numpy as np
 
 from tractive_sam.rolling.adaptive import SETTLING
 from tractive_sam.rolling.control import LONGEST_GROWTH
-from tractive_sam.rolling.saves import Saves
 from tractive_sam.scene import Scene
 
 GROWTH = 0.4
@@ -47,10 +46,9 @@ class Forecast:
     """
 
     def __init__(self, scene: Scene) -> None:
-        saves = Saves.of(scene)
-        self._stops, self.end = saves.stops, saves.end
-        jumps = scene.wear is not None and scene.wear.stepping == "adaptive"
-        self._adaptive = jumps and scene.transient is None
+        schedule = scene.schedule
+        self._stops, self.end = schedule.stops, schedule.end
+        self._adaptive = schedule.adaptive
         self._wish, self._spent = 0.0, list[tuple[float, float]]()
         self._here, self._step = 0.0, 1.0
         # Longest step that may go right to a stop: until one was seen to be cut, the last one that

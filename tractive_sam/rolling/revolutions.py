@@ -30,9 +30,8 @@ from tractive_sam.rolling.damage import (
     volume_bars,
 )
 from tractive_sam.rolling.passage import Passage, next_passage, off_grid, unworn
-from tractive_sam.rolling.saves import Saves
 from tractive_sam.rolling.transient import Moment, Transient
-from tractive_sam.scene import Spectrum
+from tractive_sam.scene import Schedule, Spectrum
 from tractive_sam.subsurface import stress_maxima, stress_on_planes
 
 GROWTHS = 16
@@ -85,17 +84,16 @@ def _unworn(model: Model) -> Passage:
 
 
 def _revolutions(model: Model, last: Passage) -> Iterator[Passage]:
-    wear, saves = model.scene.wear, Saves.of(model.scene)
-    if wear is not None:
-        last = replace(last, contacts=tuple(map(with_heat, model.blocks, last.contacts)))
-        steps = adaptive_passages if wear.stepping == "adaptive" else every_passage
-        yield from steps(model, last, saves)
+    schedule = model.scene.schedule
+    last = replace(last, contacts=tuple(map(with_heat, model.blocks, last.contacts)))
+    steps = adaptive_passages if schedule.adaptive else every_passage
+    yield from steps(model, last, schedule)
 
 
-def every_passage(model: Model, start: Passage, saves: Saves) -> Iterator[Passage]:
+def every_passage(model: Model, start: Passage, schedule: Schedule) -> Iterator[Passage]:
     """Roll one revolution after another to the end, the paper's way."""
     last = start
-    while last.converged and last.revolution < saves.end:
+    while last.converged and last.revolution < schedule.end:
         last = followed(model, next_passage(model, last), last)
         yield last
 
@@ -216,7 +214,7 @@ def _of_contact(
 ) -> Record:
     """The record of one contact, that of a block in a duty cycle."""
     contact, given, last = told
-    keep = (last and passage.place in Saves.of(contact.scene)) or not passage.converged
+    keep = (last and passage.place in contact.scene.schedule) or not passage.converged
     maxima = stress_maxima(contact, laws)
     stress = stress_on_planes(contact, laws=laws) if keep and maxima else ()
     if estimator is not None:

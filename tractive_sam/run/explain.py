@@ -8,7 +8,7 @@ import numpy as np
 from tractive_sam.contact import Model, choose_grid, rough_maps
 from tractive_sam.operators import STEPS_FROM, available
 from tractive_sam.results import columns
-from tractive_sam.rolling import MISSED, Saves, expected_steps
+from tractive_sam.rolling import MISSED, expected_steps
 from tractive_sam.run import memory
 from tractive_sam.run.accuracy.levels import with_tolerances
 from tractive_sam.run.accuracy.steady import Refined, refined
@@ -237,7 +237,7 @@ def _subsurface(model: Model) -> Section:
     hertz = model.scene.hertz
     deepest = f"{asked.depth:g} a" if hertz is None else f"{asked.depth * hertz.a:.4g} mm"
     rolls = model.scene.wear is not None or model.scene.transient is not None
-    kept = f"each of {model.scene.save_key}" if rolls else "the unworn bodies"
+    kept = f"each of {model.scene.schedule.save_key}" if rolls else "the unworn bodies"
     rows = [
         ("bodies", ", ".join(asked.bodies)),
         ("planes", f"{', '.join(map(str, asked.planes))}, at {kept}"),
@@ -458,7 +458,7 @@ def applications(model: Model) -> int:
     count, stress = records(model.scene, model.grid.dx), model.scene.subsurface
     bodies = depths = 0
     if stress is not None:
-        kept = len(Saves.of(model.scene))
+        kept = len(model.scene.schedule.save)
         bodies, depths = len(stress.bodies), kept * len(stress.planes) * stress.elements
     jumps = model.scene.wear is not None and model.scene.wear.stepping == "adaptive"
     each = JUMP_APPLICATIONS if jumps else WARM_APPLICATIONS

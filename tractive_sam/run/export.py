@@ -132,7 +132,9 @@ def export_surface(
     else:
         steps, states = np.zeros(1), iter([source])
     if not steps.size:
-        raise ValueError(f"the history stored no fields; {source.scene.save_key} tells when")
+        raise ValueError(
+            f"the history stored no fields; {source.scene.schedule.save_key} tells when"
+        )
     grid = source.grid
     if source.scene.line:
         raise ValueError("a line contact has no map: tractive-sam plot draws its sections")

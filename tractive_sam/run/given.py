@@ -76,10 +76,7 @@ def measured_gap(scene: Scene) -> Gap | None:
 
 def travelling(scene: Scene) -> tuple[Gap, ...]:
     """The profiles that a [transient] has fixed to the bodies, read likewise."""
-    if scene.transient is None:
-        return ()
-    profiles = scene.transient.profile.given
-    return tuple(read_gap(one, table) for table, one in profiles.items())
+    return tuple(read_gap(one, table) for table, one in scene.schedule.profiles.items())
 
 
 def hash_of(model: Model) -> str:

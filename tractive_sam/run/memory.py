@@ -6,7 +6,6 @@ from tractive_sam.contact import Model
 from tractive_sam.kernels.stress import COMPONENTS
 from tractive_sam.operators import available
 from tractive_sam.results import FIELDS
-from tractive_sam.rolling import Saves
 from tractive_sam.scene import Fault, SceneError
 from tractive_sam.solvers import Sparing
 
@@ -29,7 +28,7 @@ def of_contact(model: Model) -> float:
     # Of large meshes, in doubles: spectra and buffers of the transforms, both in double and single
     # precision, tables on the way to them, and a Krylov space in single precision.
     krylov, padded, elements = 25, math.prod(lattice.padded), math.prod(lattice.shape)
-    if model.scene.transient is not None:
+    if not model.scene.schedule.revolves:
         # In double all vectors of a system, the responses to them and their orthonormal basis; and
         # the nearby operators.
         krylov, nearby = 3 * Sparing.krylov, model.operators.nearby
@@ -62,7 +61,7 @@ def of_fatigue(model: Model) -> float:
 
 def of_records(model: Model) -> float:
     """Memory that records take where no file does, bytes."""
-    kept = len(Saves.of(model.scene))
+    kept = len(model.scene.schedule.save)
     blocks = max(1, len(model.scene.duty))
     return 8.0 * kept * blocks * len(FIELDS) * math.prod(model.grid.elements)
 

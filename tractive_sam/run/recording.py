@@ -197,11 +197,7 @@ def _ended(
     message = contact.message
     if isinstance(passage, Passage) and len(passage.contacts) > 1 and not contact.converged:
         message = f"{contact.scene.title.split(', ')[-1]}: {message}"
-    if contact.scene.transient is not None:
-        unit = "of the parameter" if contact.scene.shifts else "mm"
-        message = f"after {passage.place:g} {unit}: {message}"
-    elif contact.scene.wear is not None:
-        message = f"revolution {passage.place}: {message}"
+    message = contact.scene.schedule.describe_place(passage.place) + message
     if isinstance(passage, Passage) and passage.damage is not None:
         message += passage.damage.warning(model)
     return "done" if contact.converged else str(contact.status), message

@@ -31,6 +31,7 @@ from .plausibility import near_edge, pressure_notes
 from .quantities import LARGEST, Real, entry, number
 from .resolution import FewestElements
 from .scene import Scene
+from .schedule import Schedule
 from .starter import starter
 from .table import Check, Known, Table
 from .tables import (
@@ -94,6 +95,7 @@ __all__ = [
     "Scene",
     "SceneError",
     "SceneWarning",
+    "Schedule",
     "Sets",
     "Solver",
     "Spectrum",

@@ -259,7 +259,7 @@ def scene_notes(scene: Scene) -> Iterator[str]:
 
 
 def _unused_entries(scene: Scene) -> Iterator[str]:
-    for key, course in scene.transient.courses.items() if scene.transient else ():
+    for key, course in scene.schedule.courses.items():
         table, _, name = key.partition(".")
         given = getattr(scene, table).entries().get(name)
         if (table == "creepage" or name.startswith("force")) and given not in (None, course[0]):

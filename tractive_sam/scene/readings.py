@@ -67,7 +67,7 @@ class Pair:
     def from_scene(cls, scene: Scene) -> Pair:
         """Return the bodies of a scene, under the largest load of its [transient]."""
         hertz, key = scene.hertz, _load_key(scene.load)
-        courses = {} if scene.transient is None else scene.transient.courses
+        courses = scene.schedule.courses
         for name in ("normal", "approach"):
             largest = max(courses.get(f"load.{name}", (0.0,)))
             if largest > 0.0 and hertz is not None:

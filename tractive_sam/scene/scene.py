@@ -30,6 +30,7 @@ from .override import override, parse_settings
 from .plausibility import scene_notes
 from .quantities import entry
 from .resolution import warn_if_coarse
+from .schedule import Schedule, schedule_of
 from .table import Check, Table
 from .tables import (
     Accuracy,
@@ -90,7 +91,10 @@ class Scene(Document):
     solver: Solver = entry("the solver", "", Solver())
     checks: ClassVar[tuple[Check, ...]] = SCENE_CHECKS
     internal: ClassVar[frozenset[str]] = frozenset(
-        ("alone", "bounded", "forced", "heaviest", "named", "save_key", "shifts", "spectrum")
+        (
+            *("alone", "bounded", "finds_creepage", "forced", "has"),
+            *("heaviest", "named", "schedule", "spectrum"),
+        )
     )
 
     @keywords_alone
@@ -250,37 +254,40 @@ class Scene(Document):
     @property
     def heaviest(self) -> Scene:
         """The scene under the largest load of a [transient]: it tells the size of the contact."""
-        if self.transient is None:
-            return self
-        courses = self.transient.courses
-        heavy = {
-            key: max(courses[key]) for key in ("load.normal", "load.approach") if key in courses
-        }
-        heavy = {key: value for key, value in heavy.items() if value > 0.0}
-        return self.replace(transient=None, wear=None, **heavy)
+        return self.schedule.heaviest(self)
 
     @property
     def forced(self) -> tuple[bool, bool]:
         """Which of the tangential forces (Q_x, Q_y) are prescribed, in place of creepages."""
-        course = {} if self.transient is None else self.transient.load.entries()
+        courses = self.schedule.courses
         return tuple(
-            getattr(self.load, key) is not None or key in course for key in ("force_x", "force_y")
+            getattr(self.load, key) is not None or f"load.{key}" in courses
+            for key in ("force_x", "force_y")
         )
+
+    @property
+    def finds_creepage(self) -> bool:
+        """Whether a tangential force is prescribed in any block, whose creepage is found."""
+        return any(any(block.forced) for block in self.blocks)
 
     @property
     def bounded(self) -> bool:
         """Whether [grid] gives the domain; else it is chosen, and grows with the contact."""
         return self.grid is not None and self.grid.half_length is not None
 
-    @property
-    def save_key(self) -> str:
-        """Key of the entry that tells which records keep their fields."""
-        return "wear.save" if self.transient is None else "transient.save"
+    @cached_property
+    def schedule(self) -> Schedule:
+        """Along which coordinate it is solved, to which end, and where fields are stored."""
+        return schedule_of(self)
 
-    @property
-    def shifts(self) -> bool:
-        """Whether the bodies only shift, by a [transient] with ``start = "shift"``."""
-        return self.transient is not None and not self.transient.rolls
+    def has(self, key: str) -> bool:
+        """Whether a table or entry of a dotted key is given, or a property of it holds."""
+        value: Any = self
+        for name in key.split("."):
+            value = getattr(value, name, None)
+            if value is None or value is False or (isinstance(value, tuple) and not value):
+                return False
+        return True
 
     @property
     def line(self) -> bool:

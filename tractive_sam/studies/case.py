@@ -130,11 +130,8 @@ def _digest(scene: Scene, contents) -> str:
     So results never mix of versions whose methods, or whose files, may differ.
     """
     hashed = hashlib.sha256(f"{scene.fingerprint()} {_generation()}".encode())
-    measured = {} if scene.gap is None else {"gap": scene.gap}
-    if scene.transient is not None:
-        measured |= scene.transient.profile.given
-    for table, gap in measured.items():
-        if gap.file is not None:
+    for table, gap in {"gap": scene.gap, **scene.schedule.profiles}.items():
+        if gap is not None and gap.file is not None:
             hashed.update(contents(gap, gap.file, table))
     return hashed.hexdigest()[:DIGEST]
 

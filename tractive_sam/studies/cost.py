@@ -8,7 +8,6 @@ import numpy as np
 from tractive_sam.contact import Model
 from tractive_sam.operators import available
 from tractive_sam.results import FIELDS, STRESS, columns
-from tractive_sam.rolling import Saves
 from tractive_sam.run import explain, memory
 from tractive_sam.scene import Fault
 from tractive_sam.store import read_gap
@@ -154,7 +153,7 @@ def _size(model: Model) -> float:
 def _bytes(model: Model) -> float:
     """Size of a results file, if nothing in it could be compressed."""
     scene, (nx, ny) = model.scene, model.grid.elements
-    kept = len(Saves.of(scene))
+    kept = len(scene.schedule.save)
     numbers = (kept + 1) * len(FIELDS) * nx * ny  # and the state from which a run goes on
     numbers += explain.records(scene) * sum(
         ny if one.dims else 1 for one in columns(scene).values()

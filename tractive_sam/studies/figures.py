@@ -193,7 +193,7 @@ def _variable(columns: Mapping[str, tuple], scene: Scene, key: str | None = None
     numbers = all(isinstance(one, int | float) for one in columns[key])
     values = np.array(columns[key] if numbers else _texts(columns[key]))
     rolling, _, shifting = title_of(key).partition('; of start = "shift" ')
-    meaning = shifting if shifting and scene.shifts else rolling
+    meaning = shifting if shifting and scene.schedule.shifts else rolling
     return Variable(key, values, meaning, _unit(key, scene.line))
 
 

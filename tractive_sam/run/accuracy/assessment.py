@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from tractive_sam.results import History, State
-from tractive_sam.rolling import Saves
 from tractive_sam.run.accuracy.error_bars import (
     Name,
     Sample,
@@ -83,7 +82,7 @@ def missed_before(history: History, scene: Scene) -> str:
     """
     if "relative_error" not in history.columns:
         return ""
-    missed, saved = "", Saves.of(scene)
+    missed, saved = "", scene.schedule
     for revolution, worst in zip(history["revolution"], history["relative_error"], strict=True):
         # Not "greater": there may be none, where coarser meshes could not be solved.
         if int(revolution) in saved and not worst <= scene.accuracy.tolerance:

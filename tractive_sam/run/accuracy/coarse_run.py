@@ -8,7 +8,7 @@ import scipy  # its parts are loaded when first used
 
 from tractive_sam.contact import Gap, Model
 from tractive_sam.results import BodyFatigue, Maximum
-from tractive_sam.rolling import Passage, Saves, first_passage, followed, passages
+from tractive_sam.rolling import Passage, first_passage, followed, passages
 from tractive_sam.run.accuracy.assessment import assess, worst_of
 from tractive_sam.run.accuracy.error_bars import Sample, relative_error_bars
 from tractive_sam.run.accuracy.levels import Levels
@@ -94,7 +94,7 @@ class ErrorEstimator:
         self.fine[block].add(revolution, sample)
         samples = (*(one[block].at(revolution) for one in (self._coarse, self.middle)), sample)
         assessment = assess(contact, samples, peak=revolution == 0)
-        if assessment.missed and revolution in Saves.of(contact.scene):
+        if assessment.missed and revolution in contact.scene.schedule:
             self.missed = f"revolution {revolution}: {assessment.missed}"
         return assessment.error_bars
 
