@@ -39,12 +39,15 @@ class _Patience:
         Whether a block is in progress that an exception must not leave.
     raised : bool
         Whether the exception that ends the program is on its way.
+    reported : bool
+        Whether the program has printed why it ends.
     """
 
     seconds = 0.0
     protected = 0
     deferring = False
     raised = False
+    reported = False
 
 
 _patience = _Patience()
@@ -141,6 +144,11 @@ def deferred() -> Iterator[None]:
         raise KeyboardInterrupt
 
 
+def mark_reported() -> None:
+    """Note that the program has printed why it ends: if it ends at once, it prints nothing more."""
+    _patience.reported = True
+
+
 def ignore() -> None:
     """Ignore signals while the process ends: the exit status is that of what it has done."""
     _patience.seconds = 0.0
@@ -180,5 +188,6 @@ def _end_at_once(message: str) -> None:
     # Nothing is cleaned up: a results file is whole at every moment.
     with suppress(OSError):
         show_cursor = b"\x1b[?25h" if os.isatty(2) else b""  # a progress bar hides it
-        os.write(2, show_cursor + f"error: {message}\n".encode())
+        line = "" if _patience.reported else f"error: {message}\n"
+        os.write(2, show_cursor + line.encode())
     os._exit(STOPPED)

@@ -213,6 +213,27 @@ except KeyboardInterrupt as error:
     assert result.stdout.splitlines() == ["put away", "SIGTERM"]
 
 
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="there is no such timer")
+@pytest.mark.parametrize("times", [1, 2])
+def test_what_has_reported_its_end_prints_no_second_line(folder, times):
+    """Time may be over while the program puts away what it holds, or a second signal comes."""
+    body = f"""
+from tractive_sam.cli.output import stop
+from tractive_sam.interrupt import heed
+os.kill(os.getpid(), signal.SIGTERM)
+try:
+    heed()
+except KeyboardInterrupt:
+    stop(3, "interrupted")
+    for _ in range({times - 1}):
+        os.kill(os.getpid(), signal.SIGTERM)
+    busy()
+"""
+    result = ran(folder, LATE.format(body=body), signal.SIGTERM)
+    assert result.returncode == 3
+    assert result.stderr == "error: interrupted\n"
+
+
 def test_signals_are_noted_before_anything_is_loaded(folder):
     code = "import sys; before = {*sys.modules}; import tractive_sam.cli as cli\n"
     code += "cli._note_at_once(); print(*sorted({*sys.modules} - before))"

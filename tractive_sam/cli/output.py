@@ -16,6 +16,7 @@ import typer
 from rich.console import Console
 from rich.text import Text
 
+from tractive_sam.interrupt import mark_reported
 from tractive_sam.plain import plain
 
 if TYPE_CHECKING:
@@ -188,6 +189,7 @@ def progress_bar() -> Iterator["Progress | None"]:
 def stop(status: Status, *parts: str | tuple[str, str]) -> typer.Exit:
     """Print an error; returns what is to be raised."""
     say(("error: ", "bold red"), *parts, error=True)
+    mark_reported()
     return typer.Exit(status)
 
 

@@ -1,0 +1,141 @@
+"""How does the program end if it is interrupted at a random moment of its start?
+
+SIGINT and SIGTERM in turn. A program that has replaced the handlers of signals must end with exit
+status 3 and one line. Before that Python ends it: it starts, it reads the script `tractive-sam`
+that pip has written (which imports `re`), and it reads two modules of the package, which replace
+the handlers before they import anything.
+
+`begins` is the median time, in ms after the process began, at which a stage begins, and `lasts`
+that of its length, both of programs that reached the next one; `signals` counts signals in it,
+`one_line` those after which the program ended with exit status 3 and one line, and `slowest` is the
+longest time from a signal to the end, in s. Run it with bytecode in place: once is not counted.
+
+    python benchmarks/signals.py [--signals 200] [--within 60] [ARGUMENT ...]
+"""
+
+import argparse
+import os
+import random
+import signal
+import statistics
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from time import monotonic, sleep
+
+from timing import show, write
+
+STAGES = ("Python", "script of pip", "package", "handlers replaced")
+PROGRAM = """
+import os, time
+def mark():
+    os.write(MARKS, b"%r " % time.monotonic())
+mark()
+import re, sys
+mark()
+import tractive_sam.cli as cli
+note_at_once = cli._note_at_once
+def marked():
+    noted = note_at_once()
+    mark()
+    return noted
+cli._note_at_once = marked
+sys.argv[1:] = ARGUMENTS
+cli.main()
+"""
+
+
+@dataclass
+class Ending:
+    """How a program ended.
+
+    Attributes
+    ----------
+    marks : list of float
+        Times at which its stages after the first one began, s after its start.
+    sent, took : float
+        Time of the signal, s after the start, and from then to the end.
+    status : int
+        Exit status.
+    message : str
+        What it printed on the standard error.
+    """
+
+    marks: list[float]
+    sent: float
+    took: float
+    status: int
+    message: str
+
+    @property
+    def stage(self) -> int:
+        """Number of the stage in which the signal came; signals that were lost came early."""
+        return sum(mark <= self.sent for mark in self.marks)
+
+    @property
+    def is_one_line(self) -> bool:
+        """Whether it ended as a program does that was interrupted."""
+        return self.status == 3 and len(self.message.strip().splitlines()) == 1
+
+
+def interrupted(arguments: list[str], after: float, number: signal.Signals, folder: str) -> Ending:
+    """Start the program and interrupt it after a time, in s."""
+    read, marks = os.pipe()
+    text = PROGRAM.replace("MARKS", str(marks)).replace("ARGUMENTS", repr(arguments))
+    began = monotonic()
+    program = subprocess.Popen(
+        [sys.executable, "-c", text], pass_fds=[marks], cwd=folder,
+        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+    )  # fmt: skip
+    os.close(marks)
+    sleep(max(0.0, began + after - monotonic()))
+    sent = monotonic()
+    program.send_signal(number)
+    message = program.communicate()[1]
+    took = monotonic() - sent
+    with os.fdopen(read, "rb") as file:
+        times = [float(one) - began for one in file.read().split()]
+    return Ending(times, sent - began, took, program.returncode, message)
+
+
+def rows(endings: list[Ending]):
+    """Return a row of each stage."""
+    whole = [(0.0, *one.marks) for one in endings if len(one.marks) == len(STAGES) - 1]
+    for stage, name in enumerate(STAGES):
+        inside = [one for one in endings if one.stage == stage]
+        begins = [marks[stage] for marks in whole]
+        lasts = [marks[stage + 1] - marks[stage] for marks in whole if stage + 1 < len(STAGES)]
+        yield {
+            "stage": name,
+            "begins": 1e3 * statistics.median(begins),
+            "lasts": 1e3 * statistics.median(lasts) if lasts else "",
+            "signals": len(inside),
+            "one_line": sum(one.is_one_line for one in inside),
+            "slowest": max((one.took for one in inside), default=0.0),
+        }
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--signals", type=int, default=200)
+    parser.add_argument("--within", type=float, default=60.0, help="ms")
+    parser.add_argument("arguments", nargs="*", default=["--version"])
+    settings = parser.parse_args()
+    rng, endings = random.Random(1), []
+    with tempfile.TemporaryDirectory() as folder:
+        interrupted(settings.arguments, 10.0, signal.SIGTERM, folder)
+        for k in range(settings.signals):
+            number = (signal.SIGINT, signal.SIGTERM)[k % 2]
+            after = 1e-3 * settings.within * rng.random()
+            endings.append(interrupted(settings.arguments, after, number, folder))
+    table = list(rows(endings))
+    for one in endings:
+        if one.stage == len(STAGES) - 1 and not one.is_one_line:
+            print(f"{1e3 * one.sent:.1f} ms: status {one.status}, {one.message!r}")
+    show(" ".join(settings.arguments), table)
+    write("signals", table)
+
+
+if __name__ == "__main__":
+    main()
