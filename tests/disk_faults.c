@@ -10,16 +10,17 @@
 #include <sys/types.h>
 #include <unistd.h>
 
-static struct { char folder[4096]; long calls, first, last; int error; } *plan;
+static struct { char folder[4096]; long calls, first, last, renames; int error; } *plan;
 
 /* Calls with a number from first to last, exclusive, fail with this error; 0: writes are halved. */
 void fail_calls(const char *folder, long first, long last, int error) {
     if (!plan) plan = mmap(0, sizeof *plan, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     strncpy(plan->folder, folder, sizeof plan->folder - 1);
-    plan->calls = 0; plan->first = first; plan->last = last; plan->error = error;
+    plan->calls = plan->renames = 0; plan->first = first; plan->last = last; plan->error = error;
 }
 
 long calls_so_far(void) { return plan->calls; }
+long renames_so_far(void) { return plan->renames; }
 
 static int chosen(const char *name) {
     if (!plan || !*plan->folder || !strstr(name, plan->folder)) return 0;
@@ -85,7 +86,9 @@ int close(int file) {
 int rename(const char *from, const char *to) {
     NEXT(int, "rename", const char *, const char *);
     FAIL_IF_CHOSEN(chosen(to));
-    return next(from, to);
+    int result = next(from, to);
+    if (plan && *plan->folder && !result && strstr(to, plan->folder)) plan->renames++;
+    return result;
 }
 int open64(const char *name, int flags, ...) {
     NEXT(int, "open64", const char *, int, ...);
