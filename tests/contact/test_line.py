@@ -56,7 +56,7 @@ def test_carter_over_the_whole_range_of_creepage(share):
         force.append(abs(contact.Qx / (MU * contact.P) - theory.force_ratio))
         traction.append(size(contact.traction[0, :, 0] - theory.traction(contact.grid.x)))
         traction[-1] /= size(contact.traction)
-        stick.append(abs(contact.stick_fraction - theory.stick_half_width / theory.line.a))
+        stick.append(abs(contact.stick_fraction - theory.stick_half_width / theory.hertz.a))
         # Of second order: stick ends between elements; of 0.95, 2 elements of 64 stick.
         assert stick[-1] < 30 / n**2
     if share > 1:

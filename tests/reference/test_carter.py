@@ -18,7 +18,7 @@ CREEPAGES = pytest.mark.parametrize("creepage", [-2.4e-4, 1e-4, -6e-4, -2e-3])
 
 def integral(function, contact):
     """Over the contact; the traction and the slip change form at the trailing end of the stick."""
-    seam = contact.line.a - 2 * contact.stick_half_width
+    seam = contact.hertz.a - 2 * contact.stick_half_width
     return sum(quad(function, *ends, limit=200)[0] for ends in [(-1.0, seam), (seam, 1.0)])
 
 

@@ -23,7 +23,7 @@ class Carter:
 
     Parameters
     ----------
-    line : HertzLine
+    hertz : HertzLine
         The normal contact.
     mu : float
         Friction coefficient.
@@ -32,18 +32,18 @@ class Carter:
 
     Examples
     --------
-    >>> line = hertz_line(e_star=114e3, radius=25.0, load_per_length=500.0)
-    >>> carter = Carter.from_force_ratio(line, mu=0.3, ratio=0.64)
-    >>> round(carter.stick_half_width / line.a, 3)
+    >>> hertz = hertz_line(e_star=114e3, radius=25.0, load_per_length=500.0)
+    >>> carter = Carter.from_force_ratio(hertz, mu=0.3, ratio=0.64)
+    >>> round(carter.stick_half_width / hertz.a, 3)
     0.6
     """
 
-    line: HertzLine
+    hertz: HertzLine
     mu: float
     creepage: float
 
     @classmethod
-    def from_force_ratio(cls, line: HertzLine, mu: float, ratio: float) -> Carter:
+    def from_force_ratio(cls, hertz: HertzLine, mu: float, ratio: float) -> Carter:
         """Find the creepage that transmits `ratio` = Q/(mu P), from -1 to 1.
 
         Raises
@@ -55,23 +55,23 @@ class Carter:
             raise ValueError(f"Q/(mu P) must lie between -1 and 1, not {ratio}")
         # 1 - sqrt(1 - q), without the cancellation at small forces
         slip_share = ratio / (1 + math.sqrt(1 - abs(ratio)))
-        return cls(line, mu, -slip_share * mu * line.a / line.radius)
+        return cls(hertz, mu, -slip_share * mu * hertz.a / hertz.radius)
 
     @property
     def stick_half_width(self) -> float:
         """Half-width c of the stick zone, mm; 0 at full slip."""
-        return max(0.0, self.line.a - self.line.radius * abs(self.creepage) / self.mu)
+        return max(0.0, self.hertz.a - self.hertz.radius * abs(self.creepage) / self.mu)
 
     @property
     def force_ratio(self) -> float:
         """Q/(mu P), from -1 to 1."""
-        return self._drive * (1 - (self.stick_half_width / self.line.a) ** 2)
+        return self._drive * (1 - (self.stick_half_width / self.hertz.a) ** 2)
 
     def traction(self, x: ArrayLike) -> NDArray[np.float64]:
         """Traction p_x on body A at x in mm, MPa; zero outside the contact."""
         c = self.stick_half_width
-        scale = self.mu * self.line.p0 / self.line.a
-        full = np.sqrt(np.maximum(0.0, self.line.a**2 - np.square(x)))
+        scale = self.mu * self.hertz.p0 / self.hertz.a
+        full = np.sqrt(np.maximum(0.0, self.hertz.a**2 - np.square(x)))
         relief = np.sqrt(np.maximum(0.0, c**2 - np.square(self._from_stick_centre(x))))
         return self._drive * scale * (full - relief)
 
@@ -82,9 +82,9 @@ class Carter:
             size = np.sqrt(np.maximum(0.0, np.square(behind) - c**2)) * (behind > 0)
         else:
             # all slips: the creepage beyond the least that does so moves the profile up
-            size = self.line.radius * abs(self.creepage) / self.mu - np.asarray(x)
-        inside = np.abs(x) <= self.line.a
-        return np.where(inside, -self._drive * self.mu / self.line.radius * size, 0.0)
+            size = self.hertz.radius * abs(self.creepage) / self.mu - np.asarray(x)
+        inside = np.abs(x) <= self.hertz.a
+        return np.where(inside, -self._drive * self.mu / self.hertz.radius * size, 0.0)
 
     @property
     def _drive(self) -> float:
@@ -92,4 +92,4 @@ class Carter:
         return -math.copysign(1.0, self.creepage)
 
     def _from_stick_centre(self, x: ArrayLike) -> NDArray[np.float64]:
-        return np.asarray(x, float) - (self.line.a - self.stick_half_width)
+        return np.asarray(x, float) - (self.hertz.a - self.stick_half_width)
