@@ -37,6 +37,21 @@ def test_unworn_contact(line):
     assert hertz.p0 * math.pi / 4 * 2 * hertz.a == pytest.approx(0.5)
 
 
+def test_units_per_length(line, tables):
+    """Forces, areas and volumes of a line contact are over a length, mm."""
+    per_length = Scene(**line).contact_type
+    units = {"N": "N/mm", "N mm": "N mm/mm", "mg": "mg/mm", "mm3": "mm2", "mm2": "mm"}
+    assert {unit: per_length.unit(unit) for unit in units} == units
+    tables["body"]["B"]["radius_y"] = 1e6
+    whole = Scene(**tables)
+    assert {whole.contact_type.unit(unit) for unit in units} == set(units)
+    assert whole.force_unit == "N"
+
+
+def test_line_contact_has_no_spin(line):
+    assert "spin" not in Scene(**line).contact_type.creepages
+
+
 def test_one_crowned_body_makes_no_line(line):
     line["body"]["B"]["radius_y"] = 1e6
     assert not Scene(**line).line

@@ -94,21 +94,18 @@ def jacobian_of(
     whole = tangential = _Linearised(model, model.problem(gap), contact)
     if not model.elasticity.coupled:
         tangential = whole.with_pressure_held()
-    rows, asked = [], {}
-    for k, (force, creepage) in enumerate((("Qx", "xi_x"), ("Qy", "xi_y"))):
-        if model.free[k]:
-            rows.append(creepage)
+    rows, asked = ["Qx", "Qy", "Mz"], {}
+    for k, creepage in enumerate(model.scene.contact_type.creepages):
+        if (*model.free, False)[k]:
+            force, rows[k] = rows[k], creepage
             asked[force] = partial(tangential.by_force, k)
         else:
-            rows.append(force)
             asked[creepage] = partial(tangential.by_creepages, *np.eye(3)[k])
-    if not model.grid.line:
-        asked["spin"] = partial(tangential.by_creepages, 0.0, 0.0, 1.0)
     if model.load is None:
-        rows += ["Mz", "P"]
+        rows.append("P")
         asked["approach"] = whole.by_approach
     else:
-        rows += ["Mz", "approach"]
+        rows.append("approach")
         asked["P"] = whole.by_load
     if type(model.laws.friction) in (Coulomb, FallingCoulomb):  # of others nothing is known
         asked |= {f"mu{k + 1}": partial(tangential.by_mu, k) for k in (0, 1)}
@@ -118,8 +115,8 @@ def jacobian_of(
     if unsolved:
         told = f"jacobian: the linear systems of {', '.join(unsolved)} were not solved: nan"
         warn(told)
-    known, line = by_name(COLUMNS), model.grid.line
-    units = {n: known[n].of_line(line).unit if n in known else "1" for n in (*rows, *columns)}
+    known = by_name(one.with_units_of(model.scene) for one in COLUMNS)
+    units = {name: known[name].unit if name in known else "1" for name in (*rows, *columns)}
     cost = sum(one.applications for one in {whole, tangential})
     return xarray.DataArray(
         np.stack(list(columns.values()), axis=1),

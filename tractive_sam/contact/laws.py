@@ -318,6 +318,6 @@ def _volume(scene: Scene) -> VolumeLife | None:
     asked = None if scene.fatigue is None else scene.fatigue.volume
     if asked is None:
         return None
-    slope = asked.slope or (9.0 / 8.0 if scene.line else 10.0 / 9.0)
+    slope = asked.slope or scene.contact_type.weibull_slope
     exponents = asked.stress_exponent, asked.depth_exponent
     return VolumeLife(asked.constant or math.nan, slope, asked.limit, *exponents)

@@ -23,9 +23,6 @@ BODIES = ("A", "B")
 DIMS = ((), ("axis",), ("y",), ("body",), ("body", "position"))
 """What a column of one's own can have beside the record."""
 
-_PER_LENGTH = {"N": "N/mm", "N mm": "N mm/mm", "mm3": "mm2", "mm2": "mm", "mg": "mg/mm"}
-"""Units in a line contact of what is then per length."""
-
 
 def _always(_scene: Scene) -> bool:
     return True
@@ -160,12 +157,13 @@ class Quantity:
             return ()
         return getattr(scene, self.bodies_of).bodies if self.bodies_of else BODIES
 
-    def of_line(self, line: bool) -> Self:
-        """The quantity as it is to be read in a line contact, or else."""
-        if not (line and self.per_length):
+    def with_units_of(self, scene: Scene) -> Self:
+        """Return the quantity as a scene has it: per length in a line contact."""
+        unit = scene.contact_type.unit(self.unit) if self.per_length else self.unit
+        if unit == self.unit:
             return self
         name = f"{self.long_name} per length"
-        return replace(self, unit=_PER_LENGTH[self.unit], long_name=name, per_length=False)
+        return replace(self, unit=unit, long_name=name, per_length=False)
 
 
 def by_name(quantities: Iterable[Quantity]) -> dict[str, Quantity]:
@@ -645,4 +643,4 @@ def columns(scene: Scene, own: Iterable[Quantity] = ()) -> dict[str, Quantity]:
         _in_place_of(one, instead[one.role]) if one.role in instead else one for one in COLUMNS
     ]
     found += [one for one in own if not one.role]
-    return by_name(one.of_line(scene.line) for one in found if one.applies(scene))
+    return by_name(one.with_units_of(scene) for one in found if one.applies(scene))

@@ -272,7 +272,7 @@ def check_measured(history: History, path: str | PathLike | None, measured: str)
 
 def _check_columns(history: History, path: str | PathLike, columns: Iterable[Quantity]) -> None:
     for one in columns:
-        now = one.of_line(history.line)
+        now = one.with_units_of(history.scene)
         if history.columns.get(one.name, now) != now:
             raise ResultsError(
                 f"{path} has a column {one.name} that is another quantity (its unit, say): give "

@@ -12,7 +12,7 @@ from .bodies import Bodies
 from .duty import duty_fits
 from .faults import Fault, shown, warn
 from .heat import HEAT_CHECKS
-from .line import LINE_CHECKS, is_line
+from .line_contact import LINE_CHECKS, is_line
 from .plausibility import pair_notes
 from .readings import Pair
 from .table import Check, Known

@@ -18,6 +18,7 @@ from . import summary
 from .bodies import Bodies
 from .catalogue import builtin_text, names_file
 from .checks import SCENE_CHECKS, warn_if_large, warn_if_unequal
+from .contact_type import LineContact, PointContact
 from .document import Document, keywords_alone
 from .duty import Block, Spectrum, block_scenes, off_the_mesh
 from .fatigue import Fatigue
@@ -92,7 +93,7 @@ class Scene(Document):
     checks: ClassVar[tuple[Check, ...]] = SCENE_CHECKS
     internal: ClassVar[frozenset[str]] = frozenset(
         (
-            *("alone", "bounded", "finds_creepage", "forced", "has"),
+            *("alone", "bounded", "contact_type", "finds_creepage", "forced", "has"),
             *("heaviest", "named", "schedule", "spectrum"),
         )
     )
@@ -298,9 +299,14 @@ class Scene(Document):
         return self.body.infinitely_long and self.gap is None
 
     @property
+    def contact_type(self) -> PointContact:
+        """Units, motions and constants of a point or a line contact."""
+        return LineContact() if self.line else PointContact()
+
+    @property
     def force_unit(self) -> str:
         """Unit of forces: "N", of a line contact "N/mm"."""
-        return "N/mm" if self.line else "N"
+        return self.contact_type.unit("N")
 
     @property
     def hertz(self) -> HertzContact | HertzLine | None:

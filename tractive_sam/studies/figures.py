@@ -194,7 +194,7 @@ def _variable(columns: Mapping[str, tuple], scene: Scene, key: str | None = None
     values = np.array(columns[key] if numbers else _texts(columns[key]))
     rolling, _, shifting = title_of(key).partition('; of start = "shift" ')
     meaning = shifting if shifting and scene.schedule.shifts else rolling
-    return Variable(key, values, meaning, _unit(key, scene.line))
+    return Variable(key, values, meaning, _unit(key, scene))
 
 
 def _texts(column: tuple) -> list[str]:
@@ -203,9 +203,9 @@ def _texts(column: tuple) -> list[str]:
     return [f"{k}: {one}" if texts.count(one) > 1 else one for k, one in enumerate(texts)]
 
 
-def _unit(key: str, line: bool) -> str:
+def _unit(key: str, scene: Scene) -> str:
     """Unit of an entry that is drawn under a symbol; the titles of others tell theirs."""
-    units = {name: one.of_line(line).unit for name, one in by_name(COLUMNS).items()}
+    units = {name: one.with_units_of(scene).unit for name, one in by_name(COLUMNS).items()}
     of_entries = {
         "load.normal": units["P"],
         "load.pressure": units["p_max"],

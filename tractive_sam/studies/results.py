@@ -164,8 +164,8 @@ class StudyResults:
     @cached_property
     def _described(self) -> dict[str, Quantity]:
         """All that last records may have, be it known already or not."""
-        line = self.rows[0].case.scene.line if self.rows else False
-        known = [one.of_line(line) for one in COLUMNS]
+        scene = self.rows[0].case.scene if self.rows else self.study.scene
+        known = [one.with_units_of(scene) for one in COLUMNS]
         of_bodies = [
             replace(one, name=f"{one.name} {body}", long_name=f"{one.long_name}, body {body}")
             for one in known

@@ -1,0 +1,38 @@
+"""Point and line contacts: units, motions and constants that depend on the width of a contact."""
+
+from typing import ClassVar
+
+
+class PointContact:
+    """A contact of finite width.
+
+    Attributes
+    ----------
+    creepages : tuple of str
+        Motions of rigid bodies that such a contact may have.
+    weibull_slope : float
+        Usual slope of the Weibull distribution of lives: that of ball bearings (Lundberg and
+        Palmgren 1947).
+    """
+
+    creepages: ClassVar[tuple[str, ...]] = ("xi_x", "xi_y", "spin")
+    weibull_slope: ClassVar[float] = 10.0 / 9.0
+
+    def unit(self, unit: str) -> str:
+        """Return the unit of a resultant, an area or a volume that has this unit by itself."""
+        return unit
+
+
+class LineContact(PointContact):
+    """A contact of bodies that are infinitely long in y: plane strain, all fields constant in y.
+
+    Resultants, areas and volumes are per length, mm. The slip by spin would vary in y. The usual
+    slope of lives is that of roller bearings (Lundberg and Palmgren 1952).
+    """
+
+    creepages = ("xi_x", "xi_y")
+    weibull_slope = 9.0 / 8.0
+
+    def unit(self, unit: str) -> str:
+        """Return the unit per length; see `PointContact.unit`."""
+        return {"mm3": "mm2", "mm2": "mm"}.get(unit, f"{unit}/mm")
