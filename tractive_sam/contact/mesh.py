@@ -47,9 +47,8 @@ def reaching(grid: Grid, half_length: tuple[float, float]) -> Grid:
 
 def as_asked(grid: Grid) -> str:
     """A mesh as a scene asks for it, in digits enough to be the same elements."""
-    directions = 1 if grid.line else 2
-    lengths = ", ".join([f"{one:.10g}" for one in grid.half_length][:directions])
-    elements = ", ".join([str(one) for one in grid.elements][:directions])
+    lengths = ", ".join(f"{half:.10g}" for half in grid.half_length[: grid.directions])
+    elements = ", ".join(map(str, grid.elements[: grid.directions]))
     return f"grid.half_length=[{lengths}] and grid.elements=[{elements}]"
 
 

@@ -84,10 +84,9 @@ def not_resolved(contact: State, largest: Sequence[float] | None = None) -> str:
     if largest is not None:
         subject = "the largest contact of the [transient] covers"
         across = tuple(map(int, largest[: len(across)]))
-    sides = (grid.dx, grid.dy)[: len(across)]
     text = (
         f"{subject} {' x '.join(map(str, across))} elements of "
-        f"{' x '.join(f'{side:.3g}' for side in sides)} mm, too few to be resolved: its "
+        f"{' x '.join(f'{side:.3g}' for side in grid.sides)} mm, too few to be resolved: its "
         "numbers are those of the mesh; "
         f"at least {FewestElements.contact} elements in each direction are needed, "
         f"{FewestElements.slip} for a stick and a slip area. "

@@ -109,7 +109,7 @@ class SurfaceHeat:
 
     def __init__(self, grid: Grid, speed: float, kappa: float, lam: float):
         nx, ny = grid.elements
-        dx, dy = grid.dx, np.inf if grid.line else grid.dy
+        dx, dy = (*grid.sides, np.inf)[:2]
         self._period = period = padded_length(nx), padded_length(ny)
         x, y = dx * np.arange(1 - nx, nx), np.zeros(1) if ny == 1 else dy * np.arange(ny)
         known = coefficients(x, y, dx, dy, speed, kappa, lam)

@@ -44,7 +44,21 @@ class Grid:
     @property
     def line(self) -> bool:
         """Whether it is that of a line contact."""
-        return self.elements[1] == 1
+        return self.directions == 1
+
+    @property
+    def directions(self) -> int:
+        """Number of directions in which fields vary: 1, x alone, in a line contact, else 2."""
+        return 2 if self.elements[1] > 1 else 1
+
+    @property
+    def sides(self) -> tuple[float, ...]:
+        """Sides of an element in these directions, mm."""
+        return (self.dx, self.dy)[: self.directions]
+
+    def describe_size(self) -> str:
+        """Return the numbers of elements as text, like "41 x 121 elements"."""
+        return " x ".join(map(str, self.elements[: self.directions])) + " elements"
 
     @property
     def dx(self) -> float:

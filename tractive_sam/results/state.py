@@ -203,8 +203,8 @@ class State:
     @property
     def elements_across(self) -> tuple[int, ...]:
         """Elements of the contact in x, and in y; of a line contact in x alone."""
-        directions = 1 if self.grid.line else 2
-        found = (self.touching.any(axis=1 - axis).sum() for axis in range(directions))
+        directions = range(self.grid.directions)
+        found = (self.touching.any(axis=1 - axis).sum() for axis in directions)
         return tuple(map(int, found))
 
     def on(self, grid: Grid) -> "State":
@@ -328,9 +328,8 @@ class State:
     @cached_property
     def half_width_y(self) -> float:
         """Half the extent of the contact in y, mm, as in x; inf of a line contact."""
-        if self.grid.line:
-            return math.inf
-        return 0.5 * self.grid.dy * extent(self.pressure.T)
+        halves = (0.5 * side * extent(self.pressure.T) for side in self.grid.sides[1:])
+        return next(halves, math.inf)
 
     @cached_property
     def area(self) -> float:

@@ -1,5 +1,6 @@
 """Contacts and histories in a few lines, and as tables with a picture for notebooks."""
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -21,21 +22,20 @@ LAST = (
 
 def of_contact(contact: "State") -> dict[str, str]:
     """What is told of a contact."""
-    grid, line = contact.grid, contact.grid.line
-    force, moment = ("N/mm", "N") if line else ("N", "N mm")
-    wide = f"a = {contact.half_width_x:.4g} mm"
-    if not line:
-        wide += f", b = {contact.half_width_y:.4g} mm"
+    unit = contact.scene.contact_type.unit
+    wide = {"a": contact.half_width_x, "b": contact.half_width_y}
+    widths = [f"{name} = {half:.4g} mm" for name, half in wide.items() if math.isfinite(half)]
     at = f", revolution {contact.revolution}" if contact.revolution else ""
     return {
         "scene": (contact.scene.title or "no title") + at,
         "status": f"{contact.status}: {contact.message}",
-        "forces": f"P = {contact.P:.4g}, Qx = {contact.Qx:.4g}, Qy = {contact.Qy:.4g} {force}, "
-        f"Mz = {contact.Mz:.3g} {moment}",
+        "forces": f"P = {contact.P:.4g}, Qx = {contact.Qx:.4g}, Qy = {contact.Qy:.4g} "
+        f"{unit('N')}, Mz = {contact.Mz:.3g} {unit('N mm')}",
         "creepages": f"xi_x = {contact.xi_x:.4g}, xi_y = {contact.xi_y:.4g}, "
         f"spin = {contact.spin:.4g} /mm",
-        "contact": f"{wide}, p_max = {contact.p_max:.4g} MPa, {contact.stick_fraction:.0%} sticks",
-        "mesh": " x ".join(str(n) for n in grid.elements[: 1 if line else 2]) + " elements",
+        "contact": f"{', '.join(widths)}, p_max = {contact.p_max:.4g} MPa, "
+        f"{contact.stick_fraction:.0%} sticks",
+        "mesh": contact.grid.describe_size(),
     }
 
 

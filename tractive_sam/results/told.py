@@ -104,9 +104,9 @@ def caveats(history: "History") -> dict[str, str]:
     material withstands or that is too little for the materials.
     """
     told = {"stress": _missed_stress(history), "p_max": _implausible_pressure(history)}
-    if len(history) and not history.grid.line:
-        widest = 2.0 * float(np.nanmax(history["half_width_y"], initial=0.0))
-        told["width"] = "; ".join(near_edge(history.scene, widest))
+    half = history["half_width_y"]
+    widest = 2.0 * float(half[np.isfinite(half)].max(initial=0.0))
+    told["width"] = "; ".join(near_edge(history.scene, widest))
     return {name: text for name, text in told.items() if text}
 
 
@@ -126,7 +126,7 @@ def _missed_stress(history: "History") -> str:
     grid, hertz = history.grid, history.scene.hertz
     if not history.bodies or hertz is None or history.scene.gap is not None:
         return ""
-    depth, side = DEPTH_OF_STRESS * min(hertz.a, hertz.b), max(grid.dx, 0 if grid.line else grid.dy)
+    depth, side = DEPTH_OF_STRESS * min(hertz.a, hertz.b), max(grid.sides)
     if 2.0 * side <= depth:
         return ""
     return (

@@ -41,7 +41,7 @@ def cycle_depths(contact: State) -> np.ndarray:
     8
     """
     asked = contact.scene.fatigue
-    side = _longer(contact)
+    side = max(contact.grid.sides)
     deepest = max(asked.depth * semi_axes(contact)[0], 3.0 * side)
     share = np.linspace(0.0, 1.0, asked.elements - 1) ** GRADING
     return np.concatenate(([0.0], side + (deepest - side) * share))
@@ -180,11 +180,6 @@ def cycle_fatigue(
 def _through(cycles: Sequence[np.ndarray]) -> np.ndarray:
     """The path through all cycles (6, n, n_y)."""
     return cycles[0] if len(cycles) == 1 else np.concatenate(cycles, axis=1)
-
-
-def _longer(contact: State) -> float:
-    grid = contact.grid
-    return grid.dx if grid.line else max(grid.dx, grid.dy)
 
 
 def _layers(
