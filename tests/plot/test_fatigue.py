@@ -112,3 +112,23 @@ def test_a_line_contact_has_them_too(tmp_path):
     scene = ts.Scene.builtin("cylinders").replace(subsurface=None, fatigue=ASKED)
     names = {path.stem for path in plot.save_all(ts.roll(scene), tmp_path, dpi=30)}
     assert names >= {"shakedown-map", "utilisation-A"}
+
+
+def test_the_limit_is_marked_in_line_contacts():
+    """Where the equivalent stress is the limit follows from the depths alone."""
+    scene = ts.Scene.builtin("cylinders").with_set(["grid.elements=41"])
+    limited = scene.replace(subsurface=None, wear=None, fatigue=ASKED)
+    (top,) = ts.roll(limited)["utilisation"][:, 0]
+    limited = limited.with_set([f"fatigue.limit={0.5 * top * ASKED['limit']:.6g}"])
+    history = ts.roll(limited)
+    figure = drawn(plot.utilisation(history, "A"))
+    axes, found = figure.axes[0], history.fatigue("A")
+    (contour,) = [one for one in axes.collections if hasattr(one, "levels")]
+    marked = np.unique(np.concatenate([path.vertices[:, 1] for path in contour.get_paths()]))
+    depths = found.depth / plot.Scale.of_history(history).length
+    # Drawn by interpolation in the root of the depth, read here in the depth itself: the limit lies
+    # between two of 12 depths, over which the utilisation changes by some tenths.
+    at_limit = np.interp(marked, depths, found.utilisation[0])
+    assert marked.size
+    assert at_limit == pytest.approx(1.0, abs=0.05)
+    assert axes.get_xlabel() == "line contact"

@@ -33,7 +33,7 @@ from tractive_sam.plot.fields import pressure, stick_slip_map, traction, wear_ma
 from tractive_sam.plot.figure import Figure as Figure
 from tractive_sam.plot.gallery import DPI, FORMATS, save_all
 from tractive_sam.plot.heat import friction, temperature, traction_curve
-from tractive_sam.plot.line import line_pressure, line_pressures, line_slip, line_traction
+from tractive_sam.plot.line_contact import line_pressure, line_pressures, line_slip, line_traction
 from tractive_sam.plot.profiles import chosen as chosen
 from tractive_sam.plot.profiles import pressure_profiles, wear_profiles, worn_profiles
 from tractive_sam.plot.scale import UNITS, Scale, units

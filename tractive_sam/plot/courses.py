@@ -49,10 +49,11 @@ def widths(history: History) -> Figure:
     scale = Scale.of_history(history)
     told = f"size and pressure of the contact; {replace(scale, drawn_in='hertz').told}"
     figure, axes = over_course(history, told)
-    a, b, p = scale.a_symbol, scale.b_symbol, scale.p_symbol
-    _course(axes, history, history["half_width_x"] / scale.a, f"half width in $x$ / ${a}$")
-    if not history.line:
-        _course(axes, history, history["half_width_y"] / scale.b, f"half width in $y$ / ${b}$")
+    p, halves = scale.p_symbol, {"x": (scale.a, scale.a_symbol), "y": (scale.b, scale.b_symbol)}
+    for axis, (half, symbol) in halves.items():
+        if np.isfinite(half):  # that in y of a line contact is infinite
+            label = f"half width in ${axis}$ / ${symbol}$"
+            _course(axes, history, history[f"half_width_{axis}"] / half, label)
     told, pressure = f"pressure that 5 % of the load exceeds / ${p}$", history["p_95"]
     if np.isnan(pressure).all():
         told, pressure = f"peak contact pressure / ${p}$", history["p_max"]

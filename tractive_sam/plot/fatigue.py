@@ -144,13 +144,13 @@ def utilisation(history: History, body: str = "A", at: float | None = None, **na
     depth = found.depth[-1] * np.linspace(0.0, 1.0, FINE) ** 2
     roots = np.sqrt(depth), np.sqrt(found.depth)
     values = np.stack([np.interp(*roots, row) for row in found.utilisation])
-    mesh = _fill(axes, found.y / scale.across, depth / scale.length, values, cmap=STRESS)
-    _limits(axes, history, found, scale)
+    where = _across(axes, found, scale), depth / scale.length
+    mesh = _fill(axes, *where, values, cmap=STRESS)
     top = found.largest()
     axes.plot(top.at[1] / scale.across, top.at[2] / scale.length, "o", **_MARK)
-    if values.max() > 1.0 > values.min() and not history.line:
-        where = found.y / scale.across, depth / scale.length, values.T
-        axes.contour(*where, levels=[1.0], colors="white", linewidths=1.0)
+    if values.max() > 1.0 > values.min():
+        level = np.broadcast_to(values.T, (depth.size, where[0].size))
+        axes.contour(*where, level, levels=[1.0], colors="white", linewidths=1.0)
     figure.colorbar(mesh, ax=axes, label="equivalent stress / limit")
     _note(figure, history, body)
     return figure
@@ -189,14 +189,14 @@ def damage(history: History, body: str = "A") -> Figure:
         left = one.zeta >= one.worn[:, None]
         shown = np.log10(np.maximum(one.damage, 10.0 ** (highest - 2.0 * DECADES)))
         shown = np.where(left, shown, np.nan)
-        where = one.y / scale.across, one.zeta / scale.length
+        y = _across(axes, one, scale)
         look = {"cmap": WEAR, "vmin": highest - DECADES, "vmax": highest}
-        mesh = _fill(axes, *where, shown, **look)
-        axes.plot(one.y / scale.across, one.worn / scale.length, color=VERMILLION, linewidth=1.2)
+        mesh = _fill(axes, y, one.zeta / scale.length, shown, **look)
+        worn = np.broadcast_to(one.worn / scale.length, y.shape)
+        axes.plot(y, worn, color=VERMILLION, linewidth=1.2)
         _, top = one.damage_max
         axes.plot(top[1] / scale.across, top[2] / scale.length, "o", **_MARK)
         axes.set_title(place(history.coordinate, at))
-        _limits(axes, history, one, scale)
     for axes in charts[1:]:
         axes.set_ylabel("")
         axes.tick_params(labelleft=False)
@@ -330,21 +330,16 @@ def _sections(history: History, told: str, count: int) -> tuple[Figure, list[Axe
     figure = Figure(figsize=((0.75 + 0.45 * count) * WIDTH, 0.75 * WIDTH))
     charts = list(figure.subplots(1, count, squeeze=False, sharey=True)[0])
     scale = Scale.of_history(history)
-    for axes in charts:
-        axes.set_xlabel("line contact" if history.line else scale.of_length("y", across=True))
     charts[0].set_ylabel("depth " + scale.of_length("z"))
     set_title(figure, told_of(history, told, scale.told))
     return figure, charts
 
 
 def _fill(axes: Axes, y: np.ndarray, depth: np.ndarray, values: np.ndarray, **look) -> QuadMesh:
-    if y.size == 1:  # a line is the same all along y
-        y, values = np.array([-0.5, 0.5]), np.repeat(values, 2, axis=0)
-        axes.tick_params(labelbottom=False, bottom=False)
     return axes.pcolormesh(
         y,
         depth,
-        values.T,
+        np.broadcast_to(values.T, (depth.size, y.size)),
         shading="gouraud" if _whole(values) else "nearest",
         rasterized=True,
         **look,
@@ -355,14 +350,21 @@ def _whole(values: np.ndarray) -> bool:
     return bool(np.isfinite(values).all())
 
 
-def _limits(axes: Axes, history: History, one: BodyFatigue, scale: Scale) -> None:
-    """The stressed part of the section, depth downwards."""
-    if not history.line:
-        stressed = one.utilisation.max(axis=1) > 0.05 * one.utilisation.max()
-        reach = 1.15 * np.abs(one.y[stressed]).max()
-        reach = min(reach, one.y[-1]) / scale.across
-        axes.set_xlim(-reach, reach)
+def _across(axes: Axes, one: BodyFatigue, scale: Scale) -> np.ndarray:
+    """Show the stressed part of the section, depth downwards, and return y on its axis.
+
+    The section of a line contact, which is the same for all y, has two places.
+    """
     axes.set_ylim(one.depth[-1] / scale.length, 0.0)
+    if one.y.size == 1:
+        axes.set_xlabel("line contact")
+        axes.tick_params(labelbottom=False, bottom=False)
+        return np.array([-0.5, 0.5])
+    stressed = one.utilisation.max(axis=1) > 0.05 * one.utilisation.max()
+    reach = min(1.15 * np.abs(one.y[stressed]).max(), one.y[-1]) / scale.across
+    axes.set_xlim(-reach, reach)
+    axes.set_xlabel(scale.of_length("y", across=True))
+    return one.y / scale.across
 
 
 def _damage_course(axes: Axes, history: History) -> None:

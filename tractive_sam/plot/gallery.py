@@ -33,7 +33,7 @@ from tractive_sam.plot.fatigue import (
 from tractive_sam.plot.fields import pressure, stick_slip_map, traction, wear_map
 from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.heat import friction, temperature
-from tractive_sam.plot.line import line_pressure, line_pressures, line_slip, line_traction
+from tractive_sam.plot.line_contact import line_pressure, line_pressures, line_slip, line_traction
 from tractive_sam.plot.profiles import pressure_profiles, wear_profiles, worn_profiles
 from tractive_sam.plot.scale import units as drawn_in
 from tractive_sam.plot.sections import traction_sections

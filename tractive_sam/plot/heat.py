@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from tractive_sam.plot.creep_force import MARKERS
 from tractive_sam.plot.drawn import Drawn, Source
 from tractive_sam.plot.figure import Figure
-from tractive_sam.plot.line import over_x
+from tractive_sam.plot.line_contact import over_x
 from tractive_sam.plot.map import Map
 from tractive_sam.plot.style import GREY, SLIP, VERMILLION, WIDTH, styled
 
