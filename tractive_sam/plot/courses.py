@@ -51,7 +51,7 @@ def widths(history: History) -> Figure:
     figure, axes = over_course(history, told)
     p, halves = scale.p_symbol, {"x": (scale.a, scale.a_symbol), "y": (scale.b, scale.b_symbol)}
     for axis, (half, symbol) in halves.items():
-        if np.isfinite(half):  # that in y of a line contact is infinite
+        if np.isfinite(half):  # in y of a line contact it is infinite
             label = f"half width in ${axis}$ / ${symbol}$"
             _course(axes, history, history[f"half_width_{axis}"] / half, label)
     told, pressure = f"pressure that 5 % of the load exceeds / ${p}$", history["p_95"]

@@ -353,7 +353,7 @@ def _whole(values: np.ndarray) -> bool:
 def _across(axes: Axes, one: BodyFatigue, scale: Scale) -> np.ndarray:
     """Show the stressed part of the section, depth downwards, and return y on its axis.
 
-    The section of a line contact, which is the same for all y, has two places.
+    A line contact is equal at all y: its section has two places.
     """
     axes.set_ylim(one.depth[-1] / scale.length, 0.0)
     if one.y.size == 1:

@@ -9,17 +9,17 @@ class PointContact:
     Attributes
     ----------
     creepages : tuple of str
-        Motions of rigid bodies that such a contact may have.
+        Relative motions of the rigid bodies.
     weibull_slope : float
-        Usual slope of the Weibull distribution of lives: that of ball bearings (Lundberg and
-        Palmgren 1947).
+        Usual slope of the Weibull distribution of lives, for ball bearings (Lundberg and Palmgren
+        1947).
     """
 
     creepages: ClassVar[tuple[str, ...]] = ("xi_x", "xi_y", "spin")
     weibull_slope: ClassVar[float] = 10.0 / 9.0
 
     def unit(self, unit: str) -> str:
-        """Return the unit of a resultant, an area or a volume that has this unit by itself."""
+        """Return the unit of a resultant, an area or a volume, given the unit of a total."""
         return unit
 
 
@@ -27,7 +27,7 @@ class LineContact(PointContact):
     """A contact of bodies that are infinitely long in y: plane strain, all fields constant in y.
 
     Resultants, areas and volumes are per length, mm. The slip by spin would vary in y. The usual
-    slope of lives is that of roller bearings (Lundberg and Palmgren 1952).
+    slope of lives is for roller bearings (Lundberg and Palmgren 1952).
     """
 
     creepages = ("xi_x", "xi_y")

@@ -12,7 +12,7 @@ _CROWN = "give one body a finite radius_y for a contact of finite width"
 
 
 def is_line(known: Known) -> bool:
-    """Return whether such a scene is a line contact."""
+    """Return whether a scene of these entries is a line contact."""
     return known["gap"] is None and all(known[f"body.{b}.radius_y"] == math.inf for b in "AB")
 
 
