@@ -336,18 +336,10 @@ def _sections(history: History, told: str, count: int) -> tuple[Figure, list[Axe
 
 
 def _fill(axes: Axes, y: np.ndarray, depth: np.ndarray, values: np.ndarray, **look) -> QuadMesh:
-    return axes.pcolormesh(
-        y,
-        depth,
-        np.broadcast_to(values.T, (depth.size, y.size)),
-        shading="gouraud" if _whole(values) else "nearest",
-        rasterized=True,
-        **look,
-    )
-
-
-def _whole(values: np.ndarray) -> bool:
-    return bool(np.isfinite(values).all())
+    """Colour values of shape (n_y, depths), or (1, depths) where they are equal at all y."""
+    look["shading"] = "gouraud" if np.isfinite(values).all() else "nearest"
+    values = np.broadcast_to(values.T, (depth.size, y.size))
+    return axes.pcolormesh(y, depth, values, rasterized=True, **look)
 
 
 def _across(axes: Axes, one: BodyFatigue, scale: Scale) -> np.ndarray:
