@@ -26,8 +26,8 @@ def test_run_show_plot_and_explain(call, folder, name):
     drawn = {Path(line).stem for line in result.stdout.splitlines()}
     assert drawn >= {"pressure", "traction", "slip"}
     explained = call("explain", name, *grid).stdout
-    assert "plane strain, solved on 65 elements" in explained
-    assert "65 elements in x, given" in explained
+    assert "plane strain" in explained
+    assert "65 elements, given" in explained
 
 
 def test_faults(call):

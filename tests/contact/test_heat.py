@@ -178,7 +178,8 @@ def test_bad_input_is_told(discs, changes, key, words):
 def test_explained(discs):
     heat = next(section for section in ts.explain(discs) if section.title == "Heat")
     rows = dict(heat.rows)
-    assert "Peclet" in rows["body A"]
+    assert "of an element" in rows["Peclet number A"]
+    assert "bulk" in rows["body A"]
     assert rows["shared"].startswith("half")
 
 

@@ -133,7 +133,8 @@ class TestNamedLaw:
         contact = ts.solve(soft)
         deepest = 2.0 * contact.p_max  # G = 1
         assert contact.approach == pytest.approx(deepest, rel=1e-6)  # solver tolerance 1e-8
-        assert "Winkler" in str(ts.explain(soft))
+        laws = next(one for one in ts.explain(soft) if one.title == "Laws of other packages")
+        assert dict(laws.rows) == {"elasticity": ts.Laws.of(soft).elasticity.describe()}
 
     def test_fatigue_criterion(self):
         plain = {"criterion": "crossland", "sensitivity": 0.3, "limit": 1.0, "bodies": ["A"]}

@@ -31,8 +31,10 @@ def spheres(*settings):
 def test_every_scene_is_explained_in_words(name):
     scene = ts.Scene.builtin(name)
     sections = told(scene)
-    asked = [t for t in ("transient", "heat", "fatigue") if getattr(scene, t) is not None]
-    wanted = ["Bodies", "State", "Wear", "Stress", *map(str.capitalize, asked), "Mesh", "Work"]
+    given = [t for t in ("transient", "fatigue") if getattr(scene, t) is not None]
+    before, after = (given[:1], given[1:]) if "transient" in given else ([], given)
+    parts = [*map(str.capitalize, before), "Heat", *map(str.capitalize, after)]
+    wanted = ["Bodies", "State", "Wear", "Stress", *parts, "Mesh", "Work"]
     assert list(sections) == wanted
     assert all(
         answer and isinstance(answer, str) for s in sections.values() for answer in s.values()
@@ -53,6 +55,7 @@ def test_what_is_left_out_is_said_with_the_key_that_adds_it():
     scene = spheres().replace(subsurface=None)
     assert "[wear]" in told(scene)["Wear"]["wear"]
     assert "[subsurface]" in told(scene)["Stress"]["stress"]
+    assert "[heat]" in told(scene)["Heat"]["heat"]
     rolling = told(scene.replace(creepage=None))["State"]["tangential problem"]
     frictionless = told(scene.replace(friction=None, creepage=None))["State"]
     assert "creepage" in rolling
@@ -61,8 +64,8 @@ def test_what_is_left_out_is_said_with_the_key_that_adds_it():
 
 
 def test_forces_to_transmit_and_creepages_are_told_apart():
-    given = told(spheres("creepage.longitudinal=-0.002"))["State"]["tangential problem"]
-    found = told(spheres("load.force_x=0.1"))["State"]["tangential problem"]
+    given = told(spheres("creepage.longitudinal=-0.002"))["State"]["rolling"]
+    found = told(spheres("load.force_x=0.1"))["State"]["rolling"]
     assert "xi_x = -0.002" in given
     assert "Q_x = 0.1 N" in found
 
@@ -70,7 +73,8 @@ def test_forces_to_transmit_and_creepages_are_told_apart():
 def test_friction_and_wear_laws():
     discs = told(ts.Scene.builtin("twin-discs").with_set(["grid.elements=[15, 31]"]))
     assert "(0.6, 0.3) at 45 degrees" in discs["State"]["friction"]
-    assert "(2e-06, 1e-06)" in discs["Wear"]["law"]
+    assert "(2e-06, 1e-06)" in discs["Wear"]["wear"]
+    assert "work of friction" in discs["Wear"]["law"]
     assert "15000" in discs["Wear"]["revolutions"]
 
 

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
-from tractive_sam.scene import PlausibilityWarning
-from tractive_sam.scene.told import duty_told
+from tractive_sam.scene import PlausibilityWarning, describe_load
 
 RANDOM = np.random.default_rng(5)
 MEASURED = {
@@ -55,7 +54,7 @@ def test_a_scene_whose_work_is_unknown(loads):
     loads.write_text("pressure,longitudinal\n900,-0.001\n1100,-0.01\n")
     scene = DISCS.replace(load_history={"file": str(loads), "levels": 1})
     assert scene.load_history.work_error is None
-    assert "creepage by" not in duty_told(scene)["load history"]
+    assert "load x creepage" not in describe_load(scene)["load history"]
     assert ts.Scene.from_toml_text(scene.to_toml()) == scene
 
 
@@ -111,7 +110,7 @@ def test_a_scene_reads_its_history(loads):
     other = scene.with_set(["load_history.levels=1"])
     assert [one.revolutions for one in other.duty] == [100]
     assert other == DISCS.with_set([f"load_history.file={loads}", "load_history.levels=1"])
-    assert "4 rows of loads.csv" in duty_told(scene)["load history"]
+    assert "4 rows of loads.csv" in describe_load(scene)["load history"]
 
 
 def test_its_text_holds_the_blocks(loads):

@@ -8,7 +8,7 @@ import pytest
 import tractive_sam as ts
 from tractive_sam.mechanics.line_contact import hertz_line
 from tractive_sam.mechanics.point_contact import hertz
-from tractive_sam.scene.told import told
+from tractive_sam.scene import describe_load
 
 DISCS = ts.Scene.builtin("twin-discs").with_set(
     ["grid.half_length=[0.35, 0.9]", "grid.elements=[15, 25]", "wear.revolutions=1"]
@@ -121,13 +121,13 @@ def test_hardness_of_both_bodies_or_none():
         ["wear.coefficient.A=1e-3", "wear.coefficient.B=3e-3", "wear.turns=each"],
     ],
 )
-def test_load_and_wear_are_told_both_ways(settings):
+def test_load_and_wear_are_described_in_both_units(settings):
     scene = DISCS.with_set(settings)
-    rows = told(scene)
+    rows = describe_load(scene)
     assert f"p0 = {scene.hertz.p0:.6g} MPa" in rows["load"]
     assert f"P = {scene.hertz.load:.6g}" in rows["load"]
     assert "/MPa" in rows["wear"]
     assert "mm3/(N m)" in rows["wear"]
     assert "both" in rows["wear"]
-    assert "N counts those of body A" in rows["turns"]
-    assert math.isfinite(float(rows["of the depth"].split()[0]))
+    assert "N counts the revolutions of body A" in rows["turns"]
+    assert math.isfinite(float(rows["worn depth"].split()[0]))

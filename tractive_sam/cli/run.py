@@ -112,7 +112,7 @@ def _print_results(history: "History", verbose: bool, printed: set[str]) -> None
             console().print(tables.last_record(history, solver=True))
         else:
             console().print(tables.main_results(history))
-        console().print(tables.asked(history))
+        console().print(tables.load(history))
     for text in balances(history, only_if_open=True).values():
         note(text)
     for text in (f"{name}: {text}" for name, text in caveats(history).items()):

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 from rich import box
 from rich.table import Table
 
-from tractive_sam.results import balances, caveats, numbers, rolled_on_by
-from tractive_sam.scene import told as asked_of
+from tractive_sam.results import describe_history, numbers
+from tractive_sam.scene import describe_load
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable
+    from collections.abc import Collection, Iterable, Mapping
 
     from tractive_sam.results import History, Quantity
 
@@ -62,36 +62,21 @@ def course(columns: "Collection[str]") -> tuple[tuple[str, str, float, str], ...
 
 
 def about(history: "History") -> Table:
-    """What was computed, and how it ended."""
-    table = Table.grid(padding=(0, 2))
+    """Return what was computed, and how it ended."""
     rows = {"scene": history.title, "status": history.status, "message": history.message}
-    if math.isfinite(history.p0):
-        unworn = f"a0 = {history.a0:.5g} mm, b0 = {history.b0:.5g} mm, p0 = {history.p0:.6g} MPa"
-        rows["unworn contact"] = unworn
-    rows["records"] = f"{len(history)}, {len(history.saved)} with fields"
-    rows |= asked_of.told(history.scene)
-    if history.laws:
-        rows["laws"] = history.laws
-    if history.started:
-        rows["began with"] = history.started
-    if others := rolled_on_by(history):
-        rows["rolled on by"] = others
-    rows |= {f"{name} balance": text for name, text in balances(history).items()}
-    rows |= caveats(history)
-    totals = history.totals
-    if totals["contact_solves"]:
-        spent = f"{totals['contact_solves']} contacts solved in {totals['wall_seconds']:.3g} s"
-        rows["cost"] = spent
-    for name, value in rows.items():
-        table.add_row(name, value)
-    return table
+    return _rows(rows | describe_history(history))
 
 
-def asked(history: "History") -> Table:
-    """The load and the wear that were asked for, in the units that people have."""
+def load(history: "History") -> Table:
+    """Return the load and the wear of the scene, in the units of its keys and in others."""
+    return _rows(describe_load(history.scene))
+
+
+def _rows(rows: "Mapping[str, str]") -> Table:
+    """Return a table of labels and texts."""
     table = Table.grid(padding=(0, 2))
-    for name, value in asked_of.told(history.scene).items():
-        table.add_row(name, value)
+    for label, text in rows.items():
+        table.add_row(label, text)
     return table
 
 

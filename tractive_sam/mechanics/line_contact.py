@@ -60,6 +60,15 @@ class HertzLine:
         """
         return self.a**2 / (2 * self.radius) * (math.log(2 * self.radius / self.a) + 0.5)
 
+    def describe(self) -> str:
+        """Return the size, pressure and approach in one line, and what plane strain means."""
+        return (
+            f"a = {self.a:.5g} mm, p0 = {self.p0:.6g} MPa, approach = {self.approach:.4g} mm "
+            "relative to the surface one R_x away; plane strain: both bodies are straight and "
+            "infinitely long in y (radius_y = inf), so nothing changes along it, and forces are "
+            "per length, N/mm"
+        )
+
     def pressure(self, x: ArrayLike) -> NDArray[np.float64]:
         """Contact pressure at x in mm, MPa; zero outside."""
         return self.p0 * np.sqrt(np.maximum(0.0, 1.0 - np.square(np.divide(x, self.a))))

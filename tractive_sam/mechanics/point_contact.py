@@ -54,6 +54,13 @@ class HertzContact:
         """Load over contact area, two thirds of p0, MPa."""
         return self.load / self.area
 
+    def describe(self) -> str:
+        """Return the semi-axes, the pressure and the approach in one line."""
+        return (
+            f"a = {self.a:.5g} mm, b = {self.b:.5g} mm, p0 = {self.p0:.6g} MPa, approach = "
+            f"{self.approach:.4g} mm"
+        )
+
     def pressure(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
         """Contact pressure at points (x, y) in mm, MPa; zero outside; x and y broadcast."""
         distance2 = np.square(np.divide(x, self.a)) + np.square(np.divide(y, self.b))

@@ -3,7 +3,6 @@
 import json
 import re
 import warnings
-from collections.abc import Iterator
 from importlib.metadata import version
 from importlib.resources import files
 from os import PathLike
@@ -14,8 +13,8 @@ from tractive_sam.extras import importing_extra
 from tractive_sam.markup import Html, fill, policy
 from tractive_sam.output_file import write_file
 from tractive_sam.pages.data import of_history
-from tractive_sam.results import History, balances, caveats, rolled_on_by
-from tractive_sam.scene import Scene, told
+from tractive_sam.results import History, describe_history
+from tractive_sam.scene import Scene
 
 LONGEST_SCENE = 20_000
 """Characters of a scene that are shown: one with arrays has millions."""
@@ -70,7 +69,7 @@ def _page(history: History) -> str:
     data = of_history(history) | {"colours": colours}
     parts = {name: files(__package__).joinpath(name).read_text("utf-8") for name in _PARTS}
     kind = "good" if history.finished else "part" if history.status == "running" else "bad"
-    notes = [*_notes(history), *data.pop("leftOut")]
+    notes, facts = [*_notes(history), *data.pop("leftOut")], describe_history(history)
     named = [f"{name} {number}" for name, number in history.versions.items()]
     found = _harmless(json.dumps(data, allow_nan=False))
     style = f"\n{parts['style.css']}{parts['report.css']}\n"
@@ -84,7 +83,7 @@ def _page(history: History) -> str:
         kind=kind,
         message=history.message,
         notes=(fill('<p class="notice">$note</p>\n', note=note) for note in notes),
-        facts=(fill("<dt>$name</dt><dd>$one</dd>", name=k, one=v) for k, v in _facts(history)),
+        facts=(fill("<dt>$name</dt><dd>$one</dd>", name=k, one=v) for k, v in facts.items()),
         scene=_scene(history),
         versions=", ".join(named or [f"tractive-sam {version('tractive-sam')}"]),
         plotly=Html(script),
@@ -117,26 +116,6 @@ def _plotly() -> tuple[str, dict[str, Any]]:
 def _harmless(data: str) -> str:
     """JSON that ends no script, whatever a title holds."""
     return data.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
-
-
-def _facts(history: History) -> Iterator[tuple[str, str]]:
-    """What was computed, by what is told of it."""
-    if history.p0 == history.p0:
-        hertz = f"a0 = {history.a0:.5g} mm, b0 = {history.b0:.5g} mm, p0 = {history.p0:.6g} MPa"
-        yield "unworn contact", f"{hertz} by Hertz"
-    yield from told.told(history.scene).items()
-    yield "records", f"{len(history)}, {len(history.saved)} with fields"
-    if history.laws:
-        yield "laws of its own", history.laws
-    if others := rolled_on_by(history):
-        yield "rolled on by", others
-    for name, found in balances(history).items():
-        yield f"{name} balance", found
-    yield from caveats(history).items()
-    totals = history.totals
-    if totals["contact_solves"]:
-        spent = f"{totals['contact_solves']} contacts solved in {totals['wall_seconds']:.3g} s"
-        yield "cost", spent
 
 
 def _notes(history: History) -> list[str]:

@@ -2,6 +2,11 @@
 
 from .cycle import PREFIX as PREFIX
 from .cycle import cycle_record as cycle_record
+from .describe import balances as balances
+from .describe import caveats as caveats
+from .describe import describe_history as describe_history
+from .describe import number as number
+from .describe import numbers as numbers
 from .fatigue import BodyFatigue as BodyFatigue
 from .grid import Grid as Grid
 from .grid import widened as widened
@@ -48,8 +53,3 @@ from .state import NotConverged as NotConverged
 from .state import State as State
 from .status import Cost as Cost
 from .status import Status as Status
-from .told import balances as balances
-from .told import caveats as caveats
-from .told import number as number
-from .told import numbers as numbers
-from .told import rolled_on_by as rolled_on_by

@@ -41,7 +41,7 @@ def of_contact(contact: "State") -> dict[str, str]:
 
 def of_history(history: "History") -> dict[str, str]:
     """What is told of a history, numbers of its last record."""
-    from tractive_sam.results.told import numbers  # noqa: PLC0415 - which knows contacts itself
+    from tractive_sam.results.describe import numbers  # noqa: PLC0415 - which knows contacts itself
 
     along = history.coordinate
     rows = {

@@ -1,20 +1,26 @@
 """What a scene will have modelled, what is left out and why, and what it will take."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
 
 from tractive_sam.contact import Model, choose_grid, rough_maps
-from tractive_sam.operators import STEPS_FROM, available
-from tractive_sam.results import columns
-from tractive_sam.rolling import MISSED, expected_steps
+from tractive_sam.operators import available
+from tractive_sam.rolling import expected_steps
 from tractive_sam.run import memory
 from tractive_sam.run.accuracy.levels import with_tolerances
 from tractive_sam.run.accuracy.steady import Refined, refined
 from tractive_sam.run.gap_notes import warn_of_gap
 from tractive_sam.run.given import measured_gap, travelling
-from tractive_sam.scene import Scene, told
+from tractive_sam.run.model_rows import (
+    MODEL_ROWS,
+    describe_laws_of_packages,
+    describe_mesh,
+    describe_refinement,
+)
+from tractive_sam.scene import Row, Scene, describe_tables
 
 # Typical work at a tolerance of 1e-8, in applications with all that goes with them: of a new
 # contact on nested meshes, of a revolution, which starts from the one before, and of a jump, which
@@ -73,366 +79,90 @@ def explain(scene: Scene) -> Explanation:
 
     Examples
     --------
-    >>> told = ts.explain(scene)  # prints itself
-    >>> told[0].title, told[0].rows[1]
+    >>> sections = ts.explain(scene)  # prints itself
+    >>> sections[0].title, sections[0].rows[3]
     ('Bodies', ('combined radii', 'R_x = 168.75 mm, R_y = 168.75 mm'))
     """
-    measured = measured_gap(scene)
-    profiles = travelling(scene)
-    accuracy = []
-    model = Model(scene, measured, profiles=profiles)
-    if scene.accuracy is not None:
-        memory.check_solve(model)
-        chosen = with_tolerances(scene)
-        found = refined(chosen.alone, measured)
-        model = Model(chosen, measured, found.model.grid)
-        accuracy = [_accuracy(found)]
-    parts = (_bodies, _contact, _wear, _subsurface, _mesh, _work)
-    told = [part(model) for part in parts]
-    warm = [] if scene.heat is None else [_heat(model)]
-    damaged = [] if scene.fatigue is None else [_fatigue(model)]
-    changing = _transient(model)
-    return Explanation((*told[:4], *changing, *warm, *damaged, *accuracy, *told[4:]))
-
-
-def _accuracy(found: Refined) -> Section:
-    scene, contact = found.contact.scene, found.contact
-    meshes = "refined until the error bars are within it"
-    if scene.wear is not None:
-        meshes += "; further, where two coarser meshes rolled before show that wear asks for it"
-    rows = [("asked for", f"{scene.accuracy.tolerance:g}, relative: the mesh is {meshes}")]
-    if found.missed:
-        rows.append(("not reached", found.missed))
-    for name in ("Qx", "Qy", "Mz", "p_max"):
-        if name in contact.error_bars:
-            bar = contact.error_bars[name]
-            value = f"{getattr(contact, name):.6g} +- {bar:.1g} {columns(scene)[name].unit}"
-            rows.append((f"{name} of the unworn bodies", value))
-    return Section("Accuracy", rows)
-
-
-def _bodies(model: Model) -> Section:
-    material, hertz = model.scene.material, model.scene.hertz
-    radius_x, radius_y = model.scene.body.radii
-    rows = [
-        ("combined modulus", f"E* = {material.E_star:.6g} MPa, nu = {material.poisson:.4g}"),
-        ("combined radii", f"R_x = {radius_x:.6g} mm, R_y = {radius_y:.6g} mm"),
-    ]
-    if model.grid.line:
-        rows.append(("line contact", _plane_strain(model)))
-    if model.scene.elasticity and model.scene.elasticity.named_law:
-        rows.append(("elasticity", f"{model.scene.elasticity.law}, in place of half-spaces"))
-    if hertz is not None:
-        rows += [
-            ("unworn contact (Hertz)", f"a = {hertz.a:.5g} mm, b = {hertz.b:.5g} mm"),
-            ("its pressure", f"p0 = {hertz.p0:.6g} MPa, approach = {hertz.approach:.4g} mm"),
-        ]
-    rows.append(("load", told.load_told(model.scene)))
+    model, refinement = _model_of(scene)
+    described = describe_tables(scene)
+    for key, describe in MODEL_ROWS.items():
+        if (table := getattr(model.scene, key)) is not None:
+            described[key] += describe(table, model)
+    if refinement is not None:
+        described["accuracy"] += describe_refinement(refinement)
+    described |= {
+        "laws": [*describe_laws_of_packages(model)],
+        "mesh": [*describe_mesh(model, refinement)],
+        "work": [*_work(model)],
+    }
+    sections = {title: [row for key in keys for row in described[key]] for title, keys in SECTIONS}
     if model.measured is not None:
-        rows.append(("separation", "that of the radii and the measured one of [gap]"))
         warn_of_gap(model)
-    return Section("Bodies", rows)
-
-
-def _plane_strain(model: Model) -> str:
-    return (
-        f"plane strain, solved on {model.grid.elements[0]} elements: both bodies are straight and "
-        "infinitely long in y (radius_y = inf), so nothing changes along it; forces are per "
-        "length, N/mm, and the approach is relative to the surface one R_x away"
+    return Explanation(
+        Section(title, [(row.label, row.text) for row in rows])
+        for title, rows in sections.items()
+        if rows
     )
 
 
-def _contact(model: Model) -> Section:
-    scene, K = model.scene, model.scene.material.coupling
-    if model.elasticity.coupled and model.transmits:
-        coupling = (
-            "of unlike bodies: pressure makes the surfaces slip and tractions lift them, so both "
-            f"are solved at once (K = {K:.4g}, 0 of like ones)"
-        )
-    elif model.elasticity.coupled:
-        coupling = (
-            f"of unlike bodies (K = {K:.4g}), but without friction there are no tractions to lift "
-            "the surfaces: the pressure is solved alone"
-        )
-    else:
-        coupling = "none: tractions do not change the pressure, which is solved first"
-    if scene.friction is None:
-        tangential = "left out: without friction there is no traction"
-    elif not model.transmits:
-        tangential = "left out: equal materials without creepage roll freely, without traction"
-    else:
-        tangential = "stick and slip under " + _drive(model)
-    rows = [("coupling", coupling), ("tangential problem", tangential)]
-    if scene.friction is not None:
-        rows.append(("friction", told.friction_told(scene)))
-    rows.append(("method", f"{model.method.told}, to a residual of {scene.solver.tolerance:g}"))
-    if model.transmits:
-        staggered = model.stencil.staggered
-        scheme = "from differences " + (
-            "between elements (staggered): its error falls with the square of their size"
-            if staggered
-            else "towards the leading edge (upwind, the paper's): its error falls with their size"
-        )
-        rows.append(("slip", scheme))
-    heat = "heat, " if scene.heat is None else ""
-    rows.append(("left out", f"inertia, lubricant, {heat}plasticity; thin or conforming bodies"))
-    return Section("State", rows)
+SECTIONS = (
+    ("Bodies", ("body", "elasticity", "load", "gap")),
+    ("State", ("creepage", "friction", "solver")),
+    ("Wear", ("wear", "load_history", "duty")),
+    ("Stress", ("subsurface",)),
+    ("Transient", ("transient",)),
+    ("Heat", ("heat",)),
+    ("Fatigue", ("fatigue",)),
+    ("Laws of other packages", ("laws",)),
+    ("Accuracy", ("accuracy",)),
+    ("Mesh", ("mesh",)),
+    ("Work", ("work",)),
+)
+"""Headings, and the tables of the scene and parts of the model that are described below each."""
 
 
-def _drive(model: Model) -> str:
-    creepage, load = model.scene.creepage, model.scene.load
-    unit = model.scene.force_unit
-    if model.scene.transient is not None:
-        return "what changes over the distance (Transient, below)"
-    parts = [
-        f"Q_x = {load.force_x:g} {unit} (creepage found)"
-        if model.free[0]
-        else f"xi_x = {creepage.longitudinal:g}",
-        f"Q_y = {load.force_y:g} {unit} (creepage found)"
-        if model.free[1]
-        else f"xi_y = {creepage.lateral:g}",
-        f"spin = {creepage.spin:g} /mm",
-    ]
-    return ", ".join(parts)
+def _model_of(scene: Scene) -> tuple[Model, Refined | None]:
+    """Return the model on its mesh, which [accuracy] finds by refinement."""
+    measured = measured_gap(scene)
+    model = Model(scene, measured, profiles=travelling(scene))
+    if scene.accuracy is None:
+        return model, None
+    memory.check_solve(model)
+    chosen = with_tolerances(scene)
+    found = refined(chosen.alone, measured)
+    return Model(chosen, measured, found.model.grid), found
 
 
-def _wear(model: Model) -> Section:
-    wear = model.scene.wear
-    if wear is None:
-        return Section("Wear", [("wear", "left out: the scene has no [wear]")])
-    upwind = model.scene.solver.slip == "upwind"
-    rows = [("law", f"{told.law_told(model.scene)}, {told.wear_told(model.scene)}")]
-    if model.scene.transient is None:
-        rows += [
-            ("revolutions", f"{wear.revolutions}, {_stepping(wear)}"),
-            ("fields kept at", ", ".join(map(str, wear.save))),
-            *told.duty_told(model.scene).items(),
-            ("turns", told.turns_told(model.scene)),
-        ]
-    else:
-        stays = "stays with the material, which rolls on"
-        if not model.scene.transient.rolls:
-            stays = "stays where it is, as nothing rolls"
-        rows.append(("depth", f"{stays}, and is part of the gap of the next step"))
-    rows += [
-        ("of the depth", told.share_told(model.scene)),
-        ("worn mass", told.density_told(model.scene)),
-    ]
-    if upwind:
-        rows.append(("slip", "the paper's upwind difference: frictional work comes out too small"))
-    return Section("Wear", rows)
+def _work(model: Model) -> Iterator[Row]:
+    """Yield the memory and the time that a scene takes, and what finer meshes would take."""
+    yield Row("records", f"{records(model.scene, model.grid.dx)} expected")
+    needed, free = memory.of_scene(model), available()
+    room = f"about {needed / 2**20:.0f} MiB, and {OF_PROGRAMS} MiB for programs"
+    if needed > free:
+        room += f": more than the {free / 2**20:.0f} MiB that are free here"
+    yield Row("memory", room)
+    if not model.method.predictable:
+        unknown = "the iterations of Uzawa's method are not known beforehand"
+        yield Row("time", f"not estimated: {unknown}")
+        return
+    count = applications(model)
+    seconds = seconds_per_application(model) * count
+    transforms = f"{count} elastic responses by Fourier transforms"
+    yield Row("time", f"about {duration(seconds)}, for {transforms}")
+    yield from _resolving(model, seconds)
 
 
-def _stepping(wear) -> str:
-    if wear.stepping == "adaptive":
-        told = f"in adaptive jumps, to {wear.tolerance:g} of the wear depth"
-        return f"{told}, and their contacts to a residual of no more"
-    return "one by one"
-
-
-def _subsurface(model: Model) -> Section:
-    asked, criterion = model.scene.subsurface, model.laws.criterion
-    if asked is None:
-        return Section("Stress", [("stress", "left out: the scene has no [subsurface]")])
-    hertz = model.scene.hertz
-    deepest = f"{asked.depth:g} a" if hertz is None else f"{asked.depth * hertz.a:.4g} mm"
-    rolls = model.scene.wear is not None or model.scene.transient is not None
-    kept = f"each of {model.scene.schedule.save_key}" if rolls else "the unworn bodies"
-    rows = [
-        ("bodies", ", ".join(asked.bodies)),
-        ("planes", f"{', '.join(map(str, asked.planes))}, at {kept}"),
-        ("depths", f"{asked.elements} to {deepest}, closer towards the surface"),
-        (f"largest {criterion.long_name}", "inside and at the surface, with every record"),
-    ]
-    return Section("Stress", rows)
-
-
-def _heat(model: Model) -> Section:
-    scene, rows = model.scene, []
-    speed, bulk = scene.creepage.speed, scene.heat.bulks
-    half = model.grid.half_length[0] if scene.hertz is None else scene.hertz.a
-    for name, thermal in scene.thermal.items():
-        given = "" if getattr(scene.body, name).thermal else " (steel, not given)"
-        moving = speed / (2.0 * thermal.diffusivity)
-        fronts = "steps" if moving * model.grid.dx > STEPS_FROM else "resolved"
-        rows.append(
-            (
-                f"body {name}",
-                f"{thermal.conductivity:g} W/(m K), {thermal.diffusivity:.4g} mm2/s{given}, bulk "
-                f"{bulk[name]:g} degC; Peclet number {moving * half:.3g} of the contact, "
-                f"{moving * model.grid.dx:.3g} of an element: heat fronts {fronts}",
-            )
-        )
-    alike = scene.thermal["A"] == scene.thermal["B"] and bulk["A"] == bulk["B"]
-    shared = "half to each body" if alike else "by equal temperatures in contact"
-    rows.append(("shared", shared))
-    table = scene.friction and scene.friction.temperature
-    answers = "contact and temperature in turn" if table else "no: the contact is solved once"
-    rows.append(("friction answers to it", answers))
-    return Section("Heat", rows)
-
-
-def _fatigue(model: Model) -> Section:
-    asked, laws = model.scene.fatigue, model.laws
-    k = asked.shear_yield_stress
-    shakedown = "left out: there is no shear_yield or yield_strength"
-    if k is not None:
-        shakedown = f"k = {k:.6g} MPa: certain by Melan (rho_xx and rho_yy), impossible by Koiter"
-    rows = [("bodies", ", ".join(asked.bodies)), ("shakedown", shakedown)]
-    if k is not None and model.scene.hertz is not None:
-        ratio = model.scene.hertz.p0 / k
-        rows.append(("p0/k", f"{ratio:.3g} unworn; without friction a line shakes down up to 4"))
-    if laws.fatigue is None or laws.life is None:
-        rows.append(("utilisation and damage", "left out: there is no limit"))
-    else:
-        line = laws.life
-        life = f"{line.cycles:g} cycles at {asked.limit:g} MPa, to the power -{line.exponent:g}"
-        life += ", infinite below" if line.knee else ""
-        rows += [("criterion", laws.fatigue.long_name), ("life", life)]
-        if laws.volume is not None:
-            rows.append(("volume", _volume(model)))
-        if len(model.blocks) > 1:
-            rows.append(
-                (
-                    "duty cycle",
-                    "the damage of its blocks by Miner's rule, in any order (damage_error "
-                    "estimates its effect)",
-                )
-            )
-        if model.scene.wear is not None and model.scene.wear.stepping == "adaptive":
-            rows.append(
-                (
-                    "jumps",
-                    f"each misses up to {MISSED * asked.tolerance:g} of the largest damage, by its "
-                    "estimate; all together damage_error",
-                )
-            )
-    rows += [
-        (
-            "depths",
-            f"{asked.elements} to {asked.depth:g} a; between the surface and one element "
-            "below it stress goes with the root of the depth",
-        ),
-        ("stress", "elastic: where it is above the shakedown limit the material does not see it"),
-        ("records", "every one; fields over (y, depth) with the fields that are kept"),
-        (
-            "missing",
-            "bending, residual stress from making the bodies, hardness over the depth",
-        ),
-    ]
-    return Section("Fatigue", rows)
-
-
-def _volume(model: Model) -> str:
-    law, asked = model.laws.volume, model.scene.fatigue.volume
-    told = f"stress^{law.stress_exponent:.4g} / depth^{law.depth_exponent:.4g}"
-    told += f" above {law.limit:g} MPa" if law.limit else ""
-    told += f", Weibull's slope {law.slope:.4g}; from one element deep on"
-    if asked.constant is None:
-        return f"{told}; no life: there is no constant"
-    return f"{told}; life with a survival of {asked.survival:g}"
-
-
-def _mesh(model: Model) -> Section:
-    grid, hertz = model.grid, model.scene.hertz
-    nx, ny = grid.elements
-    given = "chosen from the contact"
-    if model.scene.grid is not None:
-        if not model.scene.bounded:
-            given = "given, the domain chosen from the contact"
-        else:
-            given = "given" if model.scene.grid.elements else f"{given}, the domain given"
-    elif model.scene.accuracy is not None:
-        given = "found by refinement"
-    given += _refinement(model)
-    if grid.line:
-        rows = [
-            ("mesh", f"{nx} elements in x, {given}"),
-            ("domain", f"+-{grid.half_length[0]:.4g} mm"),
-            ("element", f"{grid.dx:.4g} mm"),
-            ("across the unworn contact", f"{2 * hertz.a / grid.dx:.0f} elements"),
-        ]
-        return Section("Mesh", rows)
-    rows = [
-        ("mesh", f"{nx} x {ny} elements, {given}"),
-        ("domain", f"+-{grid.half_length[0]:.4g} x +-{grid.half_length[1]:.4g} mm"),
-        ("element", f"{grid.dx:.4g} x {grid.dy:.4g} mm"),
-    ]
-    if hertz is not None:
-        across = (2 * hertz.a / grid.dx, 2 * hertz.b / grid.dy)
-        rows.append(("across the unworn contact", f"{across[0]:.0f} x {across[1]:.0f} elements"))
-    return Section("Mesh", rows)
-
-
-def _refinement(model: Model) -> str:
-    """Say that a mesh follows a measured map, and what it was without; else nothing."""
-    scene, grid = model.scene, model.grid
-    if scene.accuracy is not None or (model.measured is None and not model.profiles):
-        return ""
-    usual = choose_grid(scene, model.measured, model.profiles, finer=1.0)
-    if (usual.dx, usual.dy) == (grid.dx, grid.dy):
-        return ""
-    elements = " x ".join(str(n) for n in usual.elements if n > 1)
-    return f", refined from {elements} to the waves of the measured gap or profile"
-
-
-def _resolving(model: Model, seconds: float) -> list[tuple[str, str]]:
-    """What it takes to resolve maps that the mesh does not."""
-    rows, grid = [], model.grid
+def _resolving(model: Model, seconds: float) -> Iterator[Row]:
+    """Yield what it takes to resolve maps that the mesh does not."""
+    grid = model.grid
     for table, one in rough_maps(model.scene, model.measured, model.profiles, grid.half_length):
         if any(one.unresolved(grid)):
             elements = one.resolving(grid).elements
             more = np.prod(elements, dtype=float) / np.prod(grid.elements)
             time = duration(seconds * work(elements) / work(grid.elements))
             room = f"{memory.of_contact(model) * more / 2**20:.0f} MiB"
-            answer = f"{' x '.join(map(str, elements))} elements, about {room} and {time}"
-            rows.append((f"to resolve {table}", answer))
-    return rows
-
-
-def _work(model: Model) -> Section:
-    resolving = []
-    if not model.method.predictable:
-        time = "not estimated: the iterations of Uzawa's method are not known beforehand"
-    else:
-        count = applications(model)
-        seconds = seconds_per_application(model) * count
-        time = f"about {duration(seconds)}, for {count} elastic responses by Fourier transforms"
-        resolving = _resolving(model, seconds)
-    needed, free = memory.of_scene(model), available()
-    room = f"about {needed / 2**20:.0f} MiB, and {OF_PROGRAMS} MiB for programs"
-    if needed > free:
-        room += f": more than the {free / 2**20:.0f} MiB that are free here"
-    return Section("Work", [("memory", room), ("time", time), *resolving])
-
-
-def _transient(model: Model) -> list[Section]:
-    """What changes over the distance, and in which steps; nothing of steady scenes."""
-    table = model.scene.transient
-    if table is None:
-        return []
-    start = {
-        "rest": "the bodies pressed together, without traction",
-        "steady": "steady rolling as the first knot says",
-        "shift": "the bodies pressed together; they do not roll but shift, by the courses of "
-        "[creepage] in mm and radians",
-    }
-    unit = "mm" if table.rolls else "of the parameter"
-    usual = "of one element" if table.rolls else "of a tenth of a stretch"
-    steps = f"{usual if table.step is None else f'of {table.step:g} {unit}'}, shorter to a knot"
-    if table.stepping == "adaptive":
-        steps = f"as long as tractions are foreseen to {table.tolerance:g}"
-    taken = records(model.scene, model.grid.dx) - 1
-    order = "second" if model.stencil.staggered else "first"
-    rows = [
-        ("starts from", start[table.start]),
-        ("goes", f"from {table.distance[0]:g} to {table.distance[-1]:g} {unit}"),
-        ("courses", ", ".join(table.courses) or "none: everything stays as the tables say"),
-        ("steps", f"{steps}: about {taken}, each from the two before"),
-        ("order", f"{order} in the mesh"),
-        ("fields kept at", ", ".join(f"{at:g}" for at in table.save)),
-    ]
-    return [Section("Transient", rows)]
+            finer = " x ".join(map(str, elements))
+            yield Row(f"to resolve {table}", f"{finer} elements, about {room} and {time}")
 
 
 def records(scene: Scene, dx: float | None = None) -> int:

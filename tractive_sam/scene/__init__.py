@@ -3,9 +3,10 @@
 Tables and keys are those of a scene file; units mm, N, MPa, degrees, revolutions.
 """
 
-from . import told, toml
+from . import toml
 from .bodies import Bodies, Body
 from .catalogue import builtin_names
+from .describe import Row, describe_load, describe_tables
 from .document import Document
 from .duty import Block, BlockCreepage, BlockFriction, BlockLoad, Spectrum, label
 from .fatigue import Fatigue, FatigueVolume
@@ -46,7 +47,8 @@ from .tables import (
 )
 from .transient import CreepageCourse, FrictionCourse, LoadCourse, Profiles, Transient
 from .varied import FILES, files_of_varied
-from .wear import BY_COEFFICIENT, PER_INTENSITY, Coefficients, Sets, Wear, WearLaws
+from .wear import Wear
+from .wear_laws import BY_COEFFICIENT, PER_INTENSITY, Coefficients, Sets, WearLaws
 
 __all__ = [
     "ALONG",
@@ -92,6 +94,7 @@ __all__ = [
     "PlausibilityWarning",
     "Profiles",
     "Real",
+    "Row",
     "Scene",
     "SceneError",
     "SceneWarning",
@@ -108,6 +111,8 @@ __all__ = [
     "blocks_of",
     "build_law",
     "builtin_names",
+    "describe_load",
+    "describe_tables",
     "entry",
     "files_anywhere",
     "files_of_varied",
@@ -120,7 +125,6 @@ __all__ = [
     "shown",
     "starter",
     "suggestion",
-    "told",
     "toml",
     "warn",
 ]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from tractive_sam.mechanics import (
     CombinedMaterial,
@@ -18,6 +18,7 @@ from tractive_sam.mechanics import (
 )
 
 from .alternatives import exactly_one
+from .describe import Row
 from .faults import Fault
 from .heat import Thermal
 from .quantities import Positive, Radius, Real, entry, positive
@@ -88,6 +89,17 @@ class Bodies(Table):
     A: Body = entry("the upper body", "")
     B: Body = entry("the lower body", "")
     checks: ClassVar[tuple[Check, ...]] = (_hardness_of_both,)
+
+    def describe(self, scene: Any) -> Iterator[Row]:
+        """See `Table.describe`."""
+        for name, body in (("A", self.A), ("B", self.B)):
+            material = body.material
+            radii = f"R_x = {body.radius_x:g} mm, R_y = {body.radius_y:g} mm"
+            text = f"E = {material.young:g} MPa, nu = {material.poisson:g}, {radii}"
+            yield Row(f"body {name}", text, brief=True)
+        pair, (radius_x, radius_y) = self.material, self.radii
+        yield Row("combined modulus", f"E* = {pair.E_star:.6g} MPa, nu = {pair.poisson:.4g}")
+        yield Row("combined radii", f"R_x = {radius_x:.6g} mm, R_y = {radius_y:.6g} mm")
 
     @property
     def materials(self) -> dict[str, Material]:

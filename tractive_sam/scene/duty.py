@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from .alternatives import not_both
-from .faults import Fault, SceneError
+from .describe import Row, format_pair
+from .faults import MOST_TOLD, Fault, SceneError
 from .override import override
 from .quantities import (
     OptionalOrthotropicPositive,
@@ -98,6 +99,24 @@ class Block(Table):
         "lateral place of the running band on both bodies, mm: contact and radii are centred there",
         0.0,
     )
+
+    @classmethod
+    def describe_array(cls, tables: tuple[Table, ...], scene: Any) -> Iterator[Row]:
+        """Yield a row for each of the first blocks of the array, as `Table.describe` does."""
+        for k, block in enumerate(scene.duty[:MOST_TOLD]):
+            share = f"{block.revolutions} of {scene.spectrum.cycle} revolutions"
+            yield Row(label(scene, k), f"{share}: {block.describe_changes()}", brief=True)
+        if len(tables) > MOST_TOLD:
+            yield Row("other blocks", f"{len(tables) - MOST_TOLD} more", brief=True)
+
+    def describe_changes(self) -> str:
+        """Describe what it changes of the scene."""
+        changes = [
+            f"{key} = {format_pair(*value) if isinstance(value, tuple) else format(value, 'g')}"
+            for key, value in self.changes.items()
+        ]
+        changes += [f"shift_y = {self.shift_y:g} mm"] if self.shift_y else []
+        return ", ".join(changes) or "as the other tables of the scene"
 
     @property
     def changes(self) -> dict[str, Any]:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Annotated, ClassVar, Literal, get_args
+from typing import Annotated, Any, ClassVar, Literal, get_args
 
 from pydantic import AfterValidator
 
 from .alternatives import not_both
+from .describe import Row
 from .faults import Fault, shown
 from .named_law import ANOTHER, LawTable, NamedLaw
 from .quantities import NotNegative, Positive, entry, positive
@@ -170,6 +171,34 @@ class Fatigue(LawTable):
         _yield_of_the_criterion,
         _limit_of_the_volume,
     )
+
+    def describe(self, scene: Any) -> Iterator[Row]:
+        """See `Table.describe`."""
+        k, hertz = self.shear_yield_stress, scene.hertz
+        shakedown = "left out: there is no shear_yield or yield_strength"
+        if k is not None:
+            bounds = "certain by Melan (rho_xx and rho_yy), impossible by Koiter"
+            shakedown = f"k = {k:.6g} MPa: {bounds}"
+        yield Row("bodies", ", ".join(self.bodies))
+        yield Row("shakedown", shakedown)
+        if k is not None and hertz is not None:
+            ratio = f"{hertz.p0 / k:.3g} unworn; without friction a line shakes down up to 4"
+            yield Row("p0/k", ratio)
+        if self.limit is None:
+            yield Row("utilisation and damage", "left out: there is no limit")
+        else:
+            life = f"{self.cycles:g} cycles at {self.limit:g} MPa, to the power -{self.exponent:g}"
+            yield Row("life", f"{life}, infinite below" if self.knee else life)
+        yield Row(
+            "depths",
+            f"{self.elements} to {self.depth:g} a; between the surface and one element below it "
+            "stress changes with the root of the depth",
+        )
+        plastic = "above the shakedown limit the material yields, which is not modelled"
+        yield Row("stress", f"elastic: {plastic}")
+        yield Row("records", "every one; fields over (y, depth) with the fields that are stored")
+        missing = "bending, residual stress from manufacture, hardness over the depth"
+        yield Row("missing", missing)
 
     @property
     def yield_stress(self) -> float | None:

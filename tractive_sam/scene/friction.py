@@ -12,6 +12,7 @@ from pydantic import AfterValidator
 from tractive_sam.mechanics import Frame
 
 from .alternatives import exactly_one
+from .describe import Row, format_pair
 from .faults import Fault
 from .named_law import ANOTHER, LawTable, NamedLaw
 from .quantities import (
@@ -57,6 +58,15 @@ def _warmer(pairs: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float]
 
 
 Factors = Annotated[tuple[tuple[Real, Positive], ...], AfterValidator(_warmer)]
+
+
+def describe_factors(factors: tuple[tuple[float, float], ...] | None) -> str:
+    """Describe factors over the surface temperature by the first and the last; empty without."""
+    if factors is None:
+        return ""
+    (cold, least), (hot, most) = factors[0], factors[-1]
+    ends = f"times {least:g} at {cold:g} degC to {most:g} at {hot:g} degC"
+    return f"; {ends} of the surface"
 
 
 def _law_is_given(known: Known) -> Iterator[Fault]:
@@ -185,6 +195,33 @@ class Friction(LawTable):
         _law_is_given,
         _kinetic_is_less,
     )
+
+    def describe(self, scene: Any) -> Iterator[Row]:
+        """See `Table.describe`: the law, and all that it depends on."""
+        mu1, mu2 = self.mu
+        text = f"isotropic, mu = {mu1:g}"
+        if mu1 != mu2:
+            text = f"orthotropic, mu = ({mu1:g}, {mu2:g}) at {self.angle:g} degrees"
+        if self.share is not None:
+            text += self._describe_fall(*self.share)
+        if self.named_law:
+            text += f", by the law {self.named_law}"
+        text += describe_factors(self.temperature)
+        if self.strength is not None:
+            text += f"; no more than {self.strength:g} MPa"
+        if self.layer:
+            text += f"; through a layer of h/G3 = {self.layer:.4g} mm/MPa"
+        yield Row("friction", text, brief=True)
+
+    def _describe_fall(self, least: float, half: float) -> str:
+        """Describe how friction falls with the sliding speed."""
+        kinetic = format_pair(least * self.mu[0], least * self.mu[1])
+        slid = f", after {self.memory:g} mm of sliding" if self.memory else ""
+        first = "great speed" if self.start == "sliding" else "rest"
+        return (
+            f" at rest, falls to {kinetic}, {self.law}, half of the difference at {half:g} mm/s of "
+            f"sliding{slid}; of several solutions the one reached from {first}"
+        )
 
     @property
     def frame(self) -> Frame:

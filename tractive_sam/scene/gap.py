@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator, BeforeValidator, PlainValidator
 
+from .describe import Row
 from .faults import Fault
 from .quantities import LARGEST, SMALLEST, PositivePair, entry
 from .table import Check, Known, Table
@@ -175,6 +176,11 @@ class Gap(Table):
         _heights_of_a_body,
         _step_of_a_file,
     )
+
+    def describe(self, scene: Any) -> Iterator[Row]:
+        """See `Table.describe`."""
+        source = self.file.name if self.file else "an array"
+        yield Row("separation", f"of the radii, and the measured one of [gap], {source}")
 
     @classmethod
     def unfolded(cls, given: Mapping[Any, Any]) -> Mapping[Any, Any]:

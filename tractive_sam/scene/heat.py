@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import ClassVar
+from typing import Any, ClassVar
 
+from .describe import Row
 from .faults import Fault
 from .quantities import Positive, Real, entry, positive
 from .table import Check, Known, Table
@@ -73,6 +74,24 @@ class Heat(Table):
         20.0,
     )
     checks: ClassVar[tuple[Check, ...]] = (_bulk_is_warm_enough,)
+    effect: ClassVar[str] = "heat"
+
+    def describe(self, scene: Any) -> Iterator[Row]:
+        """See `Table.describe`."""
+        bodies, bulk = scene.thermal, self.bulks
+        for name, thermal in bodies.items():
+            given = "" if getattr(scene.body, name).thermal else " (steel, not given)"
+            yield Row(
+                f"body {name}",
+                f"{thermal.conductivity:g} W/(m K), {thermal.diffusivity:.4g} mm2/s{given}, bulk "
+                f"{bulk[name]:g} degC",
+            )
+        equal = bodies["A"] == bodies["B"] and bulk["A"] == bulk["B"]
+        shared = "half to each body" if equal else "by equal temperatures in contact"
+        yield Row("shared", shared)
+        factors = scene.friction and scene.friction.temperature
+        coupled = "contact and temperature in turn" if factors else "no: the contact is solved once"
+        yield Row("friction depends on it", coupled)
 
     @property
     def bulks(self) -> dict[str, float]:

@@ -16,6 +16,7 @@ from pydantic import AfterValidator
 
 from tractive_sam import input_file
 
+from .describe import Row
 from .duty import Block, BlockCreepage, BlockFriction, BlockLoad
 from .faults import Fault, SceneError, shown, suggestion
 from .gap import FilePath, named
@@ -106,6 +107,18 @@ class LoadHistory(Table):
         None,
     )
     checks: ClassVar[tuple[Check, ...]] = (_found_together,)
+
+    def describe(self, scene: Any) -> Iterator[Row]:
+        """See `Table.describe`: the blocks made of the file, and their error."""
+        binned = (self.error or {}).items()
+        errors = ", ".join(f"{name} {error:.2%}" for name, error in binned if error)
+        text = (
+            f"{self.rows} rows of {self.file.name} in {len(scene.duty)} blocks by {self.levels} "
+            "levels of each column; difference from the block, root mean square over the largest "
+            f"value: {errors or 'none'}"
+        )
+        work = "" if self.work_error is None else f"; load x creepage {self.work_error:.2%}"
+        yield Row("load history", text + work, brief=True)
 
     def __hash__(self) -> int:
         return hash((self.file, self.levels, self.rows))

@@ -9,7 +9,7 @@ from .alternatives import RIVALS
 from .faults import Fault, SceneError, shown
 from .keys import joined, parts
 from .toml import parse_value
-from .wear import BY_COEFFICIENT
+from .wear_laws import BY_COEFFICIENT
 
 
 def parse_settings(settings: Iterable[str]) -> dict[str, Any]:

@@ -53,6 +53,8 @@ class Rule:
         Format of the note after the key, with ``value``, ``above``, ``below`` and the details.
     reason : str
         Why the bounds are where they are.
+    needs : str
+        Dotted key of a scene without which there is nothing to read; empty if none.
     above, below : float
         The bounds; both are plausible.
     """
@@ -62,12 +64,14 @@ class Rule:
     read: Callable[[Any], Iterator[Reading]]
     note: str
     reason: str
+    needs: str = ""
     above: float = -math.inf
     below: float = math.inf
 
     def notes(self, subject: Any) -> Iterator[tuple[str, str]]:
         """Yield the key and the note of each implausible value."""
-        yield from self.judge(self.read(subject))
+        if not self.needs or subject.has(self.needs):
+            yield from self.judge(self.read(subject))
 
     def judge(self, readings: Iterable[Reading]) -> Iterator[tuple[str, str]]:
         """Yield the key and the note of each implausible reading."""
@@ -171,6 +175,7 @@ RULES = (
         "{above:g} nothing shakes down: material flows in every pass, and elastic stress is not "
         "what it sees",
         "a circular contact without friction shakes down up to 4.7, a line up to 4",
+        needs="fatigue.shear_yield_stress",
         above=4.7,
     ),
     Rule(
@@ -187,6 +192,7 @@ RULES = (
         read_friction,
         "{value:g} is more than surfaces have; in per cent?",
         "rubber on a dry road, and cold welds, have up to 2",
+        needs="friction",
         above=2.0,
     ),
     Rule(
@@ -196,6 +202,7 @@ RULES = (
         "i = {i:g} /MPa, k = {k:g} mm3/(N m), is a thousand times what is usual of dry "
         "steel; wear.coefficient is in mm3/(N m), wear.intensity in 1/MPa",
         "wear intensity times E*: a thousand times that of dry steel, of k = 2e-5 mm3/(N m)",
+        needs="wear",
         above=2.0,
     ),
     Rule(
@@ -205,6 +212,7 @@ RULES = (
         "k = {value:g} mm3/(N m){given} is less than anything wears; in m2/N or "
         "m3/(N m)? 1e-13 m2/N is 1e-4 mm3/(N m), which is 1e-7 /MPa",
         "diamond-like carbon in oil wears by 1e-10 mm3/(N m); dry steel in m2/N has 1e-15 to 1e-12",
+        needs="wear",
         above=0.0,
         below=1e-10,
     ),

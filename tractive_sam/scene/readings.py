@@ -12,7 +12,7 @@ from tractive_sam.mechanics import HertzContact, HertzLine, Material
 
 from .bodies import Bodies
 from .tables import Load
-from .wear import PER_INTENSITY
+from .wear_laws import PER_INTENSITY
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -61,12 +61,12 @@ class Pair:
     @classmethod
     def from_tables(cls, bodies: Bodies, load: Load) -> Pair:
         """Return the pair of bodies under a load."""
-        return cls(bodies, bodies.hertz(load), _load_key(load))
+        return cls(bodies, bodies.hertz(load), f"load.{load.given_key}")
 
     @classmethod
     def from_scene(cls, scene: Scene) -> Pair:
         """Return the bodies of a scene, under the largest load of its [transient]."""
-        hertz, key = scene.hertz, _load_key(scene.load)
+        hertz, key = scene.hertz, f"load.{scene.load.given_key}"
         courses = scene.schedule.courses
         for name in ("normal", "approach"):
             largest = max(courses.get(f"load.{name}", (0.0,)))
@@ -83,11 +83,6 @@ class Peak:
     pressure: float
     place: str
     materials: Mapping[str, Material]
-
-
-def _load_key(load: Load) -> str:
-    given = (name for name in ("pressure", "approach") if getattr(load, name) is not None)
-    return f"load.{next(given, 'normal')}"
 
 
 def read_moduli(least_poisson: float, most_poisson: float) -> Callable[[Pair], Iterator[Reading]]:
@@ -152,11 +147,11 @@ def read_computed_pressure_of_metals(peak: Peak) -> Iterator[Reading]:
         yield Reading("p_max", peak.pressure, {"place": peak.place})
 
 
-def read_shakedown_ratio(scene: Scene) -> Iterator[Reading]:
+def read_shakedown_ratio(scene: Any) -> Iterator[Reading]:
     """Yield the peak pressure over the yield stress in shear."""
-    k = None if scene.fatigue is None else scene.fatigue.shear_yield_stress
-    if k is not None and scene.hertz is not None:
-        yield Reading("fatigue", scene.hertz.p0 / k, {"p0": scene.hertz.p0})
+    if scene.hertz is not None:
+        p0 = scene.hertz.p0
+        yield Reading("fatigue", p0 / scene.fatigue.shear_yield_stress, {"p0": p0})
 
 
 def read_creepages(scene: Scene) -> Iterator[Reading]:
@@ -167,27 +162,22 @@ def read_creepages(scene: Scene) -> Iterator[Reading]:
         yield Reading(f"creepage.{key}", abs(given), details)
 
 
-def read_friction(scene: Scene) -> Iterator[Reading]:
+def read_friction(scene: Any) -> Iterator[Reading]:
     """Yield the larger friction coefficient."""
-    if scene.friction is not None:
-        yield Reading("friction.mu", max(scene.friction.mu))
+    yield Reading("friction.mu", max(scene.friction.mu))
 
 
-def read_wear_rate(scene: Scene) -> Iterator[Reading]:
+def read_wear_rate(scene: Any) -> Iterator[Reading]:
     """Yield wear per frictional work, made dimensionless with E*."""
-    if scene.wear is None:
-        return
     mu = (1.0, 1.0) if scene.friction is None else scene.friction.mu
     i = max(np.multiply(scene.wear.per_work(mu) or 0.0, mu))
     e_star = scene.material.plane_strain_modulus
     yield Reading("wear", i * e_star, {"i": i, "k": PER_INTENSITY * i})
 
 
-def read_wear_coefficients(scene: Scene) -> Iterator[Reading]:
+def read_wear_coefficients(scene: Any) -> Iterator[Reading]:
     """Yield the specific wear rates that are given, mm3/(N m)."""
     wear = scene.wear
-    if wear is None:
-        return
     if wear.intensity is not None:
         for i in dict.fromkeys(wear.intensity):
             yield Reading("wear.intensity", PER_INTENSITY * i, {"given": f" (i = {i:g} /MPa)"})

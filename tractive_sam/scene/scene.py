@@ -14,7 +14,7 @@ import numpy as np
 
 from tractive_sam.mechanics import CombinedMaterial, HertzContact, HertzLine, Material, Turns
 
-from . import summary
+from . import describe
 from .bodies import Bodies
 from .catalogue import builtin_text, names_file
 from .checks import SCENE_CHECKS, warn_if_large, warn_if_unequal
@@ -180,10 +180,10 @@ class Scene(Document):
         return cls.from_toml_text(builtin_text(name))
 
     def __repr__(self) -> str:
-        return summary.text(self)
+        return describe.format_summary(self)
 
     def _repr_html_(self) -> str:
-        return summary.html(self)
+        return describe.draw_summary(self)
 
     def fingerprint(self) -> str:
         """Hash of all that is asked, defaults included: the same for the same scene.

@@ -18,34 +18,12 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 
+from .describe import Row
 from .faults import MOST_TOLD, Fault, SceneError, shown, suggestion
 from .keys import documented, key_signature, parts
+from .known import Known, UnknownEntryError
 
 _CONFIG = ConfigDict(strict=True, arbitrary_types_allowed=True)
-
-
-class UnknownEntryError(LookupError):
-    """An entry that a check asked for is faulty or missing: the check cannot be made."""
-
-
-class Known(dict[str, Any]):
-    """Valid entries and defaults by dotted key; whole tables are there if all in them is valid.
-
-    Asking for anything else raises `UnknownEntryError`. `given` holds the keys that were written
-    down, be their values valid or not.
-    """
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.given: set[str] = set()
-
-    def __missing__(self, key: str) -> Any:
-        raise UnknownEntryError(key)
-
-    def add(self, key: str, inner: Known) -> None:
-        """Take over what is known of the table `key`."""
-        self.update({f"{key}.{name}": value for name, value in inner.items()})
-        self.given.update(f"{key}.{name}" for name in inner.given)
 
 
 Check = Callable[[Known], Iterable[Fault]]
@@ -83,9 +61,11 @@ class Table(BaseModel, metaclass=_Bare):
     checks: ClassVar[tuple[Check, ...]] = ()
     """Checks between the entries of the table."""
     internal: ClassVar[frozenset[str]] = frozenset(
-        ("checks", "described", "internal", "table_of", "unfolded")
+        ("checks", "describe_array", "described", "effect", "internal", "table_of", "unfolded")
     )
     """Names that the package uses and completion leaves out."""
+    effect: ClassVar[str] = ""
+    """What a scene without the table leaves out; empty where nothing is worth a line."""
 
     def __init__(self, /, **given: Any) -> None:
         reading = _read(type(self), given)
@@ -113,6 +93,16 @@ class Table(BaseModel, metaclass=_Bare):
     def described_beyond(cls, name: str) -> FieldInfo | None:
         """Return the field of a key that is none of the table; None where there is none."""
         return None
+
+    def describe(self, scene: Any) -> Iterable[Row]:
+        """Return the rows that describe the table.
+
+        Parameters
+        ----------
+        scene : Scene
+            The scene that has the table.
+        """
+        return ()
 
     @staticmethod
     def table_of(info: FieldInfo) -> type[Table] | None:

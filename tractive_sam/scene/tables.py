@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Annotated, ClassVar, Literal, TypeVar
+from typing import Annotated, Any, ClassVar, Literal, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator
 
 from .alternatives import exactly_one
+from .describe import Row
 from .faults import Fault
 from .named_law import ANOTHER, LawTable, NamedLaw
 from .plane import Plane
@@ -51,6 +52,30 @@ class Load(Table):
     force_y: Real | None = number("prescribed tangential force Q_y on body A, N or N/mm", None)
     checks: ClassVar[tuple[Check, ...]] = (exactly_one("normal", "approach", "pressure"),)
 
+    def describe(self, scene: Any) -> Iterator[Row]:
+        """See `Table.describe`: the load and the peak pressure, whichever of them is given."""
+        hertz, unit = scene.hertz, scene.force_unit
+        value = getattr(self, self.given_key)
+        forms = {
+            "normal": f"P = {value:g} {unit}",
+            "approach": f"approach = {value:g} mm",
+            "pressure": f"p0 = {value:g} MPa by Hertz, unworn",
+        }
+        given = forms[self.given_key]
+        if hertz is None:
+            yield Row("load", given, brief=True)
+            return
+        load, peak = f"P = {hertz.load:.6g} {unit}", f"p0 = {hertz.p0:.6g} MPa by Hertz, unworn"
+        found = {"normal": peak, "approach": f"{load} and {peak}", "pressure": load}
+        yield Row("load", f"{given}: {found[self.given_key]}", brief=True)
+        yield Row("unworn contact (Hertz)", hertz.describe())
+
+    @property
+    def given_key(self) -> str:
+        """Key of the entry that presses the bodies: normal, approach or pressure."""
+        given = (key for key in ("pressure", "approach") if getattr(self, key) is not None)
+        return next(given, "normal")
+
 
 class Creepage(Table):
     """The rigid creepages; a negative longitudinal one drives body A.
@@ -67,6 +92,23 @@ class Creepage(Table):
     speed: Positive | None = positive(
         "rolling speed V, mm/s, for what depends on the sliding speed", None
     )
+
+    def describe(self, scene: Any) -> Iterator[Row]:
+        """See `Table.describe`: what is not zero, and forces prescribed in place of creepages."""
+        load, courses, unit = scene.load, scene.schedule.courses, scene.force_unit
+        drives = {
+            "load.force_x": ("Q_x", load.force_x, f" {unit} (creepage found)"),
+            "load.force_y": ("Q_y", load.force_y, f" {unit} (creepage found)"),
+            "creepage.longitudinal": ("xi_x", self.longitudinal or None, ""),
+            "creepage.lateral": ("xi_y", self.lateral or None, ""),
+            "creepage.spin": ("spin", self.spin or None, " /mm"),
+        }
+        parts = [
+            f"{name} by its course" if key in courses else f"{name} = {value:g}{unit}"
+            for key, (name, value, unit) in drives.items()
+            if value is not None or key in courses
+        ]
+        yield Row("rolling", ", ".join(parts) or "free", brief=True)
 
 
 _Elements = Annotated[int, Field(ge=3, le=10**6)]
@@ -128,6 +170,13 @@ class Mesh(Table):
     )
     checks: ClassVar[tuple[Check, ...]] = (_not_nothing, _fits_a_machine, _no_needles)
 
+    @property
+    def origin(self) -> str:
+        """Which part of the mesh is given."""
+        if self.half_length is None:
+            return "given, the domain chosen from the contact"
+        return "given" if self.elements else "chosen from the contact, the domain given"
+
 
 class Accuracy(Table):
     """An accuracy in place of a mesh: the mesh and all tolerances follow from it.
@@ -149,6 +198,15 @@ class Accuracy(Table):
         "most elements of a mesh", "a whole number from 1000 to 5e7", 300_000, ge=1000, le=5 * 10**7
     )
 
+    def describe(self, scene: Any) -> Iterator[Row]:
+        """See `Table.describe`."""
+        yield Row(
+            "requested",
+            f"{self.tolerance:g}, relative: the mesh is refined until the error bars are within "
+            "it; with [wear] further, where two coarser meshes that are rolled before show the "
+            "need",
+        )
+
 
 class Subsurface(Table):
     """Where the stress below the surface is computed.
@@ -169,6 +227,15 @@ class Subsurface(Table):
     bodies: Annotated[tuple[Literal["A", "B"], ...], AfterValidator(distinct)] = entry(
         "bodies whose stress is computed", 'a list of "A" and "B"', ("A", "B"), min_length=1
     )
+    effect: ClassVar[str] = "stress"
+
+    def describe(self, scene: Any) -> Iterator[Row]:
+        """See `Table.describe`."""
+        hertz = scene.hertz
+        deepest = f"{self.depth:g} a" if hertz is None else f"{self.depth * hertz.a:.4g} mm"
+        yield Row("bodies", ", ".join(self.bodies))
+        yield Row("planes", f"{', '.join(map(str, self.planes))}, with the stored fields")
+        yield Row("depths", f"{self.elements} to {deepest}, closer towards the surface")
 
 
 class ElasticBodies(LawTable):
@@ -190,6 +257,11 @@ class ElasticBodies(LawTable):
         "half-spaces",
     )
     law_names: ClassVar[tuple[str, ...]] = ("half-spaces",)
+
+    def describe(self, scene: Any) -> Iterator[Row]:
+        """See `Table.describe`."""
+        if self.named_law:
+            yield Row("elasticity", f"{self.named_law}, in place of half-spaces", brief=True)
 
 
 class Solver(Table):

@@ -13,6 +13,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, Field
 
+from .describe import Row
 from .faults import Fault
 from .gap import Gap
 from .quantities import Positive, Real, entry, positive
@@ -211,6 +212,26 @@ class Transient(Table):
                 inner = inner.entries()
             tables[table] = {**inner, name: value} if isinstance(inner, Mapping) else inner
         return tables
+
+    def describe(self, scene: Any) -> Iterator[Row]:
+        """See `Table.describe`."""
+        start = {
+            "rest": "the bodies pressed together, without traction",
+            "steady": "steady rolling with the values of the first knot",
+            "shift": "the bodies pressed together; they do not roll but shift, by the courses of "
+            "[creepage] in mm and radians",
+        }
+        unit = "mm" if self.rolls else "of the parameter"
+        longest = "one element" if self.rolls else "a tenth of a stretch"
+        steps = f"of {longest if self.step is None else f'{self.step:g} {unit}'}, shorter to a knot"
+        if self.stepping == "adaptive":
+            steps = f"as long as the tractions are extrapolated to {self.tolerance:g}"
+        yield Row("starts from", start[self.start])
+        yield Row("distance", f"from {self.distance[0]:g} to {self.distance[-1]:g} {unit}")
+        courses = ", ".join(self.courses) or "none: the values of the other tables remain"
+        yield Row("courses", courses)
+        yield Row("steps", f"{steps}; each from the two before")
+        yield Row("fields stored at", ", ".join(f"{place:g}" for place in self.save))
 
     @property
     def rolls(self) -> bool:

@@ -4,18 +4,30 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, get_args
+from typing import Annotated, Any, ClassVar, Literal, get_args
 
 from pydantic import AfterValidator, Field
 
-from tractive_sam.mechanics import BRR, JENDEL, USFD
-
-from .alternatives import exactly_one
+from .describe import Row, format_pair
 from .faults import Fault
-from .friction import Factors
+from .friction import Factors, describe_factors
 from .named_law import ANOTHER, LawTable, NamedLaw
-from .quantities import NotNegative, OptionalOrthotropicNotNegative, Real, Whole, entry
-from .table import Check, Known, Table
+from .quantities import OptionalOrthotropicNotNegative, Real, Whole, entry
+from .table import Check, Known
+from .wear_laws import (
+    ALL_LAWS,
+    BY_COEFFICIENT,
+    OF_SETS,
+    PER_INTENSITY,
+    Coefficients,
+    LawName,
+    Sets,
+    SpecificWearRate,
+    WearLaws,
+    check_coefficients,
+    check_sets,
+    laws_of_bodies,
+)
 
 
 def _saved_within(known: Known) -> Iterator[Fault]:
@@ -28,166 +40,6 @@ def _ascending(save: tuple[int, ...]) -> tuple[int, ...]:
     if any(late <= early for early, late in pairwise(save)):
         raise ValueError("ascending whole numbers")
     return save
-
-
-PER_INTENSITY = 1e3
-"""Coefficient in mm3/(N m) of a wear intensity of 1/MPa = 1 mm3/(N mm)."""
-
-
-class Coefficients(Table):
-    """Specific wear rate of each body on its own, in place of one number for both together.
-
-    Examples
-    --------
-    >>> ts.Wear(coefficient={"A": 1e-3, "B": 3e-3}, revolutions=100).coefficient.B
-    0.003
-    """
-
-    A: NotNegative | None = entry(
-        "specific wear rate k of body A, mm3/(N m)", "a number of at least 0", None
-    )
-    B: NotNegative | None = entry(
-        "specific wear rate k of body B, mm3/(N m)", "a number of at least 0", None
-    )
-
-
-if TYPE_CHECKING:
-    from .quantities import Accepting, Pair
-
-    SpecificWearRate = Accepting[
-        float | Pair | Coefficients | Mapping[str, float] | None, Pair | Coefficients | None
-    ]
-else:
-    SpecificWearRate = OptionalOrthotropicNotNegative | Coefficients
-
-LawName = Literal["archard", "energy", "usfd", "brr", "jendel"]
-LawOrTable = Literal[LawName, "table"]
-_LAWS = '"archard", "energy", "usfd", "brr" or "jendel"'
-
-OF_SETS = {"usfd": USFD, "brr": BRR, "jendel": JENDEL}
-"""Published sets of coefficients by the law that they are of; the first one is the default."""
-
-BY_COEFFICIENT = ("archard", "energy")
-"""Laws whose coefficient the scene gives."""
-
-
-def _rising(points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
-    works = [work for work, _ in points]
-    if not any(works) or any(late <= early for early, late in pairwise(works)):
-        raise ValueError("pairs [W, rate] with ascending W")
-    if works[0] == 0.0 and points[0][1]:
-        raise ValueError("no rate at W = 0: what does not slip does not wear")
-    return points
-
-
-def _laws_of_what(known: Known) -> Iterator[Fault]:
-    table, bodies = known["table"], (known["A"], known["B"])
-    if table is None and bodies == (None, None):
-        yield Fault("table", "nothing", "a table, or laws A and B of the bodies")
-    if "table" in bodies and table is None:
-        yield Fault("table", "nothing", "points of the law, as a body goes by them")
-    if table is not None and any(bodies) and "table" not in bodies:
-        yield Fault("table", "no body that goes by it", 'A = "table", B = "table", or no table')
-
-
-class WearLaws(Table):
-    """A wear law of one's own as points, or laws of each body on its own.
-
-    Examples
-    --------
-    >>> laws = ts.WearLaws(A="usfd", B="archard")
-    >>> ts.Wear(law=laws, coefficient={"B": 1e-4}, revolutions=100).laws
-    {'A': 'usfd', 'B': 'archard'}
-    """
-
-    table: (
-        Annotated[tuple[tuple[NotNegative, NotNegative], ...], AfterValidator(_rising)] | None
-    ) = entry(
-        "mass worn over frictional work: W = T-gamma/A, N/mm2, and rate, ug/(m mm2) of each body; "
-        "straight from the origin through the points, and on beyond the last",
-        "a list of pairs [W, rate] with ascending W",
-        None,
-        min_length=1,
-    )
-    A: LawOrTable | None = entry(
-        "law of body A; without one it does not wear", f'{_LAWS}, or "table"', None
-    )
-    B: LawOrTable | None = entry(
-        "law of body B; without one it does not wear", f'{_LAWS}, or "table"', None
-    )
-    checks: ClassVar[tuple[Check, ...]] = (_laws_of_what,)
-
-
-class Sets(Table):
-    """Named sets of coefficients of each body on its own.
-
-    Examples
-    --------
-    >>> ts.Sets(A="low", B="high").A
-    'low'
-    """
-
-    A: str | None = entry("set of coefficients of body A", "a name", None)
-    B: str | None = entry("set of coefficients of body B", "a name", None)
-
-
-def _laws(law: str | WearLaws | NamedLaw) -> dict[str, str | None]:
-    """Name of the law of each body."""
-    if not isinstance(law, WearLaws):
-        return {"A": str(law), "B": str(law)}
-    both = "table" if law.A is None and law.B is None else None
-    return {"A": law.A or both, "B": law.B or both}
-
-
-def _given_what_its_law_takes(known: Known) -> Iterator[Fault]:
-    if isinstance(known["law"], NamedLaw):
-        return
-    laws = _laws(known["law"])
-    taking = [body for body, name in laws.items() if name in BY_COEFFICIENT]
-    either = known.given & {"intensity", "coefficient"}
-    together = known["law"] in BY_COEFFICIENT
-    if not taking:
-        for key in sorted(either):
-            yield Fault(
-                key, f"with the law {known['law']!r}", "nothing: its coefficients are known"
-            )
-        return
-    if known["law"] == "archard":
-        yield from exactly_one("intensity", "coefficient")(known)
-    elif "intensity" in either:
-        cure = "coefficient: mm3/J of the energy law, or { A = ..., B = ... } of each body"
-        yield Fault("intensity", "not with this law", cure)
-    elif "coefficient" not in either:
-        yield Fault("coefficient", "nothing", "that of the bodies whose law takes one")
-    if "coefficient" not in either:
-        return
-    k = known["coefficient"]
-    if not isinstance(k, Coefficients):
-        if not together and k is not None:
-            listed = ", ".join(f"{body} = ..." for body in taking)
-            yield Fault("coefficient", str(k), f"that of each body: {{ {listed} }}")
-        return
-    for body, name in laws.items():
-        value = getattr(k, body)
-        if body in taking and value is None:
-            yield Fault(f"coefficient.{body}", "nothing", f"that of its law, {name}")
-        if body not in taking and value is not None:
-            yield Fault(f"coefficient.{body}", str(value), "nothing: its law takes none")
-
-
-def _sets_are_known(known: Known) -> Iterator[Fault]:
-    laws, given = _laws(known["law"]), known["set"]
-    for body in "AB" if given is not None else ():
-        name = given if isinstance(given, str) else getattr(given, body)
-        sets = OF_SETS.get(laws[body] or "", {})
-        if name is not None and name not in sets and not (isinstance(given, str) and not sets):
-            key = "set" if isinstance(given, str) else f"set.{body}"
-            allowed = f"one of {', '.join(sets)}" if sets else "nothing: its law has no sets"
-            yield Fault(key, repr(name), allowed)
-            if isinstance(given, str):
-                return
-    if isinstance(given, str) and not any(laws[body] in OF_SETS for body in "AB"):
-        yield Fault("set", repr(given), f"only with one of {', '.join(OF_SETS)}")
 
 
 class Wear(LawTable):
@@ -209,7 +61,7 @@ class Wear(LawTable):
     law: LawName | WearLaws | NamedLaw = entry(
         "wear law: by pressure and slip, by frictional work, or by measured regimes; or a law of "
         "another package",
-        f"{_LAWS}, {{ table = [[W, rate], ...] }}, {{ A = ..., B = ... }}, {ANOTHER}",
+        f"{ALL_LAWS}, {{ table = [[W, rate], ...] }}, {{ A = ..., B = ... }}, {ANOTHER}",
         "archard",
     )
     set: str | Sets | None = entry(
@@ -271,15 +123,116 @@ class Wear(LawTable):
     law_names: ClassVar[tuple[str, ...]] = get_args(LawName)
     law_fields: ClassVar[tuple[str, ...]] = ("set", "by", "intensity", "coefficient")
     checks: ClassVar[tuple[Check, ...]] = (
-        _given_what_its_law_takes,
-        _sets_are_known,
+        check_coefficients,
+        check_sets,
         _saved_within,
     )
+
+    effect: ClassVar[str] = "wear"
+
+    def describe(self, scene: Any) -> Iterator[Row]:
+        """See `Table.describe`: coefficients, law, revolutions, and the share of each body."""
+        rates = f"{self._describe_rates()}{describe_factors(self.temperature)}"
+        counted = f"; {self.revolutions} revolutions" if self.revolutions else ""
+        yield Row("wear", rates + counted, brief=True)
+        yield Row("law", self._describe_law(scene.solver.slip))
+        yield Row("worn depth", self._describe_share(scene), brief=True)
+        yield from self._describe_course(scene)
+        yield Row("density", _describe_densities(scene.body), brief=True)
+        if scene.solver.slip == "upwind":
+            yield Row("slip", "the paper's upwind difference: frictional work comes out too small")
+
+    def _describe_course(self, scene: Any) -> Iterator[Row]:
+        """Yield the rows about revolutions, or about the distance of a [transient]."""
+        if not self.revolutions:
+            place = "the material" if scene.schedule.rolls else "its place, as nothing rolls,"
+            yield Row("depth", f"stays with {place} and is part of the gap of the next step")
+            return
+        stepping = "one by one"
+        if self.stepping == "adaptive":
+            stepping = (
+                f"in adaptive jumps, with an error of {self.tolerance:g} of the wear depth, and "
+                "their contacts to a residual of no more"
+            )
+        yield Row("revolutions", f"{self.revolutions}, {stepping}")
+        yield Row("fields stored at", ", ".join(map(str, self.save)))
+        yield Row("turns", self._describe_turns(scene.turns.per_count), brief=True)
+
+    def _describe_rates(self) -> str:
+        """Describe the coefficients, and whether they are of both bodies together."""
+        if self.named_law:
+            return str(self.named_law)
+        if not self.together:
+            of_A, of_B = (self._describe_body(body) for body in "AB")
+            return f"A and B: {of_A}" if of_A == of_B else f"A: {of_A}; B: {of_B}"
+        i1, i2 = self.intensities
+        k = self.coefficient
+        unit = "mm3/J" if self.law == "energy" else "mm3/(N m)"
+        both = f"k = {format_pair(PER_INTENSITY * i1, PER_INTENSITY * i2)} {unit}"
+        if self.law == "archard":
+            both = f"i = {format_pair(i1, i2)} /MPa, {both}"
+        if isinstance(k, Coefficients):
+            return f"k = {k.A:g} {unit} of body A and {k.B:g} of B; of both together {both}"
+        return f"{both}, of both bodies together"
+
+    def _describe_body(self, body: str) -> str:
+        """Describe the law of one body."""
+        law, chosen = self.laws[body], self.sets[body]
+        if law in BY_COEFFICIENT:
+            k = f"k = {getattr(self.coefficient, body):g}"
+            return f"Holm-Archard, {k} mm3/(N m)" if law == "archard" else f"by work, {k} mm3/J"
+        if law == "table":
+            return f"T-gamma/A of each {self.by}, a table of {len(self.law.table)} points"
+        if law is None:
+            return "does not wear"
+        inputs = {"usfd": f"T-gamma/A of each {self.by}", "brr": "T-gamma of each contact"}
+        sets = OF_SETS[law]
+        source = sets[chosen][1] if law == "jendel" else sets[chosen].source
+        return f"{inputs.get(law, 'sliding speed and p/H')}, {chosen}: {source}"
+
+    def _describe_law(self, slip: str) -> str:
+        """Describe the quantity that the wear law uses, with a discretisation of the slip."""
+        if self.named_law:
+            return "from another package"
+        if self.law == "energy":
+            return "by the work of friction"
+        if self.law == "archard":
+            inputs = "pressure and slip" if slip == "upwind" else "the work of friction"
+            return f"Holm-Archard by {inputs}"
+        return "each body has a law"
+
+    def _describe_share(self, scene: Any) -> str:
+        """Describe the share of each body in the worn depth, and its reason."""
+        if not self.together:
+            return "of each body by its law"
+        share, bodies = scene.wear_share, scene.body
+        reason = "no hardness is given"
+        if self.share is not None:
+            reason = "by their coefficients"
+        elif "hardness" in bodies.A.model_fields_set:
+            reason = f"inverse to their hardness, {bodies.A.hardness:g} and {bodies.B.hardness:g}"
+        return f"{share['A']:.3g} from body A, {share['B']:.3g} from B: {reason}"
+
+    def _describe_turns(self, turns: Mapping[str, float]) -> str:
+        """Describe which revolutions N counts, and how often each body meets its wear again."""
+        if self.turns == "equal":
+            return "equal: N counts the revolutions of body A; both return to the contact in each"
+        counted, other = "AB" if turns["A"] else "BA"
+        count = f"N counts the revolutions of body {counted}"
+        if turns[other] == 0.0:
+            return (
+                f"{count}; {other} is flat and never returns to the contact: it enters unworn, and "
+                "its depth is that of a single pass"
+            )
+        return (
+            f"{count}; {other} turns {turns[other]:.6g} times in each. Each body meets its own "
+            "wear again, averaged over the phase; slip is not counted"
+        )
 
     @property
     def laws(self) -> dict[str, str | None]:
         """Name of the law of each body; None of one that does not wear."""
-        return _laws(self.law)
+        return laws_of_bodies(self.law)
 
     @property
     def together(self) -> bool:
@@ -320,3 +273,13 @@ class Wear(LawTable):
             return None
         share = k.A / (k.A + k.B) if k.A + k.B else 0.5
         return {"A": share, "B": 1.0 - share}
+
+
+def _describe_densities(bodies: Any) -> str:
+    """Describe the densities that turn worn volume into mass, and whether they are assumed."""
+    densities = []
+    for name in "AB":
+        body = getattr(bodies, name)
+        given = "" if "density" in body.model_fields_set else " (of steel, not given)"
+        densities.append(f"{name} {body.density:g} kg/m3{given}")
+    return ", ".join(densities)

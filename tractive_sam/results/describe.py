@@ -1,4 +1,4 @@
-"""Numbers of a history as people write them, and what there is to say of it."""
+"""Describe a history: numbers with error bars, balances, caveats and cost."""
 
 import math
 from collections.abc import Iterator
@@ -9,7 +9,7 @@ import numpy as np
 
 from tractive_sam.results.balance import SteadyBalance, balance_of
 from tractive_sam.results.quantities import BODIES, Quantity
-from tractive_sam.scene import near_edge, pressure_notes
+from tractive_sam.scene import describe_load, near_edge, pressure_notes
 
 if TYPE_CHECKING:
     from tractive_sam.results.history import History
@@ -143,3 +143,24 @@ def _energy(balance: SteadyBalance, value: float, closed: bool) -> str:
 def _wear(balance: SteadyBalance, value: float, closed: bool) -> str:
     found = f"the worn {balance.worn} is {value:.5f} of what the frictional work wears"
     return found if closed else f"{found}; {balance.wear_cure} them together"
+
+
+def describe_history(history: "History") -> dict[str, str]:
+    """Describe what was computed, its balances and its cost: text by label, for all reports."""
+    a0, b0, p0 = history.a0, history.b0, history.p0
+    totals, saved = history.totals, len(history.saved)
+    solves = totals["contact_solves"]
+    rows = {
+        "unworn contact": f"a0 = {a0:.5g} mm, b0 = {b0:.5g} mm, p0 = {p0:.6g} MPa by Hertz"
+        if math.isfinite(p0)
+        else "",
+        "records": f"{len(history)}, {saved} with fields",
+        **describe_load(history.scene),
+        "laws": history.laws,
+        "began with": history.started,
+        "rolled on by": rolled_on_by(history),
+        **{f"{name} balance": text for name, text in balances(history).items()},
+        **caveats(history),
+        "cost": f"{solves} contacts solved in {totals['wall_seconds']:.3g} s" if solves else "",
+    }
+    return {label: text for label, text in rows.items() if text}

@@ -1,0 +1,149 @@
+"""Rows of an explanation that need the model of a scene: its mesh, method and laws.
+
+What a table itself knows is described by `Table.describe`; `MODEL_ROWS` adds to that.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import Any
+
+from tractive_sam.contact import Model, choose_grid
+from tractive_sam.operators import STEPS_FROM
+from tractive_sam.results import columns
+from tractive_sam.rolling import MISSED
+from tractive_sam.run.accuracy.steady import Refined
+from tractive_sam.scene import Fatigue, Heat, Row, Solver
+
+
+def _creepage(_table: Any, model: Model) -> Iterator[Row]:
+    K = model.scene.material.coupling
+    coupling = "none: tractions do not change the pressure, which is solved first"
+    if model.elasticity.coupled and model.transmits:
+        coupling = (
+            "of unlike bodies: pressure makes the surfaces slip and tractions lift them, so both "
+            f"are solved at once (K = {K:.4g}, 0 of like ones)"
+        )
+    elif model.elasticity.coupled:
+        coupling = (
+            f"of unlike bodies (K = {K:.4g}), but without friction there are no tractions to lift "
+            "the surfaces: only the pressure is solved"
+        )
+    tangential = "stick and slip"
+    if model.laws.friction is None:
+        tangential = "left out: without friction there is no traction"
+    elif not model.transmits:
+        tangential = "left out: equal materials without creepage roll freely, without traction"
+    yield Row("coupling", coupling)
+    yield Row("tangential problem", tangential)
+
+
+def _solver(table: Solver, model: Model) -> Iterator[Row]:
+    yield Row("method", f"{model.method.told}, to a residual of {table.tolerance:g}")
+    if model.transmits:
+        scheme = "towards the leading edge (upwind, the paper's): its error falls with their size"
+        if model.stencil.staggered:
+            scheme = "between elements (staggered): its error falls with the square of their size"
+        yield Row("slip", f"from differences {scheme}")
+    yield Row("left out", "inertia, lubricant, plasticity; thin or conforming bodies")
+
+
+def _subsurface(_table: Any, model: Model) -> Iterator[Row]:
+    name = model.laws.criterion.long_name
+    yield Row(f"largest {name}", "inside and at the surface, with every record")
+
+
+def _transient(_table: Any, model: Model) -> Iterator[Row]:
+    yield Row("order", f"{'second' if model.stencil.staggered else 'first'} in the mesh")
+
+
+def _heat(_table: Heat, model: Model) -> Iterator[Row]:
+    scene, dx = model.scene, model.grid.dx
+    half = model.grid.half_length[0] if scene.hertz is None else scene.hertz.a
+    for name, thermal in scene.thermal.items():
+        per_length = scene.creepage.speed / (2.0 * thermal.diffusivity)
+        fronts = "steps" if per_length * dx > STEPS_FROM else "resolved"
+        numbers = f"{per_length * half:.3g} of the contact, {per_length * dx:.3g} of an element"
+        yield Row(f"Peclet number {name}", f"{numbers}: heat fronts {fronts}")
+
+
+def _fatigue(table: Fatigue, model: Model) -> Iterator[Row]:
+    laws = model.laws
+    if table.limit is None:
+        return
+    yield Row("criterion", laws.fatigue.long_name)
+    if laws.volume is not None:
+        yield Row("volume", _describe_volume(table.volume, laws.volume))
+    if len(model.blocks) > 1:
+        rule = "by Miner's rule, in any order (damage_error estimates its effect)"
+        yield Row("duty cycle", f"the damage of its blocks {rule}")
+    if model.scene.schedule.adaptive:
+        missed = f"each misses up to {MISSED * table.tolerance:g} of the largest damage"
+        yield Row("jumps", f"{missed}, by its estimate; all together damage_error")
+
+
+def _describe_volume(table: Any, law: Any) -> str:
+    """Describe the life of the whole volume under stress."""
+    text = f"stress^{law.stress_exponent:.4g} / depth^{law.depth_exponent:.4g}"
+    text += f" above {law.limit:g} MPa" if law.limit else ""
+    text += f", Weibull's slope {law.slope:.4g}; from one element deep on"
+    if table.constant is None:
+        return f"{text}; no life: there is no constant"
+    return f"{text}; life with a survival of {table.survival:g}"
+
+
+MODEL_ROWS: dict[str, Callable[[Any, Model], Iterable[Row]]] = {
+    "creepage": _creepage,
+    "solver": _solver,
+    "subsurface": _subsurface,
+    "transient": _transient,
+    "heat": _heat,
+    "fatigue": _fatigue,
+}
+"""What the model adds to the rows of a table that is given."""
+
+
+def describe_laws_of_packages(model: Model) -> Iterator[Row]:
+    """Yield what laws of other packages say of themselves, see `Law.describe`."""
+    for name, law in model.laws.differences_from(model.scene).items():
+        yield Row(name, law.text)
+
+
+def describe_refinement(found: Refined) -> Iterator[Row]:
+    """Yield the error bars of the unworn bodies on the mesh that [accuracy] takes."""
+    contact = found.contact
+    if found.missed:
+        yield Row("not reached", found.missed)
+    for name in ("Qx", "Qy", "Mz", "p_max"):
+        if name in contact.error_bars:
+            bar, unit = contact.error_bars[name], columns(contact.scene)[name].unit
+            value = f"{getattr(contact, name):.6g} +- {bar:.1g} {unit}"
+            yield Row(f"{name} of the unworn bodies", value)
+
+
+def describe_mesh(model: Model, refinement: Refined | None) -> Iterator[Row]:
+    """Yield the elements, domain and element size of the mesh, and where they come from."""
+    grid, hertz = model.grid, model.scene.hertz
+    sides, axes = (grid.dx, grid.dy), [k for k, n in enumerate(grid.elements) if n > 1]
+
+    def join(form: str, values: Sequence[float]) -> str:
+        return " x ".join(format(values[k], form) for k in axes)
+
+    origin = "found by refinement" if refinement else _describe_origin(model)
+    yield Row("mesh", f"{join('d', grid.elements)} elements, {origin}")
+    yield Row("domain", f"+-{join('.4g', grid.half_length).replace(' x ', ' x +-')} mm")
+    yield Row("element", f"{join('.4g', sides)} mm")
+    if hertz is not None:
+        across = join(".0f", (2 * hertz.a / grid.dx, 2 * hertz.b / grid.dy))
+        yield Row("across the unworn contact", f"{across} elements")
+
+
+def _describe_origin(model: Model) -> str:
+    """Describe which part of the mesh is given, and whether it is refined for a measured map."""
+    scene, grid = model.scene, model.grid
+    origin = "chosen from the contact" if scene.grid is None else scene.grid.origin
+    if model.measured is None and not model.profiles:
+        return origin
+    usual = choose_grid(scene, model.measured, model.profiles, finer=1.0)
+    if (usual.dx, usual.dy) == (grid.dx, grid.dy):
+        return origin
+    elements = " x ".join(str(n) for n in usual.elements if n > 1)
+    return f"{origin}, refined from {elements} to the waves of the measured gap or profile"

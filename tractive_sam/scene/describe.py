@@ -1,0 +1,123 @@
+"""Describe a scene: each table gives its rows, and summaries and reports are made from them.
+
+`Table.describe` is the convention: it returns the rows of a table that is given. Of a table that is
+absent, `Table.effect` names what is left out. The table of an array has `describe_array` as well.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from tractive_sam.markup import Html, as_html, html_table
+from tractive_sam.plain import text_table
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of a description.
+
+    Attributes
+    ----------
+    label : str
+        What is described.
+    text : str
+        Its description, with numbers and units.
+    brief : bool
+        Whether the summary of a scene and the report of a run print it.
+    """
+
+    label: str
+    text: str
+    brief: bool = False
+
+
+def describe_tables(scene: Any) -> dict[str, list[Row]]:
+    """Return the rows of each table of a scene, by its key; of absent tables what is left out."""
+    kinds = {key: scene.table_of(info) for key, info in type(scene).model_fields.items()}
+    return {
+        key: _describe_entry(kind, key, getattr(scene, key), scene)
+        for key, kind in kinds.items()
+        if kind is not None
+    }
+
+
+def _describe_entry(kind: Any, key: str, given: Any, scene: Any) -> list[Row]:
+    if isinstance(given, tuple):
+        return [*kind.describe_array(given, scene)]
+    if given is not None:
+        return [*given.describe(scene)]
+    return [Row(kind.effect, f"left out: the scene has no [{key}]")] if kind.effect else []
+
+
+def describe_load(
+    scene: Any, keys: Iterable[str] = ("load", "wear", "load_history", "duty")
+) -> dict[str, str]:
+    """Describe the load, the wear and the blocks of a scene: text by label, for reports of a run.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    keys : iterable of str
+        Tables whose brief rows are returned.
+    """
+    rows = describe_tables(scene)
+    return {row.label: row.text for key in keys for row in rows[key] if row.brief}
+
+
+def summarize(scene: Any) -> dict[str, str]:
+    """Describe a scene in a few lines: text by label; other tables are only named."""
+    found, others = {"title": scene.title or "none"}, []
+    for key, rows in describe_tables(scene).items():
+        brief = {row.label: row.text for row in rows if row.brief}
+        found |= brief
+        if not brief and key in scene.model_fields_set and getattr(scene, key) is not None:
+            others.append(f"[{key}]")
+    if others:
+        found["other tables"] = ", ".join(sorted(others))
+    return found
+
+
+def format_summary(scene: Any) -> str:
+    """Return the summary of a scene as text."""
+    return text_table("Scene", summarize(scene))
+
+
+def draw_summary(scene: Any) -> Html:
+    """Return the summary of a scene as a table for notebooks, beside its contact ellipse."""
+    return html_table(summarize(scene), _ellipse(scene.hertz))
+
+
+def format_pair(first: float, second: float) -> str:
+    """Return one number where both are equal, else both in parentheses."""
+    return f"{first:g}" if first == second else f"({first:g}, {second:g})"
+
+
+def _ellipse(hertz: Any, side: int = 190) -> Html:
+    """Return the unworn contact by Hertz as vectors, true to scale, x upwards.
+
+    Parameters
+    ----------
+    hertz : HertzContact or HertzLine or None
+        The contact; nothing is drawn without one, nor of one that is infinitely long.
+    side : int
+        Side of the picture, pixels.
+    """
+    if hertz is None or math.isinf(hertz.b):
+        return Html()
+    largest = max(hertz.a, hertz.b)
+    rx, ry, half = 0.33 * side * hertz.b / largest, 0.33 * side * hertz.a / largest, side / 2
+    axes = as_html(f"2a = {2 * hertz.a:.3g} mm, 2b = {2 * hertz.b:.3g} mm")
+    size, blue = 'font-size="12"', "#0072b2"
+    parts = (
+        f'<svg width="{side}" height="{side + 18}" role="img" aria-label="{axes}">',
+        f'<path d="M{half} {side - 6}V6m-4 7 4-7 4 7M6 {half}H{side - 6}" stroke="#999" ',
+        f'fill="none"/><ellipse cx="{half}" cy="{half}" rx="{rx:.1f}" ry="{ry:.1f}" fill="{blue}" ',
+        f'fill-opacity=".3" stroke="{blue}"/><text x="{half + 7}" y="15" {size}>x</text>',
+        f'<text x="{side - 14}" y="{half - 6}" {size}>y</text>',
+        f'<text x="{half}" y="{side + 13}" text-anchor="middle" {size}>{axes}</text></svg>',
+    )
+    return Html("".join(parts))
