@@ -236,7 +236,8 @@ def finished(
         fields = outcome.pressure, outcome.gap, outcome.traction, outcome.slip
         sliding, bound = problem.sliding(*fields), _traction_bound(model, problem, outcome)
         if model.friction_law.falls:
-            steepness = steepness_of(problem, *fields)
+            known = outcome.steepness
+            steepness = steepness_of(problem, *fields) if known is None else known
     contact = State(
         model.scene,
         model.grid,

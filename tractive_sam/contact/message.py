@@ -121,9 +121,11 @@ def too_steep(steepness: float) -> str:
     """
     return (
         f"friction.law: friction falls {steepness:.2g} times as fast with sliding as an element "
-        "deforms by itself, so several solutions may hold, and which is found hinges on the "
-        'mesh; friction.start = "sliding" seeks another one. A larger friction.memory or '
-        "friction.half_speed, or with a friction.layer a coarser mesh, makes it one"
+        "deforms by itself (in a step of a transient all of them together), so several solutions "
+        "may hold, and which is found hinges on the mesh and the step; "
+        'friction.start = "sliding" seeks another one. A larger friction.memory or '
+        "friction.half_speed, with a friction.layer a coarser mesh, or in a transient a longer "
+        "transient.step, makes it one"
     )
 
 

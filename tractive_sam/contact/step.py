@@ -15,7 +15,7 @@ from tractive_sam.contact.equilibrium import finished
 from tractive_sam.contact.measured import sampled
 from tractive_sam.contact.model import Model
 from tractive_sam.contact.step_work import Particles, StepWork
-from tractive_sam.mechanics import Bound, Friction, WearConditions
+from tractive_sam.mechanics import Friction, FrictionLaw, Past, WearConditions, WearLaw
 from tractive_sam.operators import ConvolutionMeter, Lattice, StepOperators, Way
 from tractive_sam.results import Cost, Grid, State, Status, widened
 from tractive_sam.solvers import (
@@ -28,6 +28,7 @@ from tractive_sam.solvers import (
     Outcome,
     Start,
     StepProblem,
+    of_one_solution,
 )
 
 
@@ -68,8 +69,8 @@ class Asked:
         (Q_x, Q_y) at the end, N, in place of creepages.
     friction : float
         Factor on the bound of friction at the end.
-    mean_friction : float
-        The same on the mean of the way: what wears goes by it.
+    friction_before : float, optional
+        The same at the beginning; by default that at the end.
     separation : ndarray, shape (n_x, n_y), or float
         What is added to the undeformed gap at the end, mm.
     """
@@ -80,8 +81,14 @@ class Asked:
     approach: float | None = None
     forces: tuple[float | None, float | None] = (None, None)
     friction: float = 1.0
-    mean_friction: float = 1.0
+    friction_before: float | None = None
     separation: np.ndarray | float = 0.0
+
+    @property
+    def mean_friction(self) -> float:
+        """Factor on the bound of friction on the mean of the way: what wears goes by it."""
+        first = self.friction if self.friction_before is None else self.friction_before
+        return (first + self.friction) / 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,6 +180,8 @@ class Carriage:
         Slip of the undeformed bodies, dimensionless.
     found : ndarray or float
         The part of it that was found where a force is given.
+    law : FrictionLaw
+        That of friction at rest, with what the particles remember.
     """
 
     way: Way
@@ -180,20 +189,7 @@ class Carriage:
     displacement: np.ndarray
     rigid: np.ndarray
     found: np.ndarray | float
-
-
-@dataclass(frozen=True, eq=False)
-class Weakened(Friction):
-    """A friction law whose bound counts by a factor."""
-
-    factor: float = 1.0
-
-    def bound(self, pressure: np.ndarray) -> Bound:
-        """See `Friction.bound`."""
-        bound = super().bound(pressure)
-        return replace(
-            bound, radius=self.factor * bound.radius, by_pressure=self.factor * bound.by_pressure
-        )
+    law: FrictionLaw
 
 
 class Stepper:
@@ -207,12 +203,12 @@ class Stepper:
     Raises
     ------
     ValueError
-        If friction falls with sliding, or there is an interfacial layer.
+        If there is an interfacial layer.
     """
 
     def __init__(self, model: Model):
-        if model.friction_law.falls or model.elasticity.layer:
-            raise ValueError("laws: a transient takes no friction that falls, and no layer")
+        if model.elasticity.layer:
+            raise ValueError("laws: a transient takes no interfacial layer")
         self.model, self.wear_law, self.work = model, model.wear_law, StepWork(model)
         grid, (pressure, gap, slip) = model.grid, astuple(model.units)
         self.operators = StepOperators(
@@ -265,21 +261,26 @@ class Stepper:
         foreseen = worn + self._expected(before, earlier, ratio)
         gap = np.where(past.touching, 0.0, past.gap) / model.units.gap
         ahead = _ahead(gap[None], way.reach, edge=True)[0]
+        law = self._law(before, asked, way)
         problem = replace(
-            self._problem(asked, foreseen.sum(axis=0)),
+            self._problem(asked, foreseen.sum(axis=0), law),
             rigid=rigid - came[-2:],
             forces=model.forces_of(asked.forces),
             entering=self._entering(way.before(ahead, held), ahead),
             ahead=way.length,
         )
         outcome = self._solved(problem, before, self._start(before, way, asked, earlier, ratio))
+        if outcome.top is not None:  # its creepage is over an element's length, like the slip
+            force, creepage = outcome.top
+            outcome = replace(outcome, top=(force, creepage / way.length))
         if len(problem.forces) and outcome.creepage is None:
             outcome = _without_contact(problem, outcome)
         now = self._ended(asked, way, problem, outcome, worn)
         if not now.contact.converged:
             return now
         found = problem.forces.slip(outcome.creepage) if len(problem.forces) else 0.0
-        return self._worked(before, asked, now, Carriage(way, held, came, rigid + found, found))
+        carried = Carriage(way, held, came, rigid + found, found, law)
+        return self._worked(before, asked, now, carried)
 
     def _entering(self, gap: np.ndarray, nodes: np.ndarray) -> np.ndarray:
         """Return the gap that particles close before they are held in a step, dimensionless.
@@ -320,6 +321,8 @@ class Stepper:
             return ALONE.solve(problem, tolerance)
         if coupled and not past.touching.any():
             start = None  # Newton's method has no contact area to begin with
+        if problem.friction.law.falls:
+            solver = of_one_solution(solver, model.starts_sliding)
         if isinstance(solver, InSequence) and before.presses_like(normal):
             gap, approach = past.gap / model.units.gap, past.approach / model.units.gap
             pressure = past.pressure / model.units.pressure
@@ -342,17 +345,46 @@ class Stepper:
         contact = replace(contact, gap=np.where(unknown, gap, contact.gap), wear=depth)
         return replace(stepped, contact=contact)
 
-    def _problem(self, asked: Asked, worn: np.ndarray | float = 0.0) -> StepProblem:
+    def _law(self, before: Stepped, asked: Asked, way: Way) -> FrictionLaw:
+        """Return the law of friction in a step, with what its particles remember.
+
+        Raises
+        ------
+        ValueError
+            If the law falls with the speed of sliding, and a shift has none.
+        """
+        law, grid, past = self.model.friction_law, self.model.grid, before.contact
+        if not law.falls:
+            return law
+        if not way.length:
+            raise ValueError(
+                "laws.friction: friction falls with the speed of sliding, and a shift (a step of "
+                "no distance) has none; roll a short distance in its place"
+            )
+        rest = law.weakened(asked.friction_before or asked.friction).bound(
+            past.pressure, grid.x[:, None], grid.y[None, :]
+        )
+        bound = past.pressure if past.traction_bound is None else past.traction_bound
+        touching = rest.radius > 0.0
+        lost = np.where(touching, 1.0 - bound / np.where(touching, rest.radius, 1.0), 0.0)
+        return law.remembering(Past(grid.x, grid.y, 1.0 - way.carried(lost), asked.distance))
+
+    def _problem(
+        self, asked: Asked, worn: np.ndarray | float = 0.0, law: FrictionLaw | None = None
+    ) -> StepProblem:
         """The normal problem and the friction of a step, with what was worn since the start."""
         model, grid, units = self.model, self.model.grid, self.model.units
         load = None if asked.load is None else asked.load / (units.pressure * grid.element_area)
         approach = 0.0 if asked.approach is None else asked.approach / units.gap
         undeformed = model.undeformed_gap + asked.separation + self.off(worn)
-        law, x, y = model.friction_law, grid.x[:, None], grid.y[None, :]
+        law = (law or model.friction_law).weakened(asked.friction)
+        x, y = grid.x[:, None], grid.y[None, :]
+        # A slip of a step is over an element's length, the speed of sliding over the way rolled.
+        per_way = units.slip * grid.dx / (asked.distance or grid.dx)
         return StepProblem(
             NormalProblem(self.operators, undeformed / units.gap, load, approach),
             np.zeros((2, *grid.elements)),
-            Weakened(law, x, y, units.pressure, factor=asked.friction),
+            Friction(law, x, y, units.pressure, per_way),
         )
 
     def off(self, worn: np.ndarray | float) -> np.ndarray:
@@ -487,7 +519,7 @@ class Stepper:
             friction = supplied - (energy - before.energy)
             groups = work.matched(groups, friction)
         now = replace(now, supplied=supplied, friction=friction, energy=energy)
-        return now if self.wear_law is None else self._wear(asked, now, way, groups)
+        return now if self.wear_law is None else self._wear(asked, now, carried, groups)
 
     def _particles(
         self, before: Stepped, asked: Asked, now: Stepped, carried: Carriage
@@ -525,11 +557,15 @@ class Stepper:
         spread = way.spread(self._fields(now.contact), held)
         return self.operators.part(spread.shape[1:]).coupled(spread)[:, :columns]
 
-    def _wear(self, asked: Asked, now: Stepped, way: Way, groups: tuple[Particles, ...]) -> Stepped:
+    def _wear(
+        self, asked: Asked, now: Stepped, carried: Carriage, groups: tuple[Particles, ...]
+    ) -> Stepped:
         """Return a step with what its particles wear off."""
-        gained, deep = self._unworn, 0.0
+        gained, deep, way = self._unworn, 0.0, carried.way
+        law = self.wear_law.rubbing(carried.law).weakened(asked.mean_friction)
+        law = law.under(WearConditions(now.contact.wear, math.nan))
         for one in groups:
-            depth = self._gained(asked, self._rubbing(now, one, way), now.contact.wear)
+            depth = self._gained(asked, self._rubbing(now, one, way), law)
             deep = max(deep, self._deep(one.pressure, depth))
             gained += one.weight * (way.carried(depth) if one.earlier else depth)
         worn = now.worn + gained
@@ -551,7 +587,7 @@ class Stepper:
         ending = np.where(last > 0.0, share * self._fields(now.contact), particles.fields)
         return replace(particles, fields=ending)
 
-    def _gained(self, asked: Asked, particles: Particles, worn: np.ndarray) -> np.ndarray:
+    def _gained(self, asked: Asked, particles: Particles, law: WearLaw) -> np.ndarray:
         """Depths that a step wears off A and B, shape (2, n_x, n_y), mm.
 
         Of each particle by its pressure, its traction, and all that it has slipped. A law that
@@ -564,8 +600,6 @@ class Stepper:
         slipped = particles.wearing * particles.slip
         slip = units.slip * model.grid.dx / over * model.frame.slip_to_physical(slipped)
         traction = units.pressure * model.frame.to_physical(particles.traction)
-        law = self.wear_law.weakened(asked.mean_friction)
-        law = law.under(WearConditions(worn, math.nan))
         return over * law.rates(model.scene.wear_share, particles.pressure, traction, slip)
 
     def _deep(self, pressure: np.ndarray, gained: np.ndarray) -> float:

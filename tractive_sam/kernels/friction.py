@@ -90,12 +90,15 @@ def _centred(slip, contact, i, ahead, m0, m1):
 
 
 @compiled
-def centre(slip, contact, out):
-    """Slip at the centres of the elements in contact, from that of the leading faces."""
+def centre(slip, contact, out, ahead=1.0):
+    """Slip at the centres of the elements in contact, from that of the leading faces.
+
+    The faces lie `ahead` / 2 elements before the centres.
+    """
     nx, ny = contact.shape
     m0, m1 = np.empty(ny), np.empty(ny)
     for i in range(nx):
-        _centred(slip, contact, i, 1.0, m0, m1)
+        _centred(slip, contact, i, ahead, m0, m1)
         for j in range(ny):
             inside = contact[i, j] > 0.0
             out[0, i, j] = m0[j] if inside else slip[0, i, j]

@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tractive_sam.kernels import friction
-from tractive_sam.mechanics.friction import Bound, Coulomb, Slope
+from tractive_sam.mechanics.friction import Bound, Coulomb, Past, Slope
 
 BACKGROUND = 1.0
 """s0, mm/s: speed at which a memory fades where nothing slides."""
@@ -133,8 +133,15 @@ class Warmth:
         x, y : ndarray, shapes (m, 1) and (1, n)
             Centres of the elements, mm.
         """
-        along, across = (_weights(a, b.ravel()) for a, b in ((self.x, x), (self.y, y)))
-        return along @ self.factor @ across.T
+        return _interpolated(self.factor, (self.x, self.y), (x, y))
+
+
+def _interpolated(
+    values: np.ndarray, known: tuple[np.ndarray, ...], wanted: tuple[np.ndarray, ...]
+) -> np.ndarray:
+    """Interpolate a field of elements at others, bilinear between centres."""
+    along, across = (_weights(a, b.ravel()) for a, b in zip(known, wanted, strict=True))
+    return along @ values @ across.T
 
 
 def _weights(known: np.ndarray, wanted: np.ndarray) -> np.ndarray:
@@ -190,6 +197,22 @@ class FallingCoulomb(Coulomb):
         """See `FrictionLaw.eased`; of infinite speed it is constant, what is left there."""
         return replace(self, speed=speed * self.speed)
 
+    def weakened(self, factor: float) -> "FallingCoulomb":
+        """See `FrictionLaw.weakened`: the coefficients fall, the strength does not."""
+        return self if factor == 1.0 else FallingInStep(**vars(self), factor=factor)
+
+    def remembering(self, past: Past) -> "FallingCoulomb":
+        """See `FrictionLaw.remembering`.
+
+        Raises
+        ------
+        ValueError
+            If a strength hides what is left of the coefficients.
+        """
+        if self.memory > 0.0 and self.strength < np.inf:
+            raise ValueError("FallingCoulomb: a memory goes without a strength in a transient")
+        return FallingInStep(**vars(self), past=past) if self.memory > 0.0 else self
+
     def bound(self, pressure: np.ndarray, x: np.ndarray, y: np.ndarray) -> Bound:
         """See `FrictionLaw.bound`."""
         lost = self.sliding is not None and np.isinf(self.speed)
@@ -210,7 +233,7 @@ class FallingCoulomb(Coulomb):
             )
         kept = np.zeros_like(share)
         if self.memory > 0.0:
-            share, by_speed, kept = self._remembered(pressure, size, share, by_speed, x, second)
+            share, by_speed, kept = self._remembered(pressure, size, share, by_speed, x, y, second)
         bound, by_share = self._capped(pressure, share, self._factor(x, y))
         along = slip / np.where(size > 0.0, size, 1.0)
         return replace(bound, slope=Slope(by_share, self.speed * by_speed * along, kept))
@@ -245,31 +268,37 @@ class FallingCoulomb(Coulomb):
             size = np.hypot(*slip)
             share, by_speed = self.sliding.at(self.speed * size)
             if self.memory > 0.0 and length > 0.0:
-                x = np.array([[0.0], [length]])
-                share = self._remembered(pressure, size, share, by_speed, x, second=True)[0]
+                x, y = np.array([[0.0], [length]]), np.zeros((1, 1))
+                share = self._remembered(pressure, size, share, by_speed, x, y, second=True)[0]
         factor = 1.0 if self.warmth is None else self.warmth.factor
         radius = self._capped(pressure, share, factor)[0].radius
         return np.divide(radius, pressure, out=share, where=pressure > 0.0)
 
-    def _remembered(self, pressure, size, target, by_speed, x, second):
+    def _remembered(self, pressure, size, target, by_speed, x, y, second):
         """Share with memory, its derivative by the speed, and what is kept of that ahead.
 
         To second order the share kept while an element is crossed is that of a constant speed,
         exp(-slid/d_c); to first order, that of an implicit step.
         """
-        time = float(x[1, 0] - x[0, 0]) / self.speed if len(x) > 1 else 0.0
-        slides = self.speed * size > BACKGROUND
-        slid = time * np.maximum(self.speed * size, BACKGROUND) / self.memory
-        kept = np.exp(-slid) if second else 1.0 / (1.0 + slid)
-        by_slid = -kept if second else -(kept**2)
+        kept, by_kept = self._kept(size, float(x[1, 0] - x[0, 0]) if len(x) > 1 else 0.0, second)
         share, ahead = np.empty_like(target), np.empty_like(target)
         friction.remember(target, kept, pressure, ahead, share)
-        by_kept = np.where(slides, by_slid * time / self.memory, 0.0)
         by_speed = (1.0 - kept) * by_speed + (ahead - target) * by_kept
         # What enters the contact has the share of rest, whatever happens.
         enters = np.ones(pressure.shape, bool)
         enters[:-1] = pressure[1:] <= 0.0
         return share, by_speed, np.where(enters, 0.0, kept)
+
+    def _kept(
+        self, size: np.ndarray, distance: float, second: bool
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Part of a share kept over a distance rolled, mm, and its derivative by the speed."""
+        time = distance / self.speed
+        slides = self.speed * size > BACKGROUND
+        slid = time * np.maximum(self.speed * size, BACKGROUND) / self.memory
+        kept = np.exp(-slid) if second else 1.0 / (1.0 + slid)
+        by_slid = -kept if second else -(kept**2)
+        return kept, np.where(slides, by_slid * time / self.memory, 0.0)
 
     def _factor(self, x: np.ndarray, y: np.ndarray) -> np.ndarray | float:
         return 1.0 if self.warmth is None else self.warmth.at(x, y)
@@ -283,3 +312,50 @@ class FallingCoulomb(Coulomb):
         weak = radius < most
         bound = Bound(np.minimum(radius, most), np.where(weak, share, 0.0))
         return bound, np.where(weak, factor * pressure, 0.0)
+
+
+@dataclass(frozen=True)
+class FallingInStep(FallingCoulomb):
+    """The law in a step of a transient.
+
+    Parameters
+    ----------
+    factor : float
+        Factor on the coefficients; the strength remains.
+    past : Past, optional
+        What particles have kept of the shares before the step.
+    """
+
+    factor: float = 1.0
+    past: Past | None = None
+
+    def weakened(self, factor: float) -> "FallingInStep":
+        """See `FallingCoulomb.weakened`."""
+        return replace(self, factor=factor * self.factor)
+
+    def remembering(self, past: Past) -> "FallingInStep":
+        """See `FallingCoulomb.remembering`."""
+        return replace(self, past=past)
+
+    def left(self, pressure: np.ndarray, slip: np.ndarray, length: float) -> np.ndarray:
+        """See `FallingCoulomb.left`; over the way of the step, if particles have a past."""
+        return super().left(pressure, slip, length if self.past is None else self.past.distance)
+
+    def _remembered(self, pressure, size, target, by_speed, x, y, second):
+        """See `FallingCoulomb`; each particle has a past, whatever is ahead of it."""
+        past = self.past
+        if past is None:
+            return super()._remembered(pressure, size, target, by_speed, x, y, second)
+        kept, by_kept = self._kept(size, past.distance, second)
+        before = past.share
+        if before.shape != pressure.shape:
+            before = _interpolated(before, (past.x, past.y), (x, y))
+        by_speed = (1.0 - kept) * by_speed + (before - target) * by_kept
+        share = kept * before + (1.0 - kept) * target
+        return share, by_speed, np.zeros_like(share)
+
+    def _capped(
+        self, pressure: np.ndarray, share: np.ndarray, factor: np.ndarray | float
+    ) -> tuple[Bound, np.ndarray]:
+        """See `FallingCoulomb`."""
+        return super()._capped(pressure, share, self.factor * factor)

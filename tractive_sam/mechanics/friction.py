@@ -85,6 +85,26 @@ class Slope:
         return self.by_share * np.hypot(*self.by_slip)
 
 
+@dataclass(frozen=True, eq=False)
+class Past:
+    """What particles bring to a step of a transient, on the elements at which they end.
+
+    Attributes
+    ----------
+    x, y : ndarray, shapes (n_x,) and (n_y,)
+        Centres of the elements, mm.
+    share : ndarray, shape (n_x, n_y)
+        Bound before the step over that of rest, of the same pressure; 1 of what was not in contact.
+    distance : float
+        Rolled in the step, mm.
+    """
+
+    x: np.ndarray
+    y: np.ndarray
+    share: np.ndarray
+    distance: float
+
+
 class FrictionLaw(Law, ABC):
     """What friction does in every element; a subclass gives `frame` and `bound`.
 
@@ -145,6 +165,14 @@ class FrictionLaw(Law, ABC):
         """The same at another speed of rolling, over its own: 0 is the law at rest."""
         return self
 
+    def weakened(self, factor: float) -> "FrictionLaw":
+        """Return the law where friction is `factor` times what it was; by default its bound is."""
+        return self if factor == 1.0 else Weakened(self, factor)
+
+    def remembering(self, past: "Past") -> "FrictionLaw":
+        """Return the law in a step whose particles have a past; by default it does not matter."""
+        return self
+
     def project(self, traction: np.ndarray, radius: np.ndarray, physical=False) -> np.ndarray:
         """The nearest scaled traction that the bound allows.
 
@@ -183,12 +211,12 @@ class FrictionLaw(Law, ABC):
         return out
 
     @staticmethod
-    def centred(slip: np.ndarray, contact: np.ndarray, staggered: bool) -> np.ndarray:
+    def centred(slip: np.ndarray, contact: np.ndarray, staggered: float) -> np.ndarray:
         """The slip at the centres, of which the bound is a function; parameters as `opposed`."""
         if not staggered:
             return slip
         out = np.empty_like(slip)
-        friction.centre(slip, contact, out)
+        friction.centre(slip, contact, out, float(staggered))
         return out
 
     def linearise(
@@ -239,7 +267,7 @@ class FrictionLaw(Law, ABC):
         if active is not None:
             state[~active] = friction.OPEN
             direction[:, ~active] = 0.0
-        slope = None if bound.slope is None else Falling(bound.slope, bool(staggered))
+        slope = None if bound.slope is None else Falling(bound.slope, float(staggered))
         return Linearisation(
             state,
             direction,
@@ -252,6 +280,52 @@ class FrictionLaw(Law, ABC):
             slope,
             float(staggered),
         )
+
+
+@dataclass(frozen=True)
+class Weakened(FrictionLaw):
+    """A friction law whose bound counts by a factor.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        The law as it is without.
+    factor : float
+        Factor on its bound.
+    """
+
+    law: FrictionLaw
+    factor: float
+
+    @property
+    def frame(self) -> Frame:
+        """That of the law without the factor."""
+        return self.law.frame
+
+    @property
+    def falls(self) -> bool:
+        """See `FrictionLaw.falls`."""
+        return self.law.falls
+
+    def bound(self, pressure: np.ndarray, x: np.ndarray, y: np.ndarray) -> Bound:
+        """See `FrictionLaw.bound`."""
+        return self._scaled(self.law.bound(pressure, x, y))
+
+    def bound_sliding(
+        self, pressure: np.ndarray, slip: np.ndarray, x: np.ndarray, y: np.ndarray, second: bool
+    ) -> Bound:
+        """See `FrictionLaw.bound_sliding`."""
+        return self._scaled(self.law.bound_sliding(pressure, slip, x, y, second))
+
+    def eased(self, speed: float) -> "Weakened":
+        """See `FrictionLaw.eased`."""
+        return replace(self, law=self.law.eased(speed))
+
+    def _scaled(self, bound: Bound) -> Bound:
+        slope, factor = bound.slope, self.factor
+        if slope is not None:
+            slope = replace(slope, by_share=factor * slope.by_share)
+        return Bound(factor * bound.radius, factor * bound.by_pressure, slope)
 
 
 @dataclass(frozen=True)
@@ -313,7 +387,7 @@ class Friction:
         return replace(bound, radius=radius)
 
     def bound_sliding(
-        self, pressure: np.ndarray, slip: np.ndarray, contact: np.ndarray, staggered: bool
+        self, pressure: np.ndarray, slip: np.ndarray, contact: np.ndarray, staggered: float
     ) -> Bound:
         """The same of a law that falls, under the scaled slip of the leading faces."""
         frame = self.law.frame
@@ -323,7 +397,7 @@ class Friction:
             self.slip * frame.slip_to_physical(centred),
             self.x,
             self.y,
-            staggered,
+            bool(staggered),
         )
         slope = bound.slope
         if slope is not None:
@@ -470,12 +544,12 @@ class Falling:
     ----------
     slope : Slope
         How it answers.
-    staggered : bool
+    staggered : float
         As of `FrictionLaw.opposed`.
     """
 
     slope: Slope
-    staggered: bool
+    staggered: float
 
     def change(self, slip: np.ndarray, contact: np.ndarray) -> np.ndarray:
         """Change of the radius by a change of the slip of the leading faces, shape (n_x, n_y)."""

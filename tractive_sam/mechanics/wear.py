@@ -9,6 +9,7 @@ import numpy as np
 from tractive_sam.kernels import wear
 from tractive_sam.mechanics.falling import FallingCoulomb
 from tractive_sam.mechanics.frame import Frame
+from tractive_sam.mechanics.friction import FrictionLaw
 from tractive_sam.mechanics.law import Law
 
 
@@ -106,6 +107,10 @@ class WearLaw(Law, ABC):
 
     def weakened(self, factor: float) -> "WearLaw":
         """The law where friction is so many times what it was; by default no other one."""
+        return self
+
+    def rubbing(self, friction: FrictionLaw) -> "WearLaw":
+        """Return the law where friction follows another law; by default no other one."""
         return self
 
     def under(self, conditions: WearConditions) -> "WearLaw":
@@ -292,4 +297,11 @@ class ArchardByWork(WearLaw):
 
     def weakened(self, factor: float) -> "ArchardByWork":
         """See `WearLaw.weakened`: the same work takes a longer way."""
+        if self.friction is not None:
+            return replace(self, friction=self.friction.weakened(factor))
         return replace(self, mu=(factor * self.mu[0], factor * self.mu[1]))
+
+    def rubbing(self, friction: FrictionLaw) -> "ArchardByWork":
+        """See `WearLaw.rubbing`."""
+        falls = self.friction is not None and isinstance(friction, FallingCoulomb)
+        return replace(self, friction=friction) if falls else self

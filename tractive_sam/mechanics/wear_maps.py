@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tractive_sam.kernels import wear
+from tractive_sam.mechanics.friction import FrictionLaw
 from tractive_sam.mechanics.wear import ArchardByWork, WearConditions, WearLaw, work_of
 from tractive_sam.mechanics.wear_sets import JENDEL_BORDERS, JENDEL_LIMIT, Regimes
 
@@ -211,6 +212,10 @@ class EachBody(WearLaw):
     def weakened(self, factor: float) -> "EachBody":
         """See `WearLaw.weakened`."""
         return self.mapped(lambda law: law.weakened(factor))
+
+    def rubbing(self, friction: FrictionLaw) -> "EachBody":
+        """See `WearLaw.rubbing`."""
+        return self.mapped(lambda law: law.rubbing(friction))
 
     def under(self, conditions: WearConditions) -> "EachBody":
         """See `WearLaw.under`."""

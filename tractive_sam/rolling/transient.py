@@ -243,15 +243,17 @@ class Courses:
         courses = (self._courses.get(key, none) for key in _CREEPAGES)
         return tuple(values[stretch + 1] - values[stretch] for values in courses)
 
+    def weakening(self, asked: Mapping[str, float | None]) -> float:
+        """Return the factor on the coefficients of friction in what is asked for."""
+        return asked["friction.mu"] / self.scene.friction.mu[0]
+
     def scene_at(self, asked: Mapping[str, float | None]) -> Scene:
         """The steady scene of what is asked for at a moment."""
-        scene, mu = self.scene, asked["friction.mu"]
-        mu1, mu2 = scene.friction.mu
-        changes: dict[str, Any] = {
-            "transient": None,
-            "wear": None,
-            "friction.mu": (mu, mu * mu2 / mu1),
-        }
+        scene, friction = self.scene, self.scene.friction
+        factor = self.weakening(asked)
+        changes: dict[str, Any] = {"transient": None, "wear": None}
+        for key in friction.entries().keys() & {"mu", "static", "kinetic"}:
+            changes[f"friction.{key}"] = tuple(factor * one for one in getattr(friction, key))
         for key in ("load.normal", "load.approach"):
             if key in self._courses:
                 changes[key] = asked[key]
@@ -301,16 +303,14 @@ class Transient:
         at: float,
         then: Mapping[str, float | None] | None = None,
     ) -> Asked:
-        mu = self.courses.scene.friction.mu[0]
-        factors = [one["friction.mu"] / mu for one in (now, then or now)]
         return Asked(
             distance,
             creepages,
             now["load.normal"],
             now["load.approach"],
             (now["load.force_x"], now["load.force_y"]),
-            factors[0],
-            sum(factors) / 2.0,
+            self.courses.weakening(now),
+            self.courses.weakening(then or now),
             self._separation(at),
         )
 
@@ -322,11 +322,13 @@ class Transient:
         """The first knot."""
         model, first, at = self.model, self.courses.first(), self.courses.knots[0]
         if self.courses.table.start == "steady":
-            known = model.measured, model.grid, model.laws
+            friction = model.friction_law.weakened(self.courses.weakening(first))
+            known = model.measured, model.grid, model.laws.replace(friction=friction)
             steady = Model(self.courses.scene_at(first), *known, datum=model.datum)
             worn, depth = self.stepper.off(0.0), self._separation(at)
             contact = equilibrium(steady, worn + depth, check_resolution=False)
-            return self._begun(replace(contact, scene=model.scene, wear=worn), at)
+            contact = replace(contact, scene=model.scene, wear=worn, laws=model.laws)
+            return self._begun(contact, at)
         pressed = self.stepper.pressed(self._asked(0.0, first, (0.0, 0.0, 0.0), at))
         moment = self._begun(pressed, at)
         forced = first["load.force_x"], first["load.force_y"]

@@ -239,6 +239,20 @@ class Transient(Table):
         return self.start != "shift"
 
     @property
+    def jumps(self) -> list[tuple[float, str]]:
+        """Knots at which loads, forces or friction jump, mm, and the keys that do."""
+        found = []
+        for k, (first, last) in enumerate(pairwise(self.distance)):
+            keys = [
+                key
+                for key, values in self.courses.items()
+                if values[k] != values[k + 1] and not key.startswith("creepage.")
+            ]
+            if first == last and keys:
+                found.append((first, ", ".join(keys)))
+        return found
+
+    @property
     def courses(self) -> dict[str, tuple[float, ...]]:
         """The courses by the dotted keys they stand for."""
         tables = {"load": self.load, "creepage": self.creepage, "friction": self.friction}
@@ -263,16 +277,36 @@ def _transient_is_alone(known: Known) -> Iterator[Fault]:
     ):
         if known[table] is not None:
             yield Fault("transient", f"together with [{table}]", why)
-    if known["friction"] is not None:
-        if known["friction.law"] != "constant" and known["friction"].named_law is None:
-            cure = '"constant" with [transient]: others are those of steady rolling'
-            yield Fault("friction.law", f'"{known["friction.law"]}"', cure)
-        if known["friction.layer"]:
-            given = f"{known['friction.layer']:g}, together with [transient]"
-            yield Fault("friction.layer", given, "no layer: that of a transient is not modelled")
+    if known["friction"] is not None and known["friction.layer"]:
+        given = f"{known['friction.layer']:g}, together with [transient]"
+        yield Fault("friction.layer", given, "no layer: that of a transient is not modelled")
     if known["solver.method"] in ("uzawa", "anderson"):
         given = f'solver.method = "{known["solver.method"]}"'
         yield Fault("solver.method", given, '"auto" or "newton" with [transient]')
+
+
+def _sliding_has_a_speed(known: Known) -> Iterator[Fault]:
+    """Refuse shifts with friction that falls with the speed of sliding: they take no time."""
+    transient, friction = known["transient"], known["friction"]
+    if transient is None or friction is None or friction.share is None:
+        return
+    falls = f'together with friction.law = "{friction.law}"'
+    why = "it depends on the speed of sliding, and a shift has none"
+    if not transient.rolls:
+        yield Fault("transient.start", f'"shift" {falls}', f'"rest" or "steady": {why}')
+        return
+    for place, keys in transient.jumps:
+        cure = f"knots a short distance apart: {why}"
+        yield Fault("transient.distance", f"a jump of {keys} at {place:g} mm {falls}", cure)
+    for force in ("load.force_x", "load.force_y"):
+        first = transient.courses.get(force, (known[force],))[0]
+        if transient.start == "rest" and first:
+            key = f"transient.{force}" if force in transient.courses else force
+            cure = f'0 at the first knot, or transient.start = "steady": {why}'
+            yield Fault(key, f"{first:g} at the start from rest {falls}", cure)
+    if friction.memory and friction.strength is not None:
+        cure = "one of both: the strength hides what the memory of a transient continues from"
+        yield Fault("friction.strength", "together with friction.memory and [transient]", cure)
 
 
 OF_REVOLUTIONS = ("revolutions", "save", "stepping", "turns", "tolerance")
@@ -343,6 +377,7 @@ def _steps_within_the_contact(known: Known) -> Iterator[Fault]:
 TRANSIENT_CHECKS: tuple[Check, ...] = (
     _transient_needs_friction,
     _transient_is_alone,
+    _sliding_has_a_speed,
     _wears_over_the_distance,
     _courses_of_what_is_asked,
     _steps_within_the_contact,

@@ -1,17 +1,19 @@
 """The methods that a scene may name, as data: what is tried, and what where that fails."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from tractive_sam.solvers.anderson import Anderson
 from tractive_sam.solvers.bracketing import Bracketing
 from tractive_sam.solvers.conjugate_gradients import ConjugateGradients
 from tractive_sam.solvers.continuation import Continuation
+from tractive_sam.solvers.from_rest import FromRest
 from tractive_sam.solvers.in_sequence import InSequence, OneAfterTheOther
 from tractive_sam.solvers.nested import Nested
 from tractive_sam.solvers.newton import Newton
 from tractive_sam.solvers.outcome import Outcome, Solver, Start
 from tractive_sam.solvers.problem import Problem
 from tractive_sam.solvers.sparing import Sparing
+from tractive_sam.solvers.uniqueness import OneSolution
 from tractive_sam.solvers.uzawa import Uzawa
 
 
@@ -138,3 +140,19 @@ STEPS = Method(
     told="newton, from the two steps before; where that fails as auto",
 )
 """That of a step of a transient."""
+
+
+def of_one_solution(solver: Solver, sliding: bool) -> Solver:
+    """Return a method of steps for friction that falls with sliding.
+
+    Parameters
+    ----------
+    solver : Solver
+        The method of steps whose friction does not.
+    sliding : bool
+        Of several solutions, whether the one reached from great speed is sought, not from rest.
+    """
+    if isinstance(solver, InSequence):
+        return replace(solver, tangential=of_one_solution(solver.tangential, sliding))
+    nearby = solver.rungs[0] if isinstance(solver, Ladder) else solver
+    return OneSolution(FromRest(solver, nearby, sliding))

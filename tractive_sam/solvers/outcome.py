@@ -94,6 +94,8 @@ class Outcome:
     top : (float, float), optional
         Where no creepage has the first of the given forces because friction falls with sliding:
         the largest force, and its creepage.
+    steepness : float, optional
+        `solvers.uniqueness.steepness` there, if the method has needed it.
     """
 
     status: Status
@@ -108,6 +110,7 @@ class Outcome:
     creepage: np.ndarray | None = None
     trace: tuple[Note, ...] = ()
     top: tuple[float, float] | None = None
+    steepness: float | None = None
 
     @property
     def converged(self) -> bool:

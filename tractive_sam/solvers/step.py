@@ -31,6 +31,7 @@ class StepProblem(Problem):
 
     entering: np.ndarray = field(default_factory=lambda: np.zeros((1, 1)))
     ahead: float = 0.0
+    together = True
 
     def friction_slip(self, pressure: np.ndarray, gap: np.ndarray) -> FrictionSlip:
         """See `Problem.friction_slip`."""
@@ -65,6 +66,7 @@ class StepProblem(Problem):
             rigid=coarse.rigid / block[0],
             entering=block_mean(self.entering, block, "edge"),
             ahead=self.ahead / block[0],
+            friction=replace(coarse.friction, slip=block[0] * coarse.friction.slip),
         )
 
     def within(self, box: Box) -> Self:

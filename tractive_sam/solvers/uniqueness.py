@@ -5,12 +5,21 @@ dq, it slips by c dq more. An element that sticks under q can also slide by s if
 fallen enough: c (q - g(s)) >= s. An element that slides by s can also stick, under g(s) + s/c, if
 the bound of rest allows it: c (g(0) - g(s)) >= s. Both are secants of the bound. A second state of
 sliding is possible if the tangent is steep: -c g'(s) >= 1.
+
+In steady rolling a particle slips by the difference of two displacements, so that elements behind
+hardly act on those ahead, and each counts alone. In a step it slips by the displacement itself:
+all elements displace each other, and their bounds fall together. Two solutions differ in slip by
+ds = -A dq, with dq = -G ds by the secants G of the bounds: there is one solution if the spectral
+radius of G A is below one.
 """
+
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from tractive_sam.mechanics import Bound
 from tractive_sam.operators import FrictionSlip
+from tractive_sam.solvers.outcome import Outcome, Solver, Start
 from tractive_sam.solvers.problem import Problem
 
 
@@ -44,17 +53,83 @@ def steepness(
     sliding = problem.sliding(pressure, gap, traction, slip)
     compliance = max(problem.operators.self_influence[::2])
     tangent = float(bound.slope.steepness[sliding].max(initial=0.0))
-    if seen.staggered:
+    if seen.staggered and not problem.together:
         # The slip at the centre has three quarters of the slip of the leading face. Being a mean of
         # faces it is continuous from stick to slip: secants do not matter.
         return 0.75 * compliance * tangent
     size = np.hypot(*seen.sticking(slip, traction))
-    return compliance * max(
-        tangent, reaction * _secant(problem, seen, bound, pressure, traction, sliding, size)
-    )
+    samples = 48 if problem.together else 96
+    secants = _secants(problem, seen, bound, pressure, traction, sliding, size, samples)
+    if problem.together:
+        slope = np.maximum(secants, np.where(sliding, bound.slope.steepness, 0.0))
+        return _jointly(problem, traction, slope)
+    return compliance * max(tangent, reaction * float(secants.max(initial=0.0)))
 
 
-def _secant(
+@dataclass(frozen=True)
+class OneSolution:
+    """Solves a step from the one before, and by the method's way where several solutions may hold.
+
+    What is found then does not hinge on where the search begins.
+
+    Attributes
+    ----------
+    solver : Solver
+        Solves a problem from a start, or without one on its way.
+    """
+
+    solver: Solver
+
+    def solve(
+        self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
+    ) -> Outcome:
+        """Solve a problem; see `Solver`."""
+        outcome = self.solver.solve(problem, tolerance, start)
+        if start is None or not outcome.converged:
+            return outcome
+        pressed = problem.normal if problem.held else outcome
+        fields = pressed.pressure, pressed.gap, outcome.traction, outcome.slip
+        found = steepness(problem, *fields)
+        if found < 1.0:
+            return replace(outcome, steepness=found)
+        return self.solver.solve(problem, tolerance).costing(outcome)
+
+
+def _jointly(
+    problem: Problem, traction: np.ndarray, slope: np.ndarray, iterations: int = 6
+) -> float:
+    """Return the spectral radius of slopes times the displacement by tractions along themselves.
+
+    Parameters
+    ----------
+    problem : Problem
+        A step.
+    traction : ndarray, shape (2, n_x, n_y)
+        Tractions of the solution.
+    slope : ndarray, shape (n_x, n_y)
+        Slopes of the bounds.
+    iterations : int
+        Most power iterations, of one application each. Scaled by the root of the slopes the matrix
+        is symmetric and nearly positive: the error of Rayleigh's quotient falls with the square,
+        and a vector that shrinks everywhere tells that the radius is below one (Collatz 1942,
+        Math. Z. 48, 221-226), which is all that matters then.
+    """
+    carried, root = np.hypot(*traction), np.sqrt(np.maximum(slope, 0.0))
+    if not root.any():
+        return 0.0
+    along = root * traction / np.where(carried > 0.0, carried, 1.0)
+    vector, radius = root / np.linalg.norm(root), 0.0
+    for _ in range(iterations):
+        answer = (along * problem.operators.tangential(along * vector)).sum(axis=0)
+        radius = float((vector * answer).sum())
+        ahead = vector > 0.0
+        if (answer[ahead] < vector[ahead]).all():
+            break
+        vector = np.maximum(answer, 0.0) / np.linalg.norm(answer)
+    return radius
+
+
+def _secants(
     problem: Problem,
     seen: FrictionSlip,
     bound: Bound,
@@ -62,18 +137,18 @@ def _secant(
     traction: np.ndarray,
     sliding: np.ndarray,
     size: np.ndarray,
-    samples: int = 96,
-) -> float:
-    """Return the steepest secant of the bound between stick and slip, of one element alone.
+    samples: int,
+) -> np.ndarray:
+    """Return the steepest secants of the bounds between stick and slip, shape (n_x, n_y).
 
-    The fall of a bound is summed up over slips from 1e-6 to 100 of full slip, each a fifth more
-    than the one before, so that a memory counts only as far as the element itself fills it.
+    The fall of a bound is summed up over slips from 1e-6 to 100 of full slip, of 96 each a fifth
+    more than the one before, so that a memory counts only as far as the element itself fills it.
     """
     carried = np.hypot(*traction)
     sticking = (seen.bound > 0.0) & ~sliding
     against = -traction / np.where(carried > 0.0, carried, 1.0)
     fall = before = np.zeros_like(carried)
-    last = steepest = 0.0
+    last, steepest = 0.0, np.zeros_like(carried)
     for slipped in np.geomspace(1e-6, 1e2, samples):
         moved = problem.friction.bound_sliding(
             pressure, slipped * against, seen.bound, seen.staggered
@@ -83,8 +158,8 @@ def _secant(
         passed = sliding & (last < size) & (size <= slipped)
         share = (size[passed] - last) / (slipped - last)
         fallen = fall[passed] + share * (ahead - fall)[passed]
-        steepest = max(steepest, float((fallen / size[passed]).max(initial=0.0)))
+        steepest[passed] = np.maximum(steepest[passed], fallen / size[passed])
         missed = carried - (bound.radius - ahead)
-        steepest = max(steepest, float((missed[sticking] / slipped).max(initial=0.0)))
+        steepest = np.where(sticking, np.maximum(steepest, missed / slipped), steepest)
         fall, before, last = ahead, slope, slipped
     return steepest

@@ -1,0 +1,351 @@
+"""Steps of a transient whose friction falls with the speed of sliding."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+import tractive_sam as ts
+from tests.contact.test_falling import Row, cylinder
+from tests.scenes import interrupted
+from tractive_sam.contact import Asked, Model, Stepper
+from tractive_sam.mechanics import Exponential
+
+SPHERES = ts.Scene.builtin("spheres").replace(subsurface=None, creepage=None)
+P, MU = SPHERES.normal_load, SPHERES.friction.mu[0]
+SPEED, KINETIC = 1000.0, 0.6
+FALLS = {"law": "exponential", "static": MU, "kinetic": KINETIC * MU, "half_speed": 30.0}
+REMEMBERS = FALLS | {"half_speed": 10.0, "memory": 1e-2}
+DRIVE = "creepage.longitudinal"
+
+
+def scene(transient, n=11, slip="auto", friction=FALLS, **changes):
+    """Spheres of 4.08 mm half length that roll at 1 m/s."""
+    more = {"grid.elements": (n, n), "solver.slip": slip, "creepage.speed": SPEED}
+    return SPHERES.replace(transient=transient, friction=friction, **more, **changes)
+
+
+def steady(here):
+    """Return the steady contact of a scene whose creepage does not change."""
+    course = here.transient.creepage.longitudinal
+    return ts.solve(here.replace(transient=None, **{DRIVE: course[-1]}))
+
+
+def dx(n):
+    return 8.16 / n
+
+
+def worst_balance(history):
+    missed = history["step_work"] - history["step_friction"]
+    missed[1:] -= np.diff(history["elastic_energy"])
+    return np.abs(missed[1:]).max() / history["elastic_energy"].max()
+
+
+@pytest.mark.parametrize("slip", ["auto", "upwind"])
+@pytest.mark.parametrize("friction", [FALLS, REMEMBERS])
+@pytest.mark.parametrize("length", [1.0, 0.5])
+def test_what_is_steady_stays_so(slip, friction, length):
+    n = 15
+    courses = {"distance": [0, 3 * dx(n)], DRIVE: [-5e-3] * 2, "start": "steady"}
+    here = scene(courses | {"step": length * dx(n)}, n, slip, friction)
+    history, before = ts.roll(here), steady(here)
+    # Steady rolling lets a memory fade by the slip of an element, of first order, and parts of an
+    # element by theirs: 2.6e-3, of 31 and 61 elements 1.5e-3 and 0.8e-3.
+    allowed = 1e-6 if length == 1.0 else 5e-3
+    assert np.abs(history["Qx"] / before.Qx - 1.0).max() < allowed
+
+
+@pytest.mark.parametrize("slip", ["auto", "upwind"])
+@pytest.mark.parametrize("friction", [FALLS, REMEMBERS])
+def test_in_the_end_it_is_steady(slip, friction):
+    here = scene({"distance": [0, 80 * dx(11)], DRIVE: [-3e-3] * 2}, 11, slip, friction)
+    history, after = ts.roll(here), steady(here)
+    assert history.status == "done"
+    size = MU * after.p_max
+    for name, found in zip(("traction_x", "traction_y"), after.traction, strict=True):
+        # What is left of the start falls with the distance: below the tolerance after 17 a.
+        np.testing.assert_allclose(history.field(name), found, atol=2e-6 * size)
+    assert worst_balance(history) < 1e-12  # rounding
+
+
+def dense_step(matrix, rigid, pressure, law, times):
+    """Solve a step of a line contact element by element, by bisection of each slip.
+
+    The slip is rigid + matrix q, and q = -mu(times |slip|) p slip/|slip| where it slides.
+    """
+    traction = np.zeros(len(rigid))
+    for _ in range(4000):
+        before = traction.copy()
+        for i in np.flatnonzero(pressure > 0.0):
+            others = rigid[i] + matrix[i] @ traction - matrix[i, i] * traction[i]
+            sign, bound = np.sign(others), law(0.0) * pressure[i]
+            if abs(others) <= matrix[i, i] * bound:
+                traction[i] = -others / matrix[i, i]
+                continue
+            low, high = 0.0, abs(others)
+            for _ in range(60):
+                middle = 0.5 * (low + high)
+                missed = abs(others) - matrix[i, i] * law(times * middle) * pressure[i] - middle
+                low, high = (middle, high) if missed > 0.0 else (low, middle)
+            traction[i] = -sign * law(times * low) * pressure[i]
+        if np.abs(traction - before).max() < 1e-13 * pressure.max():
+            return traction
+    raise AssertionError("no dense solution")
+
+
+def test_a_step_is_that_of_dense_matrices():
+    law = {"law": "rational", "static": 0.3, "kinetic": 0.15, "half_speed": 4e3}
+    grid = {"half_length": 4.65, "elements": 31}
+    here = cylinder().replace(friction=law, grid=grid, **{DRIVE: -2e-3})
+    model = Model(here)
+    stepper, asked = Stepper(model), Asked(model.grid.dx, (-3e-3, 0.0, 0.0), 3111.08)
+    before = stepper.at_rest(ts.solve(here))
+    now = stepper.step(before, asked)
+    matrix = stepper.operators.part((32, 1)).tangential.as_matrix()[:32, :32]
+    scale = model.units.pressure * model.frame.mu[0]
+    past = np.pad(before.contact.traction[0, :, 0] / scale, (0, 1))
+    gone = (matrix @ past)[1:32]
+    rigid = model.frame.slip_to_scaled(np.full((2, 1, 1), -3e-3))[0, 0, 0] / model.units.slip - gone
+    per_slip = model.frame.slip_to_physical(np.ones((2, 1, 1)))[0, 0, 0] * model.units.slip
+    share = lambda speed: 0.5 + 0.5 / (1.0 + speed / 4e3)  # noqa: E731
+    pressure = now.contact.pressure[:, 0] / model.units.pressure
+    speed = here.creepage.speed * per_slip
+    found = dense_step(matrix[:31, :31], rigid, pressure, share, speed)
+    got = now.contact.traction[0, :, 0] / scale
+    assert now.contact.sliding.any()
+    assert now.contact.sticking.any()
+    np.testing.assert_allclose(got, found, atol=1e-6 * pressure.max())  # ten tolerances
+
+
+@pytest.mark.parametrize("slip", ["auto", "upwind"])
+def test_tractions_are_bounded_by_the_local_speed_of_the_step(slip):
+    here = scene(None, 21, slip, FALLS, **{DRIVE: -4e-3})
+    model = Model(here)
+    stepper, before = Stepper(model), ts.solve(here)
+    now = stepper.step(stepper.at_rest(before), Asked(dx(21), (-6e-3, 2e-3, 0.0), P)).contact
+    speed = SPEED * np.hypot(*now.slip)
+    mu = MU * (KINETIC + (1.0 - KINETIC) * np.exp(-np.log(2.0) * speed / 30.0))
+    share = np.hypot(*now.traction) / np.where(now.touching, mu * now.pressure, 1.0)
+    inside = now.sliding & (np.hypot(*before.slip) > 0.0)
+    # The slip that is reported is the mean of two faces, that of the law a parabola through three.
+    assert np.abs(share[inside] - 1.0).max() < (1e-6 if slip == "upwind" else 2e-2)
+    assert share[now.sticking].max() <= 1.0 + 1e-6
+    along = (now.traction * now.slip).sum(axis=0)[inside]
+    sizes = (np.hypot(*now.traction) * np.hypot(*now.slip))[inside]
+    assert (along / sizes).max() < (-1.0 + 1e-9 if slip == "upwind" else -0.99)
+
+
+@pytest.mark.parametrize(
+    ("start", "printed", "slides"),
+    [("rest", [0.5977], [4]), ("sliding", [0.5702, 0.5739, 0.5774], [47, 2, 4])],
+)
+def test_both_solutions_of_a_step_are_those_of_an_independent_program(start, printed, slides):
+    """One of 0.1 mm from steady rolling; CONTACT prints its force and the elements that slide."""
+    here = cylinder(**{"friction.start": start})
+    laws = ts.Laws.of(here).replace(elasticity=Row(*here.materials.values()))
+    model = Model(here, laws=laws)
+    stepper = Stepper(model)
+    now = stepper.at_rest(ts.solve(here, laws=laws))
+    for share, count in zip(printed, slides, strict=True):
+        with pytest.warns(ts.SceneWarning, match=r"friction\.law.*friction\.start"):
+            now = stepper.step(now, Asked(model.grid.dx, (-1e-3, 0.0, 0.0), 3111.08))
+        # It prints four digits, and ends when the slip changes by a thousandth.
+        assert now.contact.Qx / (0.3 * 3111.08) == pytest.approx(share, rel=3e-4)
+        assert now.contact.sliding.sum() == count
+
+
+@pytest.mark.parametrize("slip", ["auto", "upwind"])
+@pytest.mark.parametrize("half_speed", [30.0, 2e4])
+def test_a_step_of_several_solutions_warns_from_both_sides(slip, half_speed):
+    found, warned = [], []
+    for start in ("rest", "sliding"):
+        here = cylinder(**{"friction.start": start, "friction.half_speed": half_speed})
+        model = Model(here.replace(**{"solver.slip": slip}))
+        stepper = Stepper(model)
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", ts.SceneWarning)
+            before = stepper.at_rest(ts.solve(model.scene))
+            caught.clear()
+            now = stepper.step(before, Asked(model.grid.dx, (-1.1e-3, 0.0, 0.0), 3111.08))
+        found.append(now.contact.Qx)
+        warned.append(any("transient.step" in str(one.message) for one in caught))
+    several = abs(found[1] / found[0] - 1.0) > 1e-5  # a hundred tolerances
+    assert several == (half_speed < 100.0)
+    assert warned == [several, several]
+
+
+def test_steps_shorter_than_the_contact_deforms_have_several_solutions_but_for_a_memory():
+    """A fall by the speed is as much steeper in a step as that is shorter, one by a memory not."""
+    steep = {"memory": 0.0, "half_speed": 2e4}, {"memory": 2e-3, "half_speed": 2e4}
+    warned = []
+    for law in steep:
+        for length in (1.0, 1.0 / 64.0):
+            here = cylinder(**{f"friction.{key}": value for key, value in law.items()})
+            model = Model(here)
+            stepper = Stepper(model)
+            with warnings.catch_warnings(record=True) as caught:
+                warnings.simplefilter("always", ts.SceneWarning)
+                now = stepper.at_rest(ts.solve(here))
+                stepper.step(now, Asked(length * model.grid.dx, (-1e-3, 0.0, 0.0), 3111.08))
+            warned.append(any("transient.step" in str(one.message) for one in caught))
+    assert warned == [False, True, False, False]
+
+
+@pytest.mark.parametrize("step", [1.0, 0.4])
+@pytest.mark.parametrize("friction", [FALLS, REMEMBERS])
+def test_work_balances_and_wears(step, friction):
+    n, wear = 15, {"coefficient": 1e-7, "law": "energy"}
+    transient = {"distance": [0, 4 * dx(n)], DRIVE: [-4e-3, -8e-3], "start": "steady"}
+    here = scene(transient | {"step": step * dx(n)}, n, "auto", friction, wear=wear)
+    history = ts.roll(here)
+    assert worst_balance(history) < 1e-12  # rounding
+    volume = history["worn_volume"][-1].sum()
+    # 1e-7 mm³/(N m) is 1e-10 mm³/(N mm); rounding
+    assert volume == pytest.approx(1e-10 * history["friction_work"][-1], rel=1e-9)
+
+
+@pytest.mark.parametrize("friction", [FALLS, REMEMBERS])
+def test_wears_by_the_way_slid_however_little_friction_is_left(friction):
+    n, wear = 15, {"coefficient": 1e-7}
+    transient = {"distance": [0, 4 * dx(n)], DRIVE: [-0.3] * 2, "start": "steady"}
+    volumes = [
+        ts.roll(scene(transient, n, "auto", law, wear=wear))["worn_volume"][-1].sum()
+        for law in (friction, {"mu": KINETIC * MU})
+    ]
+    assert volumes[0] == pytest.approx(volumes[1], rel=1e-3)  # elastic slip is a part of 1e-2
+
+
+@pytest.mark.parametrize("friction", [FALLS, REMEMBERS])
+def test_mirror_image(friction):
+    forces = []
+    for sign in (1.0, -1.0):
+        courses = {DRIVE: [-3e-3] * 2, "creepage.lateral": [0.0, sign * 2e-3]}
+        courses["creepage.spin"] = [sign * 3e-4] * 2
+        history = ts.roll(scene({"distance": [0, 4 * dx(11)], **courses}, friction=friction))
+        forces.append((history["Qx"], sign * history["Qy"]))
+    np.testing.assert_allclose(forces[0], forces[1], rtol=1e-6, atol=1e-6 * MU * P)  # tolerance
+
+
+@pytest.mark.parametrize("friction", [FALLS, REMEMBERS])
+def test_half_as_long_steps_come_to_the_same(friction):
+    n, ends = 15, []
+    for parts in (1, 2):
+        transient = {"distance": [0, 6 * dx(n)], DRIVE: [-2e-3, -6e-3], "start": "steady"}
+        transient["step"] = dx(n) / parts
+        ends.append(
+            [
+                ts.roll(scene(transient, n, "auto", law))["Qx"][-1] / (MU * P)
+                for law in ({"mu": MU}, friction)
+            ]
+        )
+    (constant, falling), (half_constant, half_falling) = ends
+    # Of second order in the step, as with the constant law; which differs by 2e-4.
+    assert abs(half_falling - falling) < 2.0 * abs(half_constant - constant) + 1e-4
+    assert abs(falling - constant) > 1e-3  # and the law matters
+
+
+def test_a_law_without_a_slope_is_coulombs():
+    transient = {"distance": [0, 4 * dx(11)], DRIVE: [-3e-3] * 2}
+    here = scene(transient, friction={"mu": MU})
+    level = ts.FallingCoulomb((MU, MU), sliding=Exponential(1.0, 1.0), speed=SPEED)
+    histories = [
+        ts.roll(here, laws=ts.Laws.of(here).replace(friction=law))
+        for law in (ts.Coulomb((MU, MU)), level)
+    ]
+    for name in ("Qx", "dissipation", "elastic_energy", "convolutions"):
+        np.testing.assert_array_equal(histories[0][name], histories[1][name])
+
+
+@pytest.mark.parametrize("law", [FALLS, {"mu": MU, "strength": 60.0}])
+def test_a_course_of_friction_multiplies_the_coefficients_but_not_the_strength(law):
+    n, strength = 15, 0.5 * MU * SPHERES.hertz.p0
+    law = law | ({"strength": strength} if "strength" in law else {})
+    transient = {"distance": [0, 2 * dx(n)], DRIVE: [-1e-2] * 2, "start": "steady"}
+    here = scene(transient | {"friction.mu": [1.5 * MU] * 2}, n, "auto", law)
+    stronger = {k: 1.5 * v if k in ("mu", "static", "kinetic") else v for k, v in law.items()}
+    history, before = ts.roll(here), steady(scene(transient, n, "auto", stronger))
+    np.testing.assert_allclose(history["Qx"], before.Qx, rtol=1e-6)  # ten tolerances
+    if "strength" in law:
+        size = np.hypot(history.field("traction_x"), history.field("traction_y"))
+        assert size.max() <= strength * (1.0 + 1e-12)  # rounding
+
+
+def test_continues_where_it_was_interrupted(tmp_path):
+    courses = {"distance": [0, 6 * dx(11)], DRIVE: [0.0, -8e-3]}
+    here = scene(courses | {"friction.mu": [MU, 0.7 * MU]}, friction=REMEMBERS)
+    path = tmp_path / "roll.h5"
+    interrupted(here, path, 3)
+    resumed, whole = ts.roll(here, path, resume=True), ts.roll(here)
+    np.testing.assert_allclose(resumed["Qx"], whole["Qx"], rtol=1e-9, atol=1e-9 * MU * P)
+
+
+JUMP = {"distance": [0, 1, 1, 2], DRIVE: [0.0, -3e-3, -3e-3, -3e-3]}
+
+
+@pytest.mark.parametrize(
+    ("transient", "friction", "key"),
+    [
+        ({"distance": [0, 1], "start": "shift", DRIVE: [0.0, 1e-3]}, FALLS, "transient.start"),
+        (JUMP | {"load.normal": [P, P, 1.2 * P, 1.2 * P]}, FALLS, "transient.distance"),
+        ({"distance": [0, 1], "load.force_x": [0.1 * P] * 2}, FALLS, "transient.load.force_x"),
+        ({"distance": [0, 1], DRIVE: [0, -3e-3]}, REMEMBERS | {"strength": 9.0}, "strength"),
+    ],
+)
+def test_what_has_no_speed_of_sliding_is_refused(transient, friction, key):
+    with pytest.raises(ts.SceneError, match=key.replace(".", r"\.")):
+        scene(transient, friction=friction)
+    scene(transient, friction={"mu": MU})
+
+
+def test_a_jump_of_the_creepage_takes_no_shift():
+    jump = JUMP | {DRIVE: [0.0, -1e-3, -3e-3, -3e-3]}
+    assert ts.roll(scene(jump)).status == "done"
+
+
+def test_a_shift_without_speed_is_refused():
+    here = scene(None, friction=FALLS)
+    stepper = Stepper(Model(here))
+    now = stepper.at_rest(stepper.pressed(Asked(load=P)))
+    with pytest.raises(ValueError, match=r"laws\.friction"):
+        stepper.step(now, Asked(0.0, (1e-3, 0.0, 0.0), P))
+
+
+def growth(damping, mass, steps=50):
+    """Growth rate, 1/s, of a mass on a spring that a sliding contact drives in y.
+
+    The mean lateral creepage of a step has the velocity of the mass, and its force belongs to that:
+    the midpoint rule, which neither damps nor drives by itself.
+    """
+    here = scene(None, 11, "auto", SLIDES)
+    model, at = Model(here), SLIDING / SPEED
+    stepper, time = Stepper(model), model.grid.dx / SPEED
+    spring = (0.2 / time) ** 2 * mass
+    now, earlier = stepper.at_rest(ts.solve(here.replace(**{"creepage.lateral": at}))), None
+    steady_force, place, velocity, size = now.contact.Qy, 0.0, 1.0, []
+    for _ in range(steps):
+        middle, then = velocity, None
+        for _ in range(2):  # what the force changes by within a step is small
+            by = (0.0, at + middle / SPEED, 0.0)
+            then = stepper.step(now, Asked(model.grid.dx, by, P), earlier, 1.0 if earlier else 0.0)
+            force = then.contact.Qy - steady_force - damping * middle
+            force -= spring * (place + 0.5 * time * middle)
+            middle = velocity + 0.5 * time * force / mass
+        earlier, now = now, then
+        velocity, place = 2.0 * middle - velocity, place + time * middle
+        size.append(0.5 * np.log(mass * velocity**2 + spring * place**2))
+    return np.polyfit(time * np.arange(steps), size, 1)[0]
+
+
+SLIDES, SLIDING = FALLS | {"half_speed": 400.0}, 400.0
+
+
+def test_a_falling_curve_drives_a_mass_that_is_damped_less_than_slope_times_load():
+    # At the half speed: mu falls by ln 2/2 of its fall over the half speed.
+    critical = 0.5 * np.log(2.0) / SLIDING * MU * (1.0 - KINETIC) * P  # N s/mm
+    mass = critical * 0.04  # grows by half within the 50 steps
+    rates = [growth(factor * critical, mass) for factor in (0.5, 1.5)]
+    assert rates[0] > 0.0 > rates[1]
+    # (critical - damping)/(2 mass), and zero at the critical damping; the contact is elastic.
+    zero = 0.5 + rates[0] / (rates[0] - rates[1])
+    assert zero == pytest.approx(1.0, abs=0.02)
+    assert rates[0] == pytest.approx(0.25 * critical / mass, rel=0.1)
