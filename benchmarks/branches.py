@@ -3,13 +3,15 @@
 Random line contacts with an exponential law, each solved from rest and from great speed. More
 solutions are sought from both: the traction of one element near a border of stick and slip is
 changed by 5 or 15 %, and Newton's method starts from there. `steepness` belongs to the solution;
-from 1 on the package warns.
+from 1 on the package warns. Then random steps of a transient from steady rolling, each solved from
+rest and from great speed.
 
-    python benchmarks/branches.py [--scenes 30]
+    python benchmarks/branches.py [--scenes 30] [--steps 60]
 """
 
 import argparse
 import math
+import re
 import warnings
 from dataclasses import replace
 
@@ -17,7 +19,7 @@ import numpy as np
 from timing import show, write
 
 import tractive_sam as ts
-from tractive_sam.contact import Model, equilibrium
+from tractive_sam.contact import Asked, Model, Stepper, equilibrium
 from tractive_sam.contact.equilibrium import start_of
 from tractive_sam.solvers import steepness
 
@@ -64,10 +66,59 @@ def forces(contact: ts.State) -> set[float]:
     return values
 
 
+def step_row(seed: int, slip: str, load: float = 178.9) -> dict | None:
+    """Solve a step from both sides; None where one of them, or what it begins with, is not solved.
+
+    A half speed of 3 to 10,000 mm/s, half of the laws with a memory; creepages that change by up
+    to a factor of three, after up to two other steps.
+    """
+    rng = np.random.default_rng(seed)
+    speeds = {"half_speed": float(np.exp(rng.uniform(1.0, 9.0)))}
+    speeds["memory"] = float(rng.choice([0.0, np.exp(rng.uniform(-9.0, -5.0))]))
+    scene = line_scene(seed, slip, "rest")
+    scene = scene.replace(**{f"friction.{key}": value for key, value in speeds.items()})
+    creepage, model = 3.0 * scene.creepage.longitudinal, Model(scene)
+    courses = creepage * rng.uniform(0.3, 2.0, int(rng.integers(1, 4)))
+    lengths = rng.choice([0.5, 1.0, 1.0, 2.0], len(courses)) * model.grid.dx
+    before = Stepper(model).at_rest(
+        ts.solve(scene.replace(**{"creepage.longitudinal": creepage}), throw=False)
+    )
+    both, steep = [], []
+    for start in ("rest", "sliding"):
+        now, other = before, Stepper(Model(scene.replace(**{"friction.start": start})))
+        for k, (xi, length) in enumerate(zip(courses, lengths, strict=True), 1):
+            stepper = other if k == len(courses) else Stepper(model)
+            with warnings.catch_warnings(record=True) as caught:
+                warnings.simplefilter("always", ts.SceneWarning)
+                now = stepper.step(now, Asked(float(length), (float(xi), 0.0, 0.0), load))
+            if not now.contact.converged:
+                return None
+        texts = (str(one.message) for one in caught)
+        steep += [float(one[1]) for text in texts if (one := re.search(r"falls (\S+) times", text))]
+        both.append(now.contact.traction)
+    apart = float(np.abs(both[1] - both[0]).max() / np.abs(both[0]).max())
+    row = {"slip": slip, "seed": seed, **speeds, "steepness": max(steep, default=0.0)}
+    return row | {"warns": bool(steep), "apart": apart, "several": apart > 1e-5}
+
+
+def show_steps(count: int) -> None:
+    """Print how many of the steps that warn, and of the others, have two solutions."""
+    rows = [step_row(seed, slip) for slip in ("upwind", "auto") for seed in range(count)]
+    rows, table = [row for row in rows if row], []
+    for slip in ("upwind", "auto"):
+        for warned in (False, True):
+            of = [r for r in rows if r["slip"] == slip and r["warns"] == warned]
+            several = sum(row["several"] for row in of)
+            table.append({"slip": slip, "warns": warned, "solved": len(of), "several": several})
+    show("Solved steps of a transient, and of these with two solutions found", table)
+    print(f"written: {write('branches-steps', rows)}")
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--scenes", type=int, default=30)
-    scenes = parser.parse_args().scenes
+    parser.add_argument("--steps", type=int, default=60)
+    scenes, steps = (getattr(parser.parse_args(), key) for key in ("scenes", "steps"))
     warnings.simplefilter("ignore", ts.SceneWarning)
     rows = []
     for slip in ("upwind", "auto"):
@@ -91,6 +142,7 @@ def main() -> None:
             table.append({"slip": slip, "warns": warned, "solved": len(of), "several": several})
     show("Solved contacts, and of these with several solutions found", table)
     print(f"written: {write('branches', rows)}")
+    show_steps(steps)
 
 
 if __name__ == "__main__":

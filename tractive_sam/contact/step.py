@@ -15,7 +15,7 @@ from tractive_sam.contact.equilibrium import finished
 from tractive_sam.contact.measured import sampled
 from tractive_sam.contact.model import Model
 from tractive_sam.contact.step_work import Particles, StepWork
-from tractive_sam.mechanics import Friction, FrictionLaw, Past, WearConditions, WearLaw
+from tractive_sam.mechanics import Friction, FrictionLaw, PreviousShare, WearConditions, WearLaw
 from tractive_sam.operators import ConvolutionMeter, Lattice, StepOperators, Way
 from tractive_sam.results import Cost, Grid, State, Status, widened
 from tractive_sam.solvers import (
@@ -28,7 +28,7 @@ from tractive_sam.solvers import (
     Outcome,
     Start,
     StepProblem,
-    of_one_solution,
+    single_solution_method,
 )
 
 
@@ -322,7 +322,7 @@ class Stepper:
         if coupled and not past.touching.any():
             start = None  # Newton's method has no contact area to begin with
         if problem.friction.law.falls:
-            solver = of_one_solution(solver, model.starts_sliding)
+            solver = single_solution_method(solver, model.starts_sliding)
         if isinstance(solver, InSequence) and before.presses_like(normal):
             gap, approach = past.gap / model.units.gap, past.approach / model.units.gap
             pressure = past.pressure / model.units.pressure
@@ -367,7 +367,9 @@ class Stepper:
         bound = past.pressure if past.traction_bound is None else past.traction_bound
         touching = rest.radius > 0.0
         lost = np.where(touching, 1.0 - bound / np.where(touching, rest.radius, 1.0), 0.0)
-        return law.remembering(Past(grid.x, grid.y, 1.0 - way.carried(lost), asked.distance))
+        return law.with_previous(
+            PreviousShare(grid.x, grid.y, 1.0 - way.carried(lost), asked.distance)
+        )
 
     def _problem(
         self, asked: Asked, worn: np.ndarray | float = 0.0, law: FrictionLaw | None = None
@@ -562,7 +564,7 @@ class Stepper:
     ) -> Stepped:
         """Return a step with what its particles wear off."""
         gained, deep, way = self._unworn, 0.0, carried.way
-        law = self.wear_law.rubbing(carried.law).weakened(asked.mean_friction)
+        law = self.wear_law.with_friction(carried.law).weakened(asked.mean_friction)
         law = law.under(WearConditions(now.contact.wear, math.nan))
         for one in groups:
             depth = self._gained(asked, self._rubbing(now, one, way), law)

@@ -30,7 +30,7 @@ from .friction import Falling as Falling
 from .friction import Friction as Friction
 from .friction import FrictionLaw as FrictionLaw
 from .friction import Linearisation as Linearisation
-from .friction import Past as Past
+from .friction import PreviousShare as PreviousShare
 from .friction import Slope as Slope
 from .full_slip import full_slip_force as full_slip_force
 from .full_slip import load_to_carry as load_to_carry

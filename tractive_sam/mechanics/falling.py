@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tractive_sam.kernels import friction
-from tractive_sam.mechanics.friction import Bound, Coulomb, Past, Slope
+from tractive_sam.mechanics.friction import Bound, Coulomb, PreviousShare, Slope
 
 BACKGROUND = 1.0
 """s0, mm/s: speed at which a memory fades where nothing slides."""
@@ -201,8 +201,8 @@ class FallingCoulomb(Coulomb):
         """See `FrictionLaw.weakened`: the coefficients fall, the strength does not."""
         return self if factor == 1.0 else FallingInStep(**vars(self), factor=factor)
 
-    def remembering(self, past: Past) -> "FallingCoulomb":
-        """See `FrictionLaw.remembering`.
+    def with_previous(self, past: PreviousShare) -> "FallingCoulomb":
+        """See `FrictionLaw.with_previous`.
 
         Raises
         ------
@@ -322,19 +322,19 @@ class FallingInStep(FallingCoulomb):
     ----------
     factor : float
         Factor on the coefficients; the strength remains.
-    past : Past, optional
+    past : PreviousShare, optional
         What particles have kept of the shares before the step.
     """
 
     factor: float = 1.0
-    past: Past | None = None
+    past: PreviousShare | None = None
 
     def weakened(self, factor: float) -> "FallingInStep":
         """See `FallingCoulomb.weakened`."""
         return replace(self, factor=factor * self.factor)
 
-    def remembering(self, past: Past) -> "FallingInStep":
-        """See `FallingCoulomb.remembering`."""
+    def with_previous(self, past: PreviousShare) -> "FallingInStep":
+        """See `FallingCoulomb.with_previous`."""
         return replace(self, past=past)
 
     def left(self, pressure: np.ndarray, slip: np.ndarray, length: float) -> np.ndarray:

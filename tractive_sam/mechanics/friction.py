@@ -86,7 +86,7 @@ class Slope:
 
 
 @dataclass(frozen=True, eq=False)
-class Past:
+class PreviousShare:
     """What particles bring to a step of a transient, on the elements at which they end.
 
     Attributes
@@ -169,7 +169,7 @@ class FrictionLaw(Law, ABC):
         """Return the law where friction is `factor` times what it was; by default its bound is."""
         return self if factor == 1.0 else Weakened(self, factor)
 
-    def remembering(self, past: "Past") -> "FrictionLaw":
+    def with_previous(self, past: "PreviousShare") -> "FrictionLaw":
         """Return the law in a step whose particles have a past; by default it does not matter."""
         return self
 

@@ -109,7 +109,7 @@ class WearLaw(Law, ABC):
         """The law where friction is so many times what it was; by default no other one."""
         return self
 
-    def rubbing(self, friction: FrictionLaw) -> "WearLaw":
+    def with_friction(self, friction: FrictionLaw) -> "WearLaw":
         """Return the law where friction follows another law; by default no other one."""
         return self
 
@@ -301,7 +301,7 @@ class ArchardByWork(WearLaw):
             return replace(self, friction=self.friction.weakened(factor))
         return replace(self, mu=(factor * self.mu[0], factor * self.mu[1]))
 
-    def rubbing(self, friction: FrictionLaw) -> "ArchardByWork":
-        """See `WearLaw.rubbing`."""
+    def with_friction(self, friction: FrictionLaw) -> "ArchardByWork":
+        """See `WearLaw.with_friction`."""
         falls = self.friction is not None and isinstance(friction, FallingCoulomb)
         return replace(self, friction=friction) if falls else self

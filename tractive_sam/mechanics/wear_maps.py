@@ -213,9 +213,9 @@ class EachBody(WearLaw):
         """See `WearLaw.weakened`."""
         return self.mapped(lambda law: law.weakened(factor))
 
-    def rubbing(self, friction: FrictionLaw) -> "EachBody":
-        """See `WearLaw.rubbing`."""
-        return self.mapped(lambda law: law.rubbing(friction))
+    def with_friction(self, friction: FrictionLaw) -> "EachBody":
+        """See `WearLaw.with_friction`."""
+        return self.mapped(lambda law: law.with_friction(friction))
 
     def under(self, conditions: WearConditions) -> "EachBody":
         """See `WearLaw.under`."""

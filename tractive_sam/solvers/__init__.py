@@ -25,7 +25,7 @@ from tractive_sam.solvers.ladder import METHODS as METHODS
 from tractive_sam.solvers.ladder import STEPS as STEPS
 from tractive_sam.solvers.ladder import Ladder
 from tractive_sam.solvers.ladder import Method as Method
-from tractive_sam.solvers.ladder import of_one_solution as of_one_solution
+from tractive_sam.solvers.ladder import single_solution_method as single_solution_method
 from tractive_sam.solvers.nested import Nested
 from tractive_sam.solvers.newton import Newton
 from tractive_sam.solvers.newton_system import Iterate as Iterate

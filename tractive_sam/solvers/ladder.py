@@ -142,7 +142,7 @@ STEPS = Method(
 """That of a step of a transient."""
 
 
-def of_one_solution(solver: Solver, sliding: bool) -> Solver:
+def single_solution_method(solver: Solver, sliding: bool) -> Solver:
     """Return a method of steps for friction that falls with sliding.
 
     Parameters
@@ -153,6 +153,6 @@ def of_one_solution(solver: Solver, sliding: bool) -> Solver:
         Of several solutions, whether the one reached from great speed is sought, not from rest.
     """
     if isinstance(solver, InSequence):
-        return replace(solver, tangential=of_one_solution(solver.tangential, sliding))
+        return replace(solver, tangential=single_solution_method(solver.tangential, sliding))
     nearby = solver.rungs[0] if isinstance(solver, Ladder) else solver
     return OneSolution(FromRest(solver, nearby, sliding))

@@ -195,7 +195,7 @@ class Problem:
     friction: Friction = field(default_factory=Friction)
     forces: PrescribedForces = field(default_factory=PrescribedForces)
     wear: WearInPass | None = None
-    together = False
+    joint = False
     """Whether all elements slip by each other's tractions, as in a step; here by those ahead."""
 
     @property

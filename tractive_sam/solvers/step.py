@@ -31,7 +31,7 @@ class StepProblem(Problem):
 
     entering: np.ndarray = field(default_factory=lambda: np.zeros((1, 1)))
     ahead: float = 0.0
-    together = True
+    joint = True
 
     def friction_slip(self, pressure: np.ndarray, gap: np.ndarray) -> FrictionSlip:
         """See `Problem.friction_slip`."""

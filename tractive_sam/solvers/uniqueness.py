@@ -53,16 +53,16 @@ def steepness(
     sliding = problem.sliding(pressure, gap, traction, slip)
     compliance = max(problem.operators.self_influence[::2])
     tangent = float(bound.slope.steepness[sliding].max(initial=0.0))
-    if seen.staggered and not problem.together:
+    if seen.staggered and not problem.joint:
         # The slip at the centre has three quarters of the slip of the leading face. Being a mean of
         # faces it is continuous from stick to slip: secants do not matter.
         return 0.75 * compliance * tangent
     size = np.hypot(*seen.sticking(slip, traction))
-    samples = 48 if problem.together else 96
+    samples = 48 if problem.joint else 96
     secants = _secants(problem, seen, bound, pressure, traction, sliding, size, samples)
-    if problem.together:
+    if problem.joint:
         slope = np.maximum(secants, np.where(sliding, bound.slope.steepness, 0.0))
-        return _jointly(problem, traction, slope)
+        return _joint_steepness(problem, traction, slope)
     return compliance * max(tangent, reaction * float(secants.max(initial=0.0)))
 
 
@@ -95,7 +95,7 @@ class OneSolution:
         return self.solver.solve(problem, tolerance).costing(outcome)
 
 
-def _jointly(
+def _joint_steepness(
     problem: Problem, traction: np.ndarray, slope: np.ndarray, iterations: int = 6
 ) -> float:
     """Return the spectral radius of slopes times the displacement by tractions along themselves.
