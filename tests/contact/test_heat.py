@@ -235,7 +235,7 @@ def test_drawn(discs):
     contact = ts.solve(discs)
     for draw in (ts.plot.temperature, ts.plot.friction):
         assert len(draw(contact).axes) == 2  # map and colour bar
-    with pytest.raises(LookupError, match="heat"):
+    with pytest.raises(ValueError, match="heat"):
         ts.plot.temperature(ts.solve(discs.replace(heat=None, **{"friction.temperature": None})))
 
 

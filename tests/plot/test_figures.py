@@ -232,9 +232,14 @@ class TestSaveAll:
         assert {path.name for path in paths} == {"forces.pdf", "widths.pdf", "wear-depth.pdf"}
 
 
-def test_figures_of_the_other_kind_of_contact_are_refused():
+def test_a_line_contact_has_functions_of_x_and_no_other_contact_has():
     line, wide = ts.solve(ts.Scene.builtin("cylinders")), ts.solve(ts.Scene.builtin("twin-discs"))
-    for draw in (plot.pressure, plot.traction, plot.stick_slip_map, plot.wear_map):
+    for draw, of_line in ((plot.pressure, plot.line_pressure), (plot.traction, plot.line_traction)):
+        for given, expected in zip(
+            draw(line).axes[0].lines, of_line(line).axes[0].lines, strict=True
+        ):
+            np.testing.assert_array_equal(given.get_xydata(), expected.get_xydata())
+    for draw in (plot.stick_slip_map, plot.wear_map, plot.traction_sections):
         with pytest.raises(ValueError, match="line_pressure"):
             draw(line)
     for draw in (plot.line_pressure, plot.line_traction, plot.line_slip):

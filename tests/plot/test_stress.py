@@ -6,8 +6,8 @@ from matplotlib.figure import Figure
 
 from tests.scenes import steady
 from tractive_sam import plot
-from tractive_sam.plot import gallery
-from tractive_sam.plot.stress_maxima import stress_maxima
+from tractive_sam.plot import stress
+from tractive_sam.plot.plane_maxima import stress_maxima
 from tractive_sam.results.history import History
 from tractive_sam.results.record import Record
 from tractive_sam.subsurface import stress_maximum, stress_on_plane, stress_on_planes
@@ -206,13 +206,13 @@ def test_ticks_are_limits_of_bands(contact, quantity):
 @pytest.mark.slow
 def test_save_all_draws_each_plane_with_the_bodies_it_was_kept_for(history, tmp_path, monkeypatch):
     drawn = []
-    sections = gallery.von_mises_sections
+    sections = stress.von_mises_sections
 
     def spied(history, plane, bodies, revolution):
         drawn.append((plane, bodies, revolution))
         return sections(history, plane, bodies, revolution)
 
-    monkeypatch.setattr(gallery, "von_mises_sections", spied)
+    monkeypatch.setattr(stress, "von_mises_sections", spied)
     names = {path.name for path in plot.save_all(history, tmp_path)}
     assert {"von-mises-y0-0.png", "von-mises-y0-10.png", "von-mises-z0.5a-10.png"} <= names
     assert drawn[:2] == [("y=0", ("A", "B"), 0), ("z=0.5a", ("A",), 0)]

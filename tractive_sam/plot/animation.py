@@ -12,11 +12,10 @@ from PIL import Image
 from tractive_sam import interrupt
 from tractive_sam.output_file import write_file
 from tractive_sam.plot import transient
-from tractive_sam.plot.drawn import Drawn
+from tractive_sam.plot.drawn import Drawn, chosen
 from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.frame import Frame
 from tractive_sam.plot.map import BOTTOM, LEFT, RIGHT, Map, paper, placed
-from tractive_sam.plot.profiles import chosen
 from tractive_sam.plot.style import BLUE, MICRON, PRESSURE, WIDTH, styled
 from tractive_sam.results import History
 

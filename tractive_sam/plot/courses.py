@@ -5,10 +5,12 @@ from dataclasses import replace
 import numpy as np
 from matplotlib.axes import Axes
 
+from tractive_sam.plot.conditions import in_course, worn
 from tractive_sam.plot.figure import Figure
+from tractive_sam.plot.registry import history_figure
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.stress import NOTE
-from tractive_sam.plot.style import BLUE, VERMILLION, WIDTH, along, set_title, styled, told_of
+from tractive_sam.plot.style import BLUE, VERMILLION, WIDTH, along, set_title, told_of
 from tractive_sam.results import BODIES, History
 
 NO_MAXIMUM = "Where a line ends, no maximum is deeper than two elements any more."
@@ -17,7 +19,7 @@ COLOURS = {"A": BLUE, "B": VERMILLION}
 """Of the bodies."""
 
 
-@styled
+@history_figure("forces", columns=["Qx_over_P", "Qy_over_P"], shown=in_course)
 def forces(history: History) -> Figure:
     """Forces on body A over the normal load, over the course.
 
@@ -34,7 +36,7 @@ def forces(history: History) -> Figure:
     return figure
 
 
-@styled
+@history_figure("widths", columns=["half_width_x", "p_max"], shown=in_course)
 def widths(history: History) -> Figure:
     """Half widths of the contact and its pressure, over the course.
 
@@ -64,7 +66,7 @@ def widths(history: History) -> Figure:
     return figure
 
 
-@styled
+@history_figure("wear-depth", shown=lambda history: in_course(history) and worn(history))
 def wear_depth(history: History) -> Figure:
     """Largest wear depth of both bodies together, over the course.
 
@@ -80,7 +82,12 @@ def wear_depth(history: History) -> Figure:
     return figure
 
 
-@styled
+@history_figure(
+    "worn-mass",
+    columns=["worn_volume", "worn_mass"],
+    cure="[wear], or the radius_x of a body,",
+    shown=in_course,
+)
 def worn_mass(history: History) -> Figure:
     """Volume and mass worn off each body since it was new, over the course.
 
@@ -97,10 +104,9 @@ def worn_mass(history: History) -> Figure:
     figure = Figure(figsize=(WIDTH, WIDTH))
     panels = figure.subplots(2, sharex=True)
     for axes, name in zip(panels, ("worn_volume", "worn_mass"), strict=True):
-        of_bodies = _of_bodies(history, name)
-        if not of_bodies:
-            raise ValueError("no body wears all around: add [wear], or the radius_x of a body")
-        for body, values in of_bodies.items():
+        for body, values in zip(BODIES, history[name].T, strict=True):
+            if not np.isfinite(values).any():
+                continue
             look = {"color": COLOURS[body], "linestyle": {"A": "-", "B": "--"}[body]}
             _course(axes, history, values, f"body {body}", **look)
         axes.set_ylim(bottom=0.0)
@@ -112,7 +118,9 @@ def worn_mass(history: History) -> Figure:
     return figure
 
 
-@styled
+@history_figure(
+    "creepages", columns=["creepage_found"], cure="load.force_x or load.force_y", shown=in_course
+)
 def creepages(history: History) -> Figure:
     """Creepages that prescribed forces take, over the course.
 
@@ -126,8 +134,6 @@ def creepages(history: History) -> Figure:
     >>> plot.creepages(ts.roll(scene.with_set(["load.force_x=0.05"])))
     <Figure size ...>
     """
-    if "creepage_found" not in history.columns:
-        raise ValueError("no creepage is found: prescribe load.force_x or load.force_y")
     figure, axes = over_course(history, "creepage that the forces take")
     for label, values in zip((r"$\xi_x$", r"$\xi_y$"), history["creepage_found"].T, strict=True):
         if np.isfinite(values).any():
@@ -137,7 +143,7 @@ def creepages(history: History) -> Figure:
     return figure
 
 
-@styled
+@history_figure("{stress_max}", columns=["stress_max"], cure="[subsurface]", shown=in_course)
 def stress_course(history: History) -> Figure:
     """Largest stress of each body, inside and at its surface, over the course.
 
@@ -154,8 +160,6 @@ def stress_course(history: History) -> Figure:
     >>> plot.stress_course(history)
     <Figure size ...>
     """
-    if not history.bodies:
-        raise ValueError("no stress was computed: add [subsurface] to the scene")
     scale = Scale.of_history(history)
     figure, axes = over_course(history, "largest stress in each body", scale.told)
     for kind, style in (("interior", "-"), ("surface", "--")):
@@ -179,14 +183,6 @@ def over_course(history: History, told: str, scale: str = "") -> tuple[Figure, A
     along(axes, history)
     set_title(figure, told_of(history, told, scale))
     return figure, axes
-
-
-def _of_bodies(history: History, name: str) -> dict[str, np.ndarray]:
-    """A column of each body that has it, over the revolutions; none where it was not recorded."""
-    if name not in history.columns:
-        return {}
-    both = zip(BODIES, history[name].T, strict=True)
-    return {body: values for body, values in both if np.isfinite(values).any()}
 
 
 def _course(axes: Axes, history: History, values: np.ndarray, label: str, **style) -> None:

@@ -1,5 +1,6 @@
 """One contact and what it is drawn against."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Self, TypeAlias
@@ -26,6 +27,8 @@ class Drawn:
         What its history goes along.
     at : float
         Where it is in its history.
+    history : History, optional
+        The history that it is a record of.
 
     Examples
     --------
@@ -38,6 +41,7 @@ class Drawn:
     scale: Scale
     coordinate: Quantity = REVOLUTION
     at: float = 0
+    history: History | None = None
 
     @classmethod
     def of(cls, source: "Source", at: float | None = None, **named: float) -> Self:
@@ -58,7 +62,7 @@ class Drawn:
         if isinstance(source, History):
             saved = source.saved[source.row_of(at, **named)]
             scale = Scale.of_history(source)
-            return cls(source.state(saved), scale, source.coordinate, saved)
+            return cls(source.state(saved), scale, source.coordinate, saved, source)
         return cls(source, Scale.of_contact(source), at=source.revolution)
 
     @property
@@ -70,6 +74,11 @@ class Drawn:
     def y(self) -> np.ndarray:
         """Centres of the elements in the lateral direction, mm."""
         return self.contact.grid.y
+
+    @property
+    def columns(self) -> Mapping[str, Quantity]:
+        """Columns of its history."""
+        return {} if self.history is None else self.history.columns
 
     @property
     def title(self) -> str:
@@ -85,12 +94,11 @@ class Drawn:
 
     def told(self, quantity: str, scaled: bool = True) -> str:
         """Title of a figure: of the scene, and what is drawn, where, and over which scale."""
-        scene = self.contact.scene
-        begins = self.coordinate is not REVOLUTION or (scene.wear and not scene.transient)
+        in_course = self.history is not None and len(self.history) > 1
         return told(
             self.title,
             quantity,
-            self.place if self.at or begins else "",
+            self.place if self.at or in_course else "",
             friction_label(self.contact.frame),
             self.scale.told if scaled else "",
         )
@@ -141,6 +149,19 @@ class Drawn:
         if self.contact.frame is None:
             return 0.0, 0.0
         return tuple(np.linalg.norm(self.contact.frame.matrix, axis=0).tolist())
+
+
+def chosen(saved: np.ndarray, most: int = 8) -> np.ndarray:
+    """Return at most so many of the values, the first and the last among them.
+
+    Examples
+    --------
+    >>> plot.chosen(np.arange(100), 4).tolist()
+    [0, 33, 66, 99]
+    """
+    if len(saved) <= most:
+        return saved
+    return saved[np.linspace(0, len(saved) - 1, most).round().astype(int)]
 
 
 Source: TypeAlias = "Drawn | State | History"

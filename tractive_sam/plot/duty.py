@@ -6,8 +6,10 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from tractive_sam import mechanics  # its laws load the compiler when first used
+from tractive_sam.plot.conditions import Need
 from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.profiles import across
+from tractive_sam.plot.registry import history_figure
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.style import (
     GREY,
@@ -16,12 +18,10 @@ from tractive_sam.plot.style import (
     along,
     colours,
     set_title,
-    styled,
     told,
     told_of,
 )
-from tractive_sam.results import PARTS, History, State
-from tractive_sam.scene import label
+from tractive_sam.results import PARTS, SHARE, History, State
 
 if TYPE_CHECKING:
     from tractive_sam.contact import Laws
@@ -36,8 +36,12 @@ ENTRIES = 12
 DECADES = 4.0
 """Decades of frictional work that a map of regimes shows below its largest."""
 
+_OF_BLOCKS = (PARTS.name, SHARE.name)
 
-@styled
+_WORN = Need(lambda history: history[PARTS.name].any(), "wear, and there is none")
+
+
+@history_figure("worn-by-block", columns=_OF_BLOCKS, needs=[_WORN], cure="[[duty]]")
 def worn_by_block(history: History) -> Figure:
     """Wear depth across the track at the end, as the blocks of a duty cycle made it.
 
@@ -52,13 +56,13 @@ def worn_by_block(history: History) -> Figure:
     >>> plot.worn_by_block(ts.roll(spectrum))
     <Figure size ...>
     """
-    _check_blocks(history)
     figure, axes = across(history, "wear of both bodies by block")
-    axes.set_prop_cycle(color=colours(len(history.scene.duty)))
+    axes.set_prop_cycle(color=colours(len(history.block_names)))
     y, depth = history.y / Scale.of_history(history).across, np.zeros(len(history.y))
-    for k, part in enumerate(history[PARTS.name][-1].sum(axis=1)):
+    parts = history[PARTS.name][-1].sum(axis=1)
+    for name, part in zip(history.block_names, parts, strict=True):
         below = depth + MICRON * part
-        axes.fill_between(y, depth, below, label=label(history.scene, k), alpha=0.8, linewidth=0.4)
+        axes.fill_between(y, depth, below, label=name, alpha=0.8, linewidth=0.4)
         depth = below
     axes.plot(y, depth, color="black", linewidth=0.8)
     axes.invert_yaxis()
@@ -67,7 +71,7 @@ def worn_by_block(history: History) -> Figure:
     return figure
 
 
-@styled
+@history_figure("block-shares", columns=_OF_BLOCKS, needs=[_WORN], cure="[[duty]]")
 def block_shares(history: History) -> Figure:
     """Share of each block of a duty cycle in the worn section, over the revolutions.
 
@@ -82,12 +86,11 @@ def block_shares(history: History) -> Figure:
     >>> plot.block_shares(ts.roll(spectrum))
     <Figure size ...>
     """
-    _check_blocks(history)
     figure = Figure(figsize=(1.25 * WIDTH, 0.66 * WIDTH))
     axes = figure.add_subplot()
     worn = history["block_share"].sum(axis=1) > 0.0
     places, shares = history[history.coordinate.name][worn], history["block_share"][worn]
-    names = [label(history.scene, k) for k in range(shares.shape[1])]
+    names = history.block_names
     along(axes, history)
     axes.set_prop_cycle(color=colours(len(names)))
     axes.stackplot(places, 100.0 * shares.T, labels=names, alpha=0.8)
@@ -97,7 +100,13 @@ def block_shares(history: History) -> Figure:
     return figure
 
 
-@styled
+def _by_laws(history: History) -> bool:
+    """Whether the scene's laws of wear differ between bodies or blocks, or have regimes."""
+    known = "wear" not in history.law_records and history["wear_profile"].any()
+    return known and bool(history.block_names or not getattr(history.scene.wear, "together", True))
+
+
+@history_figure("wear-regimes", shown=_by_laws)
 def wear_regimes(source: History | State, laws: "Laws | None" = None) -> Figure:
     """Rate of wear of the elements over their frictional work, T-gamma/A.
 
@@ -151,19 +160,11 @@ def _legend(figure: Figure) -> None:
         figure.set_size_inches(width + own * (1.0 - 1.0 / columns), height)
 
 
-def _check_blocks(history: History) -> None:
-    if not history.scene.duty:
-        raise ValueError("nothing to draw: the scene has no [[duty]]")
-    if not np.any(history[PARTS.name]):
-        raise ValueError("nothing to draw: the bodies are not worn")
-
-
 def _contacts(source: History | State) -> dict[str, State]:
     if isinstance(source, State):
         return {"": source}
-    if not source.scene.duty:
-        return {"": source.state()}
-    return {label(source.scene, k): source.block(k).state() for k in range(len(source.scene.duty))}
+    blocks = {name: source.block(k) for k, name in enumerate(source.block_names)}
+    return {name: one.state() for name, one in (blocks or {"": source}).items()}
 
 
 def _wear_law(contact: State, laws: "Laws | None", *, warm: bool) -> "WearLaw | None":

@@ -4,18 +4,19 @@ from collections.abc import Callable
 
 import numpy as np
 
-from tractive_sam.plot.drawn import Drawn
+from tractive_sam.plot.conditions import WIDE, in_pictures, worn_in_pictures
+from tractive_sam.plot.drawn import Drawn, chosen
 from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.map import Map
-from tractive_sam.plot.profiles import chosen
-from tractive_sam.plot.style import MICRON, PRESSURE, SLIP, WEAR, styled
+from tractive_sam.plot.registry import history_figure
+from tractive_sam.plot.style import MICRON, PRESSURE, SLIP, WEAR
 from tractive_sam.results import History
 
 MOST = 6
 """Maps of a figure; of more revolutions some are left out."""
 
 
-@styled
+@history_figure("pressure-over-{coordinate}", needs=[WIDE], shown=in_pictures)
 def pressure_over_revolutions(history: History) -> Figure:
     """Pressure p_n/p_0 at the stored revolutions.
 
@@ -27,7 +28,7 @@ def pressure_over_revolutions(history: History) -> Figure:
     return _maps(history, _pressure, "contact pressure", "p_n", PRESSURE, Map.fill)
 
 
-@styled
+@history_figure("slip-over-{coordinate}", needs=[WIDE], shown=in_pictures)
 def slip_over_revolutions(history: History) -> Figure:
     """Slip |s|/V at the stored revolutions, of shifts |s| in the step, with the edge of stick.
 
@@ -41,7 +42,11 @@ def slip_over_revolutions(history: History) -> Figure:
     return _maps(history, _slip, *told, SLIP, Map.fill_up_to_edge, True)
 
 
-@styled
+@history_figure(
+    "wear-over-{coordinate}",
+    needs=[WIDE],
+    shown=lambda history: worn_in_pictures(history) and in_pictures(history),
+)
 def wear_over_revolutions(history: History) -> Figure:
     """Wear depth of both bodies together, in the contact, at the stored revolutions.
 

@@ -6,9 +6,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 
+from tractive_sam.plot.conditions import WIDE, Need, in_course
 from tractive_sam.plot.courses import COLOURS
+from tractive_sam.plot.drawn import chosen
 from tractive_sam.plot.figure import Figure
-from tractive_sam.plot.profiles import chosen
+from tractive_sam.plot.registry import history_figure
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.style import (
     BLUE,
@@ -22,7 +24,6 @@ from tractive_sam.plot.style import (
     along,
     place,
     set_title,
-    styled,
     told_of,
 )
 from tractive_sam.results import BODIES, BodyFatigue, History
@@ -55,8 +56,23 @@ DECADES = 6.0
 FINE = 120
 """Depths at which a utilisation is drawn."""
 
+_COMPUTED = Need(
+    lambda history: any(name in history.columns for name in _COURSES),
+    "damage or shakedown: add fatigue.limit or fatigue.shear_yield to the scene",
+)
 
-@styled
+_WEARS = Need(lambda history: "worn_volume" in history.columns, "wear: add [wear] to the scene")
+
+
+def _of_bodies(history: History) -> list[dict[str, str]]:
+    return [{"body": body} for body in history.cycles]
+
+
+def _damaged(history: History) -> list[dict[str, str]]:
+    return [{"body": b} for b in history.cycles if history.fatigue(b).damage_max[0] > 0.0]
+
+
+@history_figure("shakedown-map", columns=["shakedown_lower"], cure="fatigue.shear_yield")
 def shakedown_map(history: History) -> Figure:
     """The place of a roll on the shakedown map, with its own bounds beside those of a line contact.
 
@@ -75,9 +91,7 @@ def shakedown_map(history: History) -> Figure:
     <Figure size ...>
     """
     fatigue = history.scene.fatigue
-    k = None if fatigue is None else fatigue.shear_yield_stress
-    if k is None:
-        raise ValueError("no shakedown was computed: add fatigue.shear_yield to the scene")
+    k = fatigue.shear_yield_stress
     figure = Figure(figsize=(1.15 * WIDTH, 0.85 * WIDTH))
     axes = figure.add_subplot()
     mu, first, inside, surface = LINE_CONTACT.T
@@ -109,7 +123,7 @@ def shakedown_map(history: History) -> Figure:
     return figure
 
 
-@styled
+@history_figure("utilisation-{body}", columns=["damage"], cure="fatigue.limit", each=_of_bodies)
 def utilisation(history: History, body: str = "A", at: float | None = None, **named) -> Figure:
     """Utilisation of a body over its section, below the surface as it is.
 
@@ -137,7 +151,6 @@ def utilisation(history: History, body: str = "A", at: float | None = None, **na
     <Figure size ...>
     """
     found, scale = history.fatigue(body, at, **named), Scale.of_history(history)
-    _check_limit(history)
     told = place(history.coordinate, history.saved[history.row_of(at, **named)])
     figure, (axes,) = _sections(history, f"utilisation of body {body}, {told}", 1)
     # Between its depths it goes with their root.
@@ -156,7 +169,7 @@ def utilisation(history: History, body: str = "A", at: float | None = None, **na
     return figure
 
 
-@styled
+@history_figure("damage-{body}", columns=["damage"], cure="fatigue.limit", each=_damaged)
 def damage(history: History, body: str = "A") -> Figure:
     """Damage of a body in its material, below the unworn surface, at the stored revolutions.
 
@@ -176,7 +189,6 @@ def damage(history: History, body: str = "A") -> Figure:
     >>> plot.damage(tired, "A")
     <Figure size ...>
     """
-    _check_limit(history)
     scale = Scale.of_history(history)
     places = [at for at in history.saved.tolist() if history.fatigue(body, at).damage_max[0] > 0.0]
     if not places:
@@ -205,7 +217,7 @@ def damage(history: History, body: str = "A") -> Figure:
     return figure
 
 
-@styled
+@history_figure("fatigue-course", needs=[_COMPUTED], shown=in_course)
 def fatigue_course(history: History) -> Figure:
     """Largest damage of each body, and load factors of shakedown, over the course.
 
@@ -223,17 +235,7 @@ def fatigue_course(history: History) -> Figure:
     >>> plot.fatigue_course(tired)
     <Figure size ...>
     """
-    draws = [
-        draw
-        for name, draw in (
-            ("damage", _damage_course),
-            ("utilisation", _utilisation_course),
-            ("shakedown_lower", _shakedown_course),
-        )
-        if name in history.columns
-    ]
-    if not draws:
-        raise ValueError("no fatigue was computed: add [fatigue] to the scene")
+    draws = [draw for name, draw in _COURSES.items() if name in history.columns]
     figure = Figure(figsize=(WIDTH, 0.5 * WIDTH * len(draws) + 0.4))
     panels = figure.subplots(len(draws), sharex=True, squeeze=False)[:, 0]
     for axes, draw in zip(panels, draws, strict=True):
@@ -244,7 +246,13 @@ def fatigue_course(history: History) -> Figure:
     return figure
 
 
-@styled
+@history_figure(
+    "wear-against-fatigue-{body}",
+    columns=["damage"],
+    cure="fatigue.limit",
+    needs=[WIDE, _WEARS],
+    each=_of_bodies,
+)
 def wear_against_fatigue(history: History, body: str = "A") -> Figure:
     """Wear of a revolution across the track, and the wear that balances fatigue.
 
@@ -262,9 +270,6 @@ def wear_against_fatigue(history: History, body: str = "A") -> Figure:
     >>> plot.wear_against_fatigue(tired, "A")
     <Figure size ...>
     """
-    _check_limit(history)
-    if history.scene.wear is None or history.line:
-        raise ValueError("no wear across a track: add [wear], of a contact of finite width")
     rate = _wear_rate(history, body)
     balance = history[f"balancing_wear_{body}"][_solved(history)[-1]]
     scale = Scale.of_history(history)
@@ -291,11 +296,6 @@ def wear_against_fatigue(history: History, body: str = "A") -> Figure:
 
 
 _MARK = {"markerfacecolor": "white", "markeredgecolor": "black", "markersize": 5.5, "zorder": 5}
-
-
-def _check_limit(history: History) -> None:
-    if "damage" not in history.columns:
-        raise ValueError("no utilisation was computed: add fatigue.limit to the scene")
 
 
 def _note(figure: Figure, history: History, body: str) -> None:
@@ -381,6 +381,13 @@ def _shakedown_course(axes: Axes, history: History) -> None:
     _each(axes, history, lambda kind: f"shakedown_{kind}")
     axes.axhline(1.0, color=GREY, linewidth=0.8)
     axes.set_ylabel("certain up to (load factor)")
+
+
+_COURSES: dict[str, Callable[[Axes, History], None]] = {
+    "damage": _damage_course,
+    "utilisation": _utilisation_course,
+    "shakedown_lower": _shakedown_course,
+}
 
 
 def _each(axes: Axes, history: History, column: Callable[[str], str]) -> None:

@@ -1,20 +1,24 @@
 """Figures of one state: pressure, traction, stick and slip, wear.
 
-Each takes a `Drawn`, a solved `State`, or a `History` and one of its `saved` values, also by the
-name of its coordinate, ``revolution=2`` (the last by default).
+Each is called with a `Drawn`, a solved `State`, or a `History` and one of its `saved` values, also
+by the name of its coordinate, ``revolution=2`` (the last by default). Line contacts have functions
+of x in place of the maps of pressure and traction.
 """
 
 import numpy as np
 from matplotlib.patches import Patch
 
-from tractive_sam.plot.drawn import Drawn, Source
+from tractive_sam.plot.conditions import WIDE, driven
+from tractive_sam.plot.drawn import Drawn
 from tractive_sam.plot.figure import Figure
+from tractive_sam.plot.line_contact import line_pressure, line_traction
 from tractive_sam.plot.map import Map
-from tractive_sam.plot.style import MICRON, ORANGE, PRESSURE, SKY, TRACTION, WEAR, styled
+from tractive_sam.plot.registry import contact_figure
+from tractive_sam.plot.style import MICRON, ORANGE, PRESSURE, SKY, TRACTION, WEAR
 
 
-@styled
-def pressure(source: Source, at: float | None = None, **named: float) -> Figure:
+@contact_figure("pressure", line=line_pressure)
+def pressure(state: Drawn) -> Figure:
     """Map of the pressure.
 
     Examples
@@ -22,15 +26,14 @@ def pressure(source: Source, at: float | None = None, **named: float) -> Figure:
     >>> plot.pressure(contact)
     <Figure size ...>
     """
-    state = Drawn.of(source, at, **named)
     figure, chart = Map.single(state, "contact pressure")
     mesh = chart.fill(state.contact.pressure / state.scale.pressure, cmap=PRESSURE, vmin=0.0)
     chart.colour_bar(mesh, f"contact pressure {state.scale.of_pressure('p_n')}")
     return figure
 
 
-@styled
-def traction(source: Source, at: float | None = None, **named: float) -> Figure:
+@contact_figure("traction", line=line_traction, shown=driven)
+def traction(state: Drawn) -> Figure:
     """Map of the traction ||p_t||_mu on body A, its directions, and the edge of stick.
 
     Where friction is isotropic that is |p_t|/mu.
@@ -40,7 +43,6 @@ def traction(source: Source, at: float | None = None, **named: float) -> Figure:
     >>> plot.traction(contact)
     <Figure size ...>
     """
-    state = Drawn.of(source, at, **named)
     figure, chart = Map.single(state, "traction on A, dashed: end of stick")
     mesh = chart.fill(state.contact.utilisation / state.scale.pressure, cmap=TRACTION, vmin=0.0)
     chart.stick_edge(colors="white", linewidths=1.2, linestyles="--")
@@ -50,8 +52,8 @@ def traction(source: Source, at: float | None = None, **named: float) -> Figure:
     return figure
 
 
-@styled
-def stick_slip_map(source: Source, at: float | None = None, **named: float) -> Figure:
+@contact_figure("stick-slip", needs=[WIDE], shown=driven)
+def stick_slip_map(state: Drawn) -> Figure:
     """Map of the zones of stick and slip, and the directions of the slip of A over B.
 
     The shares are those of all elements; the steps of the leading edge, which slip where friction
@@ -62,7 +64,6 @@ def stick_slip_map(source: Source, at: float | None = None, **named: float) -> F
     >>> plot.stick_slip_map(history, revolution=0)
     <Figure size ...>
     """
-    state = Drawn.of(source, at, **named)
     figure, chart = Map.single(state, "stick, and slip of A over B")
     chart.fill_zones(SKY, ORANGE)
     chart.arrows(state.contact.slip, state.slip_zone, color="black")
@@ -79,8 +80,8 @@ def stick_slip_map(source: Source, at: float | None = None, **named: float) -> F
     return figure
 
 
-@styled
-def wear_map(source: Source, at: float | None = None, **named: float) -> Figure:
+@contact_figure("wear", needs=[WIDE], shown=lambda state: bool(state.contact.wear.any()))
+def wear_map(state: Drawn) -> Figure:
     """Map of the wear depth of both bodies together, in the contact.
 
     Examples
@@ -88,7 +89,6 @@ def wear_map(source: Source, at: float | None = None, **named: float) -> Figure:
     >>> plot.wear_map(history)
     <Figure size ...>
     """
-    state = Drawn.of(source, at, **named)
     figure, chart = Map.single(state, "wear of both bodies together")
     mesh = chart.fill_up_to_edge(MICRON * state.contact.wear, cmap=WEAR)
     chart.colour_bar(mesh, r"wear depth $w$ ($\mathrm{\mu m}$)")

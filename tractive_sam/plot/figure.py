@@ -44,6 +44,12 @@ class Figure(matplotlib.figure.Figure):
 
     It belongs to no window and no list of figures, so nothing else draws it there. By default its
     layout leaves all labels inside.
+
+    Examples
+    --------
+    >>> drawn = plot.Figure(figsize=(4.0, 3.0))
+    >>> drawn.add_subplot().plot(history["revolution"], history["p_max"])
+    [<matplotlib.lines.Line2D object at ...>]
     """
 
     def __init__(self, *args, **options) -> None:

@@ -9,23 +9,44 @@ import numpy as np
 from matplotlib.patches import PathPatch
 from numpy.typing import ArrayLike
 
+from tractive_sam.plot.conditions import Need
 from tractive_sam.plot.creep_force import MARKERS
-from tractive_sam.plot.drawn import Drawn, Source
+from tractive_sam.plot.drawn import Drawn
 from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.line_contact import over_x
 from tractive_sam.plot.map import Map
+from tractive_sam.plot.registry import contact_figure
 from tractive_sam.plot.style import GREY, SLIP, VERMILLION, WIDTH, styled
 
 Points = tuple[ArrayLike, ArrayLike]
 
 
-@styled
-def temperature(source: Source, at: float | None = None, **named: float) -> Figure:
-    """Map of the temperature of the surfaces, that of A beside the contact; of a line its course.
+_TEMPERATURE = r"temperature $T$ ($^\circ$C)"
+
+_WARM = Need(
+    lambda state: state.contact.heat,
+    "the temperature of a contact: add [heat] to the scene, and keep the fields of the record",
+)
+
+
+def _temperature_over_x(state: Drawn) -> Figure:
+    """Temperature of both surfaces of a line contact."""
+    figure, axes = over_x("surface temperature", state)
+    for body, style in (("A", "-"), ("B", "--")):
+        values = state.contact.heat.temperature[body][:, 0]
+        axes.plot(state.x_over_a, values, style, label=f"body {body}")
+    axes.set_ylabel(_TEMPERATURE)
+    axes.legend()
+    return figure
+
+
+@contact_figure("temperature", line=_temperature_over_x, needs=[_WARM])
+def temperature(state: Drawn) -> Figure:
+    """Temperature of the surfaces: a map of that of A, or of a line contact both over x.
 
     Raises
     ------
-    LookupError
+    ValueError
         If the scene has no [heat].
 
     Examples
@@ -33,32 +54,43 @@ def temperature(source: Source, at: float | None = None, **named: float) -> Figu
     >>> plot.temperature(ts.solve(ts.Scene.builtin("hot-discs")))
     <Figure size ...>
     """
-    state = Drawn.of(source, at, **named)
-    heat = state.contact.heat
-    if heat is None:
-        raise LookupError("no temperature is known: the scene has no [heat], or kept no fields")
-    label = r"temperature $T$ ($^\circ$C)"
-    if state.line:
-        figure, axes = over_x("surface temperature", state)
-        for body, style in (("A", "-"), ("B", "--")):
-            axes.plot(state.x_over_a, heat.temperature[body][:, 0], style, label=f"body {body}")
-        axes.set_ylabel(label)
-        axes.legend()
-        return figure
     figure, chart = Map.single(state, "surface temperature of A")
     mesh = chart.axes.pcolormesh(
-        state.x_over_a, state.y_over_a, heat.temperature["A"].T, cmap=SLIP, shading="gouraud"
+        state.x_over_a,
+        state.y_over_a,
+        state.contact.heat.temperature["A"].T,
+        cmap=SLIP,
+        shading="gouraud",
     )
     # It is cold, and dark, around.
     white = {"fill": False, "edgecolor": "white", "linewidth": 1.0, "zorder": 5}
     chart.axes.add_patch(PathPatch(chart.contact, **white))
-    chart.colour_bar(mesh, label)
+    chart.colour_bar(mesh, _TEMPERATURE)
     return figure
 
 
-@styled
-def friction(source: Source, at: float | None = None, **named: float) -> Figure:
-    """Map of the local coefficient of friction in use over that at rest, ||p_t||_mu/p_n.
+def _friction_in_use(state: Drawn) -> tuple[np.ndarray, str]:
+    """Traction over what the coefficient at rest allows, and its label."""
+    contact = state.contact
+    used = np.divide(contact.utilisation, np.where(contact.touching, contact.pressure, 1.0))
+    return used, r"$|p_t|/(\mu p_n)$" if state.isotropic else r"$\|p_t\|_\mu/p_n$"
+
+
+def _friction_over_x(state: Drawn) -> Figure:
+    """Local coefficient of friction in use, in a line contact."""
+    used, label = _friction_in_use(state)
+    figure, axes = over_x("friction in use", state)
+    axes.plot(state.x_over_a, np.where(state.contact.touching, used, np.nan)[:, 0])
+    axes.set_ylabel(label)
+    axes.set_ylim(0.0, 1.05)
+    return figure
+
+
+@contact_figure(
+    "friction", line=_friction_over_x, shown=lambda state: state.contact.friction_varies
+)
+def friction(state: Drawn) -> Figure:
+    """Local coefficient of friction in use over that at rest, ||p_t||_mu/p_n.
 
     Where the contact slips it is what speed, temperature and strength leave of friction.
 
@@ -67,16 +99,7 @@ def friction(source: Source, at: float | None = None, **named: float) -> Figure:
     >>> plot.friction(ts.solve(ts.Scene.builtin("hot-discs")))
     <Figure size ...>
     """
-    state = Drawn.of(source, at, **named)
-    contact = state.contact
-    used = np.divide(contact.utilisation, np.where(contact.touching, contact.pressure, 1.0))
-    label = r"$|p_t|/(\mu p_n)$" if state.isotropic else r"$\|p_t\|_\mu/p_n$"
-    if state.line:
-        figure, axes = over_x("friction in use", state)
-        axes.plot(state.x_over_a, np.where(contact.touching, used, np.nan)[:, 0])
-        axes.set_ylabel(label)
-        axes.set_ylim(0.0, 1.05)
-        return figure
+    used, label = _friction_in_use(state)
     figure, chart = Map.single(state, "friction in use, dashed: end of stick")
     mesh = chart.fill_up_to_edge(used, cmap=SLIP, vmin=0.0, vmax=1.0)
     chart.stick_edge(colors="white", linewidths=1.2, linestyles="--")

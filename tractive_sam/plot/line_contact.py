@@ -4,9 +4,10 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 
-from tractive_sam.plot.drawn import Drawn, Source
+from tractive_sam.plot.conditions import ONE_ROW, driven
+from tractive_sam.plot.drawn import Drawn, Source, chosen
 from tractive_sam.plot.figure import Figure
-from tractive_sam.plot.profiles import chosen
+from tractive_sam.plot.registry import contact_figure
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.sections import MARGIN, section
 from tractive_sam.plot.style import (
@@ -63,8 +64,8 @@ def line_traction(source: Source, at: float | None = None, **named: float) -> Fi
     return figure
 
 
-@styled
-def line_slip(source: Source, at: float | None = None, **named: float) -> Figure:
+@contact_figure("slip", needs=[ONE_ROW], shown=driven)
+def line_slip(state: Drawn) -> Figure:
     """Slip of A over B in a line contact over x: over the rolling speed, or of a shift in the step.
 
     Examples
@@ -72,7 +73,6 @@ def line_slip(source: Source, at: float | None = None, **named: float) -> Figure
     >>> plot.line_slip(ts.solve(ts.Scene.builtin("cylinders")))
     <Figure size ...>
     """
-    state = Drawn.of(source, at, **named)
     figure, axes = over_x("slip of A over B", state)
     axes.axhline(0.0, color=GREY, linewidth=0.6)
     inside, shifts = state.contact.touching[:, 0], state.contact.scene.schedule.shifts
@@ -111,9 +111,7 @@ def line_pressures(history: History) -> Figure:
 
 def over_x(told: str, *states: Drawn) -> tuple[Figure, Axes]:
     """Axes over the contacts of all states."""
-    if not all(state.line for state in states):
-        maps = "pressure, traction, stick_slip_map and their likes draw it"
-        raise ValueError(f"no line contact, which these figures are of: {maps}")
+    ONE_ROW.check(states[0])
     if not any(state.contact.touching.any() for state in states):
         raise ValueError("nothing to draw: the bodies do not touch")
     inside = np.concatenate([s.x_over_a[s.contact.touching[:, 0]] for s in states])

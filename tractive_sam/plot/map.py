@@ -60,7 +60,6 @@ class Map:
     @classmethod
     def single(cls, state: Drawn, told: str, scaled: bool = True) -> tuple[Figure, Self]:
         """Make a figure with one map, under the title of the scene and what it shows."""
-        _check_wide(state)
         frame = Frame.around(state, width=0.72 * WIDTH)
         width = max(LEFT + frame.width + RIGHT, 0.72 * WIDTH)
         told += (state.ahead if _narrow(frame) else "") + frame.stretched
@@ -71,7 +70,6 @@ class Map:
     @classmethod
     def row(cls, states: Sequence[Drawn], told: str) -> tuple[Figure, list[Self]]:
         """Make a figure with maps side by side, each under its place in the course."""
-        _check_wide(*states)
         frame = Frame.around(*states, width=1.7 * WIDTH / len(states))
         step = frame.width + APART
         width = LEFT + len(states) * step - APART + RIGHT
@@ -186,9 +184,3 @@ def _every(centres: np.ndarray, spacing: float) -> np.ndarray:
     """Indices of centres about that far apart, the same on both sides of the middle."""
     step = max(1, round(spacing / (centres[1] - centres[0])))
     return np.arange(len(centres) // 2 % step, len(centres), step)
-
-
-def _check_wide(*states: Drawn) -> None:
-    if any(state.line for state in states):
-        lines = "line_pressure, line_traction, line_slip and line_pressures draw it"
-        raise ValueError(f"a line contact has no map: {lines}")

@@ -6,13 +6,14 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 
+from tractive_sam.plot.conditions import WIDE, Need, in_pictures, worn_in_pictures
+from tractive_sam.plot.drawn import chosen
 from tractive_sam.plot.figure import Figure
+from tractive_sam.plot.line_contact import line_pressures
+from tractive_sam.plot.registry import history_figure
 from tractive_sam.plot.scale import Scale
-from tractive_sam.plot.style import GREY, MICRON, WIDTH, set_title, styled, symbol_of, told_of
+from tractive_sam.plot.style import GREY, MICRON, WIDTH, set_title, symbol_of, told_of
 from tractive_sam.results import History
-
-MOST = 8
-"""Lines of a figure; of more records some are left out."""
 
 BESIDE = 0.15
 """Shown on either side of the worn track, over its half width."""
@@ -21,14 +22,7 @@ UNWORN = 2.0
 """Shown of bodies that do not wear, over the half width of the contact."""
 
 
-def chosen(saved: np.ndarray, most: int = MOST) -> np.ndarray:
-    """At most so many of the values, the first and the last among them."""
-    if len(saved) <= most:
-        return saved
-    return saved[np.linspace(0, len(saved) - 1, most).round().astype(int)]
-
-
-@styled
+@history_figure("wear-profiles", needs=[WIDE], shown=worn_in_pictures)
 def wear_profiles(history: History) -> Figure:
     """Wear depth of both bodies together across the track, at the stored revolutions.
 
@@ -45,7 +39,27 @@ def wear_profiles(history: History) -> Figure:
     return figure
 
 
-@styled
+def _measured_body(history: History) -> str:
+    """The body on which the measured gap is drawn; none where there is none."""
+    gap = history.scene.gap
+    if gap is None or np.isnan(history["measured_profile"]).any():  # a file that lacks it
+        return ""
+    return gap.body or "A"
+
+
+_UNEVEN = Need(
+    lambda history: (history["wear_profile"] > 0.0).any() or bool(_measured_body(history)),
+    "wear, or a measured [gap]",
+)
+
+
+def _same_all_around(history: History) -> bool:
+    """Whether worn sections are the same all around the bodies: not along a course."""
+    all_around = np.isfinite(history["wear_per_revolution"]).any()
+    return worn_in_pictures(history) and (history["wear_profile"] > 0.0).any() and all_around
+
+
+@history_figure("worn-profiles", needs=[WIDE, _UNEVEN], shown=_same_all_around)
 def worn_profiles(history: History) -> Figure:
     """Cross sections of both bodies across the track, undeformed, at the stored revolutions.
 
@@ -62,12 +76,10 @@ def worn_profiles(history: History) -> Figure:
     >>> plot.worn_profiles(history)
     <Figure size ...>
     """
-    worn = history.y[(history["wear_profile"] > 0.0).any(axis=0)]
-    if not worn.size and not _measured_body(history):
-        raise ValueError("nothing to draw: the bodies are not worn, and no [gap] is measured")
+    worn_at = history.y[(history["wear_profile"] > 0.0).any(axis=0)]
     figure, axes = across(history, "sections of the bodies")
     y = history.y / Scale.of_history(history).across
-    half = np.abs(worn).max() if worn.size else UNWORN * history["half_width_y"].max()
+    half = np.abs(worn_at).max() if worn_at.size else UNWORN * history["half_width_y"].max()
     shown = np.abs(history.y) <= (1.0 + BESIDE) * half
     surfaces = {body: _surfaces(history, body) for body in "AB"}
     _lines(axes, history, *(lambda N, one=one: one[N] for one in surfaces.values()))
@@ -85,12 +97,12 @@ def worn_profiles(history: History) -> Figure:
     return figure
 
 
-def _measured_body(history: History) -> str:
-    """The body on which the measured gap is drawn; none where there is none."""
-    gap = history.scene.gap
-    if gap is None or np.isnan(history["measured_profile"]).any():  # a file that lacks it
-        return ""
-    return gap.body or "A"
+@history_figure(
+    "profiles", needs=[WIDE], columns=["measured_profile"], shown=lambda history: len(history) == 1
+)
+def _measured_profiles(history: History) -> Figure:
+    """Cross sections of both bodies across the track, with the measured profile."""
+    return worn_profiles(history)
 
 
 def _surfaces(history: History, body: str) -> dict[float, np.ndarray]:
@@ -105,7 +117,7 @@ def _surfaces(history: History, body: str) -> dict[float, np.ndarray]:
     return {N: upwards * MICRON * (crown + worn) for N, worn in depth.items()}
 
 
-@styled
+@history_figure("pressure-profiles", line=line_pressures, shown=in_pictures)
 def pressure_profiles(history: History) -> Figure:
     """Largest pressure in every row along the rolling direction, at the stored revolutions.
 

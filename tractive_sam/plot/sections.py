@@ -3,9 +3,11 @@
 import numpy as np
 from matplotlib.axes import Axes
 
-from tractive_sam.plot.drawn import Drawn, Source
+from tractive_sam.plot.conditions import WIDE, driven
+from tractive_sam.plot.drawn import Drawn
 from tractive_sam.plot.figure import Figure
-from tractive_sam.plot.style import BLUE, GREY, VERMILLION, WIDTH, set_title, styled
+from tractive_sam.plot.registry import contact_figure
+from tractive_sam.plot.style import BLUE, GREY, VERMILLION, WIDTH, set_title
 
 OFF_CENTRE = 0.75
 """Second line, in half widths a of the contact, or of b where the contact is narrower in y."""
@@ -17,8 +19,8 @@ MARGIN = 0.08
 """Before and behind the contact, in half widths a."""
 
 
-@styled
-def traction_sections(source: Source, at: float | None = None, **named: float) -> Figure:
+@contact_figure("traction-sections", needs=[WIDE], shown=driven)
+def traction_sections(state: Drawn) -> Figure:
     """Tractions on body A along y = 0 and y = 0.75 a, between what friction allows.
 
     The bounds are the largest values of either component, the extent of the friction ellipse in x
@@ -29,7 +31,6 @@ def traction_sections(source: Source, at: float | None = None, **named: float) -
     >>> plot.traction_sections(contact)
     <Figure size ...>
     """
-    state = Drawn.of(source, at, **named)
     scale = state.scale
     off = (scale.a, scale.a_symbol) if OFF_CENTRE * scale.a < scale.b else (scale.b, scale.b_symbol)
     lines = {"$y = 0$": 0.0, f"$y = {OFF_CENTRE}\\,{off[1]}$": OFF_CENTRE * off[0]}

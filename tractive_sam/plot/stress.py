@@ -1,6 +1,6 @@
 """Stress below the surface: contours on planes through one body or both."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TypeAlias
 
@@ -15,9 +15,10 @@ from tractive_sam.plot.drawn import Drawn
 from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.frame import TICK_ROOM, Frame
 from tractive_sam.plot.map import APART, BOTTOM, LEFT, LINE, RIGHT, bar, paper, placed
+from tractive_sam.plot.plane_maxima import StressMaximum
+from tractive_sam.plot.registry import contact_figure
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.section import Section, common_levels
-from tractive_sam.plot.stress_maxima import StressMaximum
 from tractive_sam.plot.style import WIDTH, styled
 from tractive_sam.plot.zones import contact_edge
 from tractive_sam.results import History, PlaneStress, State
@@ -122,6 +123,22 @@ def von_mises_sections(
     """
     stresses, state = _resolved(source, bodies, plane, at, **named)
     return _drawn(stresses, state, quantity, scale)
+
+
+def _stored_planes(state: Drawn) -> Iterator[dict[str, object]]:
+    """Planes of the stored stress, each with its bodies; none that are lines."""
+    planes: dict[str, list[str]] = {}
+    for body, plane in state.history.planes:
+        sides = state.history.stress(body, plane, state.at).axes.values()
+        if min(map(len, sides)) > 1:
+            planes.setdefault(plane, []).append(body)
+    yield from ({"plane": plane, "bodies": tuple(of)} for plane, of in planes.items())
+
+
+@contact_figure("von-mises-{plane}", each=_stored_planes)
+def _stored_sections(state: Drawn, plane: str, bodies: Sequence[str]) -> Figure:
+    """Equivalent stress of von Mises on a plane below the surface."""
+    return von_mises_sections(state.history, plane, bodies, state.at)
 
 
 def _resolved(

@@ -2,16 +2,25 @@
 
 import numpy as np
 
+from tractive_sam.plot.conditions import Need, in_course, worn
 from tractive_sam.plot.courses import over_course
 from tractive_sam.plot.drawn import Drawn
 from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.frame import Frame
 from tractive_sam.plot.map import LEFT, Map
-from tractive_sam.plot.style import BLUE, MICRON, TRACTION, VERMILLION, WEAR, styled
+from tractive_sam.plot.registry import history_figure
+from tractive_sam.plot.style import BLUE, MICRON, TRACTION, VERMILLION, WEAR
 from tractive_sam.results import History
 
+_SHIFTS = ("shift_x", "shift_y")
 
-@styled
+_ROLLS = Need(
+    lambda history: history.coordinate.unit == "mm",
+    "a track: a distance rolled, which a [transient] of shifts has not",
+)
+
+
+@history_figure("hysteresis", columns=_SHIFTS, cure="[transient]", shown=in_course)
 def hysteresis(history: History) -> Figure:
     """Force on body A over the shift of A over B, along the axis of the larger shift.
 
@@ -27,7 +36,6 @@ def hysteresis(history: History) -> Figure:
     >>> plot.hysteresis(ts.roll(ts.Scene.builtin("fretting")))
     <Figure size ...>
     """
-    _check(history)
     axis = max("xy", key=lambda one: np.ptp(history[f"shift_{one}"]))
     shift = history.columns[f"shift_{axis}"]
     figure, axes = over_course(history, "force over shift of A over B")
@@ -39,7 +47,12 @@ def hysteresis(history: History) -> Figure:
     return figure
 
 
-@styled
+@history_figure(
+    "energies",
+    columns=["elastic_energy", "step_work", "step_friction"],
+    cure="[transient]",
+    shown=in_course,
+)
 def energies(history: History) -> Figure:
     """Work supplied and taken by friction since the start, and the elastic energy, over the course.
 
@@ -53,7 +66,6 @@ def energies(history: History) -> Figure:
     >>> plot.energies(ts.roll(ts.Scene.builtin("fretting")))
     <Figure size ...>
     """
-    _check(history)
     figure, axes = over_course(history, "work since the start, and elastic energy")
     at, stored = history[history.coordinate.name], history["elastic_energy"]
     work = np.cumsum(np.append(0.0, history["step_work"][1:]))
@@ -69,7 +81,7 @@ def energies(history: History) -> Figure:
     return figure
 
 
-@styled
+@history_figure("stick", columns=["stick_fraction", *_SHIFTS], cure="[transient]", shown=in_course)
 def stick_course(history: History) -> Figure:
     """Share of the contact that sticks, over the course.
 
@@ -83,14 +95,15 @@ def stick_course(history: History) -> Figure:
     >>> plot.stick_course(ts.roll(ts.Scene.builtin("fretting")))
     <Figure size ...>
     """
-    _check(history)
     figure, axes = over_course(history, "share of the contact that sticks")
     axes.plot(history[history.coordinate.name], history["stick_fraction"], color=BLUE)
     axes.set(ylim=(-0.02, 1.02), ylabel="share that sticks")
     return figure
 
 
-@styled
+@history_figure(
+    "worn-track", columns=["step_worn"], needs=[_ROLLS], cure="[transient] and [wear]", shown=worn
+)
 def worn_track(history: History) -> Figure:
     """Depth worn along the track, of both bodies together, in coordinates of the bodies.
 
@@ -142,8 +155,3 @@ def picture(figure: Figure, frame: Frame, state: Drawn, envelope: Drawn) -> None
         chart.arrows(state.contact.traction, state.contact.touching, color="white")
     symbol = r"|p_t|/\mu" if state.isotropic else r"\|p_t\|_\mu"
     chart.colour_bar(mesh, f"traction over friction {state.scale.of_pressure(symbol)}")
-
-
-def _check(history: History) -> None:
-    if history.scene.transient is None:
-        raise ValueError("a history of a [transient] is needed; this one is of revolutions")

@@ -41,7 +41,13 @@ def fill_zones(ax: Axes, state: Drawn, contact: Path, colours: tuple[str, str]) 
 
 
 def continued(values: np.ndarray, where: np.ndarray) -> np.ndarray:
-    """Values, elsewhere the one at the nearest element; shapes (n_x, n_y)."""
+    """Return the values, elsewhere the one at the nearest element; shapes (n_x, n_y).
+
+    Examples
+    --------
+    >>> bool(plot.continued(contact.pressure, contact.touching).min() > 0.0)
+    True
+    """
     nearest = distance_transform_edt(~where, return_distances=False, return_indices=True)
     return values[tuple(nearest)]
 
@@ -56,6 +62,11 @@ def edge_level(pressure: np.ndarray) -> np.ndarray:
     """Squared pressure, continued linearly to the first elements out of contact.
 
     At a smooth edge the pressure falls like the root of the distance, its square linearly.
+
+    Examples
+    --------
+    >>> bool(((plot.edge_level(contact.pressure) > 0.0) == contact.touching).all())
+    True
     """
     square = np.pad(pressure**2, 2)
     total, weight = np.zeros_like(square), np.zeros_like(square)
@@ -77,6 +88,13 @@ def stick_level(state: Drawn, stick: np.ndarray) -> np.ndarray:
     """Squared distance to the friction bound where it sticks, minus squared slip where it slips.
 
     Both vanish at the boundary, and rise like roots of the distance from it.
+
+    Examples
+    --------
+    >>> state = plot.Drawn.of(contact)
+    >>> stick = state.contact.touching & ~state.slip_zone
+    >>> bool((plot.stick_level(state, stick)[stick] >= 0.0).all())
+    True
     """
     touching = state.contact.touching
     reserve = np.maximum(

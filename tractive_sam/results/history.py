@@ -339,6 +339,11 @@ class History:
         return places, depth[::-1][last]
 
     @property
+    def block_names(self) -> list[str]:
+        """Names of the blocks of a duty cycle, in order; none of another history."""
+        return [label(self.scene, k) for k in range(len(self.scene.duty))]
+
+    @property
     def planes(self) -> tuple[tuple[str, str], ...]:
         """Body and plane of every stress that was kept, as ("A", "y=0")."""
         return tuple(self.stresses)
@@ -531,7 +536,7 @@ class History:
         >>> ts.roll(discs.replace(duty=blocks)).place_of("light")
         1
         """
-        names = [label(self.scene, k) for k in range(len(self.scene.duty))]
+        names = self.block_names
         places = {of(k): k for of in (int, str) for k in range(len(names))}
         k = (places | {name: names.index(name) for name in names}).get(which)
         if k is None:
@@ -617,8 +622,7 @@ class History:
         for name, one in self.columns.items():
             if "y" in one.dims:
                 continue
-            blocks = {"block": [label(self.scene, k) for k in range(len(self.scene.duty))]}
-            of_dims = {**LABELS, **blocks}
+            of_dims = {**LABELS, "block": self.block_names}
             labels = [of_dims[dim] for dim in one.dims]
             if one.dims[:1] == ("body",):
                 labels[0] = one.bodies(self.scene)
@@ -678,8 +682,8 @@ class History:
             dims = ("saved", *("block" for _ in blocks), "x", "y")
             data[name] = (dims, values, about(kept_fields(self.scene)[name]))
         labels = {name: list(values) for name, values in LABELS.items()}
-        if self.scene.duty:
-            labels["block"] = [label(self.scene, k) for k in range(len(self.scene.duty))]
+        if self.block_names:
+            labels["block"] = self.block_names
         coordinates = labels | {
             along.name: (along.name, self[along.name], about(along)),
             "saved": ("saved", self.saved, about(along)),

@@ -50,6 +50,12 @@ def stress_maxima(values: np.ndarray, axes: tuple[np.ndarray, np.ndarray]) -> li
     -------
     list of StressMaximum
         Both, as far as the plane has them; else its largest value.
+
+    Examples
+    --------
+    >>> stress = ts.stress_on_plane(contact, "y=0", "A")
+    >>> [one.kind for one in plot.stress_maxima(stress.von_mises, tuple(stress.axes.values()))]
+    ['interior', 'surface']
     """
     along, depth = axes
     tops = values == maximum_filter(values, 3, mode="nearest")
