@@ -386,6 +386,18 @@ def fatigue() -> str:
     return of_columns(rows_of("fatigue.csv"), columns)
 
 
+def block_order() -> str:
+    """Error bars of damage beside the effect of the order of blocks, by seed."""
+    columns = {
+        "random seed": ("seed", str),
+        "bodies": ("bodies", str),
+        "difference within `damage_error`": ("within", str),
+        "smallest ratio of `damage_error` to the difference": ("least", number(".2f")),
+        "median ratio": ("median", number(".1f")),
+    }
+    return of_columns(rows_of("block_order_ratios.csv"), columns)
+
+
 def fatigue_spread() -> str:
     """How far damage of the twin discs' body A differs over meshes and tolerances."""
     rows = {(one["mesh"], one["tolerance"], one["beta"]): one for one in rows_of("fatigue.csv")}
@@ -643,6 +655,7 @@ TABLES = {
         wear,
         fatigue,
         fatigue_spread,
+        block_order,
         fatigue_cost,
         stepping,
         balance,

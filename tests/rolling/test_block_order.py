@@ -1,10 +1,12 @@
 """Error of the damage of a duty cycle by the order of its blocks."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import tractive_sam as ts
-from tractive_sam.rolling.block_order import BlockOrder
+from tractive_sam.rolling.block_order import BlockOrder, block_orders
 
 STEEL = {"young": 208e3, "poisson": 0.3, "radius_x": 30.0, "radius_y": 30.0}
 # Wear of a cycle that is a share of the damaged depth is more than that of dry steel.
@@ -77,8 +79,9 @@ def test_it_is_the_difference_to_the_blocks_in_their_order(counts, rates):
     difference = np.abs(exact - on_mean)[0, below]
     # To the second order in the wear of a cycle, 1e-2 of the depth over which damage falls.
     assert (estimate[0, below] >= 0.98 * difference).all()
-    # The signs of blocks are lost: they cancel to a nineteenth where the heavy one wears more.
-    assert (estimate[0, below] <= 20.0 * difference).all()
+    # What all do together, and the blocks without signs, which cancel to a nineteenth where the
+    # heavy one wears more.
+    assert (estimate[0, below] <= 21.0 * difference).all()
 
 
 def test_a_symmetric_order_has_no_delay():
@@ -93,6 +96,73 @@ def test_a_symmetric_order_has_no_delay():
     np.testing.assert_allclose(even.wear, 0.0, atol=1e-18)  # rounding
 
 
+def test_the_offset_is_the_wear_before_a_revolution():
+    rates = np.array([[3e-4, 0.0], [1e-4, 1e-4]])
+    spectrum = discs((HEAVY, BACK)).spectrum
+    mean = np.tensordot((2 / 6, 4 / 6), rates, axes=1)
+    for revolution in (1, 2, 3, 6, 7, 18):
+        order = BlockOrder.from_spectrum(spectrum, rates, revolution)
+        worn = sum((rates[spectrum.block_at(n)] for n in range(1, revolution)), np.zeros(2))
+        np.testing.assert_allclose(order.offset, worn - (revolution - 1) * mean, atol=1e-18)
+
+
+def responding(rng, rows=5, fastest=2e-3):
+    """A random response of wear to the profile: waves of it decay, an even depth has no effect."""
+    waves = rng.normal(size=(rows, rows))
+    waves -= waves.mean(axis=1, keepdims=True)
+    decay = waves.T @ waves
+    return -fastest * decay / np.linalg.eigvalsh(decay).max()
+
+
+@pytest.mark.parametrize("cycles", [1, 4, 1000])
+def test_the_drift_is_the_difference_of_both_profiles(cycles):
+    """Of wear that is linear in the profile, rolled in the order of blocks and as their mean."""
+    rng = np.random.default_rng(1)
+    spectrum = discs((HEAVY, BACK)).spectrum
+    rates = rng.uniform(1e-4, 3e-4, (2, 1, 5))
+    responses = [responding(rng), responding(rng)]
+    shares = np.array((2, 4)) / 6
+    in_order, as_mean = np.zeros(5), np.zeros(5)
+    for n in range(1, 6 * cycles + 1):
+        b = spectrum.block_at(n)
+        in_order = in_order + rates[b, 0] + responses[b] @ in_order
+        each = (w * (r[0] + j @ as_mean) for w, r, j in zip(shares, rates, responses, strict=True))
+        as_mean = as_mean + sum(each)
+    # Rates at the end, as a roll knows them.
+    ends = np.array([[r[0] + j @ as_mean] for r, j in zip(rates, responses, strict=True)])
+    drift = BlockOrder.from_spectrum(spectrum, ends[:, 0]).drift(responses, 6 * cycles)
+    difference = in_order - as_mean
+    error = np.abs(drift - difference).max() / np.abs(difference).max()
+    # To the first order in the response of a cycle, 1e-2; a single implicit step of the drift
+    # reaches e^-t at t = 1 to a third, and where rates have changed since it is less exact.
+    assert error < 0.5
+    (order,) = block_orders(spectrum, ends, responses, 6 * cycles)
+    before = BlockOrder.from_spectrum(spectrum, ends[:, 0], 6 * cycles)
+    np.testing.assert_allclose(order.wear - before.wear, np.tile(drift, (2, 1)), atol=1e-15)
+    np.testing.assert_allclose(order.offset - before.offset, drift, atol=1e-15)
+    changes = [j @ w for j, w in zip(responses, order.wear, strict=True)]
+    np.testing.assert_allclose(order.changes, changes)
+
+
+def test_changed_loads_spread_over_the_depth():
+    """A load on a row is felt in others by Boussinesq's line load; an even change everywhere."""
+    y, depth = np.linspace(-1.0, 1.0, 201), np.array([0.0, 0.05, 0.2])
+    even = BlockOrder(np.ones(1), np.zeros(1), np.zeros((1, 201)), np.zeros(201))
+    loads = np.ones((1, 201))
+    factors = replace(even, loads=loads, changes=0.1 * loads).load_factors(y, depth)
+    np.testing.assert_allclose(factors, 1.1, rtol=1e-12)  # rounding
+    single = np.zeros((1, 201))
+    single[0, 100] = 0.5
+    factors = replace(even, loads=loads, changes=single).load_factors(y, depth)[0] - 1.0
+    np.testing.assert_array_equal(factors[:, 0], single[0])
+    for k, z in ((1, 0.05), (2, 0.2)):
+        law = 0.5 * 0.01 * 2.0 / np.pi * z**3 / (y**2 + z**2) ** 2
+        middle = np.abs(y) < 0.3  # the track ends at 1
+        # Over an element of a fifth of the smaller depth, and with what a track of 1 leaves out.
+        np.testing.assert_allclose(factors[middle, k], law[middle], rtol=0.02)
+    assert (even.load_factors(y, depth) == 1.0).all()
+
+
 @pytest.mark.parametrize("blocks", [(HEAVY, BACK), (BACK, HEAVY)])
 def test_the_error_of_the_damage_includes_the_order_of_blocks(blocks):
     scene = discs(blocks)
@@ -103,3 +173,30 @@ def test_the_error_of_the_damage_includes_the_order_of_blocks(blocks):
     # 1.5 to 1.7 % of A; B, whose surface wears off faster, meets the damage by chance.
     assert (jumps["damage_error"][-1] < 0.1 * each["damage"][-1]).all()
     assert (each["damage_error"] == 0.0).all()
+
+
+@pytest.mark.slow
+def test_the_error_includes_what_the_order_changes_of_the_stress():
+    """Of body A the blocks at their depths alone made 0.7 of the difference."""
+    blocks = [
+        {
+            "revolutions": count,
+            "load": {"normal": load},
+            "creepage": {"longitudinal": creepage, "lateral": lateral},
+            "shift_y": shift * 0.48 / 33,
+        }
+        for count, load, creepage, lateral, shift in (
+            (6, 275.2, 0.00354, 0.00164, -4),
+            (3, 221.0, 0.00523, 0.00002, 8),
+            (1, 270.1, 0.00307, -0.00131, 6),
+            (6, 344.0, 0.00143, 0.00066, -8),
+        )
+    ]
+    worn = {"coefficient": {"A": 2.74e-3, "B": 1.614e-3}, "revolutions": 80, "save": [0, 80]}
+    fatigue = DISCS["fatigue"] | {"exponent": 8.9}
+    bodies = {"A": STEEL | {"radius_y": 42.1}, "B": STEEL | {"radius_y": 26.0}}
+    scene = discs(blocks, body=bodies, wear=worn, fatigue=fatigue, friction={"mu": 0.19})
+    jumps = ts.roll(scene)
+    each = ts.roll(scene.with_set(["wear.stepping=every-revolution"]))
+    difference = np.abs(jumps["damage"][-1] - each["damage"][-1])
+    assert (difference < jumps["damage_error"][-1]).all()

@@ -38,7 +38,7 @@ from tractive_sam.contact import Model
 from tractive_sam.rolling.control import ErrorControl, Stops
 from tractive_sam.rolling.damage import followed
 from tractive_sam.rolling.passage import Passage, ProfilePoint, credited, off_grid, passage_at
-from tractive_sam.rolling.response import cycle_response
+from tractive_sam.rolling.response import block_responses, cycle_response
 from tractive_sam.scene import Schedule
 
 ALLOWED, POWER = 42.0, 1.3
@@ -97,7 +97,8 @@ def _next_jump(model: Model, last: Passage, control: Stops) -> Passage:
     """The longest jump towards the next stop that keeps the error within the tolerance."""
     # While the rows in contact wear down, the bodies close in on the rows beside them.
     closing = last.jump * last.gained.sum() / max(np.count_nonzero(last.gained), 1)
-    response = cycle_response(model, last, closing)
+    responses = block_responses(model, last, closing)
+    response = sum(w * one for w, one in zip(last.weights, responses, strict=True))
     fastest = np.abs(np.diag(response)).max()
     settled = int(SETTLED / max(fastest, 1e-12))
     step = control.first(last.revolution, last.jump, settled)
@@ -108,11 +109,11 @@ def _next_jump(model: Model, last: Passage, control: Stops) -> Passage:
         solves += now.solves
         now = credited(last, now)
         if error <= 1.0 or step.length == 1:
-            now = followed(model, now, last)
+            now = followed(model, now, last, responses)
             error = max(error, _error_of_damage(model, now))
         if error <= 1.0 or step.length == 1 or (off_grid(now) and not model.scene.bounded):
             if now.damage is None:  # the contact has left the mesh
-                now = followed(model, now, last)
+                now = followed(model, now, last, responses)
             return replace(now, solves=solves, jump=control.next(step, error))
         step = control.shorter(step, error)
 

@@ -4,15 +4,22 @@ On the mean every revolution of a cycle of n does the damage sum of w_b d_b, w_b
 order a block b does all of its damage at one time of the cycle, tau_b revolutions after the middle,
 and at the wear of that time, e_b more than on the mean:
 
-    sum over a jump of w_b (tau_b d(d_b)/dN + (d_b(zeta - E - e_b) - d_b(zeta - E))),
+    sum over a jump of w_b (tau_b d(d_b)/dN + (d_b(zeta - E - e_b; E + e_b) - d_b(zeta - E; E))),
 
 by Taylor in tau_b. The first term adds up to the change of the damage of a pass: it does not grow
-with the number of cycles. The second one is in proportion to the wear of a cycle. What the order
-changes of the wear itself, and so of the stress later on, is of the same order, and left out.
+with the number of cycles. The second one is in proportion to the wear of a cycle, and has two
+causes. The material lies e_b less deep. And where more is worn the rows carry less load, J_b e_b of
+their wear in a pass with the response J_b (`rolling.response`): so the stress is another one.
+
+For the same reason a cycle wears another profile than its mean: its difference eps obeys
+
+    d(eps)/dN = J eps + c,    J = sum of w_b J_b,    c = sum of w_b J_b e_b,
+
+and short waves of it settle at -J^-1 c within tens of revolutions. It adds to every e_b.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -31,26 +38,90 @@ class BlockOrder:
         Mean time of each block after the middle of the cycle, revolutions.
     wear : ndarray, shape (blocks, n_y)
         Mean depth worn off by then, less that of a cycle that wears evenly, mm.
+    loads, changes : ndarray, shape (blocks, n_y), optional
+        Load of each row in each block, and by how much the wear of the order changes it, both as
+        depth that a pass wears, mm. Without them loads do not change.
+    offset : ndarray, shape (n_y,)
+        Depth worn off before the last revolution, less that of a cycle that wears evenly, mm.
     """
 
     shares: np.ndarray
     delay: np.ndarray
     wear: np.ndarray
+    offset: np.ndarray
+    loads: np.ndarray | None = None
+    changes: np.ndarray | None = None
 
     @classmethod
-    def from_spectrum(cls, spectrum: Spectrum, rates: np.ndarray) -> "BlockOrder":
-        """Follow one cycle; `rates` (blocks, n_y) is the wear of a revolution of each block, mm."""
+    def from_spectrum(
+        cls, spectrum: Spectrum, rates: np.ndarray, revolution: int = 1
+    ) -> "BlockOrder":
+        """Follow one cycle.
+
+        Parameters
+        ----------
+        spectrum : Spectrum
+            The blocks.
+        rates : ndarray, shape (blocks, n_y)
+            Wear of a revolution of each block, mm.
+        revolution : int
+            The last one.
+        """
         shares = np.array(spectrum.revolutions) / spectrum.cycle
         uneven = rates - np.tensordot(shares, rates, axes=1)
         delay, wear = np.zeros(shares.size), np.zeros(rates.shape)
-        start, worn = 0.0, np.zeros(rates.shape[1])
+        start, worn, place = 0.0, np.zeros(rates.shape[1]), (revolution - 1) % spectrum.cycle
+        offset = worn
         for count, block in zip(spectrum.each, spectrum.places, strict=True):
             # Mean over the revolutions of the block, each with what is worn before it.
             part, middle = count / spectrum.revolutions[block], 0.5 * (count - 1)
             delay[block] += part * (start + middle - 0.5 * (spectrum.cycle - 1))
             wear[block] += part * (worn + middle * uneven[block])
+            if start <= place < start + count:
+                offset = worn + (place - start) * uneven[block]
             start, worn = start + count, worn + count * uneven[block]
-        return cls(shares, delay, wear)
+        return cls(shares, delay, wear, offset)
+
+    def drift(self, responses: Sequence[np.ndarray], revolution: int) -> np.ndarray:
+        """Return the profile that the order wears, less that of the mean, shape (n_y,), mm.
+
+        Parameters
+        ----------
+        responses : sequence of ndarray, shape (n_y, n_y)
+            Response of the wear of a revolution of each block to the profile, 1/revolution.
+        revolution : int
+            Revolutions since both profiles were the same.
+        """
+        blocks = list(zip(self.shares, responses, self.wear, strict=True))
+        source = sum(share * response @ wear for share, response, wear in blocks)
+        mean = sum(share * response for share, response, _ in blocks)
+        # One step of the implicit Euler formula: t c at first, -J^-1 c at last.
+        return np.linalg.solve(np.eye(source.size) / revolution - mean, source)
+
+    def load_factors(
+        self, y: np.ndarray, depth: np.ndarray, negligible: float = 1e-9
+    ) -> np.ndarray:
+        """Return the factor on the stress by the changed loads of rows, shape (blocks, n_y, n).
+
+        At a depth z that of the rows around, by the pressure below a line load on an elastic
+        half-space, 2/pi z^3/(y^2 + z^2)^2; at the surface that of the row. From 0 to 2.
+
+        Parameters
+        ----------
+        y, depth : ndarray, shapes (n_y,) and (n,)
+            Rows, equally spaced, and depths, mm.
+        negligible : float
+            Load over the largest one whose relative change means nothing.
+        """
+        factors = np.ones((self.shares.size, y.size, depth.size))
+        if self.loads is None:
+            return factors
+        for k, z in enumerate(depth):
+            spread = _spread(y, z)
+            load, change = self.loads @ spread, self.changes @ spread
+            known = load > negligible * self.loads.max(axis=1, keepdims=True)
+            factors[:, :, k] += np.divide(change, load, out=np.zeros_like(load), where=known)
+        return np.clip(factors, 0.0, 2.0)
 
     def damage_error(
         self,
@@ -58,10 +129,12 @@ class BlockOrder:
         used: tuple[np.ndarray, np.ndarray],
         worn: tuple[np.ndarray, np.ndarray],
         length: int,
+        factors: np.ndarray | None = None,
     ) -> np.ndarray:
         """Return the error of the damage of one pass a revolution over a jump, shape (n_y, m).
 
-        Absolute values of the blocks are added: that they cancel is not certain.
+        The absolute value of what all blocks do together, and those of each: that they cancel is
+        not certain, and elements that come into contact or begin to slip change more than loads do.
 
         Parameters
         ----------
@@ -74,12 +147,61 @@ class BlockOrder:
             Depth worn off at both ends, mm.
         length : int
             Revolutions of the jump.
+        factors : ndarray, shape (blocks, n_y, n), optional
+            From `load_factors`; by default loads do not change.
         """
         middle = 0.5 * (worn[0] + worn[1])
-        total = np.zeros(1)
+        factors = np.ones((self.shares.size, 1, 1)) if factors is None else factors
+        total, apart = np.zeros(1), np.zeros(1)
         for b, share in enumerate(self.shares):
             change = damage(used[1][b], worn[1]) - damage(used[0][b], worn[0])
             mean = 0.5 * (used[0][b] + used[1][b])
-            shifted = damage(mean, middle + self.wear[b]) - damage(mean, middle)
-            total = total + share * abs(self.delay[b] * change + length * shifted)
-        return total
+            shifted = damage(mean * factors[b], middle + self.wear[b]) - damage(mean, middle)
+            error = share * (self.delay[b] * change + length * shifted)
+            total, apart = total + error, apart + abs(error)
+        return abs(total) + apart
+
+
+def block_orders(
+    spectrum: Spectrum, rates: np.ndarray, responses: Sequence[np.ndarray], revolution: int
+) -> tuple[BlockOrder, ...]:
+    """Return the order of A and of B, with what it changes of the wear and of the loads of rows.
+
+    Parameters
+    ----------
+    spectrum : Spectrum
+        The blocks.
+    rates : ndarray, shape (blocks, 2, n_y)
+        Wear of each body in a revolution of each block, mm.
+    responses : sequence of ndarray, shape (n_y, n_y)
+        Response of the wear of both in each block to the profile of both, 1/revolution.
+    revolution : int
+        The last one; at least 1.
+    """
+    loads = rates.sum(axis=1)
+    both = BlockOrder.from_spectrum(spectrum, loads, revolution)
+    drift = both.drift(responses, revolution)
+    changes = [one @ (wear + drift) for one, wear in zip(responses, both.wear, strict=True)]
+    mean = np.tensordot(both.shares, loads, axes=1)
+    orders = []
+    for body in range(rates.shape[1]):
+        one = BlockOrder.from_spectrum(spectrum, rates[:, body], revolution)
+        own = np.tensordot(one.shares, rates[:, body], axes=1)
+        part = drift * np.divide(own, mean, out=np.zeros_like(mean), where=mean > 0.0)
+        wear, offset = one.wear + part, one.offset + part
+        orders.append(
+            replace(one, wear=wear, offset=offset, loads=loads, changes=np.array(changes))
+        )
+    return tuple(orders)
+
+
+def _spread(y: np.ndarray, z: float) -> np.ndarray:
+    """Share (n_y, n_y) of the load of each row in the pressure at a depth below each other one."""
+    if z == 0.0 or y.size == 1:
+        return np.eye(y.size)
+
+    def integral(at: np.ndarray) -> np.ndarray:
+        return (z * at / (z**2 + at**2) + np.arctan(at / z)) / np.pi
+
+    apart, half = y[:, None] - y, 0.5 * (y[1] - y[0])
+    return integral(apart + half) - integral(apart - half)

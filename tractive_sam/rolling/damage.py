@@ -21,7 +21,7 @@ cracks start there if and only if w' is below w'_bal(y) = integral of d dz.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
@@ -30,7 +30,7 @@ import numpy as np
 from tractive_sam.contact import Model
 from tractive_sam.mechanics import VolumeLife, Woehler, over_depth
 from tractive_sam.results import BodyFatigue, widened
-from tractive_sam.rolling.block_order import BlockOrder
+from tractive_sam.rolling.block_order import BlockOrder, block_orders
 from tractive_sam.rolling.passage import Passage
 from tractive_sam.scene import Scene
 from tractive_sam.subsurface import cycle_depths, cycle_fatigue, semi_axes
@@ -83,6 +83,9 @@ class Followed:
         Revolution at which the damage reached 1; nan before.
     missed : float
         What the last jump added to the error, over the largest damage.
+    offset : ndarray, shape (n_y,), optional
+        Depth that the blocks of a duty cycle in their order have worn off it, less that of their
+        mean, mm; None of a single load.
     """
 
     now: BodyFatigue
@@ -93,6 +96,26 @@ class Followed:
     error: np.ndarray
     initiation: float = math.nan
     missed: float = 0.0
+    offset: np.ndarray | None = None
+
+    @property
+    def damage_error(self) -> float:
+        """How far the largest damage may be off.
+
+        Of a duty cycle the error is large where the largest damage is not: just below the surface.
+        There the largest damage is looked for with more and with less of it everywhere, also at
+        the worn depth of the blocks in their order.
+        """
+        now, error = self.now, self.error
+        if self.offset is None:
+            return float(error[_left(now)].max(initial=0.0))
+        top, _ = now.damage_max
+        others = (
+            now.with_damage(now.zeta, np.maximum(now.damage + sign * error, 0.0), worn)
+            for worn in (now.worn, np.maximum(now.worn + self.offset, 0.0))
+            for sign in (-1.0, 1.0)
+        )
+        return max(abs(one.damage_max[0] - top) for one in others)
 
     def columns(self, life: Woehler | None, shares: tuple[float, ...] = (1.0,)) -> dict[str, Any]:
         """Numbers of a record, by the names of its columns without those of the body."""
@@ -109,7 +132,7 @@ class Followed:
         return {
             "damage": top,
             "damage_at": at,
-            "damage_error": float(self.error[_left(self.now)].max(initial=0.0)),
+            "damage_error": self.damage_error,
             "initiation": self.initiation,
             "fatigue_life": 1.0 / most if most > 0.0 else math.inf,
             "wear_margin": float(margin) if self.passes and self.rate.any() else math.nan,
@@ -146,16 +169,18 @@ class Damage:
             bodies[body] = Followed(now, used, used, rate, turns.per_count[body], none)
         return cls(passage.revolution, passage.revolution, bodies)
 
-    def after(self, passage: Passage, model: Model) -> "Damage":
-        """The same after the passes up to a later passage, on its mesh."""
+    def after(
+        self, passage: Passage, model: Model, responses: Sequence[np.ndarray] = ()
+    ) -> "Damage":
+        """The same after the passes up to a later passage, on its mesh; see `followed`."""
         before = {body: _on(one, passage.grid.y) for body, one in self.bodies.items()}
         depths = next(iter(before.values())).now.depth  # those of all
         jump = passage.revolution - self.revolution, self.revolution - self.earlier
-        bodies, life = {}, model.laws.life
+        bodies, life, orders = {}, model.laws.life, _block_orders(passage, model, responses)
         for body, (found, used) in _cycled(passage, model, depths).items():
             worn, rate = passage.off(body)
             rolled = found, used, worn, rate, passage.weights
-            order = _block_order(passage, model, body)
+            order = orders.get(body)
             bodies[body] = _rolled(before[body], *rolled, jump, life, self.revolution, order)
         return Damage(passage.revolution, self.revolution, bodies)
 
@@ -263,15 +288,21 @@ class Damage:
         return cls(passage.revolution, earlier, bodies)
 
 
-def followed(model: Model, now: Passage, before: Passage | None = None) -> Passage:
+def followed(
+    model: Model,
+    now: Passage,
+    before: Passage | None = None,
+    responses: Sequence[np.ndarray] = (),
+) -> Passage:
     """A passage with what rolling has done to the material since the one before; see `Damage`.
 
-    Of a contact that was not solved it is as before.
+    If a contact was not solved, the damage is as before. The mean of a duty cycle needs the
+    `responses` of its blocks, each of shape (n_y, n_y), in 1/revolution.
     """
     damage = None if before is None else before.damage
     if now.contact.scene.fatigue is None or not now.converged:
         return replace(now, damage=damage)
-    damage = Damage.begun(now, model) if damage is None else damage.after(now, model)
+    damage = Damage.begun(now, model) if damage is None else damage.after(now, model, responses)
     return replace(now, damage=damage)
 
 
@@ -282,13 +313,17 @@ def _cycled(
     return cycle_fatigue(passage.contacts, depths, laws)
 
 
-def _block_order(passage: Passage, model: Model, body: str) -> BlockOrder | None:
-    """Return the order of the blocks of a cycle that is rolled as its mean."""
+def _block_orders(
+    passage: Passage, model: Model, responses: Sequence[np.ndarray]
+) -> dict[str, BlockOrder]:
+    """Return the order of the blocks of a cycle that is rolled as its mean, by body."""
     spectrum = model.scene.spectrum
     if spectrum is None or passage.rolled is not None:
-        return None
-    rates = passage.gained_by[:, "AB".index(body)] / np.array(passage.weights)[:, None]
-    return BlockOrder.from_spectrum(spectrum, rates)
+        return {}
+    rates = passage.gained_by / np.reshape(passage.weights, (-1, 1, 1))
+    return dict(
+        zip("AB", block_orders(spectrum, rates, responses, passage.revolution), strict=True)
+    )
 
 
 def _per_pass(
@@ -344,7 +379,15 @@ def _rolled(
     """The material after a jump; `jump` tells its length and that of the one before."""
     zeta, before = one.now.zeta, one.now
     now = now.with_damage(zeta, before.damage, worn)
-    later = replace(one, now=now, used=used, before=one.used, rate=rate, missed=0.0)
+    later = replace(
+        one,
+        now=now,
+        used=used,
+        before=one.used,
+        rate=rate,
+        missed=0.0,
+        offset=None if order is None else order.offset,
+    )
     if life is None:
         return later
     if not one.passes:  # it comes but once
@@ -434,7 +477,7 @@ def _order_error(
         )
 
     ends = (one.used, later.used), (one.now.worn, later.now.worn)
-    return order.damage_error(damage, *ends, length)
+    return order.damage_error(damage, *ends, length, order.load_factors(one.now.y, depth))
 
 
 def _between(

@@ -20,12 +20,23 @@ def cycle_response(model: Model, passage: Passage, closing: float = 0.0) -> np.n
     closing : float
         As of `wear_response`.
     """
-    response = np.zeros((model.grid.elements[1],) * 2)
-    each = zip(model.blocks, passage.weights, passage.turns, passage.contacts, strict=True)
-    for block, weight, turns, contact in each:
-        gain = np.reshape(turns.gain, (-1, 1))
-        response += weight * gain * wear_response(block, contact, closing)
-    return response
+    each = zip(passage.weights, block_responses(model, passage, closing), strict=True)
+    return sum(weight * response for weight, response in each)
+
+
+def block_responses(model: Model, passage: Passage, closing: float = 0.0) -> list[np.ndarray]:
+    """Return the response of what a revolution of each block wears for good; see `cycle_response`.
+
+    Returns
+    -------
+    list of ndarray, shape (n_y, n_y)
+        1/revolution.
+    """
+    each = zip(model.blocks, passage.turns, passage.contacts, strict=True)
+    return [
+        np.reshape(turns.gain, (-1, 1)) * wear_response(block, contact, closing)
+        for block, turns, contact in each
+    ]
 
 
 def wear_response(model: Model, contact: State, closing: float = 0.0) -> np.ndarray:
