@@ -11,6 +11,7 @@ import tractive_sam as ts
 from tractive_sam.contact import Model, fitted
 from tractive_sam.run.accuracy.error_bars import (
     LargestStress,
+    OfBody,
     Sample,
     error_bars,
     relative_error_bars,
@@ -101,6 +102,19 @@ def test_the_points_of_a_path_count_in_the_bar_of_utilisation(criterion):
     bar = error_bars(relative_error_bars(one, one, one), one)["utilisation"]["A"]
     least = ts.Laws.of(scene).fatigue.path_error * largest
     assert bar >= (1.0 - 1e-12) * least > 0.0  # of rounding
+
+
+def test_the_points_of_a_path_count_in_the_bar_of_the_stressed_volume():
+    """By the power of the stress in the integral, 31/3."""
+    material = {"criterion": "orthogonal-shear", "limit": 1.0, "bodies": ["A"], "elements": 8}
+    grid = {"half_length": (0.32, 0.9), "elements": (25, 25)}
+    scene = ts.Scene.builtin("twin-discs").replace(wear=None, subsurface=None, grid=grid)
+    contact = ts.solve(scene.replace(fatigue=material | {"volume": {}}))
+    one = Sample.of(contact, {}, ts.fatigue(contact))
+    bar = relative_error_bars(one, one, one)[OfBody("stressed_volume", "A")]
+    # Rounding of two integrals, over the difference of both.
+    error = ts.Laws.of(contact.scene).fatigue.path_error
+    assert bar == pytest.approx((1.0 + error) ** (31.0 / 3.0) - 1.0, rel=1e-6)
 
 
 SCENES = {

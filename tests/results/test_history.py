@@ -255,6 +255,21 @@ def test_a_stress_that_long_elements_miss_is_told():
         assert (history["von_mises_interior"][0, 0] > largest) != missed
 
 
+def test_a_utilisation_near_the_surface_is_noted_unless_it_has_an_error_bar():
+    """Friction has the largest one at the surface; without it, it is half a semi-axis deep."""
+    material = {"limit": 250.0, "sensitivity": 0.3, "elements": 8, "bodies": ["B"]}
+    alone = dict.fromkeys(("wear", "subsurface"))
+    grid = {"half_length": (0.32, 0.9), "elements": (25, 25)}
+    rough = ts.Scene.builtin("twin-discs").replace(**alone, grid=grid, fatigue=material)
+    note = caveats(ts.roll(rough))["utilisation"]
+    assert "B 0.0" in note
+    assert "accuracy" in note
+    smooth = rough.replace(friction=None, creepage=None)
+    assert "utilisation" not in caveats(ts.roll(smooth))
+    assured = rough.replace(grid=None, accuracy={"tolerance": 0.1})
+    assert "utilisation" not in caveats(ts.roll(assured))
+
+
 def test_a_contact_that_grows_to_the_edges_of_a_disc_is_told():
     """A is wide enough for the worn contact, B for the unworn one, which has no note of its own."""
     scene = ts.Scene.builtin("twin-discs").replace(

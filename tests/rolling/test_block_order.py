@@ -169,15 +169,17 @@ def test_the_error_of_the_damage_includes_the_order_of_blocks(blocks):
     jumps = ts.roll(scene)
     each = ts.roll(scene.with_set(["wear.stepping=every-revolution"]))
     difference = np.abs(jumps["damage"][-1] - each["damage"][-1])
-    assert (difference < jumps["damage_error"][-1]).all()
+    # The points of stress paths are an error of both, the only one of every revolution.
+    of_paths = np.expm1(6.0 * np.log1p(ts.Laws.of(scene).fatigue.path_error))
+    np.testing.assert_allclose(each["damage_error"], of_paths * each["damage"])
+    assert (difference < jumps["damage_error"][-1] - each["damage_error"][-1]).all()
     # 1.5 to 1.7 % of A; B, whose surface wears off faster, meets the damage by chance.
     assert (jumps["damage_error"][-1] < 0.1 * each["damage"][-1]).all()
-    assert (each["damage_error"] == 0.0).all()
 
 
 @pytest.mark.slow
 def test_the_error_includes_what_the_order_changes_of_the_stress():
-    """Of body A the blocks at their depths alone made 0.7 of the difference."""
+    """In body A the blocks at their depths alone made 0.7 of the difference."""
     blocks = [
         {
             "revolutions": count,
@@ -199,4 +201,5 @@ def test_the_error_includes_what_the_order_changes_of_the_stress():
     jumps = ts.roll(scene)
     each = ts.roll(scene.with_set(["wear.stepping=every-revolution"]))
     difference = np.abs(jumps["damage"][-1] - each["damage"][-1])
-    assert (difference < jumps["damage_error"][-1]).all()
+    # Both have the error by the points of stress paths.
+    assert (difference < jumps["damage_error"][-1] - each["damage_error"][-1]).all()

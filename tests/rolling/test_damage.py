@@ -158,7 +158,8 @@ def test_jumps_are_short_where_the_damage_asks_for_it(each_of_sixty, tolerance):
     exact = each_of_sixty["damage"][-1]
     np.testing.assert_allclose(jumps["damage"][-1], exact, rtol=tolerance)
     assert len(jumps) < 35
-    told = jumps["damage_error"][-1] / exact
+    # Without the error by the points of stress paths, the only one of every revolution.
+    told = (jumps["damage_error"][-1] - each_of_sixty["damage_error"][-1]) / exact
     assert (told < 10.0 * tolerance).all()  # of some ten jumps that count
 
 

@@ -70,8 +70,9 @@ class CycleCriterion(Law, ABC):
     long_name : str
         Description for people.
     path_error : float
-        Largest relative error by the finite number of points of a path, a part of the error bar of
-        utilisation. Continued further and more densely, paths change a maximum by up to 1e-3.
+        Largest relative error by the finite number of points of a path, a part of the error bars
+        of utilisation, life and damage; jumps do not depend on it. Continued further and more
+        densely, paths change a maximum by up to 1e-3.
 
     Examples
     --------

@@ -299,6 +299,19 @@ class Woehler(Law):
             loaded, np.exp(np.minimum(self.exponent * log - np.log(self.cycles), most)), 0.0
         )
 
+    def relative_error(self, utilisation_error: float) -> float:
+        """Return the largest relative error of damage by that of the utilisation.
+
+        It is (1 + e)^exponent - 1, to the first order the exponent times e. A cycle within e of
+        the knee may do no damage: that is not included.
+
+        Examples
+        --------
+        >>> round(ts.Woehler(cycles=1e7, exponent=10.0).relative_error(4e-3), 4)
+        0.0407
+        """
+        return float(np.expm1(self.exponent * np.log1p(utilisation_error)))
+
 
 PARTS = 8
 """Of the integral over a volume, for every depth."""

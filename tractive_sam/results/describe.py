@@ -100,10 +100,15 @@ def balances(history: "History", only_if_open: bool = False) -> dict[str, str]:
 def caveats(history: "History") -> dict[str, str]:
     """Return what to mind, by name.
 
+    "utilisation" so close to the surface that it depends on the mesh and has no error bar,
     "stress" that elements may miss, "width" of bodies that the contact fills, "p_max" that no
     material withstands or that is too little for the materials.
     """
-    told = {"stress": _missed_stress(history), "p_max": _implausible_pressure(history)}
+    told = {
+        "stress": _missed_stress(history),
+        "p_max": _implausible_pressure(history),
+        "utilisation": _shallow_utilisation(history),
+    }
     half = history["half_width_y"]
     widest = 2.0 * float(half[np.isfinite(half)].max(initial=0.0))
     told["width"] = "; ".join(near_edge(history.scene, widest))
@@ -119,6 +124,25 @@ def _implausible_pressure(history: "History") -> str:
     along = history.coordinate
     place = f" at {along.name} {format(history[along.name][row], along.format)}"
     return "; ".join(pressure_notes(history.scene, float(pressure[row]), place))
+
+
+def _shallow_utilisation(history: "History", shallow: float = 3.0) -> str:
+    """Describe a largest utilisation of the last record within some elements of the surface.
+
+    Within three elements paths that are sampled at the elements leave up to 13 % of it.
+    """
+    columns = history.values
+    if "utilisation_at" not in columns or "utilisation_error" in columns or not len(history):
+        return ""
+    depths = zip(BODIES, columns["utilisation_at"][-1, :, 2] / history.grid.dx, strict=True)
+    found = [f"{body} {depth:.1f}" for body, depth in depths if depth <= shallow]
+    if not found:
+        return ""
+    return (
+        f"the largest one lies within {shallow:g} elements of the surface (body "
+        f"{', '.join(found)} elements below it) and depends on their size, as do life and damage; "
+        "use more elements, or set [accuracy] (of one load, without [[duty]]) for its error bar"
+    )
 
 
 def _missed_stress(history: "History") -> str:

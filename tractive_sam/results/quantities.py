@@ -415,8 +415,9 @@ _FATIGUE = (
              symbol="D", format=".3g", **_OF_BODIES),
     Quantity("damage_at", "mm", "position (no x, y, depth below the unworn surface) of it",
              **_OF_PLACES),
-    Quantity("damage_error", "1", "error of it by the length of the jumps and the order of blocks, "
-             "with [accuracy] by the mesh as well", _bars_of_damage, format=".1g", **_OF_BODIES),
+    Quantity("damage_error", "1", "error of it by the length of jumps, the order of blocks and the "
+             "points of stress paths, with [accuracy] by the mesh as well", _bars_of_damage,
+             format=".1g", **_OF_BODIES),
     Quantity("initiation", "1", "revolution at which it reached 1", format=".4g", **_OF_BODIES),
     Quantity("fatigue_life", "1", "revolutions to a crack by this record's stress, without wear",
              format=".4g", **_OF_BODIES),

@@ -117,6 +117,15 @@ class Followed:
         )
         return max(abs(one.damage_max[0] - top) for one in others)
 
+    def path_error(self, life: Woehler) -> float:
+        """Return the error of the largest damage by the finite number of points of stress paths.
+
+        It is systematic: jumps of any length leave it as it is, and do not depend on it.
+        """
+        criterion = self.now.criterion
+        error = 0.0 if criterion is None else criterion.path_error
+        return self.now.damage_max[0] * life.relative_error(error)
+
     def columns(self, life: Woehler | None, shares: tuple[float, ...] = (1.0,)) -> dict[str, Any]:
         """Numbers of a record, by the names of its columns without those of the body."""
         if life is None:
@@ -132,7 +141,7 @@ class Followed:
         return {
             "damage": top,
             "damage_at": at,
-            "damage_error": self.damage_error,
+            "damage_error": self.damage_error + self.path_error(life),
             "initiation": self.initiation,
             "fatigue_life": 1.0 / most if most > 0.0 else math.inf,
             "wear_margin": float(margin) if self.passes and self.rate.any() else math.nan,
@@ -379,15 +388,8 @@ def _rolled(
     """The material after a jump; `jump` tells its length and that of the one before."""
     zeta, before = one.now.zeta, one.now
     now = now.with_damage(zeta, before.damage, worn)
-    later = replace(
-        one,
-        now=now,
-        used=used,
-        before=one.used,
-        rate=rate,
-        missed=0.0,
-        offset=None if order is None else order.offset,
-    )
+    offset = None if order is None else order.offset
+    later = replace(one, now=now, used=used, before=one.used, rate=rate, missed=0.0, offset=offset)
     if life is None:
         return later
     if not one.passes:  # it comes but once

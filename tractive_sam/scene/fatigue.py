@@ -155,7 +155,7 @@ class Fatigue(LawTable):
     tolerance: float = entry(
         "share of the largest damage: a jump of the stepping that would miss more than 0.3 of it "
         "is made shorter; what all miss together is the column damage_error, "
-        "with the effect of the order of blocks",
+        "with the effects of the order of blocks and of the points of stress paths",
         "a number from 1e-6 to 1",
         1e-2,
         ge=1e-6,

@@ -110,7 +110,8 @@ class Sample:
     factors : mapping of (str, str) to float
         Load factors of shakedown, by column and body.
     floors : mapping of Name to float
-        Relative errors that no mesh shows: of utilisation that by the points of a path.
+        Relative errors that no mesh shows: of utilisation and stressed volume by the points of a
+        path.
     """
 
     values: Mapping[Name, float]
@@ -167,13 +168,26 @@ class Sample:
             for body, one in (cycled or {}).items()
             for column in ("shakedown_lower", "shakedown_upper")
         }
-        floors: dict[Name, float] = {
-            LargestStress("utilisation", body, at): one.criterion.path_error
-            for body, one in (cycled or {}).items()
-            if one.criterion is not None
-            for at in (False, True)
-        }
+        floors = _path_errors(contact, values, cycled or {})
         return cls(values, scales, contact.residual, factors, floors)
+
+
+def _path_errors(
+    contact: State, values: Mapping[Name, float], cycled: Mapping[str, BodyFatigue]
+) -> dict[Name, float]:
+    """Return the relative errors of utilisation and stressed volume by the points of a path."""
+    floors: dict[Name, float] = {}
+    for body, cycle in cycled.items():
+        if cycle.criterion is None:
+            continue
+        error = cycle.criterion.path_error
+        floors |= {LargestStress("utilisation", body, at): error for at in (False, True)}
+        volume = values.get(OfBody("stressed_volume", body), 0.0)
+        if volume > 0.0:
+            stressed = replace(cycle, utilisation=cycle.utilisation * (1.0 + error))
+            more = stressed_volume(stressed, contact.scene, Laws.of(contact.scene).volume)
+            floors[OfBody("stressed_volume", body)] = more / volume - 1.0
+    return floors
 
 
 def off_given(contact: State) -> dict[str, float]:
