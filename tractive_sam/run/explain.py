@@ -8,6 +8,7 @@ import numpy as np
 
 from tractive_sam.contact import Model, choose_grid, rough_maps
 from tractive_sam.operators import available
+from tractive_sam.plain import text_table
 from tractive_sam.rolling import expected_steps
 from tractive_sam.run import memory
 from tractive_sam.run.accuracy.levels import with_tolerances
@@ -57,12 +58,7 @@ class Explanation(tuple[Section, ...]):
     __slots__ = ()
 
     def __repr__(self) -> str:
-        parts = []
-        for section in self:
-            width = max(len(what) for what, _ in section.rows)
-            rows = (f"  {what:{width}}  {answer}" for what, answer in section.rows)
-            parts.append("\n".join((section.title, *rows)))
-        return "\n\n".join(parts)
+        return "\n\n".join(text_table(one.title, dict(one.rows)) for one in self)
 
 
 def explain(scene: Scene) -> Explanation:

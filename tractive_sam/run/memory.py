@@ -100,7 +100,7 @@ def check_roll(model: Model, in_memory: bool) -> None:
     if contact + stress > free:
         asked = model.scene.subsurface
         most = int(FITS * (free - contact) / stress * asked.elements)
-        given = f"{asked.elements}, for which {_told(contact + stress, free)}"
+        given = f"{asked.elements}, for which {_describe_shortage(contact + stress, free)}"
         raise SceneError([Fault("subsurface.elements", given, f"here at most about {most}")])
 
 
@@ -108,7 +108,7 @@ def _check_accuracy(model: Model) -> None:
     free, most = available(), model.scene.accuracy.elements
     needed = of_contact(model) * most / math.prod(model.grid.elements)
     if needed > free:
-        given = f"{most}, for which {_told(needed, free)}"
+        given = f"{most}, for which {_describe_shortage(needed, free)}"
         allowed = f"here at most about {int(FITS * free / needed * most)}"
         raise SceneError([Fault("accuracy.elements", given, allowed)])
 
@@ -121,9 +121,9 @@ def _check_mesh(model: Model, needed: float) -> None:
     share = FITS * free / needed
     per_side = share ** (1.0 / sum(n > 1 for n in (nx, ny)))
     fits = " x ".join(str(max(1, int(per_side * n))) for n in (nx, ny))
-    given = f"{nx} x {ny}, for which {_told(needed, free)}"
+    given = f"{nx} x {ny}, for which {_describe_shortage(needed, free)}"
     raise SceneError([Fault("grid.elements", given, f"here at most about {fits}")])
 
 
-def _told(needed: float, free: float) -> str:
+def _describe_shortage(needed: float, free: float) -> str:
     return f"the memory does not suffice: {needed / 2**20:.0f} MiB, and {free / 2**20:.0f} are free"

@@ -3,7 +3,7 @@
 What a table itself knows is described by `Table.describe`; `MODEL_ROWS` adds to that.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 from tractive_sam.contact import Model, choose_grid
@@ -122,17 +122,14 @@ def describe_refinement(found: Refined) -> Iterator[Row]:
 def describe_mesh(model: Model, refinement: Refined | None) -> Iterator[Row]:
     """Yield the elements, domain and element size of the mesh, and where they come from."""
     grid, hertz = model.grid, model.scene.hertz
-    sides, axes = (grid.dx, grid.dy), [k for k, n in enumerate(grid.elements) if n > 1]
-
-    def join(form: str, values: Sequence[float]) -> str:
-        return " x ".join(format(values[k], form) for k in axes)
-
+    sides, half = grid.sides, grid.half_length[: grid.directions]
     origin = "found by refinement" if refinement else _describe_origin(model)
-    yield Row("mesh", f"{join('d', grid.elements)} elements, {origin}")
-    yield Row("domain", f"+-{join('.4g', grid.half_length).replace(' x ', ' x +-')} mm")
-    yield Row("element", f"{join('.4g', sides)} mm")
+    yield Row("mesh", f"{grid.describe_size()}, {origin}")
+    yield Row("domain", f"{' x '.join(f'+-{length:.4g}' for length in half)} mm")
+    yield Row("element", f"{' x '.join(f'{side:.4g}' for side in sides)} mm")
     if hertz is not None:
-        across = join(".0f", (2 * hertz.a / grid.dx, 2 * hertz.b / grid.dy))
+        axes = zip(sides, (hertz.a, hertz.b), strict=False)
+        across = " x ".join(f"{2 * axis / side:.0f}" for side, axis in axes)
         yield Row("across the unworn contact", f"{across} elements")
 
 
@@ -145,5 +142,5 @@ def _describe_origin(model: Model) -> str:
     usual = choose_grid(scene, model.measured, model.profiles, finer=1.0)
     if (usual.dx, usual.dy) == (grid.dx, grid.dy):
         return origin
-    elements = " x ".join(str(n) for n in usual.elements if n > 1)
-    return f"{origin}, refined from {elements} to the waves of the measured gap or profile"
+    waves = "the waves of the measured gap or profile"
+    return f"{origin}, refined from {usual.describe_size()} to {waves}"

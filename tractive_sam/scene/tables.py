@@ -55,19 +55,17 @@ class Load(Table):
     def describe(self, scene: Any) -> Iterator[Row]:
         """See `Table.describe`: the load and the peak pressure, whichever of them is given."""
         hertz, unit = scene.hertz, scene.force_unit
-        value = getattr(self, self.given_key)
-        forms = {
-            "normal": f"P = {value:g} {unit}",
-            "approach": f"approach = {value:g} mm",
-            "pressure": f"p0 = {value:g} MPa by Hertz, unworn",
-        }
-        given = forms[self.given_key]
+        key, value = self.given_key, getattr(self, self.given_key)
+        name, of = {"normal": ("P", unit), "approach": ("approach", "mm")}.get(
+            key, ("p0", "MPa by Hertz, unworn")
+        )
+        text = f"{name} = {value:g} {of}"
         if hertz is None:
-            yield Row("load", given, brief=True)
+            yield Row("load", text, brief=True)
             return
-        load, peak = f"P = {hertz.load:.6g} {unit}", f"p0 = {hertz.p0:.6g} MPa by Hertz, unworn"
-        found = {"normal": peak, "approach": f"{load} and {peak}", "pressure": load}
-        yield Row("load", f"{given}: {found[self.given_key]}", brief=True)
+        found = [f"P = {hertz.load:.6g} {unit}", f"p0 = {hertz.p0:.6g} MPa by Hertz, unworn"]
+        rest = " and ".join(part for part in found if not part.startswith(f"{name} "))
+        yield Row("load", f"{text}: {rest}", brief=True)
         yield Row("unworn contact (Hertz)", hertz.describe())
 
     @property
