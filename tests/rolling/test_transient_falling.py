@@ -68,6 +68,70 @@ def test_in_the_end_it_is_steady(slip, friction):
     assert worst_balance(history) < 1e-12  # rounding
 
 
+@pytest.mark.parametrize("slip", ["auto", "upwind"])
+@pytest.mark.parametrize("friction", [FALLS, REMEMBERS])
+def test_steady_dissimilar_bodies_stay_so_and_their_work_balances(slip, friction):
+    other = ts.Scene.builtin("spheres-dissimilar").replace(subsurface=None)
+    mu, length = other.friction.mu[0], 2.0 * 1.2 * other.hertz.a
+    law = friction | {"static": mu, "kinetic": KINETIC * mu, "half_speed": 400.0}
+    courses = {"distance": [0, 2 * length / 15], DRIVE: [-5e-3] * 2, "start": "steady"}
+    mesh = {"grid": {"half_length": (length / 2,) * 2, "elements": (15, 15)}, "solver.slip": slip}
+    history = ts.roll(
+        other.replace(friction=law, transient=courses, creepage={"speed": SPEED}, **mesh)
+    )
+    assert history.status == "done"
+    assert np.abs(history["Qx"] / history["Qx"][0] - 1.0).max() < 1e-6  # a hundred tolerances
+    assert worst_balance(history) < 1e-12  # rounding
+
+
+@pytest.mark.parametrize("friction", [FALLS, REMEMBERS])
+def test_a_force_takes_the_creepage_that_has_it(friction):
+    forces = [0.0, 0.5 * MU * P]
+    rolls = {"distance": [0, 6 * dx(11)]}
+    here = scene(rolls | {"load.force_x": forces}, friction=friction)
+    forced = ts.roll(here)
+    np.testing.assert_allclose(forced["Qx"], np.linspace(*forces, 7), atol=1e-6 * MU * P)
+    model, then = Model(here), []
+    stepper = Stepper(model)
+    now = stepper.at_rest(stepper.pressed(Asked(load=P)))
+    for creepage in forced["creepage_found"][1:, 0]:
+        now = stepper.step(now, Asked(model.grid.dx, (creepage, 0.0, 0.0), P))
+        then.append(now.contact.Qx)
+    np.testing.assert_allclose(then, forced["Qx"][1:], atol=1e-6 * MU * P)
+
+
+def test_a_force_beyond_the_top_has_the_creepage_of_the_top_in_its_message():
+    tops = []
+    for parts in (1, 2):
+        rolls = {"distance": [0, 8 * dx(11)], "load.force_x": [0.0, 0.999 * MU * P]}
+        history = ts.roll(scene(rolls | {"step": dx(11) / parts}))
+        assert "transient.load.force_x" in history.message
+        tops.append(float(history.message.split("at a creepage of ")[1].split(":")[0]))
+    # Not over an element's length: tops of half as long steps are at larger creepages, not half.
+    assert 0.9 < tops[1] / tops[0] < 1.5
+
+
+def test_bodies_that_part_forget():
+    touch = SPHERES.hertz.approach
+    courses = {"distance": [0, 3, 5, 8], "load.approach": [touch, touch, -1e-3, touch]}
+    drive = {DRIVE: [-5e-3] * 4, "start": "steady"}
+    apart = scene(courses | drive, friction=REMEMBERS, **{"load.approach": touch})
+    apart = apart.replace(**{"load.normal": None})
+    history = ts.roll(apart)
+    assert history.status == "done"
+    assert history["Qx"][-1] > 0.0
+    assert (history["Qx"] == 0.0).any()
+
+
+def test_adaptive_steps_follow_even_ones():
+    courses = {"distance": [0, 8 * dx(11)], DRIVE: [0.0, -4e-3]}
+    even, adaptive = (
+        ts.roll(scene(courses | {"stepping": stepping}, friction=REMEMBERS))
+        for stepping in ("even", "adaptive")
+    )
+    assert adaptive["Qx"][-1] == pytest.approx(even["Qx"][-1], rel=1e-2)  # ten tolerances
+
+
 def dense_step(matrix, rigid, pressure, law, times):
     """Solve a step of a line contact element by element, by bisection of each slip.
 

@@ -117,10 +117,11 @@ def too_steep(steepness: float) -> str:
     Parameters
     ----------
     steepness : float
-        `solvers.uniqueness.steepness`.
+        `solvers.uniqueness.steepness`. One digit is printed: steps of a transient that hardly
+        differ have the same text.
     """
     return (
-        f"friction.law: friction falls {steepness:.2g} times as fast with sliding as an element "
+        f"friction.law: friction falls {steepness:.1g} times as fast with sliding as an element "
         "deforms by itself (in a step of a transient all of them together), so several solutions "
         "may hold, and which is found hinges on the mesh and the step; "
         'friction.start = "sliding" seeks another one. A larger friction.memory or '

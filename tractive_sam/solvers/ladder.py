@@ -155,4 +155,4 @@ def single_solution_method(solver: Solver, sliding: bool) -> Solver:
     if isinstance(solver, InSequence):
         return replace(solver, tangential=single_solution_method(solver.tangential, sliding))
     nearby = solver.rungs[0] if isinstance(solver, Ladder) else solver
-    return OneSolution(FromRest(solver, nearby, sliding))
+    return OneSolution(nearby, FromRest(solver, nearby, sliding))

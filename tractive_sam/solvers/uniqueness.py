@@ -68,31 +68,36 @@ def steepness(
 
 @dataclass(frozen=True)
 class OneSolution:
-    """Solves a step from the one before, and by the method's way where several solutions may hold.
+    """Solves a step from the one before, and without that start where several solutions may hold.
 
-    What is found then does not hinge on where the search begins.
+    So what is found does not depend on where the search begins.
 
     Attributes
     ----------
-    solver : Solver
-        Solves a problem from a start, or without one on its way.
+    nearby : Solver
+        Solves a problem from a start.
+    path : Solver
+        Solves it without one, where the first does not, or finds one of several solutions.
     """
 
-    solver: Solver
+    nearby: Solver
+    path: Solver
 
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
         """Solve a problem; see `Solver`."""
-        outcome = self.solver.solve(problem, tolerance, start)
-        if start is None or not outcome.converged:
-            return outcome
+        if start is None:
+            return self.path.solve(problem, tolerance)
+        outcome = self.nearby.solve(problem, tolerance, start)
+        if not outcome.converged:
+            return self.path.solve(problem, tolerance).costing(outcome)
         pressed = problem.normal if problem.held else outcome
         fields = pressed.pressure, pressed.gap, outcome.traction, outcome.slip
         found = steepness(problem, *fields)
         if found < 1.0:
             return replace(outcome, steepness=found)
-        return self.solver.solve(problem, tolerance).costing(outcome)
+        return self.path.solve(problem, tolerance).costing(outcome)
 
 
 def _joint_steepness(
