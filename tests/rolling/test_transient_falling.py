@@ -303,7 +303,7 @@ def test_half_as_long_steps_come_to_the_same(friction):
             ]
         )
     (constant, falling), (half_constant, half_falling) = ends
-    # Of second order in the step, as with the constant law; which differs by 2e-4.
+    # Half as long steps differ by 1.6e-3 with the constant law, by 2.1e-3 and 0.9e-3 with these.
     assert abs(half_falling - falling) < 2.0 * abs(half_constant - constant) + 1e-4
     assert abs(falling - constant) > 1e-3  # and the law matters
 
