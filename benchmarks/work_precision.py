@@ -19,7 +19,7 @@ from timing import RESULTS, process_time, seconds, show, write
 
 import tractive_sam as ts
 from tractive_sam.contact import Model, choose_grid, equilibrium
-from tractive_sam.rolling import passages
+from tractive_sam.rolling import steps
 from tractive_sam.subsurface import stress_maximum
 
 REVOLUTIONS = 1000
@@ -126,7 +126,7 @@ def rolled(scene: ts.Scene, across: int) -> tuple[float, float, float]:
     """Depth after all revolutions, applications and seconds."""
     model = Model(scene, None, choose_grid(scene, finer=across / 64))
     began, applications = process_time(), 0.0
-    for passage in passages(model):
+    for passage in steps(model):
         applications += passage.contact.cost.applications
     assert passage.revolution == REVOLUTIONS, passage.contact.message
     return float(passage.contact.wear.max()), applications, process_time() - began

@@ -221,7 +221,7 @@ def test_another_mesh_over_a_measured_gap_is_refused(tmp_path):
 
 
 def test_what_cannot_be_written_is_told_before_anything_is_solved(tmp_path, monkeypatch):
-    monkeypatch.setattr("tractive_sam.rolling.passage.fitted_blocks", None)
+    monkeypatch.setattr("tractive_sam.rolling.revolutions.fitted_blocks", None)
     with pytest.raises(ResultsError, match="is not a folder"):
         roll(coarse(), tmp_path / "none" / "a.h5")
     (tmp_path / "a.h5").write_text("something else")

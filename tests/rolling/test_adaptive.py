@@ -8,7 +8,7 @@ from scipy.integrate import trapezoid
 
 from tractive_sam.contact import Model
 from tractive_sam.results import Status
-from tractive_sam.rolling import passages
+from tractive_sam.rolling import steps
 from tractive_sam.rolling.passage import passage_at
 from tractive_sam.rolling.response import wear_response
 from tractive_sam.scene import Scene
@@ -18,7 +18,7 @@ COARSE = ("grid.half_length=[0.35, 0.8]", "grid.elements=[21, 35]", "friction.an
 
 def rolled(revolutions, *settings):
     settings = [*COARSE, f"wear.revolutions={revolutions}", *settings]
-    return list(passages(Model(Scene.builtin("twin-discs").with_set(settings))))
+    return list(steps(Model(Scene.builtin("twin-discs").with_set(settings))))
 
 
 @pytest.fixture(scope="module")
@@ -113,7 +113,7 @@ def test_goes_on_from_any_passage():
     adaptive = rolled(200, "wear.save=[0, 200]")
     model = Model(adaptive[0].contact.scene)
     middle = adaptive[len(adaptive) // 2]
-    again = list(passages(model, middle))
+    again = list(steps(model, middle))
     assert [p.revolution for p in again] == [
         p.revolution for p in adaptive if p.revolution > middle.revolution
     ]
@@ -162,7 +162,7 @@ def test_elements_that_enter_at_the_rim_do_not_show_in_every_pressure():
     """There a spike as wide as an element rises and falls; what 5 % of the load exceed does not."""
     settings = ["friction.angle=0", "grid.elements=[21, 61]", "wear.revolutions=6000"]
     model = Model(Scene.builtin("twin-discs").with_set([*settings, "wear.save=[6000]"]))
-    late = [passage for passage in passages(model) if passage.revolution > 2500]
+    late = [passage for passage in steps(model) if passage.revolution > 2500]
     course = np.log([passage.revolution for passage in late])
 
     def zigzag(name):

@@ -9,7 +9,7 @@ import pytest
 import tractive_sam as ts
 from tractive_sam.contact import Model
 from tractive_sam.results import BodyFatigue, Grid
-from tractive_sam.rolling import damage, passages
+from tractive_sam.rolling import damage, steps
 
 LIFE = ts.Woehler(cycles=1e6, exponent=6.0)
 ASKED = {"shear_yield": 300.0, "sensitivity": 0.333, "limit": 250.0, "elements": 12}
@@ -232,13 +232,13 @@ def test_a_mesh_that_grows_on_the_way_changes_nothing():
     settings = ["wear.intensity=2e-5", "wear.revolutions=200", "wear.save=[200]"]
     scene = discs(*settings).replace(grid=None)
     narrow = Grid((0.35, 0.54), (15, 15))
-    last = list(passages(Model(scene, grid=narrow)))[-1]
+    last = list(steps(Model(scene, grid=narrow)))[-1]
     wide = last.grid
     assert wide.elements[1] > narrow.elements[1]
-    wanted = list(passages(Model(scene, grid=wide)))[-1]
+    wanted = list(steps(Model(scene, grid=wide)))[-1]
     assert last.revolution == wanted.revolution
     for body in "AB":
-        here, there = (one.damage.bodies[body].now for one in (last, wanted))
+        here, there = (one.observed["damage"].bodies[body].now for one in (last, wanted))
         np.testing.assert_array_equal(here.y, there.y)
         # Jumps may differ, and each is right to the tolerance of the stepping, 1 % of the damage.
         np.testing.assert_allclose(here.damage, there.damage, atol=1e-2 * there.damage.max())
@@ -247,11 +247,11 @@ def test_a_mesh_that_grows_on_the_way_changes_nothing():
 def test_a_contact_that_leaves_the_mesh_keeps_the_damage_before(tmp_path, monkeypatch):
     def away(model, last, jump, response):
         contact = replace(last.contact, status=ts.solvers.Status.OFF_GRID)
-        far = replace(last, contacts=(contact,), revolution=last.revolution + jump, damage=None)
+        far = replace(last, contacts=(contact,), revolution=last.revolution + jump, observed={})
         return far, math.inf
 
     monkeypatch.setattr("tractive_sam.rolling.adaptive._many", away)
-    monkeypatch.setattr("tractive_sam.rolling.revolutions.GROWTHS", 0)
+    monkeypatch.setattr("tractive_sam.rolling.process.GROWTHS", 0)
     scene = discs("wear.revolutions=9", "wear.save=[0, 9]").replace(grid=None)
     for path in (None, tmp_path / "a.h5"):
         history = ts.roll(scene, path)

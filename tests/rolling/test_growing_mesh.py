@@ -8,7 +8,7 @@ import pytest
 import tractive_sam as ts
 from tractive_sam.contact import Model, mesh
 from tractive_sam.results.grid import Grid
-from tractive_sam.rolling import passages
+from tractive_sam.rolling import steps
 from tractive_sam.rolling.passage import unworn
 from tractive_sam.run.pipeline import roll
 from tractive_sam.scene import Scene, SceneError
@@ -28,7 +28,7 @@ def without_grid(scene):
 @pytest.fixture(scope="module")
 def grown():
     model = Model(without_grid(WEARING), grid=NARROW)
-    return list(passages(model, unworn(model)))
+    return list(steps(model, unworn(model)))
 
 
 def test_grows_sideways_only(grown):
@@ -44,7 +44,7 @@ def test_grows_sideways_only(grown):
 def test_growing_changes_nothing(grown):
     """The same wear as on a mesh that was wide enough from the start, to the tolerance."""
     wide = Model(without_grid(WEARING), grid=WIDE)
-    there = list(passages(wide, unworn(wide)))[-1].contact
+    there = list(steps(wide, unworn(wide)))[-1].contact
     here = grown[-1].contact
     short = (WIDE.elements[1] - here.grid.elements[1]) // 2
     there_wear = there.wear[0] if short <= 0 else there.wear[0, short:-short]
@@ -67,10 +67,10 @@ def test_hot_discs_grow_too():
         grid=None, wear={"intensity": 2e-5, "revolutions": 3, "save": (3,)}
     )
     half = 1.16 * scene.hertz.a, 1.16 * scene.hertz.b
-    last = list(passages(Model(scene, grid=Grid(half, (15, 15)))))[-1]
+    last = list(steps(Model(scene, grid=Grid(half, (15, 15)))))[-1]
     assert last.contact.converged
     assert last.contact.grid.elements[1] > 15
-    wanted = list(passages(Model(scene, grid=last.contact.grid)))[-1].contact
+    wanted = list(steps(Model(scene, grid=last.contact.grid)))[-1].contact
     # Three passes, each solved to 1e-8 of all tractions and to 1e-6 of the temperature.
     assert last.contact.wear.max() == pytest.approx(wanted.wear.max(), rel=1e-5)
 

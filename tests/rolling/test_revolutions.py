@@ -7,7 +7,7 @@ import pytest
 
 import tractive_sam as ts
 from tractive_sam.contact import Model, fitted_blocks
-from tractive_sam.rolling import passages, revolutions
+from tractive_sam.rolling import steps
 from tractive_sam.run import pipeline, recording
 from tractive_sam.scene import Scene
 
@@ -21,7 +21,7 @@ COARSE = (
 
 def rolled(*settings):
     scene = Scene.builtin("twin-discs").with_set([*COARSE, *settings])
-    return list(passages(Model(scene)))
+    return list(steps(Model(scene)))
 
 
 @pytest.fixture(scope="module")
@@ -87,7 +87,7 @@ def test_the_paper_scheme_agrees_with_the_corrected_one(slip):
 
 def test_goes_on_from_any_passage(roll):
     model = Model(roll[0].contact.scene)
-    again = list(passages(model, roll[2]))
+    again = list(steps(model, roll[2]))
     assert [p.revolution for p in again] == [3, 4]
     np.testing.assert_allclose(again[-1].contact.wear, roll[-1].contact.wear, rtol=1e-12)
 
@@ -119,8 +119,8 @@ def test_the_time_of_the_new_bodies_is_counted(monkeypatch):
         clock[0] += 100.0
         return fitted_blocks(model)
 
-    monkeypatch.setattr("tractive_sam.rolling.passage.fitted_blocks", solved)
-    for module in (pipeline, recording, revolutions):
+    monkeypatch.setattr("tractive_sam.rolling.revolutions.fitted_blocks", solved)
+    for module in (pipeline, recording):
         monkeypatch.setattr(module, "perf_counter", lambda: clock[0])
     history = ts.roll(ts.Scene.builtin("spheres").with_set(["grid.elements=[21, 21]"]))
     assert history.totals["wall_seconds"] == 100.0

@@ -11,7 +11,7 @@ import pytest
 import tractive_sam as ts
 from tests.scenes import interrupted
 from tractive_sam.contact import Asked, Model, Stepper
-from tractive_sam.run.resume import last_passage
+from tractive_sam.run.resume import last_step
 
 SPHERES = ts.Scene.builtin("spheres").replace(subsurface=None, creepage=None)
 P, MU = SPHERES.normal_load, SPHERES.friction.mu[0]
@@ -150,7 +150,7 @@ def test_it_goes_on_from_the_two_contacts_that_it_had(tmp_path):
     }
     rising = scene(transient, 15)
     history = ts.roll(rising, tmp_path / "a.h5")
-    last = last_passage(history, tmp_path / "a.h5", rising)
+    last, _ = last_step(history, tmp_path / "a.h5", rising)
     for one, row in ((last.before, -2), (last.stepped, -1)):
         for name in ("approach", "xi_x", "Qx"):
             # Forces are summed once more.

@@ -7,7 +7,7 @@ import tractive_sam as ts
 from tests.scenes import interrupted
 from tractive_sam.contact import Model
 from tractive_sam.results import Grid
-from tractive_sam.rolling import passages
+from tractive_sam.rolling import steps
 from tractive_sam.store import ResultsError
 
 SPHERES = ts.Scene.builtin("spheres").replace(subsurface=None, creepage=None)
@@ -48,10 +48,10 @@ COURSES = {
 
 @pytest.mark.parametrize("scene", COURSES.values(), ids=COURSES)
 def test_it_is_as_on_the_wide_mesh_from_the_beginning(scene):
-    found = list(passages(Model(scene, grid=narrow(scene))))
+    found = list(steps(Model(scene, grid=narrow(scene))))
     wide = found[-1].contact.grid
     assert found[0].contact.grid.elements == (N, N) < wide.elements
-    wanted = list(passages(Model(scene, grid=wide)))
+    wanted = list(steps(Model(scene, grid=wide)))
     assert len(found) == len(wanted)
     p0, deepest = scene.hertz.p0, max(wanted[-1].deepest, 1e-12)
     for now, then in zip(found, wanted, strict=True):

@@ -7,7 +7,7 @@ import tractive_sam as ts
 from tests.scenes import interrupted
 from tractive_sam.contact import Model
 from tractive_sam.results import Grid, balances
-from tractive_sam.rolling import passages
+from tractive_sam.rolling import steps
 
 HALF = 0.336
 COURSE = {
@@ -103,10 +103,10 @@ def test_a_mesh_grows_at_a_record_between_steps():
         grid=None, transient=COURSE | {"load.normal": [20.0, 20.0, 20.0, 100.0], "save": SAVES}
     )
     half = 0.8 * rising.hertz.a
-    found = list(passages(Model(rising, grid=Grid((half, half), (15, 15)))))
+    found = list(steps(Model(rising, grid=Grid((half, half), (15, 15)))))
     wide = found[-1].contact.grid
     assert wide.elements > (15, 15)
-    wanted = list(passages(Model(rising, grid=wide)))
+    wanted = list(steps(Model(rising, grid=wide)))
     assert [one.distance for one in found] == [one.distance for one in wanted]
     for now, then in zip(found, wanted, strict=True):
         assert now.friction == pytest.approx(then.friction, rel=1e-6, abs=1e-12)  # as solved

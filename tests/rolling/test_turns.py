@@ -7,7 +7,7 @@ import pytest
 
 import tractive_sam as ts
 from tractive_sam.contact import Model
-from tractive_sam.rolling import passages
+from tractive_sam.rolling import steps
 from tractive_sam.run.explain import explain
 
 STEEL = {"young": 208e3, "poisson": 0.3}
@@ -32,7 +32,7 @@ def discs(radius_A, radius_B, revolutions, hardness=(1.0, 1.0), driven="A", **we
 
 
 def rolled(scene):
-    return list(passages(Model(scene)))
+    return list(steps(Model(scene)))
 
 
 @pytest.mark.parametrize("stepping", ["adaptive", "every-revolution"])

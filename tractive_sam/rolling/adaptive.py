@@ -36,8 +36,8 @@ import numpy as np
 
 from tractive_sam.contact import Model
 from tractive_sam.rolling.control import ErrorControl, Stops
-from tractive_sam.rolling.damage import followed
-from tractive_sam.rolling.passage import Passage, ProfilePoint, credited, off_grid, passage_at
+from tractive_sam.rolling.passage import Passage, ProfilePoint, credited, passage_at
+from tractive_sam.rolling.process import Process
 from tractive_sam.rolling.response import block_responses, cycle_response
 from tractive_sam.scene import Schedule
 
@@ -51,9 +51,6 @@ to three times as large (benchmarks/wear.py)."""
 LARGEST = 0.02
 """Correction of the profile, over its depth, that no tolerance allows: from further away one Newton
 step does not lead to the profile, and longer jumps cost more contacts than they spare."""
-
-MISSED = 0.3
-"""What a jump may miss of the largest damage, by its estimate, over fatigue.tolerance."""
 
 NEW_ROWS = 4
 """Passes over the formula of rows that come into contact, which depends on when they do."""
@@ -71,7 +68,9 @@ Rows of elements come into contact at the rim one after the other, and the press
 falls with each. Long jumps meet the profile, but not the moment of that."""
 
 
-def adaptive_passages(model: Model, start: Passage, schedule: Schedule) -> Iterator[Passage]:
+def adaptive_passages(
+    process: Process[Passage], start: Passage, schedule: Schedule
+) -> Iterator[Passage]:
     """Roll from a passage to the end in jumps, meeting every revolution to be saved.
 
     Each jump costs one contact; more where rows come into contact, and where it is refused and
@@ -79,8 +78,8 @@ def adaptive_passages(model: Model, start: Passage, schedule: Schedule) -> Itera
 
     Parameters
     ----------
-    model : Model
-        The scene in numbers.
+    process : Process
+        What is rolled.
     start : Passage
         Where to go on.
     schedule : Schedule
@@ -89,12 +88,13 @@ def adaptive_passages(model: Model, start: Passage, schedule: Schedule) -> Itera
     control = Stops(ErrorControl(order=3), schedule.stops, SETTLING)
     last = start
     while last.converged and last.revolution < schedule.end:
-        last = _next_jump(model, last, control)
+        last = _next_jump(process, last, control)
         yield last
 
 
-def _next_jump(model: Model, last: Passage, control: Stops) -> Passage:
+def _next_jump(process: Process[Passage], last: Passage, control: Stops) -> Passage:
     """The longest jump towards the next stop that keeps the error within the tolerance."""
+    model = process.model
     # While the rows in contact wear down, the bodies close in on the rows beside them.
     closing = last.jump * last.gained.sum() / max(np.count_nonzero(last.gained), 1)
     responses = block_responses(model, last, closing)
@@ -109,11 +109,11 @@ def _next_jump(model: Model, last: Passage, control: Stops) -> Passage:
         solves += now.solves
         now = credited(last, now)
         if error <= 1.0 or step.length == 1:
-            now = followed(model, now, last, responses)
-            error = max(error, _error_of_damage(model, now))
-        if error <= 1.0 or step.length == 1 or (off_grid(now) and not model.scene.bounded):
-            if now.damage is None:  # the contact has left the mesh
-                now = followed(model, now, last, responses)
+            now = process.observe(replace(now, responses=responses), last)
+            error = max([error, *(one.missed(model) for one in now.observed.values())])
+        if error <= 1.0 or step.length == 1 or (now.off_grid and not model.scene.bounded):
+            if not now.observed:  # the contact has left the mesh
+                now = process.observe(now, last)
             return replace(now, solves=solves, jump=control.next(step, error))
         step = control.shorter(step, error)
 
@@ -216,13 +216,6 @@ def _error(model: Model, correction: np.ndarray, profile: np.ndarray) -> float:
     """A correction over the one that the tolerance allows."""
     allowed = min(ALLOWED * model.scene.wear.tolerance**POWER, LARGEST)
     return float(np.abs(correction).max() / max(profile.max(), 1e-300) / allowed)
-
-
-def _error_of_damage(model: Model, now: Passage) -> float:
-    """What a jump misses of the largest damage, over what the tolerance allows."""
-    if now.damage is None:
-        return 0.0
-    return now.damage.missed / (MISSED * model.scene.fatigue.tolerance)
 
 
 def _one(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple[Passage, float]:

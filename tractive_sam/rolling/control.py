@@ -16,7 +16,7 @@ a growth by 2.4."""
 
 
 @dataclass(frozen=True)
-class Step:
+class Trial:
     """A step to try.
 
     Attributes
@@ -49,12 +49,12 @@ class ErrorControl:
     order: int
     unit: float = 1
 
-    def shorter(self, step: Step, error: float) -> Step:
+    def shorter(self, step: Trial, error: float) -> Trial:
         """The next try, after one was refused for its error, over the tolerated one."""
         length = self._whole(min(step.length * self._change(error), step.length - self.unit))
-        return Step(length, length, refused=True)
+        return Trial(length, length, refused=True)
 
-    def next(self, step: Step, error: float) -> float:
+    def next(self, step: Trial, error: float) -> float:
         """The length of the next step, after one was accepted; no longer if it was refused."""
         change = self._change(error)
         return self._whole(step.length * (min(change, 1.0) if step.refused else change))
@@ -85,18 +85,18 @@ class Stops:
     stops: tuple[float, ...]
     approach: float = 1.0
 
-    def first(self, here: float, wish: float, settled: float) -> Step:
+    def first(self, here: float, wish: float, settled: float) -> Trial:
         """The first try from a place; steps up to `settled` may go right to a stop."""
         distance = self.stops[bisect_right(self.stops, here)] - here
         unit = self.control.unit
         nearer = max(unit, settled, ceil(self.approach * distance / unit) * unit)
-        return Step(min(wish, distance, nearer), wish)
+        return Trial(min(wish, distance, nearer), wish)
 
-    def shorter(self, step: Step, error: float) -> Step:
+    def shorter(self, step: Trial, error: float) -> Trial:
         """As of `ErrorControl`."""
         return self.control.shorter(step, error)
 
-    def next(self, step: Step, error: float) -> float:
+    def next(self, step: Trial, error: float) -> float:
         """As of `ErrorControl`; what was cut short for a stop goes on as wished."""
         after = self.control.next(step, error)
         return max(after, step.wish) if step.length < step.wish else after

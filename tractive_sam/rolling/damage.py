@@ -21,7 +21,7 @@ cracks start there if and only if w' is below w'_bal(y) = integral of d dz.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
@@ -29,9 +29,11 @@ import numpy as np
 
 from tractive_sam.contact import Model
 from tractive_sam.mechanics import VolumeLife, Woehler, over_depth
-from tractive_sam.results import BodyFatigue, widened
+from tractive_sam.results import BODIES, BodyFatigue, widened
 from tractive_sam.rolling.block_order import BlockOrder, block_orders
+from tractive_sam.rolling.observation import Observation
 from tractive_sam.rolling.passage import Passage
+from tractive_sam.rolling.process import StoredStep
 from tractive_sam.scene import Scene
 from tractive_sam.subsurface import cycle_depths, cycle_fatigue, semi_axes
 
@@ -55,6 +57,12 @@ NODES, WEIGHTS = (
     np.array([5, 8, 5]) / 18,
 )
 """Quadrature of Gauss on a part."""
+
+BARRED = ("utilisation", "stressed_volume")
+"""Columns whose error bars on the mesh are those of others, too."""
+
+MISSED = 0.3
+"""What a jump may miss of the largest damage, by its estimate, over fatigue.tolerance."""
 
 AT_TOP = 0.9
 """`VolumeLife.at_the_top` from which the mesh decides on the life of a volume."""
@@ -150,7 +158,7 @@ class Followed:
 
 
 @dataclass(frozen=True, eq=False)
-class Damage:
+class Damage(Observation):
     """The material of the bodies of a scene with [fatigue], after a number of revolutions.
 
     Attributes
@@ -165,9 +173,16 @@ class Damage:
     earlier: int
     bodies: Mapping[str, Followed]
 
+    name = "damage"
+
     @classmethod
-    def begun(cls, passage: Passage, model: Model) -> Self:
-        """Undamaged bodies in their first pass."""
+    def asked_by(cls, scene: Scene) -> bool:
+        """See `Observation.asked_by`."""
+        return scene.has("fatigue")
+
+    @classmethod
+    def begin(cls, passage: Passage, model: Model) -> Self:
+        """See `Observation.begin`: undamaged bodies in their first pass."""
         longest = max(passage.contacts, key=lambda one: semi_axes(one)[0])
         turns, bodies = passage.turns[0], {}
         for body, (found, used) in _cycled(passage, model, cycle_depths(longest)).items():
@@ -178,14 +193,12 @@ class Damage:
             bodies[body] = Followed(now, used, used, rate, turns.per_count[body], none)
         return cls(passage.revolution, passage.revolution, bodies)
 
-    def after(
-        self, passage: Passage, model: Model, responses: Sequence[np.ndarray] = ()
-    ) -> "Damage":
-        """The same after the passes up to a later passage, on its mesh; see `followed`."""
+    def after(self, passage: Passage, model: Model) -> "Damage":
+        """See `Observation.after`: after the passes up to a later one."""
         before = {body: _on(one, passage.grid.y) for body, one in self.bodies.items()}
         depths = next(iter(before.values())).now.depth  # those of all
         jump = passage.revolution - self.revolution, self.revolution - self.earlier
-        bodies, life, orders = {}, model.laws.life, _block_orders(passage, model, responses)
+        bodies, life, orders = {}, model.laws.life, _block_orders(passage, model)
         for body, (found, used) in _cycled(passage, model, depths).items():
             worn, rate = passage.off(body)
             rolled = found, used, worn, rate, passage.weights
@@ -193,13 +206,13 @@ class Damage:
             bodies[body] = _rolled(before[body], *rolled, jump, life, self.revolution, order)
         return Damage(passage.revolution, self.revolution, bodies)
 
-    @property
-    def missed(self) -> float:
-        """What the last jump added to the error of the damage, over the largest damage."""
-        return max(one.missed for one in self.bodies.values())
+    def missed(self, model: Model) -> float:
+        """See `Observation.missed`: what the last jump missed of the largest damage."""
+        most = max(one.missed for one in self.bodies.values())
+        return most / (MISSED * model.scene.fatigue.tolerance)
 
-    def warning(self, model: Model) -> str:
-        """Where stress is above the shakedown limit, and where the mesh decides on a life."""
+    def remark(self, model: Model) -> str:
+        """See `Observation.remark`: stress above shakedown, and lives that the mesh decides on."""
         factors = {body: one.now.shakedown_lower for body, one in self.bodies.items()}
         above = [f"{body} {factor:.2f}" for body, factor in factors.items() if factor < 1.0]
         tops = {} if model.laws.volume is None else self.at_the_top(model)
@@ -246,32 +259,35 @@ class Damage:
             )
         }
 
+    def columns(self, model: Model, recorded: Mapping[str, Any]) -> dict[str, Any]:
+        """See `Observation.columns`; error bars of jumps and mesh are put together."""
+        found = fatigue_columns(self, model)
+        bars = {name: recorded.get(f"{name}_error") for name in ("damage", *BARRED)}
+        if "damage_error" in found:
+            mesh = bars["damage"] or {}
+            found["damage_error"] = {
+                body: value + mesh.get(body, 0.0) for body, value in found["damage_error"].items()
+            }
+        if "fatigue_life" in found and bars["utilisation"] is not None:
+            found["fatigue_life_error"] = life_bars(found, bars["utilisation"], model.laws.life)
+        if "stressed_volume" in found and bars["stressed_volume"] is not None:
+            volume = volume_bars(found, bars["stressed_volume"], model.laws.volume)
+            found |= {f"{name}_error": values for name, values in volume.items()}
+        return found
+
+    def block_columns(self, block: int) -> dict[str, Any]:
+        """See `Observation.block_columns`."""
+        each = self.bodies.items()
+        return _used({body: replace(one.now, utilisation=one.used[block]) for body, one in each})
+
     @classmethod
-    def restored(
-        cls,
-        passage: Passage,
-        state: Mapping[str, np.ndarray],
-        initiation: Mapping[str, float],
-        earlier: int,
-    ) -> "Damage":
-        """As it was after a record.
-
-        Parameters
-        ----------
-        passage : Passage
-            The last one.
-        state : mapping of str to ndarray
-            As of `state`.
-        initiation : mapping of str to float
-            As of `Followed`, of each body.
-        earlier : int
-            Revolution of the record before.
-
-        Raises
-        ------
-        LookupError
-            If something is missing.
-        """
+    def restore(cls, passage: Passage, stored: StoredStep) -> "Damage":
+        """See `Observation.restore`."""
+        history, row, state = stored.history, stored.row, stored.state
+        unknown = np.full((len(history), len(BODIES)), np.nan)  # without a limit
+        initiation = history.values.get("initiation", unknown)[row]
+        begun = dict(zip(BODIES, initiation, strict=True))
+        earlier = int(history["revolution"][max(row - 1, 0)])
         scene, grid = passage.contact.scene, passage.grid
         bodies, k = {}, scene.fatigue.shear_yield_stress
         for body in scene.fatigue.bodies:
@@ -292,27 +308,9 @@ class Damage:
                 rate,
                 passage.turns[0].per_count[body],
                 error,
-                float(initiation[body]),
+                float(begun[body]),
             )
         return cls(passage.revolution, earlier, bodies)
-
-
-def followed(
-    model: Model,
-    now: Passage,
-    before: Passage | None = None,
-    responses: Sequence[np.ndarray] = (),
-) -> Passage:
-    """A passage with what rolling has done to the material since the one before; see `Damage`.
-
-    If a contact was not solved, the damage is as before. The mean of a duty cycle needs the
-    `responses` of its blocks, each of shape (n_y, n_y), in 1/revolution.
-    """
-    damage = None if before is None else before.damage
-    if now.contact.scene.fatigue is None or not now.converged:
-        return replace(now, damage=damage)
-    damage = Damage.begun(now, model) if damage is None else damage.after(now, model, responses)
-    return replace(now, damage=damage)
 
 
 def _cycled(
@@ -322,16 +320,14 @@ def _cycled(
     return cycle_fatigue(passage.contacts, depths, laws)
 
 
-def _block_orders(
-    passage: Passage, model: Model, responses: Sequence[np.ndarray]
-) -> dict[str, BlockOrder]:
+def _block_orders(passage: Passage, model: Model) -> dict[str, BlockOrder]:
     """Return the order of the blocks of a cycle that is rolled as its mean, by body."""
     spectrum = model.scene.spectrum
     if spectrum is None or passage.rolled is not None:
         return {}
     rates = passage.gained_by / np.reshape(passage.weights, (-1, 1, 1))
     return dict(
-        zip("AB", block_orders(spectrum, rates, responses, passage.revolution), strict=True)
+        zip("AB", block_orders(spectrum, rates, passage.responses, passage.revolution), strict=True)
     )
 
 
@@ -585,12 +581,6 @@ def life_bars(columns: Mapping[str, Any], bars: Mapping[str, float], life: Woehl
             longer = here / low - 1.0 if low > 0.0 else math.inf
             told[body] = columns["fatigue_life"][body] * longer
     return told
-
-
-def block_columns(damage: Damage | None, block: int) -> dict[str, Any]:
-    """Those that each block of a duty cycle has of its own."""
-    bodies = {} if damage is None else damage.bodies
-    return _used({k: replace(one.now, utilisation=one.used[block]) for k, one in bodies.items()})
 
 
 def _used(cycled: Mapping[str, BodyFatigue]) -> dict[str, Any]:

@@ -7,17 +7,13 @@ enters.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tractive_sam.contact import Model, Worn, equilibrium, fitted_blocks, wear_law_in
+from tractive_sam.contact import Model, Worn, equilibrium, wear_law_in
 from tractive_sam.mechanics import Turns, WearConditions
 from tractive_sam.results import PARTS, Cost, Grid, State, Status
-from tractive_sam.rolling.transient import Moment, Transient
-
-if TYPE_CHECKING:
-    from tractive_sam.rolling.damage import Damage
+from tractive_sam.rolling.process import Step, StepRecord
 
 CORRECTIONS = 20
 
@@ -56,16 +52,16 @@ class ProfilePoint:
 
 
 @dataclass(frozen=True, eq=False)
-class Passage:
+class Passage(Step):
     """State after a revolution; all that the next one needs.
 
     Attributes
     ----------
+    contacts : tuple of State
+        The contact of each block during the last revolution; its `wear` includes what it wore
+        itself. Of a scene without [[duty]] there is one.
     revolution : int
         Revolutions rolled so far.
-    contacts : tuple of State
-        The contact of each block during the last of them; its `wear` includes what it wore itself.
-        Of a scene without [[duty]] there is one.
     solves : int
         Contacts solved since the passage before.
     jump : int
@@ -82,12 +78,11 @@ class Passage:
         Worn bodies with which the roll began; None of new ones.
     parts : ndarray, shape (blocks, 2, n_y), optional
         Depth with which A and B enter, worn by each block, mm; None where the turns tell it.
-    damage : Damage, optional
-        What rolling has done to the material by then, of a scene with [fatigue].
+    responses : sequence of ndarray, shape (n_y, n_y)
+        How the wear of each block answers the profile, 1/revolution; empty where no jump led here.
     """
 
     revolution: int
-    contacts: tuple[State, ...]
     solves: int
     jump: int = 1
     course: tuple[ProfilePoint, ...] = ()
@@ -95,7 +90,7 @@ class Passage:
     turns: tuple[Turns, ...] = ()
     began: Worn | None = None
     parts: np.ndarray | None = None
-    damage: "Damage | None" = None
+    responses: Sequence[np.ndarray] = ()
 
     def __post_init__(self) -> None:
         if not self.turns:
@@ -119,27 +114,17 @@ class Passage:
         return failed[0] if failed else self.contacts[self.rolled or 0]
 
     @property
-    def converged(self) -> bool:
-        """Whether all contacts were solved."""
-        return all(contact.converged for contact in self.contacts)
-
-    @property
     def place(self) -> int:
         """Value of the coordinate of its record."""
         return self.revolution
 
     @property
-    def continues(self) -> bool:
-        """Whether rolling continues from it, see `Moment`."""
-        return True
+    def own_state(self) -> Mapping[str, np.ndarray]:
+        """See `Step.own_state`."""
+        return {k: v for one in self.observed.values() for k, v in one.state.items()}
 
-    @property
-    def beside(self) -> Mapping[str, np.ndarray]:
-        """What rolling goes on from beside the fields of the contact: the damage."""
-        return {} if self.damage is None else self.damage.state
-
-    def told(self, block: int | None = None) -> tuple[State, dict[str, Any], bool]:
-        """The contact to record, the columns that only stepping knows, and whether it is kept."""
+    def record(self, block: int | None = None) -> StepRecord:
+        """See `Step.record`."""
         contact = self.contact if block is None else self.contacts[block]
         contact = replace(contact, revolution=self.revolution)
         # The adaptive stepping has corrected the profile with which the material enters.
@@ -162,7 +147,7 @@ class Passage:
         }
         if self.parts is not None:
             given[PARTS.name] = self.parts
-        return contact, given, True
+        return StepRecord(contact, given)
 
     def on(self, grid: Grid) -> "Passage":
         """The same on a wider mesh of the same elements."""
@@ -180,11 +165,6 @@ class Passage:
         )
         parts = _wider(self.parts, more, "constant")
         return replace(self, contacts=contacts, course=course, turns=turns, parts=parts)
-
-    @property
-    def grid(self) -> Grid:
-        """The mesh of all blocks."""
-        return self.contacts[0].grid.shifted(0.0)
 
     @property
     def entering(self) -> np.ndarray:
@@ -303,26 +283,13 @@ def unworn(model: Model) -> Passage:
     return begun(model, tuple(equilibrium(one, one.worn_before) for one in model.blocks))
 
 
-def first_passage(model: Model) -> tuple[Model, Passage | Moment]:
-    """Revolution zero on a mesh that holds the contacts, and the model on that mesh.
-
-    Of a [transient] it is the first knot.
-    """
-    if model.scene.transient is not None:
-        return model, Transient(model).start()
-    model, contacts = fitted_blocks(model)
-    return model, begun(model, contacts)
-
-
 def begun(model: Model, contacts: tuple[State, ...]) -> Passage:
     """Revolution zero, of solved contacts."""
-    return Passage(0, contacts, len(contacts), **_of_model(model, contacts))
+    return Passage(contacts, 0, len(contacts), **_of_model(model, contacts))
 
 
-def resumed(model: Model, last: Passage | Moment) -> Passage | Moment:
-    """A passage that was stored, with what its model tells of it."""
-    if isinstance(last, Moment):
-        return replace(last, began=model.began)
+def adopted(model: Model, last: Passage) -> Passage:
+    """Return a passage that was stored, with what its model knows of it."""
     known = _of_model(model, last.contacts, last.rolled)
     return replace(last, **known | {"parts": last.parts if "parts" in known else None})
 
@@ -412,7 +379,7 @@ def passage_at(
             contacts[k], taken = _pass(block, revolution, entering, contacts[k], tolerance, grown)
             solves += taken
     of_model = _of_model(model, tuple(contacts), rolled)
-    return Passage(revolution, tuple(contacts), solves, **of_model)
+    return Passage(tuple(contacts), revolution, solves, **of_model)
 
 
 def _pass(
@@ -463,11 +430,6 @@ def _pass(
             f"wear.{_given_key(model)} or the creepage",
         )
     return replace(contact, cost=cost), solves
-
-
-def off_grid(passage: Passage) -> bool:
-    """Whether a contact has reached the edge of the mesh."""
-    return passage.contact.status is Status.OFF_GRID
 
 
 def _given_key(model: Model) -> str:

@@ -1,199 +1,181 @@
-"""Rolling: the sequence of revolutions, one record each."""
+"""Rolling through revolutions, under one load or through the blocks of a duty cycle."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import replace
-from functools import partial
-from time import perf_counter
-from typing import Any, Protocol
 
 import numpy as np
 
-from tractive_sam.contact import Gap, Laws, Model, across, grown, with_heat
+from tractive_sam.contact import fitted_blocks, with_heat
 from tractive_sam.results import (
     PARTS,
     ROLLED,
     SHARE,
-    Maximum,
-    Quantity,
+    Cost,
     Record,
     State,
     cycle_record,
-    stress_columns,
+    fields,
 )
 from tractive_sam.rolling.adaptive import adaptive_passages
-from tractive_sam.rolling.damage import (
-    Damage,
-    block_columns,
-    fatigue_columns,
-    followed,
-    life_bars,
-    volume_bars,
-)
-from tractive_sam.rolling.passage import Passage, next_passage, off_grid, unworn
-from tractive_sam.rolling.transient import Moment, Transient
-from tractive_sam.scene import Schedule, Spectrum
-from tractive_sam.subsurface import stress_maxima, stress_on_planes
+from tractive_sam.rolling.damage import Damage
+from tractive_sam.rolling.passage import Passage, ProfilePoint, adopted, begun, next_passage, unworn
+from tractive_sam.rolling.process import Process, Recorder, StoredStep
+from tractive_sam.scene import Scene, Spectrum, label
 
-GROWTHS = 16
-"""Most enlargements of a mesh: to 35 times its width."""
+GROWING = 14
+"""Jumps of adaptive stepping while the revolutions rolled grow e-fold (benchmarks/wear.py)."""
 
 
-def passages(model: Model, start: Passage | Moment | None = None) -> Iterator[Passage | Moment]:
-    """Roll a scene through its revolutions, or through the distance of its [transient].
+class Revolutions(Process[Passage]):
+    """Rolls revolution by revolution, or in adaptive jumps; without [wear] unworn bodies alone."""
 
-    A mesh that the scene leaves to us grows with the contact; passages from there on are on the
-    wider mesh. Stops after the first contact that is not solved.
+    observers = (Damage,)
 
-    Parameters
-    ----------
-    model : Model
-        The scene in numbers.
-    start : Passage, optional
-        Where to go on; by default with the unworn bodies, which are then the first one yielded.
-    """
-    begin, onward = _course(model)
-    last, growths = start, 0
-    if last is None:
-        last = begin()
-        yield last
-    while True:
-        for passage in onward(last):
-            if off_grid(passage) and not model.scene.bounded and growths < GROWTHS:
-                growths += 1
-                model = model.on(grown(model.grid, passage.contact.at_edge))
-                last = last.on(model.grid)
-                _, onward = _course(model)
-                break
-            if passage.continues:
-                last = passage
-            yield passage
-        else:
+    def begin(self) -> Passage:
+        """See `Process.begin`: revolution zero, the bodies as they are."""
+        return unworn(self.model)
+
+    def begin_fitted(self) -> tuple["Revolutions", Passage]:
+        """See `Process.begin_fitted`."""
+        model, contacts = fitted_blocks(self.model)
+        return type(self)(model), begun(model, contacts)
+
+    def advance(self, last: Passage) -> Iterator[Passage]:
+        """See `Process.advance`."""
+        schedule, blocks = self.model.scene.schedule, self.model.blocks
+        last = replace(last, contacts=tuple(map(with_heat, blocks, last.contacts)))
+        if schedule.adaptive:
+            yield from adaptive_passages(self, last, schedule)
             return
+        while last.converged and last.revolution < schedule.end:
+            last = self.observe(next_passage(self.model, last), last)
+            yield last
+
+    @classmethod
+    def expected_records(cls, scene: Scene, dx: float) -> int:
+        """See `Process.expected_records`."""
+        end = int(scene.schedule.end)
+        if not scene.schedule.adaptive:
+            return 1 + end
+        # Jumps grow in proportion to the revolutions rolled, and little with a loose tolerance.
+        jumps = GROWING * max(1.0, (1e-3 / scene.wear.tolerance) ** 0.3) * np.log1p(end)
+        return 1 + min(end, int(jumps))
+
+    @classmethod
+    def restore(cls, scene: Scene, stored: StoredStep) -> Passage:
+        """See `Process.restore`."""
+        history, row = stored.history, stored.row
+        stored.require(_FINITE)
+        course = tuple(
+            ProfilePoint(
+                int(history["revolution"][k]),
+                history["entering_profile"][k],
+                history["wear_per_revolution"][k],
+            )
+            for k in (row - 1, row)
+            if k > 0  # unworn bodies have no course
+        )
+        if not all(
+            np.isfinite(one.profile).all() and np.isfinite(one.rate).all() for one in course
+        ):
+            raise LookupError("entering_profile, wear_per_revolution")
+        jump = history["jump"][row]
+        if not jump >= 1.0:  # "not" rather than "<": nan must fail, too
+            raise LookupError("jump")
+        contacts = cls._restore_contacts(scene, stored)
+        known = cls._restore_blocks(scene, stored, len(contacts))
+        return Passage(contacts, int(history["revolution"][row]), 0, int(jump), course, **known)
+
+    @classmethod
+    def _restore_contacts(cls, scene: Scene, stored: StoredStep) -> tuple[State, ...]:
+        contact = stored.history.contact(stored.row, stored.state)
+        return (replace(contact, scene=scene, cost=Cost()),)
+
+    @classmethod
+    def _restore_blocks(cls, scene: Scene, stored: StoredStep, blocks: int) -> dict:
+        """Return what is known of each block: the wear by it, and its weight."""
+        history = stored.history
+        parts = history[PARTS.name][stored.row] if PARTS.name in history.columns else None
+        return {"parts": parts, "weights": (1.0,) * blocks}
+
+    def adopt(self, step: Passage, stored: StoredStep) -> Passage:
+        """See `Process.adopt`."""
+        last = adopted(self.model, step)
+        kinds = (kind for kind in self.observers if kind.asked_by(self.model.scene))
+        return replace(last, observed={kind.name: kind.restore(last, stored) for kind in kinds})
 
 
-def _course(model: Model) -> tuple[Callable[[], Any], Callable[[Any], Iterator[Any]]]:
-    """What begins a roll on a mesh, and what goes on to its end or to an unsolved contact."""
-    if model.scene.transient is not None:
-        transient = Transient(model)
-        return transient.start, transient.moments
-    return partial(_unworn, model), partial(_revolutions, model)
+_FINITE = ("approach", "Qx", "Qy", "Mz", "xi_x", "xi_y", "spin", "work_supplied", "residual")
 
 
-def _unworn(model: Model) -> Passage:
-    return followed(model, unworn(model))
+class DutyCycle(Revolutions):
+    """Rolls through the blocks of a scene with [[duty]]."""
 
+    @property
+    def spectrum(self) -> Spectrum:
+        """The different blocks."""
+        return self.model.scene.spectrum
 
-def _revolutions(model: Model, last: Passage) -> Iterator[Passage]:
-    schedule = model.scene.schedule
-    last = replace(last, contacts=tuple(map(with_heat, model.blocks, last.contacts)))
-    steps = adaptive_passages if schedule.adaptive else every_passage
-    yield from steps(model, last, schedule)
+    def state(self, step: Passage) -> dict[str, np.ndarray]:
+        """See `Process.state`: of each block in order."""
+        each = [fields(step.contacts[k]) for k in self.spectrum.places]
+        stacked = {name: np.stack([one[name] for one in each]) for name in each[0]}
+        return stacked | dict(step.own_state)
 
+    def record(self, step: Passage, recorder: Recorder) -> Record:
+        """See `Process.record`: put together of the records of the blocks (`results.cycle`)."""
+        spectrum = self.spectrum
+        observed = list(step.observed.values()) if step.converged else []
+        records = []
+        for k in range(len(self.model.blocks)):
+            one = self._record_contact(step, step.record(k), recorder, k)
+            own = {name: v for seen in observed for name, v in seen.block_columns(k).items()}
+            records.append(replace(one, values={**one.values, **own}))
+        values = step.record().values
+        for seen in observed:
+            found = seen.columns(self.model, {})
+            values |= {name: found[name] for name in found if name not in seen.block_columns(0)}
+        del values["wear_max"]
+        lost = np.stack((step.lost, step.lost + step.gained_by))[:, list(spectrum.places)]
+        lost *= _share_of_alike(spectrum)
+        values[PARTS.name] = lost[0]
+        sections = lost[1].sum(axis=(1, 2))
+        values[SHARE.name] = sections / (sections.sum() or 1.0)
+        values[ROLLED.name] = -1 if step.rolled is None else step.rolled
+        each = [records[k] for k in spectrum.places]
+        own = (*recorder.columns, *self.columns, PARTS, ROLLED, SHARE)
+        put = cycle_record(each, spectrum.each, values, self.model.scene, own)
+        return replace(put, cycles=self._observed_fields(step) if put.fields else ())
 
-def every_passage(model: Model, start: Passage, schedule: Schedule) -> Iterator[Passage]:
-    """Roll one revolution after another to the end, the paper's way."""
-    last = start
-    while last.converged and last.revolution < schedule.end:
-        last = followed(model, next_passage(model, last), last)
-        yield last
+    @classmethod
+    def _restore_contacts(cls, scene: Scene, stored: StoredStep) -> tuple[State, ...]:
+        spectrum, history = scene.spectrum, stored.history
+        first = [spectrum.places.index(k) for k in range(len(spectrum.scenes))]
+        of_blocks = {k: {name: field[k] for name, field in stored.state.items()} for k in first}
+        return tuple(
+            replace(history.block(k).contact(stored.row, of_blocks[k]), scene=one, cost=Cost())
+            for k, one in zip(first, spectrum.scenes, strict=True)
+        )
 
+    @classmethod
+    def _restore_blocks(cls, scene: Scene, stored: StoredStep, blocks: int) -> dict:
+        """See `Revolutions._restore_blocks`; blocks that are alike are one."""
+        parts, spectrum = stored.history[PARTS.name][stored.row], scene.spectrum
+        together = np.zeros((blocks, *parts.shape[1:]))
+        np.add.at(together, list(spectrum.places), parts)
+        known = {"parts": together, "weights": (1.0,) * blocks}
+        rolled = int(stored.history[ROLLED.name][stored.row])
+        if rolled >= 0:
+            known["weights"] = tuple(float(k == rolled) for k in range(blocks))
+        return known
 
-class ErrorEstimator(Protocol):
-    """Gives passages their error bars."""
-
-    missed: str
-    """Which of them was last too wide, and what to do; or empty."""
-
-    def __call__(
-        self, passage: Passage, maxima: Mapping[str, Maximum], block: int = 0
-    ) -> Mapping[str, Any]:
-        """The error bars of `State`, given the largest stresses in the bodies of a block."""
-
-
-def recorded(
-    passage: Passage | Moment,
-    model: Model,
-    began: float,
-    estimator: ErrorEstimator | None = None,
-    own: Iterable[Quantity] = (),
-    measured: Gap | None = None,
-) -> Record:
-    """The record of a passage.
-
-    With its fields, and the stress on the planes of the scene, where the scene saves them or the
-    roll ends; the largest stress of each body goes with every record of a scene with [subsurface].
-    Of a duty cycle that of each block, put together (`results.cycle`).
-
-    Parameters
-    ----------
-    passage : Passage or Moment
-        What was rolled.
-    model : Model
-        What it was rolled with, and what its stress is judged by.
-    began : float
-        When work on it began, as by `time.perf_counter`.
-    estimator : ErrorEstimator, optional
-        Where its error bars come from; by default they are those of the contact.
-    own : iterable of Quantity
-        Columns beside the package's.
-    measured : Gap, optional
-        The measured separation of the scene.
-    """
-    spectrum, damage = model.scene.spectrum, _damage(passage)
-    of_material, kept = _of_material(passage, model), ()
-    if isinstance(passage, Passage) and passage.damage is not None:
-        kept = passage.damage.fields  # of a contact that was not solved, as before
-    if spectrum is None:
-        record = _of_contact(passage, passage.told(), model.laws, estimator, own, measured)
-        if not record.fields:
-            kept = ()
-        known = {k: v for k, v in of_material.items() if k in record.columns}
-        if "damage_error" in known:  # that of the jumps, and that of the mesh
-            mesh = record.values["damage_error"]
-            known["damage_error"] = {
-                k: v + mesh.get(k, 0.0) for k, v in known["damage_error"].items()
-            }
-        if "fatigue_life" in known and "fatigue_life_error" in record.columns:
-            bars = record.values["utilisation_error"]
-            known["fatigue_life_error"] = life_bars(known, bars, model.laws.life)
-        if "stressed_volume" in known and "stressed_volume_error" in record.columns:
-            mesh = record.values["stressed_volume_error"]
-            for name, bars in volume_bars(of_material, mesh, model.laws.volume).items():
-                if f"{name}_error" in record.columns:
-                    known[f"{name}_error"] = bars
-        values = {**record.values, **known, "seconds": perf_counter() - began}
-        return replace(record, values=values, cycles=kept)
-    records = [
-        _of_contact(passage, passage.told(k), one.laws, estimator, own, measured, k)
-        for k, one in enumerate(model.blocks)
-    ]
-    records = [
-        replace(one, values={**one.values, **block_columns(damage, k)})
-        for k, one in enumerate(records)
-    ]
-    _, stepped, _ = passage.told()
-    stepped |= {k: v for k, v in of_material.items() if not k.startswith("utilisation")}
-    del stepped["wear_max"]
-    lost = np.stack((passage.lost, passage.lost + passage.gained_by))[:, list(spectrum.places)]
-    lost *= _share_of_alike(spectrum)
-    stepped[PARTS.name] = lost[0]
-    sections = lost[1].sum(axis=(1, 2))
-    stepped[SHARE.name] = sections / (sections.sum() or 1.0)
-    stepped[ROLLED.name] = -1 if passage.rolled is None else passage.rolled
-    stepped["seconds"] = perf_counter() - began
-    each = [records[k] for k in spectrum.places]
-    put = cycle_record(each, spectrum.each, stepped, model.scene, (*own, PARTS, ROLLED, SHARE))
-    return replace(put, cycles=kept if put.fields else ())
-
-
-def _damage(passage: Passage | Moment) -> Damage | None:
-    """What rolling has done to the material, where it is known with its contact."""
-    return passage.damage if isinstance(passage, Passage) and passage.converged else None
-
-
-def _of_material(passage: Passage | Moment, model: Model) -> dict[str, Any]:
-    damage = _damage(passage)
-    return {} if damage is None else fatigue_columns(damage, model)
+    def _place_of(self, step: Passage) -> str:
+        """With the block whose contact was not solved."""
+        place = super()._place_of(step)
+        if step.converged or len(step.contacts) == 1:
+            return place
+        block = self.spectrum.places.index(step.contacts.index(step.contact))
+        return f"{place}{label(self.model.scene, block)}: "
 
 
 def _share_of_alike(spectrum: Spectrum) -> np.ndarray:
@@ -201,29 +183,3 @@ def _share_of_alike(spectrum: Spectrum) -> np.ndarray:
     each = zip(spectrum.each, spectrum.places, strict=True)
     share = [n / spectrum.revolutions[k] for n, k in each]
     return np.reshape(share, (-1, 1, 1))
-
-
-def _of_contact(
-    passage: Passage | Moment,
-    told: tuple[State, dict[str, Any], bool],
-    laws: Laws,
-    estimator: ErrorEstimator | None,
-    own: Iterable[Quantity],
-    measured: Gap | None,
-    block: int = 0,
-) -> Record:
-    """The record of one contact, that of a block in a duty cycle."""
-    contact, given, last = told
-    keep = (last and passage.place in contact.scene.schedule) or not passage.converged
-    maxima = stress_maxima(contact, laws)
-    stress = stress_on_planes(contact, laws=laws) if keep and maxima else ()
-    if estimator is not None:
-        contact = replace(contact, error_bars=estimator(passage, maxima, block))
-    if measured is not None:
-        given["measured_profile"] = across(measured, contact.grid)
-    if PARTS.name in given:
-        own = (*own, PARTS)
-    stresses = stress_columns(laws.criterion)
-    for one, found in zip(stresses, ("value", "interior", "surface", "at"), strict=False):
-        given[one.name] = {body: getattr(largest, found) for body, largest in maxima.items()}
-    return Record.of(contact, given, own=(*own, *stresses), with_fields=keep, stress=stress)

@@ -19,10 +19,20 @@ from typing import Any
 
 import numpy as np
 
-from tractive_sam.contact import Asked, Model, Stepped, Stepper, Worn, equilibrium, travelled
-from tractive_sam.results import BODIES, Grid, State
-from tractive_sam.rolling.control import ErrorControl, Step, Stops
-from tractive_sam.scene import Scene
+from tractive_sam.contact import (
+    Asked,
+    Model,
+    Stepped,
+    Stepper,
+    Worn,
+    equilibrium,
+    not_resolved,
+    travelled,
+)
+from tractive_sam.results import BODIES, Cost, Grid, State, Status
+from tractive_sam.rolling.control import ErrorControl, Stops, Trial
+from tractive_sam.rolling.process import Process, Step, StepRecord, StoredStep
+from tractive_sam.scene import FewestElements, Scene
 
 PARTS = 10
 """Steps of a stretch of shifts, by default."""
@@ -35,7 +45,7 @@ CLOSE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Moment:
+class Moment(Step):
     """A contact on the way, and all that the next step needs.
 
     Attributes
@@ -67,10 +77,9 @@ class Moment:
         Worn bodies with which it began; None of new ones.
     earlier : Stepped, optional
         The contact of the record before, if that lies between two steps.
-    continues : bool
-        Whether rolling continues from it; not if it lies between two steps itself.
     """
 
+    contacts: tuple[State, ...] = field(init=False)
     distance: float
     stretch: int
     stepped: Stepped
@@ -84,17 +93,9 @@ class Moment:
     deepest: float = 0.0
     began: Worn | None = None
     earlier: Stepped | None = None
-    continues: bool = True
 
-    @property
-    def contact(self) -> State:
-        """The contact."""
-        return self.stepped.contact
-
-    @property
-    def contacts(self) -> tuple[State, ...]:
-        """The same, as of a `Passage`."""
-        return (self.contact,)
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "contacts", (self.stepped.contact,))
 
     @property
     def place(self) -> float:
@@ -107,8 +108,8 @@ class Moment:
         return replace(self, stepped=self.stepped.on(grid), before=before)
 
     @property
-    def beside(self) -> Mapping[str, np.ndarray]:
-        """Fields that rolling goes on from beside those of the contact."""
+    def own_state(self) -> Mapping[str, np.ndarray]:
+        """See `Step.own_state`."""
         before = self.contact if self.before is None else self.before.contact
         traction = before.traction
         found = {
@@ -120,13 +121,8 @@ class Moment:
             found |= {"worn": self.stepped.worn, "gained": self.stepped.gained}
         return found
 
-    @property
-    def converged(self) -> bool:
-        """Whether its contact was solved."""
-        return self.contact.converged
-
-    def told(self, block: int | None = None) -> tuple[State, dict[str, Any], bool]:
-        """The contact to record, the columns that only stepping knows, and whether it is kept."""
+    def record(self, block: int | None = None) -> StepRecord:
+        """See `Step.record`."""
         course, contact = Courses(self.contact.scene), self.contact
         step = self.stepped.since(self.earlier)
         way = step.distance
@@ -156,7 +152,8 @@ class Moment:
             "solves": self.solves,
             **per_distance,
         }
-        return contact, given, not course.jumps_after(self.stretch, self.distance)
+        may_store = not course.jumps_after(self.stretch, self.distance)
+        return StepRecord(contact, given, may_store)
 
     def _worn(self, rolls: bool, step: Stepped) -> dict[str, Any]:
         """Return what the step and those before have worn."""
@@ -268,32 +265,83 @@ class Courses:
 _CREEPAGES = ("creepage.longitudinal", "creepage.lateral", "creepage.spin")
 
 
-def expected_steps(scene: Scene, dx: float) -> int:
-    """Return the contacts that a [transient] takes on elements so long; of adaptive ones, about."""
-    courses, count = Courses(scene), 0
-    for stretch, (first, end) in enumerate(pairwise(courses.knots)):
-        if first == end:
-            count += courses.shifted(stretch)
-            continue
-        step = scene.transient.step or (dx if courses.rolls else (end - first) / PARTS)
-        count += ceil((end - first) / step - CLOSE)
-        saved = ((s - first) / step for s in scene.transient.save if first < s < end)
-        count += sum(abs(place - round(place)) > CLOSE for place in saved)  # between two steps
-    return count
+_STORED = ("distance", "stretch", "next_step", "approach", "xi_x", "xi_y")
 
 
-class Transient:
-    """Rolls a model through its courses.
-
-    Parameters
-    ----------
-    model : Model
-        The scene in numbers.
-    """
+class Transient(Process[Moment]):
+    """Rolls or shifts the bodies of a model through the courses of its scene."""
 
     def __init__(self, model: Model):
-        self.model, self.courses = model, Courses(model.scene)
-        self.stepper = Stepper(model)
+        super().__init__(model)
+        self.courses, self.stepper = Courses(model.scene), Stepper(model)
+
+    @classmethod
+    def expected_records(cls, scene: Scene, dx: float) -> int:
+        """See `Process.expected_records`."""
+        courses, count = Courses(scene), 1
+        for stretch, (first, end) in enumerate(pairwise(courses.knots)):
+            if first == end:
+                count += courses.shifted(stretch)
+                continue
+            step = scene.transient.step or (dx if courses.rolls else (end - first) / PARTS)
+            count += ceil((end - first) / step - CLOSE)
+            saved = ((s - first) / step for s in scene.transient.save if first < s < end)
+            count += sum(abs(place - round(place)) > CLOSE for place in saved)  # between two steps
+        return count
+
+    @classmethod
+    def restore(cls, scene: Scene, stored: StoredStep) -> Moment:
+        """See `Process.restore`."""
+        history, row, state = stored.history, stored.row, stored.state
+        found = {name: history[name] for name in _STORED}
+        contact = replace(history.contact(row, state), scene=scene, cost=Cost())
+        last, before = stored.earlier, None
+        length = found["distance"][row] - found["distance"][last]
+        if length:
+            earlier = replace(
+                contact,
+                pressure=state.get("before_pressure", contact.pressure),
+                traction=np.stack((state["before_x"], state["before_y"])),
+                approach=float(found["approach"][last]),
+                xi_x=found["xi_x"][last],
+                xi_y=found["xi_y"][last],
+            )
+            before = Stepped(earlier)
+        none, depths = np.zeros((2, *contact.grid.elements)), {}
+        worn = {"friction": float(np.nansum(history["step_friction"][: row + 1]))}
+        if "step_worn" in history.columns:
+            depths = {name: state[name] for name in ("worn", "gained")}
+            worn |= {"volumes": history["worn_volume"][row], "deepest": history["wear_max"][row]}
+        energy = float(history["elastic_energy"][row])
+        stepped = Stepped(contact, energy=energy, **{"worn": none, "gained": none} | depths)
+        shifts = np.array([history[name][row] for name in ("shift_x", "shift_y", "turn")])
+        return Moment(
+            float(found["distance"][row]),
+            int(found["stretch"][row]),
+            stepped,
+            length,
+            float(found["next_step"][row]),
+            shifts,
+            before,
+            **worn,
+        )
+
+    def adopt(self, step: Moment, stored: StoredStep) -> Moment:
+        """See `Process.adopt`."""
+        return replace(step, began=self.model.began)
+
+    def end(self, step: Moment, half_widths: np.ndarray) -> tuple[str, str]:
+        """See `Process.end`.
+
+        The bodies may touch and part in a contact of few elements, but not be so small throughout.
+        """
+        contact, grid = step.contact, step.contact.grid
+        sides = np.array((grid.dx, grid.dy))
+        few = (half_widths > 0.0) & (2.0 * half_widths < FewestElements.contact * sides)
+        if contact.converged and np.any(few):
+            across = np.ceil(2.0 * half_widths / sides)
+            return str(Status.NOT_RESOLVED), not_resolved(contact, across)
+        return super().end(step, half_widths)
 
     def _asked(
         self,
@@ -318,8 +366,8 @@ class Transient:
         """What travelling profiles add to the gap there, mm; a shift moves none."""
         return travelled(self.model, distance if self.courses.rolls else 0.0)
 
-    def start(self) -> Moment:
-        """The first knot."""
+    def begin(self) -> Moment:
+        """See `Process.begin`: the first knot."""
         model, first, at = self.model, self.courses.first(), self.courses.knots[0]
         if self.courses.table.start == "steady":
             friction = model.friction_law.weakened(self.courses.weakening(first))
@@ -349,8 +397,8 @@ class Transient:
         stepped, deepest = self.stepper.at_rest(contact), float(contact.wear.max())
         return Moment(at, -1, stepped, volumes=volumes, deepest=deepest, began=model.began)
 
-    def moments(self, last: Moment) -> Iterator[Moment]:
-        """Roll on from a moment to the end, or to a contact that is not solved."""
+    def advance(self, last: Moment) -> Iterator[Moment]:
+        """See `Process.advance`."""
         courses, separation = self.courses, self._separation(last.distance)
         last = replace(last, stepped=self.stepper.open_beside(last.stepped, separation))
         while last.contact.converged:
@@ -429,7 +477,7 @@ class Transient:
         """The step after a moment; of adaptive ones the longest that keeps its error."""
         here, stops = last.distance, control.stops
         stop = stops[bisect_left(stops, here + CLOSE * wish)]
-        step, solves = Step(min(wish, stop - here), wish), 0
+        step, solves = Trial(min(wish, stop - here), wish), 0
         while True:
             at = here + step.length
             if abs(stop - at) <= CLOSE * wish:

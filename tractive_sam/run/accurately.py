@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from tractive_sam.contact import Gap, Model
 from tractive_sam.results import History, State, Status
-from tractive_sam.rolling import Passage, begun, first_passage
+from tractive_sam.rolling import Passage, begun, process_of
 from tractive_sam.run.accuracy.assessment import missed_before
 from tractive_sam.run.accuracy.coarse_run import ErrorEstimator, choose_level, from_level
 from tractive_sam.run.accuracy.levels import Levels, with_tolerances
@@ -30,10 +30,12 @@ def rolled(run: Recording) -> History:
     each = [refined(one, run.measured, run.model_of) for one in blocks]
     unworn = max(each, key=lambda one: one.level)
     if scene.wear is None:
-        return run.begun(unworn.model, begun(unworn.model, (unworn.contact,)), missed=unworn.missed)
+        start = begun(unworn.model, (unworn.contact,))
+        return run.begun(process_of(unworn.model), start, missed=unworn.missed)
     if not all(one.contact.converged for one in each):
         grid = Levels(scene, run.measured).grid(unworn.level)
-        return run.begun(*first_passage(run.model_of(scene, run.measured, grid)))
+        process = process_of(run.model_of(scene, run.measured, grid))
+        return run.begun(*process.begin_fitted())
     return _rolled_from(run, scene, *choose_level(scene, run.measured, unworn.level, run.model_of))
 
 
@@ -42,7 +44,7 @@ def _rolled_from(run: Recording, scene: Scene, estimator: ErrorEstimator, level:
     levels = Levels(scene, run.measured)
     while True:
         model = run.model_of(scene, run.measured, levels.grid(level))
-        history = run.begun(*first_passage(model), estimator)
+        history = run.begun(*process_of(model).begin_fitted(), estimator)
         if history.status != Status.INACCURATE or not levels.allowed(level + 1):
             return history
         run, estimator, level = replace(run, overwrite=True), estimator.refined(), level + 1
@@ -62,7 +64,7 @@ def resumed(run: Recording, last: Passage, before: History) -> History:
         ) from None
     complete = scene.wear is None or last.revolution == scene.wear.revolutions
     estimator = None if complete else from_level(scene, measured, level, missed, run.model_of)
-    history = run.resumed(model, last, before, estimator, missed)
+    history = run.resumed(process_of(model), last, before, estimator, missed)
     finer = scene.wear is not None and levels.allowed(level + 1)
     if history.status != Status.INACCURATE or not finer:
         return history

@@ -9,7 +9,7 @@ import numpy as np
 from tractive_sam.contact import Model, choose_grid, rough_maps
 from tractive_sam.operators import available
 from tractive_sam.plain import text_table
-from tractive_sam.rolling import expected_steps
+from tractive_sam.rolling import process_type
 from tractive_sam.run import memory
 from tractive_sam.run.accuracy.levels import with_tolerances
 from tractive_sam.run.accuracy.steady import Refined, refined
@@ -24,13 +24,11 @@ from tractive_sam.run.model_rows import (
 from tractive_sam.scene import Row, Scene, describe_tables
 
 # Typical work at a tolerance of 1e-8, in applications with all that goes with them: of a new
-# contact on nested meshes, of a revolution, which starts from the one before, and of a jump, which
-# is solved more than once.
+# contact on nested meshes, of a revolution or a step, which starts from the one before
+# (benchmarks/transient.py), and of a jump, which is solved more than once.
 COLD_APPLICATIONS = 50
 WARM_APPLICATIONS = 40
 JUMP_APPLICATIONS = 50
-STEP_APPLICATIONS = 40  # as long as a step of a transient takes (benchmarks/transient.py)
-JUMPS = 14  # while the revolutions rolled grow e-fold
 STRESS_APPLICATIONS = 75  # as long as the largest stress of one body takes
 FATIGUE_APPLICATIONS = 4  # as long as a depth of [fatigue] takes, of one body
 PLANES = 15  # as many times as long with a critical plane
@@ -163,20 +161,10 @@ def _resolving(model: Model, seconds: float) -> Iterator[Row]:
 
 def records(scene: Scene, dx: float | None = None) -> int:
     """Records that a scene is expected to have, on elements so long."""
-    if scene.transient is not None:
-        if dx is None:
-            known = scene.bounded or scene.hertz is not None
-            dx = choose_grid(scene).dx if known else 0.1
-        return 1 + expected_steps(scene, dx)
-    wear = scene.wear
-    if wear is None:
-        return 1
-    if wear.stepping == "adaptive":
-        # Jumps grow in proportion to the revolutions rolled, and little with a loose tolerance
-        # (benchmarks/wear.py).
-        jumps = JUMPS * max(1.0, (1e-3 / wear.tolerance) ** 0.3) * np.log1p(wear.revolutions)
-        return 1 + min(wear.revolutions, int(jumps))
-    return 1 + wear.revolutions
+    if dx is None:
+        known = scene.bounded or scene.hertz is not None
+        dx = choose_grid(scene).dx if known else 0.1
+    return process_type(scene).expected_records(scene, dx)
 
 
 def applications(model: Model) -> int:
@@ -186,10 +174,7 @@ def applications(model: Model) -> int:
     if stress is not None:
         kept = len(model.scene.schedule.save)
         bodies, depths = len(stress.bodies), kept * len(stress.planes) * stress.elements
-    jumps = model.scene.wear is not None and model.scene.wear.stepping == "adaptive"
-    each = JUMP_APPLICATIONS if jumps else WARM_APPLICATIONS
-    if model.scene.transient is not None:
-        each = STEP_APPLICATIONS
+    each = JUMP_APPLICATIONS if model.scene.schedule.adaptive else WARM_APPLICATIONS
     blocks = len(model.blocks)
     contacts = blocks * (COLD_APPLICATIONS + (count - 1) * each)
     # Coarser meshes that give the error bars take together about as long as the finest.

@@ -14,7 +14,7 @@ from tractive_sam.contact import Model, check_jacobian, equilibrium, fitted, jac
 from tractive_sam.extras import importing_extra
 from tractive_sam.operators import one_blas_thread
 from tractive_sam.results import History, Quantity, State, Status, columns
-from tractive_sam.rolling import begun
+from tractive_sam.rolling import begun, process_of
 from tractive_sam.run import given, memory
 from tractive_sam.run.gap_notes import warn_of_gap
 from tractive_sam.run.given import measured_gap
@@ -287,7 +287,7 @@ class InTurn:
         model, contact = nearby(chosen, self._contact)
         self._model, self._contact = chosen, contact if contact.converged else None
         run = Recording(scene, chosen.measured, Model, None, False, None, (), began)
-        return run.begun(model, begun(model, (contact,)))
+        return run.begun(process_of(model), begun(model, (contact,)))
 
     def _model_of(self, scene: Scene) -> Model:
         if self._model is not None:

@@ -15,13 +15,13 @@ from numpy.typing import ArrayLike
 from tractive_sam.contact import Laws, check_jacobian, equilibrium, fitted, jacobian_of
 from tractive_sam.operators import one_blas_thread
 from tractive_sam.results import History, NotConverged, Quantity, Record, State
-from tractive_sam.rolling import first_passage, resumed
+from tractive_sam.rolling import process_of
 from tractive_sam.run import accurately, given, memory
 from tractive_sam.run.gap_notes import warn_of_gap
 from tractive_sam.run.given import measured_gap
 from tractive_sam.run.progress import progress_shown, solving_shown
 from tractive_sam.run.recording import Recording
-from tractive_sam.run.resume import check_measured, last_passage
+from tractive_sam.run.resume import check_measured, damaged, last_step
 from tractive_sam.run.start import started_as, told_of, worn_bodies
 from tractive_sam.scene import PlausibilityWarning, Scene, pressure_notes, warn
 from tractive_sam.solvers import Solver
@@ -221,18 +221,21 @@ def roll(
         if before is not None and len(before):
             worn, started = started_as(before, path, started), before.started
         model_of, gap = given.model_of(laws, solver, worn), measured_gap(scene)
-        last = None if before is None else last_passage(before, path, scene, laws, own, gap)
-        datum = "vertex" if last is None or before is None else before.datum
+        found = None if before is None else last_step(before, path, scene, laws, own, gap)
+        last = None if found is None else found[0]
+        datum = "vertex" if found is None or before is None else before.datum
         model_of = partial(model_of, profiles=given.travelling(scene), datum=datum)
         run = Recording(scene, gap, model_of, path, replaced, called, own, began, started)
-        grid = None if last is None else last.contact.grid.shifted(0.0)
+        grid = None if last is None else last.grid
         model = model_of(scene, run.measured, grid)
         memory.check_roll(model, in_memory=path is None)
-        if last is None or before is None:
-            accurate = scene.accuracy is not None
-            return accurately.rolled(run) if accurate else run.begun(*first_passage(model))
+        process = process_of(model)
+        if found is None or before is None:
+            accurate = scene.has("accuracy")
+            return accurately.rolled(run) if accurate else run.begun(*process.begin_fitted())
         check_measured(before, path, given.hash_of(model))
-        last = resumed(model, last)
-        if scene.accuracy is not None:
+        with damaged(path, found[1].row):
+            last = process.adopt(*found)
+        if scene.has("accuracy"):
             return accurately.resumed(run, last, before)
-        return run.resumed(model, last, before)
+        return run.resumed(process, last, before)

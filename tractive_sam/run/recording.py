@@ -11,7 +11,7 @@ from typing import Self
 import numpy as np
 
 from tractive_sam import interrupt
-from tractive_sam.contact import Gap, Model, not_resolved
+from tractive_sam.contact import Gap, Model
 from tractive_sam.results import (
     Grid,
     History,
@@ -20,13 +20,11 @@ from tractive_sam.results import (
     Record,
     Status,
     caveats,
-    fields,
 )
-from tractive_sam.rolling import ErrorEstimator, Passage, followed, passages, recorded
+from tractive_sam.rolling import ErrorEstimator, Process, Recorder, Step
 from tractive_sam.run.gap_notes import warn_of_gap
 from tractive_sam.run.given import hash_of
-from tractive_sam.run.resume import last_damage
-from tractive_sam.scene import FewestElements, PlausibilityWarning, Scene, warn
+from tractive_sam.scene import PlausibilityWarning, Scene, warn
 from tractive_sam.store import HistoryWriter, open_history
 
 
@@ -68,12 +66,13 @@ class Recording:
 
     def begun(
         self,
-        model: Model,
-        start: Passage,
+        process: Process,
+        start: Step,
         estimator: ErrorEstimator | None = None,
         missed: str = "",
     ) -> History:
-        """Roll from the unworn bodies on; `missed` tells what is wrong with their accuracy."""
+        """Roll from the first step on; `missed` tells what is wrong with their accuracy."""
+        model = process.model
         laws = model.laws.differences_from(model.scene)
         warn_of_gap(model)
         _warn_beyond_tests(model, start)
@@ -81,50 +80,50 @@ class Recording:
         if self.path is not None:
             about = {"laws": laws, "started": self.started, "measured": hash_of(model)}
             keeper = HistoryWriter(self.path, self.scene, model.grid, self.overwrite, **about)
-        if isinstance(start, Passage):
-            start = followed(model, start)
-        return self._kept(keeper, model, start, (start,), estimator, missed)
+        start = process.observe(start)
+        return self._kept(keeper, process, start, (start,), estimator, missed)
 
     def resumed(
         self,
-        model: Model,
-        last: Passage,
+        process: Process,
+        last: Step,
         before: History,
         estimator: ErrorEstimator | None = None,
         missed: str = "",
     ) -> History:
         """Roll on from the last record of a file that holds `before`; arguments as of `begun`."""
-        warn_of_gap(model)
+        warn_of_gap(process.model)
         keeper = HistoryWriter.reopen(self.path, self.scene, len(before))
-        if isinstance(last, Passage):
-            last = replace(last, damage=last_damage(self.path, last))
         widest = np.nanmax([before[name] for name in _HALF_WIDTHS], axis=1, initial=0.0)
-        return self._kept(keeper, model, last, (), estimator, missed, widest)
+        return self._kept(keeper, process, last, (), estimator, missed, widest)
 
     def _kept(
         self,
         keeper: "HistoryWriter | _InMemory",
-        model: Model,
-        start: Passage,
-        first: Iterable[Passage],
+        process: Process,
+        start: Step,
+        first: Iterable[Step],
         estimator: ErrorEstimator | None,
         missed: str,
-        widest: np.ndarray | float = 0.0,
+        widest: np.ndarray | tuple[float, float] = (0.0, 0.0),
     ) -> History:
-        passage, began = start, self.began
+        step, began = start, self.began
+        recorder = Recorder(estimator, self.columns, self.measured)
         with keeper:
-            for passage in chain(first, passages(model, start)):
-                told = recorded(passage, model, began, estimator, self.columns, self.measured)
+            for step in chain(first, process.steps(start)):
+                told = process.record(step, recorder)
+                told = replace(told, values={**told.values, "seconds": perf_counter() - began})
                 began = perf_counter()
-                grid = passage.contact.grid.shifted(0.0)
-                state = _state(passage, self.scene) if passage.continues else None
-                keeper.append(told, grid, state)
+                state = process.state(step) if step.continues else None
+                keeper.append(told, step.grid, state)
                 widest = np.fmax(widest, [told.values[name] for name in _HALF_WIDTHS])
                 if self.progress is not None:
                     self.progress(told)
                 interrupt.heed()
             missed = missed if estimator is None else estimator.missed
-            status, message = _ended(passage, model, missed, widest)
+            status, message = process.end(step, np.asarray(widest))
+            if step.converged and missed:
+                status, message = str(Status.INACCURATE), missed
             keeper.finish(status, message)
         history = keeper.history if self.path is None else open_history(self.path)
         if note := caveats(history).get("p_max"):
@@ -132,15 +131,7 @@ class Recording:
         return history
 
 
-def _state(passage: Passage, scene: Scene) -> dict[str, np.ndarray]:
-    """All that rolling goes on from: the fields of its contact, or of each block."""
-    if scene.spectrum is None:
-        return fields(passage.contact) | passage.beside
-    each = [fields(passage.contacts[k]) for k in scene.spectrum.places]
-    return {name: np.stack([one[name] for one in each]) for name in each[0]} | passage.beside
-
-
-def _warn_beyond_tests(model: Model, start: Passage) -> None:
+def _warn_beyond_tests(model: Model, start: Step) -> None:
     """Note what of the first contacts the coefficients of wear were not measured for."""
     for k, (block, contact) in enumerate(zip(model.blocks, start.contacts, strict=True)):
         if block.wear_law is not None and contact.converged:
@@ -175,29 +166,3 @@ class _InMemory:
 
 
 _HALF_WIDTHS = ("half_width_x", "half_width_y")
-
-
-def _ended(
-    passage: Passage, model: Model, missed: str, widest: np.ndarray | float
-) -> tuple[str, str]:
-    """Status and message of a history that ends with this passage.
-
-    `widest` are the largest half widths of all records, mm. A [transient] may begin and end with a
-    contact of few elements, where the bodies touch and part, but not be so small throughout.
-    """
-    contact = passage.contact
-    if contact.converged and contact.scene.transient is not None:
-        sides = np.array((contact.grid.dx, contact.grid.dy))
-        few = (widest > 0.0) & (2.0 * widest < FewestElements.contact * sides)
-        if np.any(few):
-            across = np.ceil(2.0 * np.asarray(widest) / sides)
-            return str(Status.NOT_RESOLVED), not_resolved(contact, across)
-    if contact.converged and missed:
-        return str(Status.INACCURATE), missed
-    message = contact.message
-    if isinstance(passage, Passage) and len(passage.contacts) > 1 and not contact.converged:
-        message = f"{contact.scene.title.split(', ')[-1]}: {message}"
-    message = contact.scene.schedule.describe_place(passage.place) + message
-    if isinstance(passage, Passage) and passage.damage is not None:
-        message += passage.damage.warning(model)
-    return "done" if contact.converged else str(contact.status), message

@@ -1,28 +1,17 @@
 """Where a results file ends, and how to go on from there."""
 
-from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from os import PathLike
 from typing import Any
 
 import numpy as np
 
-from tractive_sam.contact import Gap, Laws, Stepped, as_asked, choose_grid, reaching
-from tractive_sam.results import (
-    BODIES,
-    PARTS,
-    ROLLED,
-    UNNAMED,
-    Cost,
-    History,
-    LawRecord,
-    Quantity,
-    State,
-    describe_laws,
-)
-from tractive_sam.rolling import Damage, Moment, Passage, ProfilePoint
+from tractive_sam.contact import Gap, Laws, as_asked, choose_grid, reaching
+from tractive_sam.results import UNNAMED, History, LawRecord, Quantity, describe_laws
+from tractive_sam.rolling import Step, StoredStep, continuing_rows, process_type
 from tractive_sam.scene import Scene
-from tractive_sam.store import DamagedError, ResultsError, open_history, state_of
+from tractive_sam.store import DamagedError, ResultsError, state_of
 
 MOST_TOLD = 5
 """Differences of two scenes that are told one by one."""
@@ -44,19 +33,15 @@ FREE = (
 """Entries of a scene that may change when it is rolled on."""
 
 
-COURSE = ("entering_profile", "wear_per_revolution")
-"""Profiles of the last two records that the stepping goes on from."""
-
-
-def last_passage(
+def last_step(
     history: History,
     path: str | PathLike,
     scene: Scene,
     laws: Laws | None = None,
     columns: Iterable[Quantity] = (),
     measured: Gap | None = None,
-) -> Passage | Moment | None:
-    """The last revolution of a results file, or moment of a transient, from which to roll on.
+) -> tuple[Step, StoredStep] | None:
+    """Return the last step of a results file from which to continue, and what is stored of it.
 
     Parameters
     ----------
@@ -75,7 +60,7 @@ def last_passage(
 
     Returns
     -------
-    Passage, Moment or None
+    (Step, StoredStep) or None
         None if the file holds no record of a contact that was solved.
 
     Raises
@@ -87,138 +72,38 @@ def last_passage(
     _check_same(history, path, scene)
     _check_laws(history, path, (laws or Laws.of(scene)).differences_from(scene))
     _check_columns(history, path, columns)
-    rows = _continuing(history)
+    rows = continuing_rows(history)
     if not rows.size:
         return None
-    row = int(rows[-1])
-    if scene.transient is not None:
-        return _on_grid_of(scene, measured, _last_moment(history, path, row, scene), path)
-    revolution = int(history["revolution"][row])
-    last = 0 if scene.wear is None else scene.wear.revolutions
-    if revolution > last:
+    row, place = int(rows[-1]), history[history.coordinate.name]
+    if place[row] > scene.schedule.end:
+        along, key = history.coordinate.name, scene.schedule.end_key
         raise ResultsError(
-            f"{path} is rolled to revolution {revolution} already, wear.revolutions = {last}: "
-            "ask for more, or give the run a file of its own"
+            f"{path} is rolled to {along} {place[row]:g} already, {key} = "
+            f"{scene.schedule.end:g}: ask for more, or give the run a file of its own"
         )
-    _check_sound(history, path, row)
-    contacts = _contacts(history, row, state_of(path, row), scene)
-    course = tuple(
-        ProfilePoint(
-            int(history["revolution"][k]),
-            history["entering_profile"][k],
-            history["wear_per_revolution"][k],
-        )
-        for k in (row - 1, row)
-        if k > 0  # the unworn bodies are not worn yet: the course begins with revolution 1
-    )
-    known = {"parts": _parts(history, row, scene), "weights": (1.0,) * len(contacts)}
-    if scene.spectrum is not None and history[ROLLED.name][row] >= 0:
-        rolled = int(history[ROLLED.name][row])
-        known["weights"] = tuple(float(k == rolled) for k in range(len(contacts)))
-    passage = Passage(revolution, contacts, 0, int(history["jump"][row]), course, **known)
-    return _on_grid_of(scene, measured, passage, path)
+    stored = StoredStep(history, row, state_of(path, row))
+    with damaged(path, row):
+        step = process_type(scene).restore(scene, stored)
+    return _on_grid_of(scene, measured, step, path), stored
 
 
-def _continuing(history: History) -> np.ndarray:
-    """Return the rows of the records from which rolling can continue, shape (n,)."""
-    continues = history["converged"] > 0.0
-    if "next_step" in history.columns:  # a record between two steps has none
-        continues = continues & np.isfinite(history["next_step"])
-    return np.flatnonzero(continues)
-
-
-def _last_moment(history: History, path: str | PathLike, row: int, scene: Scene) -> Moment:
-    """The moment of a record, and the contact a step before it."""
-    state = state_of(path, row)
-    names = "distance", "stretch", "next_step", "approach", "xi_x", "xi_y"
-    found = {name: history[name] for name in names}
-    contact = replace(history.contact(row, state), scene=scene, cost=Cost())
-    stretch, before = int(found["stretch"][row]), None
-    last = max((k for k in _continuing(history) if k < row), default=row)
-    length = found["distance"][row] - found["distance"][last]
-    if length:
-        earlier = replace(
-            contact,
-            pressure=state.get("before_pressure", contact.pressure),
-            traction=np.stack((state["before_x"], state["before_y"])),
-            approach=float(found["approach"][last]),
-            xi_x=found["xi_x"][last],
-            xi_y=found["xi_y"][last],
-        )
-        before = Stepped(earlier)
-    shifts = np.array([history[name][row] for name in ("shift_x", "shift_y", "turn")])
-    none = np.zeros((2, *contact.grid.elements))
-    worn = {"friction": float(np.nansum(history["step_friction"][: row + 1]))}
-    if scene.wear is not None:
-        if not {"worn", "gained"} <= state.keys():
-            raise DamagedError(f"{path} is damaged: the wear of record {row} is missing")
-        worn |= {"volumes": history["worn_volume"][row], "deepest": history["wear_max"][row]}
-    stepped = Stepped(
-        contact,
-        energy=float(history["elastic_energy"][row]),
-        worn=state.get("worn", none),
-        gained=state.get("gained", none),
-    )
-    return Moment(
-        float(found["distance"][row]),
-        stretch,
-        stepped,
-        length,
-        float(found["next_step"][row]),
-        shifts,
-        before,
-        **worn,
-    )
-
-
-def last_damage(path: str | PathLike, passage: Passage) -> Damage | None:
-    """What rolling had done to the material by the last passage of a results file.
+@contextmanager
+def damaged(path: str | PathLike, row: int) -> Iterator[None]:
+    """Raise a DamagedError where something of a record is missing.
 
     Raises
     ------
     DamagedError
-        If the file does not hold it.
+        With what is missing.
     """
-    if passage.contact.scene.fatigue is None:
-        return None
-    history = open_history(path)
-    row = int(np.flatnonzero(history["converged"])[-1])
-    unknown = np.full((len(history), len(BODIES)), np.nan)  # without a limit
-    initiation = history.values.get("initiation", unknown)[row]
-    earlier = int(history["revolution"][max(row - 1, 0)])
     try:
-        return Damage.restored(
-            passage, state_of(path, row), dict(zip(BODIES, initiation, strict=True)), earlier
-        )
+        yield
     except LookupError as error:
-        raise DamagedError(f"{path} is damaged: {error} of record {row} is missing") from None
-
-
-def _contacts(
-    history: History, row: int, fields: dict[str, np.ndarray], scene: Scene
-) -> tuple[State, ...]:
-    """The contacts of a record; of a duty cycle those of its different blocks."""
-    spectrum = scene.spectrum
-    if spectrum is None:
-        return (replace(history.contact(row, fields), scene=scene, cost=Cost()),)
-    first = [spectrum.places.index(k) for k in range(len(spectrum.scenes))]
-    of_blocks = {k: {name: field[k] for name, field in fields.items()} for k in first}
-    return tuple(
-        replace(history.block(k).contact(row, of_blocks[k]), scene=one, cost=Cost())
-        for k, one in zip(first, spectrum.scenes, strict=True)
-    )
-
-
-def _parts(history: History, row: int, scene: Scene) -> np.ndarray | None:
-    """What each body lost in each of the different blocks, where that was recorded."""
-    if PARTS.name not in history.columns:
-        return None
-    parts, spectrum = history[PARTS.name][row], scene.spectrum
-    if spectrum is None:
-        return parts
-    together = np.zeros((len(spectrum.scenes), *parts.shape[1:]))
-    np.add.at(together, list(spectrum.places), parts)
-    return together
+        raise DamagedError(
+            f"{path} is damaged: {error.args[0]} of record {row} is missing or cannot be; run its "
+            "scene again"
+        ) from None
 
 
 def what_differs(before: Scene, now: Scene) -> str:
@@ -280,22 +165,6 @@ def _check_columns(history: History, path: str | PathLike, columns: Iterable[Qua
             )
 
 
-def _check_sound(history: History, path: str | PathLike, row: int) -> None:
-    """See that a record is one from which rolling can go on."""
-    needed = ("approach", "Qx", "Qy", "Mz", "xi_x", "xi_y", "spin", "work_supplied", "residual")
-    profiles = [history[name][max(row - 1, 0) : row + 1] for name in COURSE]
-    lost = [name for name in needed if not np.isfinite(history[name][row])]
-    lost += [
-        name for name, values in zip(COURSE, profiles, strict=True) if not np.isfinite(values).all()
-    ]
-    if not history["jump"][row] >= 1.0:  # "not" rather than "<": nan must fail, too
-        lost.append("jump")
-    if lost:
-        raise DamagedError(
-            f"{path} is damaged: {', '.join(lost)} of record {row} cannot be; run its scene again"
-        )
-
-
 def _differing(before: Any, now: Any, key: str = "") -> list[str]:
     """Dotted keys of the entries that differ and may not."""
     if key in FREE or _same(before, now):
@@ -333,10 +202,8 @@ def _shown(entries: dict[str, Any], key: str) -> str:
     return "nothing" if value is None else str(value)
 
 
-def _on_grid_of(
-    scene: Scene, measured: Gap | None, last: Passage | Moment, path: str | PathLike
-) -> Passage | Moment:
-    """The passage or moment on the scene's [grid], if it gives one."""
+def _on_grid_of(scene: Scene, measured: Gap | None, last: Step, path: str | PathLike) -> Step:
+    """The step on the scene's [grid], if it gives one."""
     before = last.contact.grid.shifted(0.0)
     if scene.grid is None:
         return last

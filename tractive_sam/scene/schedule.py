@@ -43,6 +43,8 @@ class Schedule:
 
     save_key: ClassVar[str] = "wear.save"
     """Key of the scene that lists `save`."""
+    end_key: ClassVar[str] = "wear.revolutions"
+    """Key of the scene that gives `end`."""
     revolves: ClassVar[bool] = True
     """Whether every record is steady rolling, after a number of revolutions."""
     rolls: ClassVar[bool] = True
@@ -79,7 +81,7 @@ class Revolutions(Schedule):
 class Distance(Schedule):
     """The schedule of a [transient] that rolls."""
 
-    save_key = "transient.save"
+    save_key, end_key = "transient.save", "transient.distance"
     revolves = False
 
     def describe_place(self, place: float) -> str:

@@ -8,7 +8,7 @@ import scipy  # its parts are loaded when first used
 
 from tractive_sam.contact import Gap, Model
 from tractive_sam.results import BodyFatigue, Maximum
-from tractive_sam.rolling import Passage, first_passage, followed, passages
+from tractive_sam.rolling import Passage, process_of
 from tractive_sam.run.accuracy.assessment import assess, worst_of
 from tractive_sam.run.accuracy.error_bars import Sample, relative_error_bars
 from tractive_sam.run.accuracy.levels import Levels
@@ -177,17 +177,17 @@ def _coarser(
 
 def _rolled(model: Model) -> CoarseRuns:
     runs = tuple(CoarseRun() for _ in model.blocks)
-    model, start = first_passage(model)
-    for passage in passages(model, followed(model, start)):
+    process, start = process_of(model).begin_fitted()
+    for passage in process.steps(process.observe(start)):
         for run, block, contact in zip(runs, model.blocks, passage.contacts, strict=True):
             if contact.converged:
                 maxima = stress_maxima(contact, block.laws)
-                run.add(passage.revolution, Sample.of(contact, maxima, _cycled(passage)))
+                run.add(int(passage.place), Sample.of(contact, maxima, _cycled(passage)))
     return runs
 
 
 def _cycled(passage: Passage) -> dict[str, BodyFatigue]:
     """What rolling has done to the bodies; blocks of a duty cycle have it in common."""
-    if passage.damage is None or len(passage.contacts) > 1:
+    if len(passage.contacts) > 1:
         return {}
-    return {one.body: one for one in passage.damage.fields}
+    return {one.body: one for seen in passage.observed.values() for one in seen.fields}

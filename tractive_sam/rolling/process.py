@@ -1,0 +1,332 @@
+"""Processes: how the contacts of a scene follow each other, record by record.
+
+A process makes steps: the first one, and from every step the next ones, up to the end of the
+schedule or to a contact that is not solved. A step knows its contacts, what its record tells of
+them, and all that the next step needs, also after it was stored.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar, Generic, NamedTuple, Protocol, Self, TypeVar
+
+import numpy as np
+
+from tractive_sam.contact import Gap, Model, across, grown
+from tractive_sam.results import (
+    PARTS,
+    Grid,
+    History,
+    Maximum,
+    Quantity,
+    Record,
+    State,
+    Status,
+    fields,
+    stress_columns,
+)
+from tractive_sam.rolling.observation import Observation
+from tractive_sam.scene import Scene
+from tractive_sam.subsurface import stress_maxima, stress_on_planes
+
+GROWTHS = 16
+"""Most enlargements of a mesh: to 35 times its width."""
+
+
+class StepRecord(NamedTuple):
+    """What a step gives to its record.
+
+    Attributes
+    ----------
+    contact : State
+        The contact to record.
+    values : dict
+        Columns that only the process knows, by name.
+    may_store : bool
+        Whether fields may be stored.
+    """
+
+    contact: State
+    values: dict[str, Any]
+    may_store: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class Step(ABC):
+    """One record of a process, and all that the next one needs.
+
+    Attributes
+    ----------
+    contacts : tuple of State
+        Those of the different blocks of [[duty]]; one without.
+    observed : mapping of str to Observation
+        What observers know after it, by their names.
+    continues : bool
+        Whether the process continues from it.
+    """
+
+    contacts: tuple[State, ...]
+    observed: Mapping[str, Observation] = field(default_factory=dict, kw_only=True)
+    continues: bool = field(default=True, kw_only=True)
+
+    @property
+    @abstractmethod
+    def place(self) -> float:
+        """Value of the coordinate."""
+
+    @abstractmethod
+    def on(self, grid: Grid) -> Self:
+        """Return the same on a wider mesh of the same elements."""
+
+    @abstractmethod
+    def record(self, block: int | None = None) -> StepRecord:
+        """Return what is recorded of the step, or of one of its blocks."""
+
+    @property
+    def contact(self) -> State:
+        """The contact that decides how it ended."""
+        return self.contacts[0]
+
+    @property
+    def converged(self) -> bool:
+        """Whether all contacts were solved."""
+        return all(contact.converged for contact in self.contacts)
+
+    @property
+    def off_grid(self) -> bool:
+        """Whether the contact has reached the edge of the mesh."""
+        return self.contact.status is Status.OFF_GRID
+
+    @property
+    def grid(self) -> Grid:
+        """The mesh of all blocks."""
+        return self.contacts[0].grid.shifted(0.0)
+
+    @property
+    def own_state(self) -> Mapping[str, np.ndarray]:
+        """Arrays to continue from besides the fields of the contacts, by name."""
+        return {}
+
+
+@dataclass(frozen=True, eq=False)
+class StoredStep:
+    """The record of a history from which a process is to continue.
+
+    Attributes
+    ----------
+    history : History
+        All records.
+    row : int
+        Which of them.
+    state : mapping of str to ndarray
+        Fields of its contacts, and `Step.own_state`.
+    """
+
+    history: History
+    row: int
+    state: Mapping[str, np.ndarray] = field(repr=False)
+
+    @property
+    def earlier(self) -> int:
+        """Row of the record before it from which the process could continue; its own if none."""
+        return max((k for k in continuing_rows(self.history) if k < self.row), default=self.row)
+
+    def require(self, names: Iterable[str]) -> None:
+        """Raise a LookupError if a column is not finite in this record."""
+        lost = [name for name in names if not np.isfinite(self.history[name][self.row]).all()]
+        if lost:
+            raise LookupError(", ".join(lost))
+
+
+def continuing_rows(history: History) -> np.ndarray:
+    """Return the rows of the records from which a process can continue, shape (n,)."""
+    continues = history["converged"] > 0.0
+    if "next_step" in history.columns:  # a record between two steps has none
+        continues = continues & np.isfinite(history["next_step"])
+    return np.flatnonzero(continues)
+
+
+class ErrorEstimator(Protocol):
+    """Gives steps their error bars."""
+
+    missed: str
+    """Which of them was last too wide, and what to do; or empty."""
+
+    def __call__(
+        self, step: Any, maxima: Mapping[str, Maximum], block: int = 0
+    ) -> Mapping[str, Any]:
+        """The error bars of `State`, given the largest stresses in the bodies of a block."""
+
+
+@dataclass(frozen=True)
+class Recorder:
+    """What goes into every record besides what its step knows.
+
+    Attributes
+    ----------
+    estimator : ErrorEstimator, optional
+        Gives the error bars; by default they are those of the contact.
+    columns : tuple of Quantity
+        Columns besides those of the package.
+    measured : Gap, optional
+        The measured separation of the scene.
+    """
+
+    estimator: ErrorEstimator | None = None
+    columns: tuple[Quantity, ...] = ()
+    measured: Gap | None = None
+
+
+AnyStep = TypeVar("AnyStep", bound=Step)
+
+
+class Process(ABC, Generic[AnyStep]):
+    """The contacts of a scene on a mesh, one after the other.
+
+    Parameters
+    ----------
+    model : Model
+        The scene in numbers.
+    """
+
+    columns: ClassVar[tuple[Quantity, ...]] = ()
+    """Columns that it records besides those of the package."""
+    observers: ClassVar[tuple[type[Observation], ...]] = ()
+    """Observers that may follow it, where the scene asks for them."""
+
+    def __init__(self, model: Model):
+        self.model = model
+
+    @abstractmethod
+    def begin(self) -> AnyStep:
+        """Return the first step."""
+
+    @abstractmethod
+    def advance(self, last: AnyStep) -> Iterator[AnyStep]:
+        """Yield the steps after one, to the end or to a contact that is not solved."""
+
+    @classmethod
+    @abstractmethod
+    def restore(cls, scene: Scene, stored: StoredStep) -> AnyStep:
+        """Return the step of a stored record; `adopt` adds what only the model knows.
+
+        Raises
+        ------
+        LookupError
+            If something is missing, with its name.
+        """
+
+    @classmethod
+    @abstractmethod
+    def expected_records(cls, scene: Scene, dx: float) -> int:
+        """Return the number of records on elements so long, mm; of adaptive steps, about."""
+
+    def on(self, grid: Grid) -> Self:
+        """Return the same on another mesh."""
+        return type(self)(self.model.on(grid))
+
+    def begin_fitted(self) -> tuple[Self, AnyStep]:
+        """Return the first step on a mesh that holds its contacts, and the process on that mesh."""
+        return self, self.begin()
+
+    def adopt(self, step: AnyStep, stored: StoredStep) -> AnyStep:
+        """Return a restored step with what the model and the observers know of it."""
+        return step
+
+    def observe(self, step: AnyStep, before: AnyStep | None = None) -> AnyStep:
+        """Return a step with what observers know after it; as before if it was not solved."""
+        observed = {} if before is None else before.observed
+        if step.converged:
+            observed = {
+                kind.name: observed[kind.name].after(step, self.model)
+                if kind.name in observed
+                else kind.begin(step, self.model)
+                for kind in self.observers
+                if kind.asked_by(self.model.scene)
+            }
+        return replace(step, observed=observed)
+
+    def steps(self, last: AnyStep | None = None) -> Iterator[AnyStep]:
+        """Yield the steps after one; by default all of them.
+
+        A mesh that the scene leaves open grows with the contact; the steps from there on are on
+        the wider mesh.
+        """
+        process, growths = self, 0
+        if last is None:
+            last = self.observe(self.begin())
+            yield last
+        while True:
+            for step in process.advance(last):
+                if step.off_grid and not self.model.scene.bounded and growths < GROWTHS:
+                    growths += 1
+                    wider = grown(process.model.grid, step.contact.at_edge)
+                    process, last = process.on(wider), last.on(wider)
+                    break
+                if step.continues:
+                    last = step
+                yield step
+            else:
+                return
+
+    def state(self, step: AnyStep) -> dict[str, np.ndarray]:
+        """Return all arrays to continue from after a step: fields of its contact, and its own."""
+        return fields(step.contact) | dict(step.own_state)
+
+    def record(self, step: AnyStep, recorder: Recorder) -> Record:
+        """Return the record of a step.
+
+        Fields, and the stress on the planes of the scene, are part of it where the scene saves
+        them, and of a contact that was not solved; the largest stress of each body is part of
+        every record of a scene with [subsurface].
+        """
+        record = self._record_contact(step, step.record(), recorder)
+        observed = {}
+        for one in step.observed.values() if step.converged else ():
+            values = one.columns(self.model, record.values)
+            observed |= {name: values[name] for name in values if name in record.columns}
+        stored = self._observed_fields(step) if record.fields else ()
+        return replace(record, values={**record.values, **observed}, cycles=stored)
+
+    def _observed_fields(self, step: AnyStep) -> tuple[Any, ...]:
+        return tuple(one for seen in step.observed.values() for one in seen.fields)
+
+    def _record_contact(
+        self, step: AnyStep, given: StepRecord, recorder: Recorder, block: int = 0
+    ) -> Record:
+        """Return the record of one contact, that of a block in a duty cycle."""
+        contact, values, may_store = given
+        laws = self.model.blocks[block].laws
+        keep = (may_store and step.place in contact.scene.schedule) or not step.converged
+        maxima = stress_maxima(contact, laws)
+        stress = stress_on_planes(contact, laws=laws) if keep and maxima else ()
+        if recorder.estimator is not None:
+            bars = recorder.estimator(step, maxima, block)
+            contact = replace(contact, error_bars=bars)
+        if recorder.measured is not None:
+            values["measured_profile"] = across(recorder.measured, contact.grid)
+        own = [*recorder.columns, *self.columns]
+        if PARTS.name in values:
+            own.append(PARTS)
+        stresses = stress_columns(laws.criterion)
+        for one, found in zip(stresses, ("value", "interior", "surface", "at"), strict=False):
+            values[one.name] = {body: getattr(largest, found) for body, largest in maxima.items()}
+        return Record.of(contact, values, own=(*own, *stresses), with_fields=keep, stress=stress)
+
+    def end(self, step: AnyStep, half_widths: np.ndarray) -> tuple[str, str]:
+        """Return status and message of a history that ends with a step.
+
+        Parameters
+        ----------
+        step : Step
+            The last one.
+        half_widths : ndarray, shape (2,)
+            The largest half widths of the contact in all records, mm.
+        """
+        contact = step.contact
+        remarks = "".join(one.remark(self.model) for one in step.observed.values())
+        message = f"{self._place_of(step)}{contact.message}{remarks}"
+        return "done" if contact.converged else str(contact.status), message
+
+    def _place_of(self, step: AnyStep) -> str:
+        return self.model.scene.schedule.describe_place(step.place)
