@@ -41,6 +41,9 @@ from .results import NotConverged as NotConverged
 from .results import PlaneStress as PlaneStress
 from .results import Quantity as Quantity
 from .results import State as State
+from .rolling import Process as Process
+from .rolling import Step as Step
+from .rolling import StepRecord as StepRecord
 from .run.explain import explain as explain
 from .run.export import export_surface as export_surface
 from .run.export import export_volume as export_volume
@@ -70,6 +73,7 @@ from .scene import Load as Load
 from .scene import LoadCourse as LoadCourse
 from .scene import LoadHistory as LoadHistory
 from .scene import Mesh as Mesh
+from .scene import ProcessTable as ProcessTable
 from .scene import Profiles as Profiles
 from .scene import Scene as Scene
 from .scene import SceneError as SceneError

@@ -119,7 +119,7 @@ def records(history: "History") -> Table:
     count = len(history)
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     along = history.coordinate
-    heading = along.symbol + ("" if along.unit == "1" else f"\n{along.unit}")
+    heading = (along.symbol or along.name) + ("" if along.unit == "1" else f"\n{along.unit}")
     takes = "creepage_found" in history.columns and any(map(math.isfinite, history["xi_x"]))
     found = FOUND if takes else ()
     told = course(history.columns)

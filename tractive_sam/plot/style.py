@@ -116,15 +116,20 @@ def wrapped(text: str, width: float) -> list[str]:
     return [part for line in text.split("\n") for part in wrap(line, int(13 * width)) or [""]]
 
 
+def _math(one: Quantity) -> str:
+    name = one.name.replace("_", r"\_")
+    return one.symbol or rf"\mathrm{{{name}}}"
+
+
 def symbol_of(one: Quantity) -> str:
-    """Symbol and unit, as math text."""
-    return f"${one.symbol}$" + ("" if one.unit == "1" else f" ({one.unit})")
+    """Symbol, or else the name, and unit, as math text."""
+    return f"${_math(one)}$" + ("" if one.unit == "1" else f" ({one.unit})")
 
 
 def place(coordinate: Quantity, at: float) -> str:
     """A value of a coordinate with its symbol and unit, as math text."""
     unit = "" if coordinate.unit == "1" else f" {coordinate.unit}"
-    return f"${coordinate.symbol} = {at:{coordinate.format}}${unit}"
+    return f"${_math(coordinate)} = {at:{coordinate.format}}${unit}"
 
 
 def along(axes: Axes, *histories: History) -> None:

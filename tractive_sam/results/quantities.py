@@ -639,9 +639,12 @@ def _in_place_of(package: Quantity, own: Quantity) -> Quantity:
 def columns(scene: Scene, own: Iterable[Quantity] = ()) -> dict[str, Quantity]:
     """The columns of a scene's history by name, and a user's own, as they are to be read in it."""
     own = list(own)
-    instead = {one.role: one for one in own if one.role}
-    found = [
-        _in_place_of(one, instead[one.role]) if one.role in instead else one for one in COLUMNS
+    instead = {one.role: one for one in own if one.role and one.role != COORDINATE}
+    coordinates = [one for one in own if one.role == COORDINATE]
+    found = coordinates + [
+        _in_place_of(one, instead[one.role]) if one.role in instead else one
+        for one in COLUMNS
+        if not (coordinates and one.role == COORDINATE)
     ]
     found += [one for one in own if not one.role]
     return by_name(one.with_units_of(scene) for one in found if one.applies(scene))

@@ -173,12 +173,7 @@ class Damage(Observation):
     earlier: int
     bodies: Mapping[str, Followed]
 
-    name = "damage"
-
-    @classmethod
-    def asked_by(cls, scene: Scene) -> bool:
-        """See `Observation.asked_by`."""
-        return scene.has("fatigue")
+    name, key = "damage", "fatigue"
 
     @classmethod
     def begin(cls, passage: Passage, model: Model) -> Self:

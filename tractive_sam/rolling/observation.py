@@ -20,11 +20,13 @@ class Observation(ABC):
 
     name: ClassVar[str]
     """Name under which steps know it."""
+    key: ClassVar[str]
+    """Table of the scene that asks for it."""
 
     @classmethod
-    @abstractmethod
     def asked_by(cls, scene: Scene) -> bool:
         """Whether a scene asks for it."""
+        return scene.has(cls.key)
 
     @classmethod
     @abstractmethod

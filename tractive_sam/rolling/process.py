@@ -14,7 +14,9 @@ import numpy as np
 
 from tractive_sam.contact import Gap, Model, across, grown
 from tractive_sam.results import (
+    COORDINATE,
     PARTS,
+    Cost,
     Grid,
     History,
     Maximum,
@@ -26,7 +28,7 @@ from tractive_sam.results import (
     stress_columns,
 )
 from tractive_sam.rolling.observation import Observation
-from tractive_sam.scene import Scene
+from tractive_sam.scene import Row, Scene
 from tractive_sam.subsurface import stress_maxima, stress_on_planes
 
 GROWTHS = 16
@@ -44,6 +46,11 @@ class StepRecord(NamedTuple):
         Columns that only the process knows, by name.
     may_store : bool
         Whether fields may be stored.
+
+    Examples
+    --------
+    >>> ts.StepRecord(contact, {"stroke": 1}).may_store
+    True
     """
 
     contact: State
@@ -63,6 +70,17 @@ class Step(ABC):
         What observers know after it, by their names.
     continues : bool
         Whether the process continues from it.
+
+    Examples
+    --------
+    >>> class Stroke(ts.Step):
+    ...     place = 1
+    ...     def on(self, grid):
+    ...         return Stroke(tuple(one.on(grid) for one in self.contacts))
+    ...     def record(self, block=None):
+    ...         return ts.StepRecord(self.contact, {"stroke": self.place})
+    >>> Stroke((contact,)).converged
+    True
     """
 
     contacts: tuple[State, ...]
@@ -131,6 +149,11 @@ class StoredStep:
         """Row of the record before it from which the process could continue; its own if none."""
         return max((k for k in continuing_rows(self.history) if k < self.row), default=self.row)
 
+    def contact(self, scene: Scene) -> State:
+        """Return the contact, of a scene that may ask for more records than the history has."""
+        found = self.history.contact(self.row, dict(self.state))
+        return replace(found, scene=scene, cost=Cost())
+
     def require(self, names: Iterable[str]) -> None:
         """Raise a LookupError if a column is not finite in this record."""
         lost = [name for name in names if not np.isfinite(self.history[name][self.row]).all()]
@@ -158,7 +181,7 @@ class ErrorEstimator(Protocol):
         """The error bars of `State`, given the largest stresses in the bodies of a block."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Recorder:
     """What goes into every record besides what its step knows.
 
@@ -186,16 +209,35 @@ class Process(ABC, Generic[AnyStep]):
     Parameters
     ----------
     model : Model
-        The scene in numbers.
+        The scene in numbers, as `model.scene` and `model.grid`.
+
+    Examples
+    --------
+    >>> class Drive(ts.Process):
+    ...     "Strokes forth and back."
+    ...     columns = (ts.Quantity("stroke", "1", "strokes", role="coordinate"),)
+    >>> sorted(Drive.__abstractmethods__)  # what is left to write
+    ['advance', 'begin', 'expected_records', 'restore']
     """
 
     columns: ClassVar[tuple[Quantity, ...]] = ()
-    """Columns that it records besides those of the package."""
+    """Columns that it records besides those of the package; one of the role "coordinate" takes the
+    place of the revolutions."""
     observers: ClassVar[tuple[type[Observation], ...]] = ()
     """Observers that may follow it, where the scene asks for them."""
 
     def __init__(self, model: Model):
         self.model = model
+
+    @property
+    def coordinate(self) -> Quantity | None:
+        """Its own coordinate; None where it is that of the scene."""
+        return next((one for one in self.columns if one.role == COORDINATE), None)
+
+    def describe(self) -> Iterable[Row]:
+        """Return the rows that `explain` prints of it besides those of its table."""
+        summary = (type(self).__doc__ or type(self).__name__).strip().splitlines()[0]
+        return [Row("process", summary)]
 
     @abstractmethod
     def begin(self) -> AnyStep:
@@ -223,7 +265,12 @@ class Process(ABC, Generic[AnyStep]):
 
     def on(self, grid: Grid) -> Self:
         """Return the same on another mesh."""
-        return type(self)(self.model.on(grid))
+        return type(self)(self.model.on(grid), **self.parameters)
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """Arguments of the class besides the model."""
+        return {}
 
     def begin_fitted(self) -> tuple[Self, AnyStep]:
         """Return the first step on a mesh that holds its contacts, and the process on that mesh."""

@@ -1,26 +1,52 @@
 """Which process a scene takes."""
 
 from collections.abc import Iterator
+from typing import Any
 
 from tractive_sam.contact import Model
+from tractive_sam.rolling.damage import Damage
 from tractive_sam.rolling.process import Process, Step
 from tractive_sam.rolling.revolutions import DutyCycle, Revolutions
 from tractive_sam.rolling.transient import Transient
-from tractive_sam.scene import Scene
+from tractive_sam.scene import Fault, Scene, SceneError, build_law, load_law_class
 
 
-def process_type(scene: Scene) -> type[Process]:
-    """Return the process that the schedule and the blocks of a scene ask for."""
+def process_type(scene: Scene) -> type[Process[Any]]:
+    """Return the process that a scene names, or that its schedule and its blocks ask for.
+
+    Raises
+    ------
+    SceneError
+        If the scene names a process that is not installed.
+    """
+    if scene.process is not None:
+        return load_law_class("process.name", scene.process.name, Process)
     if not scene.schedule.revolves:
         return Transient
     return DutyCycle if scene.spectrum else Revolutions
 
 
-def process_of(model: Model) -> Process:
-    """Return the process of a model."""
-    return process_type(model.scene)(model)
+def process_of(model: Model) -> Process[Any]:
+    """Return the process of a model.
+
+    Raises
+    ------
+    SceneError
+        If the scene names a process that is not installed or does not take its parameters, or asks
+        for an observer that does not follow it.
+    """
+    scene = model.scene
+    if scene.process is not None:
+        process = build_law("process.name", scene.process.name, Process, {"model": model})
+    else:
+        process = process_type(scene)(model)
+    for kind in (Damage,):
+        if kind.asked_by(scene) and kind not in process.observers:
+            cure = f"nothing: {type(process).__name__} has no {kind.__name__} among its observers"
+            raise SceneError([Fault(kind.key, "with this process", cure)])
+    return process
 
 
-def steps(model: Model, start: Step | None = None) -> Iterator[Step]:
+def steps(model: Model, start: Step | None = None) -> Iterator[Any]:
     """Yield the steps of a model after one; by default all of them."""
     return process_of(model).steps(start)

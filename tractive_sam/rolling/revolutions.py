@@ -88,8 +88,7 @@ class Revolutions(Process[Passage]):
 
     @classmethod
     def _restore_contacts(cls, scene: Scene, stored: StoredStep) -> tuple[State, ...]:
-        contact = stored.history.contact(stored.row, stored.state)
-        return (replace(contact, scene=scene, cost=Cost()),)
+        return (stored.contact(scene),)
 
     @classmethod
     def _restore_blocks(cls, scene: Scene, stored: StoredStep, blocks: int) -> dict:

@@ -29,7 +29,7 @@ from tractive_sam.contact import (
     not_resolved,
     travelled,
 )
-from tractive_sam.results import BODIES, Cost, Grid, State, Status
+from tractive_sam.results import BODIES, Grid, State, Status
 from tractive_sam.rolling.control import ErrorControl, Stops, Trial
 from tractive_sam.rolling.process import Process, Step, StepRecord, StoredStep
 from tractive_sam.scene import FewestElements, Scene
@@ -294,7 +294,7 @@ class Transient(Process[Moment]):
         """See `Process.restore`."""
         history, row, state = stored.history, stored.row, stored.state
         found = {name: history[name] for name in _STORED}
-        contact = replace(history.contact(row, state), scene=scene, cost=Cost())
+        contact = stored.contact(scene)
         last, before = stored.earlier, None
         length = found["distance"][row] - found["distance"][last]
         if length:

@@ -105,6 +105,7 @@ SECTIONS = (
     ("Wear", ("wear", "load_history", "duty")),
     ("Stress", ("subsurface",)),
     ("Transient", ("transient",)),
+    ("Process", ("process",)),
     ("Heat", ("heat",)),
     ("Fatigue", ("fatigue",)),
     ("Laws of other packages", ("laws",)),

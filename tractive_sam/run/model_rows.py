@@ -9,7 +9,7 @@ from typing import Any
 from tractive_sam.contact import Model, choose_grid
 from tractive_sam.operators import STEPS_FROM
 from tractive_sam.results import columns
-from tractive_sam.rolling import MISSED
+from tractive_sam.rolling import MISSED, process_of
 from tractive_sam.run.accuracy.steady import Refined
 from tractive_sam.scene import Fatigue, Heat, Row, Solver
 
@@ -55,6 +55,10 @@ def _transient(_table: Any, model: Model) -> Iterator[Row]:
     yield Row("order", f"{'second' if model.stencil.staggered else 'first'} in the mesh")
 
 
+def _process(_table: Any, model: Model) -> Iterator[Row]:
+    yield from process_of(model).describe()
+
+
 def _heat(_table: Heat, model: Model) -> Iterator[Row]:
     scene, dx = model.scene, model.grid.dx
     half = model.grid.half_length[0] if scene.hertz is None else scene.hertz.a
@@ -95,6 +99,7 @@ MODEL_ROWS: dict[str, Callable[[Any, Model], Iterable[Row]]] = {
     "solver": _solver,
     "subsurface": _subsurface,
     "transient": _transient,
+    "process": _process,
     "heat": _heat,
     "fatigue": _fatigue,
 }

@@ -79,6 +79,7 @@ class Recording:
         keeper: HistoryWriter | _InMemory = _InMemory(self.scene, laws, self.started)
         if self.path is not None:
             about = {"laws": laws, "started": self.started, "measured": hash_of(model)}
+            about["coordinate"] = process.coordinate
             keeper = HistoryWriter(self.path, self.scene, model.grid, self.overwrite, **about)
         start = process.observe(start)
         return self._kept(keeper, process, start, (start,), estimator, missed)

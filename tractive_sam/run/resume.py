@@ -28,6 +28,8 @@ FREE = (
     "transient.tolerance",
     "solver",
     "grid",
+    "process.end",
+    "process.save",
     "load_history",  # its blocks count
 )
 """Entries of a scene that may change when it is rolled on."""

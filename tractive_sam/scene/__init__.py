@@ -25,10 +25,11 @@ from .gap import ALONG, LENGTHS, TEXTS, Gap, files_anywhere
 from .heat import Bulk, Heat, Thermal
 from .keys import groups
 from .load_history import Binned, LoadHistory, blocks_of
-from .named_law import LawTable, NamedLaw, build_law
+from .named_law import LawTable, NamedLaw, build_law, load_law_class
 from .override import parse_settings
 from .plane import Plane
 from .plausibility import near_edge, pressure_notes
+from .process import ProcessTable
 from .quantities import LARGEST, Real, entry, number
 from .resolution import FewestElements
 from .scene import Scene
@@ -92,6 +93,7 @@ __all__ = [
     "NamedLaw",
     "Plane",
     "PlausibilityWarning",
+    "ProcessTable",
     "Profiles",
     "Real",
     "Row",
@@ -118,6 +120,7 @@ __all__ = [
     "files_of_varied",
     "groups",
     "label",
+    "load_law_class",
     "near_edge",
     "number",
     "parse_settings",

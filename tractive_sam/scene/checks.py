@@ -14,6 +14,7 @@ from .faults import Fault, shown, warn
 from .heat import HEAT_CHECKS
 from .line_contact import LINE_CHECKS, is_line
 from .plausibility import pair_notes
+from .process import PROCESS_CHECKS
 from .readings import Pair
 from .table import Check, Known
 from .transient import TRANSIENT_CHECKS
@@ -244,6 +245,7 @@ SCENE_CHECKS: tuple[Check, ...] = (
     duty_fits,
     *LINE_CHECKS,
     *TRANSIENT_CHECKS,
+    *PROCESS_CHECKS,
     *HEAT_CHECKS,
 )
 """All checks of a valid scene."""

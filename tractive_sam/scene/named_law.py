@@ -149,12 +149,7 @@ def build_law(
         If the law is not installed, is no law for this key, or is given unknown, missing or
         wrong parameters; with all such faults.
     """
-    try:
-        kind = _load(law.name)
-    except (ImportError, AttributeError, ValueError) as error:
-        raise SceneError([Fault(key, law.name, f"{_ALLOWED} ({error})")]) from None
-    if not (isinstance(kind, type) and issubclass(kind, base)):
-        raise SceneError([Fault(key, law.name, f"a subclass of ts.{base.__name__}")])
+    kind = load_law_class(key, law, base)
     table = key.rpartition(".")[0]
     faults: list[Fault] = []
     arguments = dict(_arguments(kind, law.parameters, provided or {}, faults))
@@ -164,6 +159,28 @@ def build_law(
         except (TypeError, ValueError) as error:
             faults.append(Fault("law", str(law), f"what the law accepts ({error})"))
     raise SceneError(fault.under(table) for fault in faults)
+
+
+def load_law_class(key: str, law: NamedLaw, base: type[Any]) -> type[Any]:
+    """Return the class that a scene names, of an installed package.
+
+    Parameters
+    ----------
+    key, law, base
+        As of `build_law`.
+
+    Raises
+    ------
+    SceneError
+        If it is not installed, or no subclass of `base`.
+    """
+    try:
+        kind = _load(law.name)
+    except (ImportError, AttributeError, ValueError) as error:
+        raise SceneError([Fault(key, law.name, f"{_ALLOWED} ({error})")]) from None
+    if not (isinstance(kind, type) and issubclass(kind, base)):
+        raise SceneError([Fault(key, law.name, f"a subclass of ts.{base.__name__}")])
+    return kind
 
 
 _ALLOWED = "a law of an installed package, module:name"

@@ -29,6 +29,7 @@ from .heat import STEEL, Heat, Thermal
 from .load_history import DOUBTFUL, LoadHistory, with_blocks
 from .override import override, parse_settings
 from .plausibility import scene_notes
+from .process import ProcessTable
 from .quantities import entry
 from .resolution import warn_if_coarse
 from .schedule import Schedule, schedule_of
@@ -85,6 +86,7 @@ class Scene(Document):
     subsurface: Subsurface | None = entry("the subsurface stress", "", None)
     fatigue: Fatigue | None = entry("the fatigue of the material", "", None)
     transient: Transient | None = entry("what changes over the distance rolled", "", None)
+    process: ProcessTable | None = entry("a process of another package", "", None)
     duty: tuple[Block, ...] = entry(
         "blocks of a duty cycle", "at least one block, [[duty]]", (), min_length=1
     )
@@ -105,7 +107,7 @@ class Scene(Document):
             self._check_blocks()
         for note in scene_notes(self):
             warn(note, PlausibilityWarning)
-        if self.wear and not self.transient:
+        if self.wear and self.schedule.revolves:
             warn_if_unequal(self.body, self.wear)
         if self.gap:  # the Hertz ellipse is not the contact
             return

@@ -108,8 +108,21 @@ class Shifts(Distance):
         return f"after {place:g} of the parameter: "
 
 
+class NamedSchedule(Schedule):
+    """The schedule of a process of another package."""
+
+    save_key, end_key = "process.save", "process.end"
+    revolves = False
+
+    def describe_place(self, place: float) -> str:
+        """See `Schedule.describe_place`."""
+        return f"at {place:g}: "
+
+
 def schedule_of(scene: Scene) -> Schedule:
     """Return the schedule that the tables of a scene ask for."""
+    if scene.process is not None:
+        return NamedSchedule(scene.process.end, scene.process.save)
     if scene.transient is not None:
         return _of_transient(scene.transient)
     if scene.wear is not None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, is_dataclass
 from difflib import get_close_matches
 from operator import methodcaller
 from typing import Annotated, Any, ClassVar, get_args, get_origin
@@ -353,7 +353,8 @@ def _table_of(info: FieldInfo) -> type[Table] | None:
 def _adapter(table: type[Table], key: str) -> TypeAdapter[Any]:
     info = table.model_fields[key]
     kind: Any = Annotated[info.annotation, key, *info.metadata]  # made while it runs
-    return TypeAdapter(kind, config=_CONFIG)
+    # A record has a configuration already.
+    return TypeAdapter(kind, config=None if is_dataclass(info.annotation) else _CONFIG)
 
 
 def plain(value: Any) -> Any:

@@ -28,7 +28,8 @@ def _ascending(places: tuple[float, ...]) -> tuple[float, ...]:
     return places
 
 
-def _rising(places: tuple[float, ...]) -> tuple[float, ...]:
+def rising(places: tuple[float, ...]) -> tuple[float, ...]:
+    """Return places that ascend; raise a ValueError otherwise."""
     if any(late <= early for early, late in pairwise(places)):
         raise ValueError("ascending numbers")
     return places
@@ -36,7 +37,7 @@ def _rising(places: tuple[float, ...]) -> tuple[float, ...]:
 
 NotBelowZero = Annotated[Real, Field(ge=0)]
 Knots = Annotated[tuple[NotBelowZero, ...], AfterValidator(_ascending)]
-Saved = Annotated[tuple[NotBelowZero, ...], AfterValidator(_rising)]
+Saved = Annotated[tuple[NotBelowZero, ...], AfterValidator(rising)]
 Course = tuple[Real, ...]
 PositiveCourse = tuple[Positive, ...]
 
@@ -319,6 +320,8 @@ LINEAR = ("archard", "energy")
 def _wears_over_the_distance(known: Known) -> Iterator[Fault]:
     transient, wear = known["transient"], known["wear"]
     if wear is None:
+        return
+    if known["process"] is not None:
         return
     if transient is None:
         if "wear.revolutions" not in known.given:

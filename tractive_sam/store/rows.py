@@ -118,6 +118,8 @@ def put_state(file: h5py.File, row: int, state: Mapping[str, np.ndarray]) -> Non
     if BOUND.name in group and BOUND.name not in state:  # the traction is bound by the pressure
         del group[BOUND.name]
     for name, values in state.items():
+        if name in group and values.ndim == 1 and group[name].shape != values.shape:
+            del group[name]  # of a mesh that has grown
         if name not in group:
             layout.add_state(group, name, values)
         dataset = _opened(group, name)

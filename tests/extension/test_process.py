@@ -1,0 +1,116 @@
+"""A process of another package, in one file with public names, is rolled, stored and resumed."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import tractive_sam as ts
+
+SOURCE = Path(__file__).with_name("indexing_drive.py")
+SPHERES = ts.Scene.builtin("spheres").replace(subsurface=None)
+SCENE = SPHERES.replace(
+    grid={"half_length": [4.1, 4.1], "elements": [15, 15]},
+    creepage={"longitudinal": -2e-3},
+    wear={"coefficient": 1e-2},
+    process={"name": "indexing_drive:IndexingDrive", "end": 4, "passes": 3},
+)
+
+
+@pytest.fixture(autouse=True)
+def package(tmp_path, monkeypatch):
+    """Install the module of the process, and remove it from this interpreter afterwards."""
+    folder = tmp_path / "installed"
+    about = folder / "indexing_drive-1.0.dist-info"
+    about.mkdir(parents=True)
+    (folder / SOURCE.name).write_text(SOURCE.read_text())
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: indexing-drive\nVersion: 1.0\n")
+    monkeypatch.syspath_prepend(folder)
+    yield folder
+    sys.modules.pop("indexing_drive", None)
+
+
+def command(package, folder, *words):
+    """Run a command of the program in a folder; the package is not in that folder."""
+    path = os.pathsep.join([str(package), str(Path(ts.__file__).parents[1])])
+    done = subprocess.run(
+        [sys.executable, "-m", "tractive_sam", *map(str, words)],
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_strokes_wear_the_track_and_turn_the_force():
+    history = ts.roll(SCENE)
+    assert history.status == "done"
+    assert history.coordinate.name == "stroke"
+    np.testing.assert_array_equal(history["stroke"], range(5))
+    assert (np.diff(history["track_depth"]) > 0.0).all()
+    assert (np.sign(history["Qx"][1:]) == [1, -1, 1, -1]).all()
+    # Bodies without friction of the stroke before: a stroke is the mirror image of one back, but
+    # for what one stroke wears of the approach, 1e-2 of it.
+    np.testing.assert_allclose(history["Qx"][1], -history["Qx"][2], rtol=1e-2)
+
+
+def test_a_resumed_run_is_the_uninterrupted_one(tmp_path):
+    whole, path = ts.roll(SCENE), tmp_path / "a.h5"
+    ts.roll(SCENE.replace(**{"process.end": 2}), path)
+    history = ts.roll(SCENE, path, resume=True)
+    for name in ("stroke", "track_depth", "Qx", "p_max"):
+        np.testing.assert_array_equal(history[name], whole[name])
+    np.testing.assert_array_equal(history.field("pressure"), whole.field("pressure"))
+
+
+def test_every_command_takes_it(package, tmp_path):
+    (tmp_path / "drive.toml").write_text(SCENE.to_toml())
+    explained = command(package, tmp_path, "explain", "drive.toml")
+    assert "Rolls forth in odd strokes" in explained
+    command(package, tmp_path, "run", "drive.toml", "-o", "a.h5", "--set", "process.end=2")
+    command(package, tmp_path, "run", "drive.toml", "-o", "a.h5", "--resume")
+    shown = json.loads(command(package, tmp_path, "show", "a.h5", "--json"))
+    assert shown["stroke"] == [0, 1, 2, 3, 4]
+    assert "track_depth" in command(package, tmp_path, "show", "a.h5")
+    command(package, tmp_path, "report", "a.h5", "-o", "a.html")
+    assert "track_depth" in (tmp_path / "a.html").read_text()
+
+
+def test_a_file_is_read_where_the_package_is_not_installed(tmp_path):
+    ts.roll(SCENE, tmp_path / "a.h5")
+    sys.modules.pop("indexing_drive", None)
+    code = "import sys, tractive_sam as ts; h = ts.open_history('a.h5'); print(h['stroke'].sum())"
+    done = subprocess.run(
+        [sys.executable, "-c", code + "; assert 'indexing_drive' not in sys.modules"],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(Path(ts.__file__).parents[1])},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.stdout == "10\n", done.stderr
+
+
+@pytest.mark.parametrize(
+    ("changes", "key"),
+    [
+        ({"process.name": "indexing_drive:Stroke"}, "process.name"),
+        ({"process.name": "not_installed:Drive"}, "process.name"),
+        ({"process.strokes": 3}, "process.strokes"),
+        ({"fatigue": {"shear_yield": 300.0}}, "fatigue"),
+        ({"transient": {"distance": [0, 1]}}, "process"),
+        ({"wear.revolutions": 9}, "wear.revolutions"),
+        ({"process.save": [0, 9]}, "process.save"),
+    ],
+)
+def test_what_it_cannot_take_names_the_key(changes, key):
+    with pytest.raises(ts.SceneError) as caught:
+        ts.roll(SCENE.replace(**changes))
+    assert key in {fault.key for fault in caught.value.faults}
