@@ -112,7 +112,6 @@ def export(
 def _of_block(opened: "State | History", block: str | None) -> "State | History":
     """One block of a duty cycle that was rolled; else what was opened."""
     from tractive_sam.results import History
-    from tractive_sam.scene import label
 
     if not isinstance(opened, History):
         if block is not None:
@@ -120,8 +119,7 @@ def _of_block(opened: "State | History", block: str | None) -> "State | History"
         return opened
     if block is not None:
         return opened.block(block)
-    if opened.scene.duty:
-        names = [label(opened.scene, k) for k in range(len(opened.scene.duty))]
+    if names := opened.block_names:
         raise LookupError(f"choose a block of the duty cycle by --block: {', '.join(names)}")
     return opened
 

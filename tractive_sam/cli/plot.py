@@ -62,7 +62,7 @@ def plot(
 
         history = open_history(file)
         try:
-            every = range(len(history.scene.duty))
+            every = range(len(history.block_names))
             blocks = every if block == ["all"] else [history.place_of(one) for one in block or ()]
         except LookupError as error:
             raise stop(Status.INVALID, str(error)) from None
@@ -77,7 +77,7 @@ def plot(
         raise stop(Status.INVALID, f"{file} holds no record to draw yet")
     if not history.finished:
         note(f"{file} is {history.status}: {history.message}")
-    if history.scene.duty and not block:
+    if history.block_names and not block:
         note(
             "--block NAME draws a block of the duty cycle, --block all each",
         )

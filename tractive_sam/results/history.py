@@ -466,7 +466,7 @@ class History:
         >>> history.state(2).Qx == history["Qx"][2]
         True
         """
-        if self.scene.duty:
+        if self.block_names:
             raise LookupError("a duty cycle has a contact for each block: history.block(k).state()")
         kept = self.row_of(at, **named)
         row = int(np.flatnonzero(self[self.coordinate.name] == self.saved[kept])[-1])
@@ -675,7 +675,7 @@ class History:
             if one is not along
         }
         for name, rows in self.fields.items():
-            blocks = (len(self.scene.duty),) if self.scene.duty else ()
+            blocks = () if not self.block_names else (len(self.block_names),)
             values = np.empty((len(rows), *blocks, *self.grid.elements))
             for row in range(len(rows)):
                 values[row] = rows[row]

@@ -29,7 +29,7 @@ def rolled(run: Recording) -> History:
     blocks = scene.spectrum.scenes if scene.spectrum else (scene,)
     each = [refined(one, run.measured, run.model_of) for one in blocks]
     unworn = max(each, key=lambda one: one.level)
-    if scene.wear is None:
+    if not scene.schedule.end:
         start = begun(unworn.model, (unworn.contact,))
         return run.begun(process_of(unworn.model), start, missed=unworn.missed)
     if not all(one.contact.converged for one in each):
@@ -62,10 +62,10 @@ def resumed(run: Recording, last: Passage, before: History) -> History:
             f"{run.path} has a mesh that this version does not choose for the scene: resume it "
             "with the version that wrote it, or give the run a file of its own"
         ) from None
-    complete = scene.wear is None or last.revolution == scene.wear.revolutions
+    complete = last.place == scene.schedule.end
     estimator = None if complete else from_level(scene, measured, level, missed, run.model_of)
     history = run.resumed(process_of(model), last, before, estimator, missed)
-    finer = scene.wear is not None and levels.allowed(level + 1)
+    finer = bool(scene.schedule.end) and levels.allowed(level + 1)
     if history.status != Status.INACCURATE or not finer:
         return history
     estimator = from_level(scene, measured, level + 1, model_of=run.model_of)

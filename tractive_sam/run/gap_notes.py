@@ -34,7 +34,7 @@ def gap_notes(model: Model) -> Iterator[str]:
     for table, one in rough_maps(model.scene, measured, model.profiles, grid.half_length):
         if any(one.unresolved(grid)):
             yield f"{table}: {unresolved_note(model, one)}"
-    rolls = model.transmits or model.scene.wear is not None
+    rolls = model.transmits or bool(model.scene.schedule.end)
     if measured is not None and rolls and (rest := standing_roughness(measured, grid)):
         yield (
             f"gap: it varies along x by {rest:.2g} mm rms beside a round form. In steady rolling a "

@@ -38,7 +38,7 @@ def worn_bodies(start: History | State, scene: Scene) -> Worn:
         needed = "a History, as of roll or open_history, or a State, as of history.state"
         raise TypeError(f"start: {needed} is needed, not {type(start).__name__}")
     _check_same_bodies(start.scene, scene)
-    if start.scene.transient is not None and start.scene.wear is not None:
+    if start.scene.has("wear") and not start.scene.schedule.revolves:
         raise ResultsError(
             "start: a transient wears its bodies unevenly along the track, and they cannot begin "
             "with that; give what was rolled through whole revolutions"

@@ -34,7 +34,6 @@ import h5py
 import numpy as np
 
 from tractive_sam.results import (
-    BEFORE,
     BOUND,
     COLUMNS,
     COORDINATE,
@@ -131,13 +130,12 @@ def create(
     }
     history = file.create_group("history")
     _create_history(history, grid, certain)
-    if scene.duty:
-        names = [label(scene, k) for k in range(len(scene.duty))]
+    if names := [label(scene, k) for k in range(len(scene.duty))]:
         _labels(history, "block", names, "block of the duty cycle")
     kept = {name: one for name, one in kept_fields(scene).items() if one is not BOUND}
     _create_fields(file.create_group("fields"), grid, history, coordinate, kept)
     file.create_group("stress")
-    _create_state(file.create_group("state"), grid, history, scene)
+    _create_state(file.create_group("state"), grid, history)
 
 
 def set_status(file: h5py.File, status: str, message: str) -> None:
@@ -274,10 +272,9 @@ def _axes(group: h5py.Group, grid: h5py.Group, history: h5py.Group) -> tuple[h5p
     return group["block"], group["x"], group["y"]
 
 
-def _create_state(state: h5py.Group, grid: h5py.Group, history: h5py.Group, scene: Scene) -> None:
+def _create_state(state: h5py.Group, grid: h5py.Group, history: h5py.Group) -> None:
     first, *others = _axes(state, grid, history)
-    kept = FIELDS if scene.transient is None else FIELDS | BEFORE
-    for name, quantity in kept.items():
+    for name, quantity in FIELDS.items():
         _rows(state, name, quantity, (first, *others), rows=len(first))
 
 

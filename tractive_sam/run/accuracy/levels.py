@@ -66,6 +66,6 @@ def with_tolerances(scene: Scene) -> Scene:
     changes = {}
     if "tolerance" not in given.get("solver", {}):
         changes["solver.tolerance"] = max(SOLVER_SHARE * tolerance, 1e-8)
-    if scene.wear is not None and "tolerance" not in given["wear"]:
+    if "wear" in given and "tolerance" not in given["wear"]:
         changes["wear.tolerance"] = min(tolerance, WEAR_TOLERANCE)
     return scene.replace(**changes)

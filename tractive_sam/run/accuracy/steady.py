@@ -65,6 +65,6 @@ def refined(scene: Scene, measured: Gap | None, model_of: Callable[..., Model] =
 
 
 def _sample(contact: State, laws: Laws) -> Sample:
-    followed = contact.scene.fatigue is not None and contact.scene.wear is None
+    followed = contact.scene.has("fatigue") and not contact.scene.schedule.end
     cycled = fatigue(contact, laws=laws) if followed else {}
     return Sample.of(contact, stress_maxima(contact, laws), cycled)
