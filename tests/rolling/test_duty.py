@@ -147,6 +147,9 @@ def test_columns_of_the_blocks_and_of_the_cycle():
     np.testing.assert_allclose(
         history["block_dissipation"], history["block_work_supplied"], rtol=1e-4
     )
+    # Time is that of the cycle alone, and measured.
+    assert "block_seconds" not in history.columns
+    assert (history["seconds"] > 0.0).all()
 
 
 def test_a_block_is_a_history():

@@ -1,5 +1,6 @@
 """Rolling through revolutions, under one load or through the blocks of a duty cycle."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -135,6 +136,7 @@ class DutyCycle(Revolutions):
             found = seen.columns(self.model, {})
             values |= {name: found[name] for name in found if name not in seen.block_columns(0)}
         del values["wear_max"]
+        values["seconds"] = math.nan  # of the cycle, measured where it is recorded
         lost = np.stack((step.lost, step.lost + step.gained_by))[:, list(spectrum.places)]
         lost *= _share_of_alike(spectrum)
         values[PARTS.name] = lost[0]
