@@ -4,32 +4,15 @@ Steady contacts balance per distance rolled; steps of a course balance with what
 Which of them a history has is seen from its columns.
 """
 
-from collections.abc import Container, Mapping
-from typing import ClassVar, Protocol
+from typing import ClassVar
 
 import numpy as np
 
-from tractive_sam.results.grid import Grid
 from tractive_sam.results.law_record import UNNAMED
-from tractive_sam.scene import Scene
+from tractive_sam.results.recorded import Recorded
 
 ROUNDING = 1e-12
 """Share of the terms of a sum that its rounding may reach."""
-
-
-class Recorded(Protocol):
-    """What a balance reads of a history."""
-
-    scene: Scene
-    grid: Grid
-    columns: Container[str]
-    law_records: Mapping[str, object]
-
-    def __len__(self) -> int:
-        """Number of records."""
-
-    def __getitem__(self, name: str) -> np.ndarray:
-        """A column, one row a record."""
 
 
 class SteadyBalance:

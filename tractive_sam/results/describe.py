@@ -3,16 +3,13 @@
 import math
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from tractive_sam.results.balance import SteadyBalance, balance_of
 from tractive_sam.results.quantities import BODIES, Quantity
+from tractive_sam.results.recorded import Recorded
 from tractive_sam.scene import describe_load, near_edge, pressure_notes
-
-if TYPE_CHECKING:
-    from tractive_sam.results.history import History
 
 DEPTH_OF_STRESS = 0.6
 """Depth of the largest stress over the smaller semi-axis: 0.48 of a circle, 0.79 of a line."""
@@ -34,7 +31,7 @@ def number(value: float, error_bar: float = 0.0) -> str:
     return f"{value:.0f}" if float(value).is_integer() and abs(value) < 1e9 else f"{value:.4g}"
 
 
-def numbers(history: "History", row: int) -> Iterator[tuple[str, str, Quantity]]:
+def numbers(history: Recorded, row: int) -> Iterator[tuple[str, str, Quantity]]:
     """What a record tells in numbers: name, number with error bar, and quantity."""
     for name, one in history.of_dims().items():
         if not (name.endswith("_error") or np.isnan(history[name]).all()):
@@ -46,7 +43,7 @@ def numbers(history: "History", row: int) -> Iterator[tuple[str, str, Quantity]]
             yield f"{name} {body}", number(value, bar) if math.isfinite(value) else "none", one
 
 
-def error_bar(history: "History", name: str, row: int, *body: int) -> float:
+def error_bar(history: Recorded, name: str, row: int, *body: int) -> float:
     """The error bar of a quantity in a record, zero where it has none."""
     try:
         bars = history[f"{name}_error"]
@@ -56,7 +53,7 @@ def error_bar(history: "History", name: str, row: int, *body: int) -> float:
     return 0.0 if math.isnan(last) else last
 
 
-def rolled_on_by(history: "History") -> str:
+def rolled_on_by(history: Recorded) -> str:
     """Programs of other versions that a history was rolled on by, and from where; mostly none."""
     found = []
     for (_, before), (record, now) in pairwise(history.provenance):
@@ -66,7 +63,7 @@ def rolled_on_by(history: "History") -> str:
     return "; ".join(found)
 
 
-def balances(history: "History", only_if_open: bool = False) -> dict[str, str]:
+def balances(history: Recorded, only_if_open: bool = False) -> dict[str, str]:
     """Describe the balances of "energy" and "wear", each where it is furthest from unity.
 
     Of a duty cycle that is the record and the block. The wear of a transient is that of all its
@@ -97,7 +94,7 @@ def balances(history: "History", only_if_open: bool = False) -> dict[str, str]:
     return found
 
 
-def caveats(history: "History") -> dict[str, str]:
+def caveats(history: Recorded) -> dict[str, str]:
     """Return what to mind, by name.
 
     "utilisation" so close to the surface that it depends on the mesh and has no error bar,
@@ -115,7 +112,7 @@ def caveats(history: "History") -> dict[str, str]:
     return {name: text for name, text in told.items() if text}
 
 
-def _implausible_pressure(history: "History") -> str:
+def _implausible_pressure(history: Recorded) -> str:
     """Describe the largest pressure of all solved records, where it is implausible."""
     pressure = np.where(history["converged"] > 0.0, history["p_max"], 0.0)
     if not pressure.any():
@@ -126,7 +123,7 @@ def _implausible_pressure(history: "History") -> str:
     return "; ".join(pressure_notes(history.scene, float(pressure[row]), place))
 
 
-def _shallow_utilisation(history: "History", shallow: float = 3.0) -> str:
+def _shallow_utilisation(history: Recorded, shallow: float = 3.0) -> str:
     """Describe a largest utilisation of the last record within some elements of the surface.
 
     Within three elements paths that are sampled at the elements leave up to 13 % of it.
@@ -145,7 +142,7 @@ def _shallow_utilisation(history: "History", shallow: float = 3.0) -> str:
     )
 
 
-def _missed_stress(history: "History") -> str:
+def _missed_stress(history: Recorded) -> str:
     """Where elements are so long that the largest stress is not found."""
     grid, hertz = history.grid, history.scene.hertz
     if not history.bodies or hertz is None or history.scene.gap is not None:
@@ -169,7 +166,7 @@ def _wear(balance: SteadyBalance, value: float, closed: bool) -> str:
     return found if closed else f"{found}; {balance.wear_cure} them together"
 
 
-def describe_history(history: "History") -> dict[str, str]:
+def describe_history(history: Recorded) -> dict[str, str]:
     """Describe what was computed, its balances and its cost: text by label, for all reports."""
     a0, b0, p0 = history.a0, history.b0, history.p0
     totals, saved = history.totals, len(history.saved)
@@ -188,3 +185,31 @@ def describe_history(history: "History") -> dict[str, str]:
         "cost": f"{solves} contacts solved in {totals['wall_seconds']:.3g} s" if solves else "",
     }
     return {label: text for label, text in rows.items() if text}
+
+
+LAST = (
+    ("Qx_over_P", "Qy_over_P", "p_max", "half_width_x", "half_width_y", "stick_fraction"),
+    ("wear_max", "worn_mass A", "worn_mass B", "xi_x", "xi_y"),
+)
+"""Numbers of the last record: always, and where they are not zero."""
+
+
+def summarize_history(history: Recorded) -> dict[str, str]:
+    """Return a few rows about a history: label and text, numbers of its last record."""
+    along = history.coordinate
+    rows = {
+        "scene": history.title or "no title",
+        "status": history.status + (f": {history.message}" if history.message else ""),
+        "records": f"{len(history)}, {len(history.saved)} with fields",
+    }
+    if not len(history):
+        return rows
+    first, last = (format(history[along.name][k], along.format) for k in (0, -1))
+    rows[along.name] = first if len(history) == 1 else f"{first} to {last}"
+    told = {name: (value, one.unit) for name, value, one in numbers(history, -1)}
+    always, others = LAST
+    for name in (*always, *others):
+        value, unit = told.get(name, ("nan", ""))
+        if value not in ("nan", "none", "inf") and (name in always or value != "0"):
+            rows[name] = value if unit == "1" else f"{value} {unit}"
+    return rows

@@ -11,10 +11,11 @@ import numpy as np
 from tractive_sam.extras import importing_extra
 from tractive_sam.mechanics import Frame
 from tractive_sam.plain import text_table
-from tractive_sam.results import summary
 from tractive_sam.results.balance import balance_of
 from tractive_sam.results.cycle import PREFIX
+from tractive_sam.results.describe import summarize_history
 from tractive_sam.results.fatigue import BodyFatigue
+from tractive_sam.results.figure_table import html_with_figure
 from tractive_sam.results.grid import Grid, widened
 from tractive_sam.results.heat import FlashTemperature
 from tractive_sam.results.law_record import LawRecord, describe_laws
@@ -177,10 +178,12 @@ class History:
         )
 
     def __repr__(self) -> str:
-        return text_table("History", summary.of_history(self))
+        return text_table("History", summarize_history(self))
 
     def _repr_html_(self) -> str:
-        return summary.shown(summary.of_history(self), self)
+        return html_with_figure(
+            summarize_history(self), "forces" if len(self) > 1 else "pressure", self
+        )
 
     def __getattr__(self, name: str) -> Any:
         """Tell of a column, and of what a contact has and a history has not, where it is."""

@@ -10,8 +10,8 @@ import numpy as np
 
 from tractive_sam.mechanics import Frame
 from tractive_sam.plain import text_table
-from tractive_sam.results import summary
 from tractive_sam.results.edges import covered, extent
+from tractive_sam.results.figure_table import html_with_figure
 from tractive_sam.results.grid import Grid, widened
 from tractive_sam.results.heat import FlashTemperature
 from tractive_sam.results.status import Cost, Status
@@ -172,10 +172,28 @@ class State:
     laws: Any = field(default_factory=dict, repr=False)
 
     def __repr__(self) -> str:
-        return text_table("Contact", summary.of_contact(self))
+        return text_table("Contact", self._summary())
 
     def _repr_html_(self) -> str:
-        return summary.shown(summary.of_contact(self), self)
+        return html_with_figure(self._summary(), "pressure", self)
+
+    def _summary(self) -> dict[str, str]:
+        """Rows of a label and a text."""
+        unit = self.scene.contact_type.unit
+        wide = {"a": self.half_width_x, "b": self.half_width_y}
+        widths = [f"{name} = {half:.4g} mm" for name, half in wide.items() if math.isfinite(half)]
+        at = f", revolution {self.revolution}" if self.revolution else ""
+        return {
+            "scene": (self.scene.title or "no title") + at,
+            "status": f"{self.status}: {self.message}",
+            "forces": f"P = {self.P:.4g}, Qx = {self.Qx:.4g}, Qy = {self.Qy:.4g} "
+            f"{unit('N')}, Mz = {self.Mz:.3g} {unit('N mm')}",
+            "creepages": f"xi_x = {self.xi_x:.4g}, xi_y = {self.xi_y:.4g}, "
+            f"spin = {self.spin:.4g} /mm",
+            "contact": f"{', '.join(widths)}, p_max = {self.p_max:.4g} MPa, "
+            f"{self.stick_fraction:.0%} sticks",
+            "mesh": self.grid.describe_size(),
+        }
 
     def __getstate__(self) -> dict[str, Any]:
         """Without the Jacobian: who reads it may not have xarray."""

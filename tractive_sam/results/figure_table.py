@@ -1,0 +1,33 @@
+"""Tables of contacts and histories for notebooks, with a figure beside."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from tractive_sam.markup import Html, html_table
+
+
+def html_with_figure(
+    rows: Mapping[str, str], name: str, source: Any, wide: int = 380, narrow: int = 230
+) -> Html:
+    """Return rows of a label and a text as a table, beside a figure of their source.
+
+    Parameters
+    ----------
+    rows : mapping of str to str
+        What the table shows.
+    name : str
+        A figure of `plot`; left out where it has nothing to draw.
+    source : State or History
+        What is drawn.
+    wide, narrow : int
+        Width of a landscape and of a portrait figure, pixels.
+    """
+    # What draws is above this package: it is taken from the public door, as a user does.
+    import tractive_sam  # noqa: PLC0415
+
+    try:
+        figure = getattr(tractive_sam.plot, name)(source)
+    except (LookupError, ValueError):  # no fields, or nothing to draw
+        return html_table(rows, Html())
+    landscape = figure.get_figwidth() > figure.get_figheight()
+    return html_table(rows, figure.in_html(wide if landscape else narrow))
