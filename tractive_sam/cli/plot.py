@@ -78,8 +78,7 @@ def plot(
     if not history.finished:
         note(f"{file} is {history.status}: {history.message}")
     if history.block_names and not block:
-        note(
-            "--block NAME draws a block of the duty cycle, --block all each",
-        )
+        names = ", ".join(history.block_names)
+        note(f"--block NAME draws a block of the duty cycle, of {names}; --block all each")
     for path in paths:
         tell(path)

@@ -10,7 +10,6 @@ from tractive_sam.markup import Html, as_html, fill
 from tractive_sam.pages import text
 from tractive_sam.pages.arrays import packed
 from tractive_sam.results import BODIES, COORDINATE, LABELS, PREFIX, History, Quantity
-from tractive_sam.scene import label
 
 TOGETHER = (
     ("Forces over the normal load", ("Qx_over_P", "Qy_over_P")),
@@ -121,9 +120,8 @@ def _chart(history: History, title: str, group: list[Quantity]) -> dict[str, Any
 
 def _lines(history: History, one: Quantity, several: int) -> Iterator[dict[str, Any]]:
     """The numbers of a column that change, a line for each body and axis."""
-    values, duty = history[one.name], history.scene.duty or ()
-    noise = _noise(history, one.name)
-    labels = {**LABELS, "block": [label(history.scene, k) for k in range(len(duty))]}
+    values, noise = history[one.name], _noise(history, one.name)
+    labels = {**LABELS, "block": history.block_names}
     for place in product(*(labels[dim] for dim in one.dims)):
         place_of = zip(one.dims, place, strict=True)
         at: Any = (..., *(labels[dim].index(k) for dim, k in place_of))

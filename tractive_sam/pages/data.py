@@ -15,7 +15,6 @@ from tractive_sam.pages.charts import charts
 from tractive_sam.plain import plain
 from tractive_sam.plot import Drawn, Scale, chosen, continued, edge_level, stick_level
 from tractive_sam.results import COMPONENTS, Grid, History, PlaneStress, numbers, widened
-from tractive_sam.scene import label
 
 MOST_SAVED = 40
 """Records whose fields are on the page; of more some are left out."""
@@ -55,7 +54,7 @@ def of_history(history: History) -> dict[str, Any]:
     rows = [int(np.flatnonzero(history[along.name] == at)[-1]) for at in saved]
     each = [row for row in rows for _ in blocks]
     return {
-        "line": history.line,
+        "line": history.grid.directions == 1,
         "along": {
             "name": as_html(along.label or along.name),
             "symbol": text.symbol(along.symbol) or as_html(along.name),
@@ -82,10 +81,8 @@ def of_history(history: History) -> dict[str, Any]:
 
 def _blocks(history: History) -> list[tuple[str, History]]:
     """Names and histories of the blocks of a duty cycle; else of the whole, which has no name."""
-    duty = history.scene.duty
-    if not duty:
-        return [("", history)]
-    return [(f", {label(history.scene, k)}", history.block(k)) for k in range(len(duty))]
+    blocks = [(f", {name}", history.block(k)) for k, name in enumerate(history.block_names)]
+    return blocks or [("", history)]
 
 
 def _scale(history: History) -> dict[str, Any]:
@@ -171,10 +168,9 @@ def _surface(state: Drawn) -> Iterator[tuple[str, np.ndarray]]:
     if contact.friction_varies:
         pressure = np.where(contact.touching, contact.pressure, 1.0)
         yield "friction", continued(contact.utilisation / pressure, contact.touching)
-    if contact.heat is not None:
-        yield "temperature_A", contact.heat.temperature_A
-        yield "temperature_B", contact.heat.temperature_B
-    if not state.line:
+    for body, temperature in (contact.heat.temperature if contact.heat else {}).items():
+        yield f"temperature_{body}", temperature
+    if contact.grid.directions > 1:
         yield "edge", _of_one(edge_level(contact.pressure))
         yield "stick", _stick(state)
 
@@ -193,7 +189,7 @@ def _of_one(values: np.ndarray) -> np.ndarray:
 
 def _profiles(history: History, rows: Sequence[int]) -> dict[str, Any] | None:
     """Depth worn off each body across the track, micrometres, shape (records, n_y)."""
-    if history.line or history.scene.wear is None or not rows:
+    if history.grid.directions == 1 or not rows:
         return None
     found = {name: 1e3 * history[name][rows] for name in PROFILES if name in history.columns}
     known = {name: depth for name, depth in found.items() if np.isfinite(depth).any()}

@@ -9,10 +9,12 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from tractive_sam import interrupt
 from tractive_sam.extras import importing_extra
 from tractive_sam.markup import Html, fill, policy
 from tractive_sam.output_file import write_file
 from tractive_sam.pages.data import of_history
+from tractive_sam.plot import figures_of
 from tractive_sam.results import History, describe_history
 from tractive_sam.scene import Scene
 
@@ -28,6 +30,19 @@ SCALES = {
     "RdBu": "RdBu_r",
 }
 """Colours as of the figures, by their names in the page and in plotly."""
+
+
+DRAWN_BY_SCRIPT = """
+pressure traction traction-sections stick-slip slip wear friction temperature von-mises-{plane}
+forces widths stick creepages wear-depth worn-mass {stress_max} fatigue-course block-shares
+profiles wear-profiles worn-profiles pressure-profiles pressure-over-{coordinate}
+slip-over-{coordinate} wear-over-{coordinate} wear-regimes
+"""
+"""Registered figures that the page has as interactive ones, and wear-regimes, which would load
+compilers. All others are pictures in it."""
+
+PICTURE = 460.0
+"""Width of a picture, pixels."""
 
 
 def report(history: History, path: str | PathLike[str]) -> Path:
@@ -84,6 +99,7 @@ def _page(history: History) -> str:
         message=history.message,
         notes=(fill('<p class="notice">$note</p>\n', note=note) for note in notes),
         facts=(fill("<dt>$name</dt><dd>$one</dd>", name=k, one=v) for k, v in facts.items()),
+        pictures=_pictures(history),
         scene=_scene(history),
         versions=", ".join(named or [f"tractive-sam {version('tractive-sam')}"]),
         plotly=Html(script),
@@ -111,6 +127,27 @@ def _plotly() -> tuple[str, dict[str, Any]]:
         from plotly.colors import get_colorscale  # noqa: PLC0415 - of an extra
         from plotly.offline import get_plotlyjs  # noqa: PLC0415
     return get_plotlyjs(), {name: get_colorscale(plotly) for name, plotly in SCALES.items()}
+
+
+def _pictures(history: History) -> Html:
+    """Return a section of the figures that the script does not draw, each with its caption."""
+    cards, drawn = [], DRAWN_BY_SCRIPT.split()
+    for drawing in figures_of(history):
+        if drawing.entry.name not in drawn:
+            interrupt.heed()
+            image = drawing.draw().in_html(PICTURE)
+            cards.append(fill(_CARD, caption=drawing.caption, image=image))
+    return fill(_SECTION, cards=cards) if cards else Html()
+
+
+_CARD = '<figure class="card"><figcaption>$caption</figcaption>$image</figure>\n'
+
+_SECTION = """<section id="pictures" aria-labelledby="pictures-head">
+<h2 id="pictures-head">Further figures</h2>
+<div class="cards wide">
+$cards</div>
+</section>
+"""
 
 
 def _harmless(data: str) -> str:

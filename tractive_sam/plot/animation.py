@@ -11,12 +11,13 @@ from PIL import Image
 
 from tractive_sam import interrupt
 from tractive_sam.output_file import write_file
-from tractive_sam.plot import transient
+from tractive_sam.plot.conditions import WIDE
 from tractive_sam.plot.drawn import Drawn, chosen
 from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.frame import Frame
 from tractive_sam.plot.map import BOTTOM, LEFT, RIGHT, Map, paper, placed
 from tractive_sam.plot.style import BLUE, MICRON, PRESSURE, WIDTH, styled
+from tractive_sam.plot.transient import SHIFTS, traction_picture
 from tractive_sam.results import History
 
 MOST = 100
@@ -63,8 +64,7 @@ def animate(history: History, path: str | Path, rate: float = 2.0) -> Path:
     path = Path(path)
     if path.suffix.lower() != ".gif":
         raise ValueError(f'path: a name that ends in ".gif"; not {path.name!r}')
-    if history.line:
-        raise ValueError("an animation shows a map, and a line contact has none")
+    WIDE.check(history)
     if len(history.saved) < 2:
         raise ValueError(
             "an animation needs at least two stored records, there is "
@@ -73,8 +73,8 @@ def animate(history: History, path: str | Path, rate: float = 2.0) -> Path:
     envelope = _envelope(history)
     frame = Frame.around(envelope, width=0.6 * WIDTH)
     beside, draw = TRACK, _picture
-    if history.scene.transient is not None:
-        beside, draw = 0.0, transient.picture
+    if {*SHIFTS} <= {*history.columns}:  # the edge of stick moves as the bodies shift
+        beside, draw = 0.0, traction_picture
     figure = paper(LEFT + frame.width + RIGHT + beside + 0.2, frame, f"{history.title}\n")
     pictures = []
     # Once saved, a figure without a layout takes that of the settings.

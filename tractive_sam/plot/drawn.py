@@ -114,11 +114,6 @@ class Drawn:
         return place(self.coordinate, self.at)
 
     @property
-    def line(self) -> bool:
-        """Whether it is of a line contact, the fields of which do not change along y."""
-        return len(self.y) == 1
-
-    @property
     def isotropic(self) -> bool:
         """Whether friction is the same in all directions."""
         frame = self.contact.frame

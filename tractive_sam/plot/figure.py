@@ -66,7 +66,7 @@ class Figure(matplotlib.figure.Figure):
             If the file cannot be written; one that was there before is unchanged.
         """
         for text in self.findobj(Text):  # fonts have no signs for control characters
-            if text.get_text() != (shown := plain(text.get_text(), None)):
+            if text.get_text() != (shown := plain(text.get_text(), None).replace("\t", " ")):
                 text.set_text(shown)
         if not isinstance(fname, str | PathLike):
             super().savefig(fname, **options)

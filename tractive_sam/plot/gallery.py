@@ -3,16 +3,14 @@
 import warnings
 from collections.abc import Iterable
 from functools import cache
-from importlib import import_module
 from importlib.metadata import entry_points
 from pathlib import Path
-from pkgutil import iter_modules
 
 from tractive_sam import interrupt
 from tractive_sam.output_file import make_folder
 from tractive_sam.plot.conditions import touching_records
 from tractive_sam.plot.drawn import Drawn
-from tractive_sam.plot.registry import OF_CONTACTS, OF_HISTORIES, Drawing
+from tractive_sam.plot.registry import OF_CONTACTS, OF_HISTORIES, Drawing, register_own
 from tractive_sam.plot.scale import units as drawn_in
 from tractive_sam.results import History
 
@@ -99,7 +97,8 @@ def figures_of(history: History) -> list[Drawing]:
     >>> [drawing.name for drawing in plot.figures_of(history) if "wear" in drawing.name]
     ['wear-2', 'wear-depth', 'wear-over-revolutions', 'wear-profiles']
     """
-    _register_all()
+    register_own()
+    _register_installed()
     found = []
     for at in touching_records(history):
         state = Drawn.of(history, at)
@@ -113,10 +112,8 @@ def figures_of(history: History) -> list[Drawing]:
 
 
 @cache
-def _register_all() -> None:
-    """Import all modules that register figures: of this package, and of installed ones."""
-    for module in iter_modules([str(Path(__file__).parent)]):
-        import_module(f"{__package__}.{module.name}")
+def _register_installed() -> None:
+    """Import the modules of installed packages that register figures."""
     for point in entry_points(group=GROUP):
         try:
             point.load()

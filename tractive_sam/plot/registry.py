@@ -9,7 +9,10 @@ import inspect
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial, wraps
+from functools import cache, partial, wraps
+from importlib import import_module
+from pathlib import Path
+from pkgutil import iter_modules
 from typing import Any, ParamSpec
 
 import numpy as np
@@ -254,6 +257,13 @@ def contact_figure(
     return register
 
 
+@cache
+def register_own() -> None:
+    """Import the modules of this package, which register its figures."""
+    for module in iter_modules([str(Path(__file__).parent)]):
+        import_module(f"{__package__}.{module.name}")
+
+
 def _add(
     entries: dict[str, FigureEntry],
     name: str,
@@ -268,6 +278,8 @@ def _add(
         return chosen(subject, *args, **options)
 
     entry = FigureEntry(name, function, styled(draw), **settings)
+    if not entry.origin.startswith(__package__):
+        register_own()  # their names are taken
     other = entries.setdefault(name, entry)
     if other.origin != entry.origin:
         raise ValueError(f"figure {name} of {entry.origin}: {other.origin} has this name")

@@ -1,6 +1,7 @@
 """Figures of transients: the loop of force and shift, energy, and the course of stick and slip."""
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from tractive_sam.plot.conditions import Need, in_course, worn
 from tractive_sam.plot.courses import over_course
@@ -12,7 +13,8 @@ from tractive_sam.plot.registry import history_figure
 from tractive_sam.plot.style import BLUE, MICRON, TRACTION, VERMILLION, WEAR
 from tractive_sam.results import History
 
-_SHIFTS = ("shift_x", "shift_y")
+SHIFTS = ("shift_x", "shift_y")
+"""Columns of a history in steps, in which A is shifted over B."""
 
 _ROLLS = Need(
     lambda history: history.coordinate.unit == "mm",
@@ -20,7 +22,7 @@ _ROLLS = Need(
 )
 
 
-@history_figure("hysteresis", columns=_SHIFTS, cure="[transient]", shown=in_course)
+@history_figure("hysteresis", columns=SHIFTS, cure="[transient]", shown=in_course)
 def hysteresis(history: History) -> Figure:
     """Force on body A over the shift of A over B, along the axis of the larger shift.
 
@@ -81,7 +83,7 @@ def energies(history: History) -> Figure:
     return figure
 
 
-@history_figure("stick", columns=["stick_fraction", *_SHIFTS], cure="[transient]", shown=in_course)
+@history_figure("stick", columns=["stick_fraction", *SHIFTS], cure="[transient]", shown=in_course)
 def stick_course(history: History) -> Figure:
     """Share of the contact that sticks, over the course.
 
@@ -101,8 +103,33 @@ def stick_course(history: History) -> Figure:
     return figure
 
 
+_DEPTH = r"wear depth $w$ ($\mathrm{\mu m}$)"
+
+
+def _over_track(history: History) -> tuple[Figure, Axes, np.ndarray, np.ndarray]:
+    """Return axes over the track, its places (mm) and the depths worn there (micrometres)."""
+    places, depth = history.worn_track
+    figure, axes = over_course(history, "wear of both bodies along the track")
+    axes.set(xlim=(places[0], places[-1]), xlabel="place on the bodies (mm)")
+    return figure, axes, places, MICRON * depth
+
+
+def _worn_row(history: History) -> Figure:
+    """Depth worn along the track of a line contact."""
+    figure, axes, places, depth = _over_track(history)
+    axes.plot(places, depth[:, 0], color=BLUE)
+    axes.set_ylim(bottom=0.0)
+    axes.set_ylabel(_DEPTH)
+    return figure
+
+
 @history_figure(
-    "worn-track", columns=["step_worn"], needs=[_ROLLS], cure="[transient] and [wear]", shown=worn
+    "worn-track",
+    line=_worn_row,
+    columns=["step_worn"],
+    needs=[_ROLLS],
+    cure="[transient] and [wear]",
+    shown=worn,
 )
 def worn_track(history: History) -> Figure:
     """Depth worn along the track, of both bodies together, in coordinates of the bodies.
@@ -118,19 +145,10 @@ def worn_track(history: History) -> Figure:
     >>> plot.worn_track(ts.roll(slipping))
     <Figure size ...>
     """
-    places, depth = history.worn_track
-    depth = MICRON * depth
-    symbol = r"$w$ ($\mathrm{\mu m}$)"
-    figure, axes = over_course(history, "wear of both bodies along the track")
-    axes.set(xlim=(places[0], places[-1]), xlabel="place on the bodies (mm)")
-    if history.line:
-        axes.plot(places, depth[:, 0], color=BLUE)
-        axes.set_ylim(bottom=0.0)
-        axes.set_ylabel(f"wear depth {symbol}")
-        return figure
+    figure, axes, places, depth = _over_track(history)
     worn = np.abs(history.y[(depth > 0.0).any(axis=0)])
     mesh = axes.pcolormesh(places, history.y, depth.T, cmap=WEAR, vmin=0.0, shading="nearest")
-    figure.colorbar(mesh, ax=axes, label=f"wear depth {symbol}")
+    figure.colorbar(mesh, ax=axes, label=_DEPTH)
     axes.set_ylabel("$y$ (mm)")
     if worn.size:
         side = min(1.2 * worn.max(), history.grid.half_length[1])
@@ -138,7 +156,7 @@ def worn_track(history: History) -> Figure:
     return figure
 
 
-def picture(figure: Figure, frame: Frame, state: Drawn, envelope: Drawn) -> None:
+def traction_picture(figure: Figure, frame: Frame, state: Drawn, envelope: Drawn) -> None:
     """One picture of an animation: the traction and the moving edge of stick.
 
     The colours end at the peak contact pressure at any time: there friction carries no more.
