@@ -40,16 +40,6 @@ def of_history(history: History) -> dict[str, Any]:
         interrupt.heed()
         states += [Drawn.of(block, at) for _, block in blocks]
     surface = _Window.around(states, BESIDE, MOST_NUMBERS / (10 * max(len(states), 1)))
-    left_out = []
-    if len(saved) < len(history.saved):
-        left_out.append(f"{len(saved)} of {len(history.saved)} stored records are shown here")
-    if surface is not None and surface.every > 1:
-        left_out.append(f"of the surface every {surface.every}. element is drawn")
-    if len(blocks) > 1:
-        left_out.append(
-            "a duty cycle: each place of the slider is one of its blocks; numbers count y from the "
-            "middle of the band that it rolls on"
-        )
     along = history.coordinate
     rows = [int(np.flatnonzero(history[along.name] == at)[-1]) for at in saved]
     each = [row for row in rows for _ in blocks]
@@ -75,8 +65,21 @@ def of_history(history: History) -> dict[str, Any]:
         ],
         "course": packed(history[along.name]),
         "charts": charts(history),
-        "leftOut": left_out,
+        "leftOut": list(_left_out(history, saved, surface)),
     }
+
+
+def _left_out(history: History, saved: np.ndarray, surface: "_Window | None") -> Iterator[str]:
+    """Notes on what the page does not show, or shows otherwise."""
+    if len(saved) < len(history.saved):
+        yield f"{len(saved)} of {len(history.saved)} stored records are shown here"
+    if surface is not None and surface.every > 1:
+        yield f"of the surface every {surface.every}. element is drawn"
+    if len(history.block_names) > 1:
+        yield (
+            "a duty cycle: each place of the slider is one of its blocks; numbers count y from the "
+            "middle of the band that it rolls on"
+        )
 
 
 def _blocks(history: History) -> list[tuple[str, History]]:

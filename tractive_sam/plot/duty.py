@@ -103,7 +103,7 @@ def block_shares(history: History) -> Figure:
 def _by_laws(history: History) -> bool:
     """Whether the scene's laws of wear differ between bodies or blocks, or have regimes."""
     known = "wear" not in history.law_records and history["wear_profile"].any()
-    return known and bool(history.block_names or not getattr(history.scene.wear, "together", True))
+    return known and bool(history.block_names or not history.scene.has("wear.together"))
 
 
 @history_figure("wear-regimes", shown=_by_laws)
