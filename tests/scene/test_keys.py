@@ -7,7 +7,7 @@ import pytest
 
 import tractive_sam as ts
 from tractive_sam.scene.keys import groups
-from tractive_sam.scene.starter import starter
+from tractive_sam.scene.starter_text import starter
 from tractive_sam.scene.table import Table
 
 GROUPS = {name: group for group in groups(ts.Scene) for name in group.names}

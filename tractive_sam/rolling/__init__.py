@@ -1,40 +1,6 @@
 """Counts revolutions: what a pass wears is in the way of the next one."""
 
-from tractive_sam.rolling.damage import MISSED, Damage, stressed_volume
-from tractive_sam.rolling.forecast import Forecast
-from tractive_sam.rolling.observation import Observation
-from tractive_sam.rolling.passage import Passage, ProfilePoint, begun
-from tractive_sam.rolling.process import (
-    ErrorEstimator,
-    Process,
-    Recorder,
-    Step,
-    StepRecord,
-    StoredStep,
-    continuing_rows,
-)
-from tractive_sam.rolling.registry import process_of, process_type, steps
-from tractive_sam.rolling.transient import Moment, Transient
+import lazy_loader
 
-__all__ = [
-    "MISSED",
-    "Damage",
-    "ErrorEstimator",
-    "Forecast",
-    "Moment",
-    "Observation",
-    "Passage",
-    "Process",
-    "ProfilePoint",
-    "Recorder",
-    "Step",
-    "StepRecord",
-    "StoredStep",
-    "Transient",
-    "begun",
-    "continuing_rows",
-    "process_of",
-    "process_type",
-    "steps",
-    "stressed_volume",
-]
+# Names, listed in __init__.pyi, are looked up when first used.
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -6,29 +6,7 @@ z = +depth, body B at z = -depth. Across the interface xz, yz and zz are continu
 -p_n.
 """
 
-from tractive_sam.results import Maximum, PlaneStress
-from tractive_sam.subsurface.cycle import cycle_depths, cycle_fatigue, fatigue
-from tractive_sam.subsurface.depth import depths, semi_axes
-from tractive_sam.subsurface.layers import stress_layers
-from tractive_sam.subsurface.maximum import stress_maxima, stress_maximum
-from tractive_sam.subsurface.plane import stress_on_plane, stress_on_planes
-from tractive_sam.subsurface.points import stress_at, stress_path
-from tractive_sam.subsurface.volume import stress_volume
+import lazy_loader
 
-__all__ = [
-    "Maximum",
-    "PlaneStress",
-    "cycle_depths",
-    "cycle_fatigue",
-    "depths",
-    "fatigue",
-    "semi_axes",
-    "stress_at",
-    "stress_layers",
-    "stress_maxima",
-    "stress_maximum",
-    "stress_on_plane",
-    "stress_on_planes",
-    "stress_path",
-    "stress_volume",
-]
+# Names, listed in __init__.pyi, are looked up when first used.
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,22 @@
+"""What `rolling` lets out, for `__init__.py` and for type checkers."""
+
+from .damage import MISSED as MISSED
+from .damage import Damage as Damage
+from .damage import stressed_volume as stressed_volume
+from .forecast import Forecast as Forecast
+from .observation import Observation as Observation
+from .passage import Passage as Passage
+from .passage import ProfilePoint as ProfilePoint
+from .passage import begun as begun
+from .process import ErrorEstimator as ErrorEstimator
+from .process import Process as Process
+from .process import Recorder as Recorder
+from .process import Step as Step
+from .process import StepRecord as StepRecord
+from .process import StoredStep as StoredStep
+from .process import continuing_rows as continuing_rows
+from .registry import process_of as process_of
+from .registry import process_type as process_type
+from .registry import steps as steps
+from .transient import Moment as Moment
+from .transient import Transient as Transient
