@@ -184,6 +184,20 @@ class TestNamedLaw:
             case.scene.friction.law.parameters["scale"] for case in ts.studies.cases(study)
         ] == axis["values"]
 
+    def test_a_study_solves_with_it(self, tmp_path):
+        film = ["friction.law=film_laws:Film", "friction.scale=0.05"]  # p_max is .017 MPa
+        scene, steps = SPHERES.with_set(film), [-1e-3, -4e-3]
+        axis = {"key": "creepage.longitudinal", "values": steps}
+        cases = ts.Study(scene=scene, axis=[axis], keep="scalars")
+        found = ts.study(cases, tmp_path / "a", workers=0).column("Qx")
+        of_film, of_coulomb = (
+            [ts.solve(one.replace(**{axis["key"]: step})).Qx for step in steps]
+            for one in (scene, SPHERES)
+        )
+        # Each case starts from the one before: equal to the tolerance of the solver, 1e-8.
+        np.testing.assert_allclose(found, of_film, rtol=1e-6)
+        assert (np.array(of_film) < of_coulomb).all()
+
     def test_run_resumes_with_the_same_law(self, tmp_path):
         longer = ["wear.revolutions=4", "wear.save=[0, 2, 4]"]
         scene = DISCS.with_set(FILM)
