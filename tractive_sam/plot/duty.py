@@ -102,8 +102,10 @@ def block_shares(history: History) -> Figure:
 
 def _by_laws(history: History) -> bool:
     """Whether the scene's laws of wear differ between bodies or blocks, or have regimes."""
-    known = "wear" not in history.law_records and history["wear_profile"].any()
-    return known and bool(history.block_names or not history.scene.has("wear.together"))
+    scene = history.scene
+    if "wear" in history.law_records or not scene.has("wear") or not history["wear_profile"].any():
+        return False
+    return bool(history.block_names) or not scene.has("wear.together")
 
 
 @history_figure("wear-regimes", shown=_by_laws)
