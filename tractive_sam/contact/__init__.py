@@ -1,7 +1,7 @@
 """Sets up and solves steady rolling contact."""
 
 from tractive_sam.contact.equilibrium import equilibrium, fitted, fitted_blocks
-from tractive_sam.contact.heat import wear_law_in, with_heat
+from tractive_sam.contact.heat import divide_heat, wear_law_in, with_heat
 from tractive_sam.contact.jacobian import check_jacobian, jacobian_of
 from tractive_sam.contact.laws import Laws
 from tractive_sam.contact.measured import across, standing_roughness, uncovered_axes
@@ -28,6 +28,7 @@ __all__ = [
     "as_asked",
     "check_jacobian",
     "choose_grid",
+    "divide_heat",
     "equilibrium",
     "fitted",
     "fitted_blocks",

@@ -8,7 +8,7 @@ Where they touch both surfaces are equally warm: with K_A, K_B the operators of 
 in contact, one linear system. Of equal bodies of equal bulk w is q/2, whatever the contact.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import lru_cache
 
@@ -40,10 +40,12 @@ MEMORY = 5
 """Temperatures that are combined with the last one on the way to those that friction answers to."""
 
 
-@lru_cache(maxsize=4)
-def surface_heat(grid: Grid, speed: float, diffusivity: float, conductivity: float) -> SurfaceHeat:
-    """The operator of a body on a mesh; the last few are kept."""
-    return SurfaceHeat(grid, speed, diffusivity, conductivity)
+@lru_cache(maxsize=8)
+def surface_heat(
+    grid: Grid, speed: float, diffusivity: float, conductivity: float, time: float = np.inf
+) -> SurfaceHeat:
+    """Return the operator of a body on a mesh, a time after the flux began, s."""
+    return SurfaceHeat(grid, speed, diffusivity, conductivity, time)
 
 
 def heat_of(model: Model, contact: State) -> FlashTemperature:
@@ -54,11 +56,41 @@ def heat_of(model: Model, contact: State) -> FlashTemperature:
     RuntimeError
         If the linear system was not solved, which no material should bring about.
     """
-    bulk, warm = model.scene.heat.bulks, _warm(model, contact.grid)
     made = -model.scene.creepage.speed * (contact.traction * contact.slip).sum(axis=0)
-    into_A = _into_A(model, warm, made, bulk["B"] - bulk["A"], contact.touching)
+    return divide_heat(model, contact, made, model.scene.heat.bulks)
+
+
+def divide_heat(
+    model: Model,
+    contact: State,
+    made: np.ndarray,
+    before: Mapping[str, np.ndarray | float],
+    time: float = np.inf,
+) -> FlashTemperature:
+    """Divide the heat of friction so that both surfaces are equally warm in contact.
+
+    Parameters
+    ----------
+    model : Model
+        The scene in numbers, with [heat].
+    contact : State
+        The contact: its mesh, and where it touches.
+    made : ndarray, shape (n_x, n_y)
+        Heat that friction makes, mW/mm².
+    before : mapping of str to float or ndarray, shape (n_x, n_y)
+        Temperatures of A and B without that heat, degrees C.
+    time : float
+        Time since it began to be made, s; by default the temperature is steady.
+
+    Raises
+    ------
+    RuntimeError
+        If the linear system was not solved.
+    """
+    warm = _warm(model, contact.grid, time)
+    into_A = _into_A(model, warm, made, before["B"] - before["A"], contact.touching)
     flux = {"A": into_A, "B": made - into_A}
-    temperature = {body: bulk[body] + warm[body](flux[body]) for body in warm}
+    temperature = {body: before[body] + warm[body](flux[body]) for body in warm}
     return FlashTemperature(contact.grid, contact.touching, temperature, flux)
 
 
@@ -80,11 +112,11 @@ def warming(model: Model, contact: State, traction: np.ndarray, slip: np.ndarray
     return warm["A"](_into_A(model, warm, made, 0.0, contact.touching))
 
 
-def _warm(model: Model, grid: Grid) -> dict[str, SurfaceHeat]:
+def _warm(model: Model, grid: Grid, time: float = np.inf) -> dict[str, SurfaceHeat]:
     """The operators of both bodies."""
     speed = model.scene.creepage.speed
     return {
-        body: surface_heat(grid, speed, one.diffusivity, one.conductivity)
+        body: surface_heat(grid, speed, one.diffusivity, one.conductivity, time)
         for body, one in model.scene.thermal.items()
     }
 
@@ -93,19 +125,23 @@ def _into_A(
     model: Model,
     warm: dict[str, SurfaceHeat],
     made: np.ndarray,
-    colder: float,
+    colder: np.ndarray | float,
     touching: np.ndarray,
 ) -> np.ndarray:
     """What of the heat made goes into A, where B is colder by so much before; exactly half of
     alike ones."""
     thermal = model.scene.thermal
-    if thermal["A"] == thermal["B"] and not colder:
+    if thermal["A"] == thermal["B"] and not np.any(colder):
         return 0.5 * made
     return _shared(warm["A"], warm["B"], made, colder, touching)
 
 
 def _shared(
-    A: SurfaceHeat, B: SurfaceHeat, made: np.ndarray, colder: float, touching: np.ndarray
+    A: SurfaceHeat,
+    B: SurfaceHeat,
+    made: np.ndarray,
+    colder: np.ndarray | float,
+    touching: np.ndarray,
 ) -> np.ndarray:
     """What of the heat made goes into A, by equal temperatures in contact."""
     inverse = A.inverse_with(B)

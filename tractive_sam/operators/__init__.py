@@ -5,6 +5,7 @@ from tractive_sam.operators.convolution import Convolution
 from tractive_sam.operators.elastic import Operators
 from tractive_sam.operators.extent import extent
 from tractive_sam.operators.heat import STEPS_FROM, SurfaceHeat
+from tractive_sam.operators.heat_memory import HeatMemory
 from tractive_sam.operators.influence import Lattice
 from tractive_sam.operators.memory import available
 from tractive_sam.operators.meter import ConvolutionMeter
@@ -27,6 +28,7 @@ __all__ = [
     "Frame",
     "FrictionSlip",
     "Grid",
+    "HeatMemory",
     "Lattice",
     "Operators",
     "Stencil",

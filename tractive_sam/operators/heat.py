@@ -24,8 +24,13 @@ BEYOND = 6.5
 """erf of it is one, to rounding."""
 
 
-def _panels(x: float, y: float, dx: float, dy: float, speed: float, kappa: float) -> np.ndarray:
-    """Ends of the panels in s, from where heat has not left its element to where all is lost."""
+def _panels(
+    x: float, y: float, dx: float, dy: float, speed: float, kappa: float, until: float = np.inf
+) -> np.ndarray:
+    """Ends of the panels in s, from where heat has not left its element to where all is lost.
+
+    If the source began a time `until` ago, s, to be squared, ends at that.
+    """
     root = np.sqrt(kappa)
     # The half side is 2 BEYOND diffusion lengths and the way: dx/2 = V s² + 2 BEYOND sqrt(kappa) s.
     b = BEYOND * root
@@ -33,15 +38,23 @@ def _panels(x: float, y: float, dx: float, dy: float, speed: float, kappa: float
     far = 1e7 * np.hypot(x, y) / root
     if speed > 0.0:  # the front of the farthest point behind, and what it trails
         far = min(far, (b + np.sqrt(b * b + speed * x)) / speed)
-    ends = [first]
+    last = np.sqrt(until)
+    ends = [min(first, last)]
     widest = FRONT * root / speed if speed > 0.0 else np.inf
-    while ends[-1] < far:
-        ends.append(ends[-1] + min((GROWTH - 1.0) * ends[-1], widest))
+    while ends[-1] < min(far, last):
+        ends.append(min(last, ends[-1] + min((GROWTH - 1.0) * ends[-1], widest)))
     return np.array(ends)
 
 
 def coefficients(
-    x: np.ndarray, y: np.ndarray, dx: float, dy: float, speed: float, kappa: float, lam: float
+    x: np.ndarray,
+    y: np.ndarray,
+    dx: float,
+    dy: float,
+    speed: float,
+    kappa: float,
+    lam: float,
+    until: float = np.inf,
 ) -> np.ndarray:
     """Temperature at points by a unit flux into an element at the origin.
 
@@ -57,6 +70,8 @@ def coefficients(
         Diffusivity, mm²/s.
     lam : float
         Conductivity, W/(m K).
+    until : float
+        Time since the source began, s; by default the temperature is steady.
 
     Returns
     -------
@@ -67,13 +82,13 @@ def coefficients(
     table = np.empty((x.size, y.size))
     line = not np.isfinite(dy)
     length = float(np.abs(sides_x).max())
-    if speed * dx > STEPS_FROM * 2.0 * kappa:
+    if speed * dx > STEPS_FROM * 2.0 * kappa and until == np.inf:
         heat.swept(x, y, dx, 1e3 * length if line else dy, speed, kappa, table)
     else:
         sides_y = np.zeros(0) if line else np.concatenate((y + 0.5 * dy, y - 0.5 * dy))
         across = dx if line else dy
         widest = 0.0 if line else float(np.abs(sides_y).max())
-        ends = _panels(length, widest, dx, across, speed, kappa)
+        ends = _panels(length, widest, dx, across, speed, kappa, until)
         # Before the first panel only the element itself is warm, and wholly so.
         here = np.abs(x)[:, None] < 0.5 * dx
         table[:] = np.where(here & (line | (np.abs(y)[None, :] < 0.5 * across)), ends[0], 0.0)
@@ -90,7 +105,7 @@ def coefficients(
             aside = np.empty((at.size, sides_y.size))
             heat.passed(at, sides_y, 0.0, kappa, aside)
             table += along.T @ (aside[:, : y.size] - aside[:, y.size :])
-        if speed == 0.0:  # far away in time, A B is dx dy / (4 pi kappa s²)
+        if speed == 0.0 and until == np.inf:  # far away in time, A B is dx dy / (4 pi kappa s²)
             table += dx * across / (4.0 * np.pi * kappa * ends[-1])
     # 2 / (rho c sqrt(pi kappa)), with rho c = lambda / kappa
     return 2.0 * table * np.sqrt(kappa / np.pi) / lam
@@ -103,16 +118,16 @@ class SurfaceHeat:
     ----------
     grid : Grid
         The mesh; of a line contact one row, infinitely long in y.
-    speed, kappa, lam : float
+    speed, kappa, lam, until : float
         As of `coefficients`.
     """
 
-    def __init__(self, grid: Grid, speed: float, kappa: float, lam: float):
+    def __init__(self, grid: Grid, speed: float, kappa: float, lam: float, until: float = np.inf):
         nx, ny = grid.elements
         dx, dy = (*grid.sides, np.inf)[:2]
         self._period = period = padded_length(nx), padded_length(ny)
         x, y = dx * np.arange(1 - nx, nx), np.zeros(1) if ny == 1 else dy * np.arange(ny)
-        known = coefficients(x, y, dx, dy, speed, kappa, lam)
+        known = coefficients(x, y, dx, dy, speed, kappa, lam, until)
         table, i = np.zeros(period), np.arange(1 - nx, nx) % period[0]
         table[i, :ny] = known
         if ny > 1:

@@ -29,6 +29,11 @@ class Observation(ABC):
         return scene.has(cls.key)
 
     @classmethod
+    def bytes_needed(cls, model: Model) -> float:
+        """Return the memory that it takes besides what is stored with records, bytes."""
+        return 0.0
+
+    @classmethod
     @abstractmethod
     def begin(cls, step: Any, model: Model) -> Self:
         """Return what is known after the first step."""

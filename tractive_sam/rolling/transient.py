@@ -31,6 +31,7 @@ from tractive_sam.contact import (
 )
 from tractive_sam.results import BODIES, Grid, State, Status
 from tractive_sam.rolling.control import ErrorControl, Stops, Trial
+from tractive_sam.rolling.heat import TransientHeat
 from tractive_sam.rolling.process import Process, Step, StepRecord, StoredStep
 from tractive_sam.scene import FewestElements, Scene
 
@@ -117,6 +118,8 @@ class Moment(Step):
             "before_x": traction[0],
             "before_y": traction[1],
         }
+        for one in self.observed.values():
+            found |= one.state
         if self.contact.scene.wear is not None:
             found |= {"worn": self.stepped.worn, "gained": self.stepped.gained}
         return found
@@ -138,6 +141,9 @@ class Moment(Step):
         if contact.scene.wear is not None:
             per_distance |= self._worn(course.rolls, step)
             contact = replace(contact, volumes=dict(zip(BODIES, self.volumes, strict=True)))
+        warmed = self.observed.get(TransientHeat.name)
+        if self.converged and isinstance(warmed, TransientHeat):
+            contact = replace(contact, heat=warmed.heat)
         given = {
             "distance": self.distance,
             "stretch": self.stretch,
@@ -271,6 +277,8 @@ _STORED = ("distance", "stretch", "next_step", "approach", "xi_x", "xi_y")
 class Transient(Process[Moment]):
     """Rolls or shifts the bodies of a model through the courses of its scene."""
 
+    observers = (TransientHeat,)
+
     def __init__(self, model: Model):
         super().__init__(model)
         self.courses, self.stepper = Courses(model.scene), Stepper(model)
@@ -328,7 +336,9 @@ class Transient(Process[Moment]):
 
     def adopt(self, step: Moment, stored: StoredStep) -> Moment:
         """See `Process.adopt`."""
-        return replace(step, began=self.model.began)
+        kinds = (kind for kind in self.observers if kind.asked_by(self.model.scene))
+        observed = {kind.name: kind.restore(step, stored) for kind in kinds}
+        return replace(step, began=self.model.began, observed=observed)
 
     def end(self, step: Moment, half_widths: np.ndarray) -> tuple[str, str]:
         """See `Process.end`.
@@ -407,7 +417,7 @@ class Transient(Process[Moment]):
                     return
                 last = replace(last, stretch=last.stretch + 1, wish=0.0)
                 if courses.shifted(last.stretch):
-                    last = self._jump(last)
+                    last = self.observe(self._jump(last), last)
                     yield last
             else:
                 for moment in self._along(last):
@@ -436,6 +446,7 @@ class Transient(Process[Moment]):
         while last.contact.converged and last.distance < end:
             wish = min(last.wish or usual, longest)
             now = self._met(self._next(last, control, wish, adaptive, end), saves, unit)
+            now = self.observe(now, last)
             between = self._between(last, now, saves) if now.converged else []
             if between and not between[-1].converged:
                 yield between[-1]
@@ -456,7 +467,8 @@ class Transient(Process[Moment]):
         for place in (s for s in saves if last.distance < s < now.distance):
             moment, _ = self._tried(last, place, None, now)
             earlier = found[-1].stepped if found else None
-            found.append(replace(moment, earlier=earlier, continues=False))
+            moment = replace(self.observe(moment, last), earlier=earlier, continues=False)
+            found.append(moment)
             if not moment.converged:
                 break
         return found

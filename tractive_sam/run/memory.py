@@ -6,6 +6,7 @@ from tractive_sam.contact import Model
 from tractive_sam.kernels.stress import COMPONENTS
 from tractive_sam.operators import available
 from tractive_sam.results import FIELDS
+from tractive_sam.rolling import process_type
 from tractive_sam.scene import Fault, SceneError
 from tractive_sam.solvers import Sparing
 
@@ -35,7 +36,8 @@ def of_contact(model: Model) -> float:
         padded += 0 if nearby is None else math.prod(nearby.lattice.padded)
     spectra = 1.5 * (9 if fields == 3 else 3)
     one = 8.0 * (padded * (spectra + 3.75 * fields + 7) + krylov * fields * elements)
-    return one * len(model.blocks)
+    kinds = (kind for kind in process_type(model.scene).observers if kind.asked_by(model.scene))
+    return one * len(model.blocks) + sum(kind.bytes_needed(model) for kind in kinds)
 
 
 def of_stress(model: Model) -> float:

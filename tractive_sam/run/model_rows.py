@@ -9,7 +9,7 @@ from typing import Any
 from tractive_sam.contact import Model, choose_grid
 from tractive_sam.operators import STEPS_FROM
 from tractive_sam.results import columns
-from tractive_sam.rolling import MISSED, process_of
+from tractive_sam.rolling import MISSED, process_of, process_type
 from tractive_sam.run.accuracy.steady import Refined
 from tractive_sam.scene import Fatigue, Heat, Row, Solver
 
@@ -53,6 +53,9 @@ def _subsurface(_table: Any, model: Model) -> Iterator[Row]:
 
 def _transient(_table: Any, model: Model) -> Iterator[Row]:
     yield Row("order", f"{'second' if model.stencil.staggered else 'first'} in the mesh")
+    for kind in process_type(model.scene).observers:
+        if kind.asked_by(model.scene):
+            yield Row(kind.key, (kind.__doc__ or kind.__name__).splitlines()[0])
 
 
 def _process(_table: Any, model: Model) -> Iterator[Row]:

@@ -142,10 +142,25 @@ def _temperature_needs_heat(known: Known) -> Iterator[Fault]:
         yield Fault("wear.temperature", 'with solver.method = "uzawa"', cure)
 
 
+def _heat_of_transients(known: Known) -> Iterator[Fault]:
+    """Refuse shifts, which take no time, and laws that a step does not take the temperature of."""
+    transient = known["transient"]
+    if transient is None or known["heat"] is None:
+        return
+    if not transient.rolls:
+        cure = '"rest" or "steady": a shift takes no time, and how warm surfaces get depends on it'
+        yield Fault("transient.start", '"shift" together with [heat]', cure)
+    for table in ("friction", "wear"):
+        if known[table] is not None and known[f"{table}.temperature"] is not None:
+            cure = "nothing: temperatures of a transient are computed, but do not act on its steps"
+            yield Fault(f"{table}.temperature", "together with [transient]", cure)
+
+
 HEAT_CHECKS: tuple[Check, ...] = (
     _thermal_of_both,
     _heat_needs_speed,
     _heat_is_conducted,
     _temperature_needs_heat,
+    _heat_of_transients,
 )
 """What [heat] asks of the other tables."""

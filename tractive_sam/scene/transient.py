@@ -272,12 +272,9 @@ def _transient_needs_friction(known: Known) -> Iterator[Fault]:
 def _transient_is_alone(known: Known) -> Iterator[Fault]:
     if known["transient"] is None:
         return
-    for table, why in (
-        ("heat", "one of both: the temperature of a transient is not modelled"),
-        ("accuracy", "a [grid] in place of it: the error bars are those of steady states"),
-    ):
-        if known[table] is not None:
-            yield Fault("transient", f"together with [{table}]", why)
+    if known["accuracy"] is not None:
+        cure = "a [grid] in place of it: the error bars are those of steady states"
+        yield Fault("transient", "together with [accuracy]", cure)
     if known["friction"] is not None and known["friction.layer"]:
         given = f"{known['friction.layer']:g}, together with [transient]"
         yield Fault("friction.layer", given, "no layer: that of a transient is not modelled")

@@ -1,0 +1,252 @@
+"""Heat that a body took up in earlier steps, and how warm its surface still is by it.
+
+A flux q(t) that moves over a half-space warms its surface, in coordinates of the contact, by
+
+    T = c integral over the lag tau of tau^(-1/2) (G_tau * q(t - tau)),   c = sqrt(kappa/pi)/lambda,
+
+G_tau Gauss's bell that conduction spreads heat by along the surface, shifted by -V tau. On all lags
+that matter, tau^(-1/2) is a sum of few exponentials, sum of w_j exp(-r_j tau) (a sum over cosines
+in depth of the body). So the past is that many fields, whatever its length,
+
+    h_j = integral of exp(-r_j tau) (G_tau * q(t - tau)),
+
+and a step of the time t with the flux q takes each, in every wave along the surface, from h_j to
+exp(-l_j t) h_j + (1 - exp(-l_j t))/l_j q,  l_j = r_j + kappa |k|^2 - i V k_x. The rate of the last
+is zero: it is the heat per area that the body has taken up.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tractive_sam.operators.fft import fast_length, transform
+from tractive_sam.results import Grid, widened
+
+
+@dataclass(frozen=True, eq=False)
+class Exponentials:
+    """A sum of exponentials that is nearly the inverse root of a time.
+
+    Attributes
+    ----------
+    rates : ndarray, shape (m,)
+        1/s, descending to 0.
+    weights : ndarray, shape (m,)
+        1/sqrt(s).
+    """
+
+    rates: np.ndarray
+    weights: np.ndarray
+
+    @classmethod
+    def between(cls, first: float, last: float, ratio: float = 3.0) -> "Exponentials":
+        """Fit the sum from one time to a later one, s.
+
+        Parameters
+        ----------
+        first, last : float
+            The times. Before the first the sum is bounded. A later last one adds slower rates.
+        ratio : float
+            Ratio of successive rates: by 3 the sum is right to 5e-4, by 4 to 2e-3.
+        """
+        fastest, slowest = 4.0 / first, 0.3 / last
+        count = 1 + int(np.log(fastest / slowest) / np.log(ratio))
+        rates = np.append(fastest * ratio ** -np.arange(float(count)), 0.0)
+        times = np.geomspace(first, last, 100 * count)
+        scaled = np.exp(-np.outer(times, rates)) * np.sqrt(times / first)[:, None]
+        root = np.full(times.size, 1.0 / np.sqrt(first))
+        return cls(rates, np.linalg.lstsq(scaled, root, rcond=1e-12)[0])
+
+    def __call__(self, times: np.ndarray) -> np.ndarray:
+        """Return the sum at times of shape (n,)."""
+        return np.exp(-np.outer(times, self.rates)) @ self.weights
+
+
+class HeatMemory:
+    """Fluxes into a body, step by step -> temperature of its surface by all earlier steps.
+
+    Material enters the mesh cold, and what has left it is forgotten, but for a margin that conducts
+    back. What is beyond it would warm the mesh by less than 1e-3 of the largest rise, where half
+    the mesh has a Peclet number of 0.5 or more.
+
+    Parameters
+    ----------
+    grid : Grid
+        The mesh; of a line contact one row, infinitely long in y.
+    speed : float
+        V, mm/s; above 0.
+    kappa : float
+        Diffusivity, mm²/s.
+    lam : float
+        Conductivity, W/(m K).
+    shortest : float
+        Lag, in times to roll one element, from which on its root is right.
+    margin : float
+        Width of the margin, in kappa/V: upstream, heat falls by e over one. Of two directions half
+        of that, as heat falls with the distance, too.
+    widest : float
+        Its width at most, in half lengths of the mesh; of two directions half of that.
+    fading : int
+        Elements over which heat fades out at the ends of the margin: a sudden end would ring where
+        a step is not of whole elements.
+
+    Attributes
+    ----------
+    shape : tuple of int
+        Of the fields of the past: their number, and elements in x and y with the margin.
+    exponentials : Exponentials
+        The inverse root of the lag.
+    factor : float
+        c, K mm² sqrt(s)/mJ.
+    fade : ndarray, shape (elements in x with the margin, 1)
+        Factor on the fields at the end of each step.
+    """
+
+    def __init__(
+        self,
+        grid: Grid,
+        speed: float,
+        kappa: float,
+        lam: float,
+        *,
+        shortest: float = 0.01,
+        margin: float = 8.0,
+        widest: float = 8.0,
+        fading: int = 8,
+    ):
+        self.grid, self._speed, self._kappa, self._fading = grid, speed, kappa, fading
+        self.factor = np.sqrt(kappa / np.pi) / lam
+        width = min(margin * kappa / speed, widest * grid.half_length[0]) / grid.directions
+        margins = [int(np.ceil(width / side)) for side in grid.sides] + [0]
+        self._margins = margins[0] + fading, margins[1]
+        extended = [n + 2 * more for n, more in zip(grid.elements, self._margins, strict=True)]
+        first = grid.dx / speed
+        self.exponentials = Exponentials.between(shortest * first, 2.0 * extended[0] * first)
+        self.shape = (self.exponentials.rates.size, *extended)
+        ramp = np.sin(0.5 * np.pi * (np.arange(fading) + 0.5) / fading) ** 2
+        self.fade = np.ones((extended[0], 1))
+        self.fade[:fading, 0], self.fade[-fading:, 0] = ramp, ramp[::-1]
+
+    def none(self) -> np.ndarray:
+        """Return the fields of a body that was never warmed."""
+        return np.zeros(self.shape)
+
+    def settled(self, flux: np.ndarray, changing: float = 1e-6) -> np.ndarray:
+        """Return the fields of a body that a flux, mW/mm², shape (n_x, n_y), has warmed for long.
+
+        Until what a step of as many elements as heat fades over changes of them, over the largest.
+        """
+        past, more = self.none(), np.inf
+        time = self._fading * self.grid.dx / self._speed
+        while more > changing:
+            later = self.step(past, time).after(flux)
+            more = np.abs(later - past).max() / max(np.abs(later).max(), 1e-300)
+            past = later
+        return past
+
+    def adopt(self, past: np.ndarray) -> np.ndarray:
+        """Return the fields of a narrower mesh of the same elements on this one.
+
+        A wider mesh may have slower rates. As all lags so far are short for these, exp(-r tau) is
+        linear between the slowest rate before and none.
+        """
+        slowest, mesh = len(past) - 2, self.shape[1:]
+        share = self.exponentials.rates[slowest + 1 : -1] / self.exponentials.rates[slowest]
+        slower = [past[-1] + one * (past[slowest] - past[-1]) for one in share]
+        return widened(np.array([*past[:-1], *slower, past[-1]]), mesh)
+
+    def after_shock(self, past: np.ndarray, heat: np.ndarray) -> np.ndarray:
+        """Return the fields after heat, mJ/mm², shape (n_x, n_y), was taken up in no time."""
+        return past + widened(heat, self.shape[1:])
+
+    def taken_up(self, past: np.ndarray) -> float:
+        """Return the heat in the body below the mesh with its margin, mJ; of a line per length."""
+        return float(past[-1].sum() * self.grid.element_area)
+
+    def on_mesh(self, field: np.ndarray) -> np.ndarray:
+        """Return the part of a field that is on the mesh, shape (n_x, n_y)."""
+        (first_x, first_y), (nx, ny) = self._margins, self.grid.elements
+        return field[first_x : first_x + nx, first_y : first_y + ny]
+
+    def periods(self, time: float) -> tuple[int, int]:
+        """Return lengths of transforms in which no end of a mesh warms the other one."""
+        spread = 5.0 * np.sqrt(2.0 * self._kappa * time)
+        shift, *aside = self.grid.sides
+        reaches = [(self._speed * time + spread) / shift, *(spread / side for side in aside)]
+        # By powers of two, so that steps of different lengths have few plans.
+        more = [int(2 ** np.ceil(np.log2(max(one, 1.0)))) for one in reaches] + [0]
+        nx, ny = (n + padding for n, padding in zip(self.shape[1:], more, strict=False))
+        return fast_length(nx), fast_length(ny)
+
+    def waves(self, periods: tuple[int, int]) -> np.ndarray:
+        """Return kappa |k|² - i V k_x of the waves of a transform, 1/s.
+
+        The shape is (p_x, p_y/2 + 1); (p_x, 1) of a line contact, where it is the same in all.
+        """
+        along = 2.0 * np.pi * np.fft.fftfreq(periods[0], self.grid.dx)[:, None]
+        squares = along**2
+        for side in self.grid.sides[1:]:
+            squares = squares + (2.0 * np.pi * np.fft.rfftfreq(periods[1], side)) ** 2
+        return self._kappa * squares - 1j * self._speed * along
+
+    def step(self, past: np.ndarray, time: float) -> "HeatStep":
+        """Carry fields of the past, of the shape `shape`, through a step of some time, s."""
+        return HeatStep(self, past, time)
+
+
+class HeatStep:
+    """A step of a body that was warmed before.
+
+    Parameters
+    ----------
+    memory : HeatMemory
+        Of the body.
+    past : ndarray
+        Its fields before the step.
+    time : float
+        Time that the step takes, s.
+
+    Attributes
+    ----------
+    rise : ndarray, shape (elements in x, elements in y)
+        Temperature at the end of the step by all that was given off before it, K, with the margin.
+    temperature : ndarray, shape (n_x, n_y)
+        The same on the mesh.
+    """
+
+    def __init__(self, memory: HeatMemory, past: np.ndarray, time: float):
+        self._memory, self._past, self._time = memory, past, time
+        self._padded = memory.periods(time)
+        self._waves = memory.waves(self._padded)
+        self._spread = _symmetric(np.exp(-self._waves * time))
+        self._decay = np.exp(-memory.exponentials.rates * time)
+        self.rise = memory.factor * self._carried(memory.exponentials.weights)
+        self.temperature = memory.on_mesh(self.rise)
+
+    def _carried(self, weights: np.ndarray) -> np.ndarray:
+        """Return a weighted sum of the fields after the step without its flux, with the margin."""
+        plan = transform(1, self._memory.shape[1:], self._padded)
+        plan.forward(np.tensordot(weights * self._decay, self._past, 1)[None])[0] *= self._spread
+        return plan.backward()[0] / np.prod(self._padded)
+
+    def after(self, flux: np.ndarray) -> np.ndarray:
+        """Return the fields after the step, given the flux in it, mW/mm², shape (n_x, n_y)."""
+        memory, time = self._memory, self._time
+        plan = transform(1, memory.shape[1:], self._padded)
+        given = time * plan.forward(widened(flux, memory.shape[1:])[None])[0]
+        found = np.empty_like(self._past)
+        for j, rate in enumerate(memory.exponentials.rates):
+            power = (rate + self._waves) * time
+            power[np.abs(power) < 1e-12] = 1e-12
+            spectrum = plan.forward(self._past[j][None])[0]
+            spectrum *= self._decay[j] * self._spread
+            spectrum += _symmetric(-np.expm1(-power) / power) * given
+            found[j] = plan.backward()[0] / np.prod(self._padded) * memory.fade
+        return found
+
+
+def _symmetric(factors: np.ndarray) -> np.ndarray:
+    """Return factors of waves, real at the shortest one along x: it has no direction."""
+    half = len(factors) // 2
+    factors[half] = factors[half].real
+    return factors
