@@ -122,6 +122,19 @@ def test_bad_input(call, file, folder, arguments, told):
         assert text in result.output
 
 
+def test_notes_of_a_scene_are_printed_once(call, folder):
+    """Also where the study could as well be a table, whose design makes the same scene."""
+    scene = ts.Scene.builtin("spheres").replace(subsurface=None)
+    with pytest.warns(ts.SceneWarning, match=r"grid\.elements"):
+        coarse = scene.replace(grid={"half_length": [4.1, 4.1], "elements": [9, 9]})
+    (folder / "coarse.toml").write_text(coarse.to_toml())
+    axis = '[[axis]]\nkey = "friction.angle"\nvalues = [0, 45]\n'
+    (folder / "coarse-study.toml").write_text(f'scene = "coarse.toml"\n{axis}')
+    error = call("explain", "coarse-study.toml").stderr
+    assert "tolerance" in error
+    assert error.count("grid.elements") == 1
+
+
 def test_a_scene_in_place_of_a_study(call, folder):
     (folder / "scene.toml").write_text(ts.Scene.builtin("spheres").to_toml())
     result = call("study", "scene.toml", "-o", "done")

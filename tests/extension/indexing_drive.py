@@ -16,6 +16,7 @@ class Stroke(ts.Step):
 
     number: int
     depth: np.ndarray  # (n_y,), mm
+    worn_area: float  # mm2
 
     @property
     def place(self):
@@ -32,6 +33,7 @@ class Stroke(ts.Step):
 
     def record(self, block=None):
         values = {"stroke": self.number, "track_depth": float(self.depth.max())}
+        values["worn_area"] = self.worn_area  # the contact alone does not know it
         return ts.StepRecord(self.contact, values)
 
 
@@ -65,17 +67,17 @@ class IndexingDrive(ts.Process):
 
     @classmethod
     def restore(cls, scene, stored):
-        number = int(stored.history["stroke"][stored.row])
-        return Stroke((stored.contact(scene),), number, stored.state["depth"])
+        number, worn_area = (stored.history[name][stored.row] for name in ("stroke", "worn_area"))
+        return Stroke((stored.contact(scene),), int(number), stored.state["depth"], worn_area)
 
     def _stroke(self, number, depth):
         scene, grid = self.model.scene, self.model.grid
         creepage = scene.creepage.longitudinal * (-1.0 if number % 2 == 0 else 1.0)
         now = scene.replace(**{"creepage.longitudinal": creepage if number else 0.0})
         contact = ts.solve(now, wear=np.tile(depth, (grid.elements[0], 1)), throw=False)
-        law = ts.Laws.of(scene).wear
+        law, worn_area = ts.Laws.of(scene).wear, 0.0
         if law is not None and number and contact.converged:
             fields = contact.pressure, contact.traction, contact.slip
-            worn = law.on(grid.element_area).depth(depth, *fields, grid.dx)[0]
-            depth = depth + self.passes * (worn - depth)
-        return Stroke((contact,), number, depth)
+            worn = law.on(grid.element_area).depth(depth, *fields, grid.dx)[0] - depth
+            worn_area, depth = worn.sum() * grid.dy, depth + self.passes * worn
+        return Stroke((contact,), number, depth, worn_area)

@@ -61,6 +61,29 @@ def test_strokes_wear_the_track_and_turn_the_force():
     np.testing.assert_allclose(history["Qx"][1], -history["Qx"][2], rtol=1e-2)
 
 
+def test_each_stroke_wears_what_its_work_of_friction_wears():
+    """A column of the package that the process records enters the balances of the package."""
+    history = ts.roll(SCENE)
+    # The work of friction is from the same slip as the wear: only the solver's residual differs.
+    np.testing.assert_allclose(history.wear_balance[1:], 1.0, rtol=1e-6)
+    # A stroke has three passes, and its wear is in the contact of the next one.
+    around = 2.0 * np.pi * SCENE.body.A.radius_x  # the same of both bodies
+    section = np.diff(history["worn_volume"].sum(axis=1)) / around
+    np.testing.assert_allclose(section[1:], 3.0 * history["worn_area"][1:-1], rtol=1e-9)
+
+
+def test_a_course_has_the_name_of_the_coordinate():
+    (axes,) = ts.plot.forces(ts.roll(SCENE)).axes
+    assert axes.get_xlabel() == "strokes"
+
+
+def test_its_bodies_do_not_start_a_run_of_revolutions():
+    worn = ts.roll(SCENE)
+    revolving = SCENE.replace(process=None, **{"wear.revolutions": 2})
+    with pytest.raises(ts.ResultsError, match="process"):
+        ts.roll(revolving, start=worn)
+
+
 def test_a_resumed_run_is_the_uninterrupted_one(tmp_path):
     whole, path = ts.roll(SCENE), tmp_path / "a.h5"
     ts.roll(SCENE.replace(**{"process.end": 2}), path)
@@ -79,6 +102,9 @@ def test_every_command_takes_it(package, tmp_path):
     shown = json.loads(command(package, tmp_path, "show", "a.h5", "--json"))
     assert shown["stroke"] == [0, 1, 2, 3, 4]
     assert "track_depth" in command(package, tmp_path, "show", "a.h5")
+    drawn = command(package, tmp_path, "plot", "a.h5", "-o", "figures", "--dpi", 40)
+    names = {Path(line).stem for line in drawn.split()}
+    assert names >= {"pressure-0", "pressure-4", "forces", "worn-mass"}
     command(package, tmp_path, "report", "a.h5", "-o", "a.html")
     assert "track_depth" in (tmp_path / "a.html").read_text()
 

@@ -86,6 +86,7 @@ def test_symmetries_are_those_of_all_scenes(given, symmetries):
         ({"scene": scene(), "ellipticity": 2.0}, "ellipticity"),
         ({"scene": scene(friction=None)}, "scene.friction"),
         ({"scene": "traction-control"}, "scene.transient"),
+        ({"scene": scene(process={"name": "a:B", "end": 1})}, "scene.process"),
         ({"scene": scene(load={"normal": 1e3, "force_x": 10.0})}, "scene.load.force_x"),
         ({"scene": "no-such-scene"}, "scene"),
         ({"scene": "twin-discs", "axis": [{"key": "load.normal", "values": [-1, 2]}]}, "load.nor"),

@@ -42,7 +42,7 @@ def explain(
     from tractive_sam.studies import is_study
     from tractive_sam.tables import is_design, is_table
 
-    with bad_input_told():
+    with bad_input_told(), warnings_told():
         if is_table(scene) or is_design(scene):
             title, sections = _table(scene, settings)
         elif is_study(scene):
@@ -50,7 +50,7 @@ def explain(
             _tell_if_design(scene)
         else:
             asked = read_scene(scene, settings)
-            with compiling_told(), warnings_told():
+            with compiling_told():
                 title, sections = asked.title, explanation.explain(asked)
     print_sections(title, sections)
 
@@ -106,6 +106,5 @@ def _study(file: Path, settings: list[str] | None, workers: int | None):
     if settings:
         cure = "write the setting into the file: set = [...]"
         raise stop(Status.INVALID, f"--set changes a scene, {file} is a study; {cure}")
-    with warnings_told():
-        asked = Study.from_toml(file)
-        return asked.title, explain_study(asked, workers or cores())
+    asked = Study.from_toml(file)
+    return asked.title, explain_study(asked, workers or cores())

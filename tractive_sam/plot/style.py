@@ -136,7 +136,9 @@ def along(axes: Axes, *histories: History) -> None:
     """Have axes go along the coordinate of histories, from zero to the last record."""
     (coordinate,) = {history.coordinate for history in histories}
     last = max(float(history[coordinate.name][-1]) for history in histories)
-    axes.set_xlabel(f"{coordinate.label or coordinate.long_name} {symbol_of(coordinate)}")
+    name = coordinate.label or coordinate.long_name
+    unit = "" if coordinate.unit == "1" else f" ({coordinate.unit})"
+    axes.set_xlabel(f"{name} {symbol_of(coordinate)}" if coordinate.symbol else name + unit)
     if coordinate.whole:
         axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
         axes.xaxis.set_major_formatter("{x:,.0f}")

@@ -43,7 +43,8 @@ class StepRecord(NamedTuple):
     contact : State
         The contact to record.
     values : dict
-        Columns that only the process knows, by name.
+        Columns that only the process knows, by name; and those of the package that the contact
+        alone does not know.
     may_store : bool
         Whether fields may be stored.
 

@@ -40,8 +40,8 @@ def worn_bodies(start: History | State, scene: Scene) -> Worn:
     _check_same_bodies(start.scene, scene)
     if start.scene.has("wear") and not start.scene.schedule.revolves:
         raise ResultsError(
-            "start: a transient wears its bodies unevenly along the track, and they cannot begin "
-            "with that; give what was rolled through whole revolutions"
+            "start: only whole revolutions wear bodies evenly along the track; give the results of "
+            "a scene without [transient] and [process]"
         )
     worn = _of_state(start) if isinstance(start, State) else _of_history(start)
     if not np.isfinite(worn.depths).all():

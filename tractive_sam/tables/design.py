@@ -111,7 +111,7 @@ def _one_steady_contact(known: Known) -> Iterator[Fault]:
     scene = known["scene"]
     if scene is None:
         return
-    for key in ("transient", "duty"):
+    for key in ("process", "transient", "duty"):
         if getattr(scene, key):
             yield Fault(f"scene.{key}", "given", "none: the contact of a table is steady")
     if scene.friction is None:
