@@ -167,3 +167,10 @@ def told_value(value: Any) -> str:
         value = [f"{name} {one['revolutions']}" for name, one in zip(names, value, strict=True)]
         return plain(f"({', '.join(value)})", LONGEST)
     return plain(str(value), LONGEST)
+
+
+def title_of(key: str) -> str:
+    """What an entry of the scene means, with its unit; of a list, with its place."""
+    title = Scene.described(key).title or key
+    within, bracket, _ = key.rpartition("].")
+    return f"{within}]: {title}" if bracket else title

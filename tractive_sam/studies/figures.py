@@ -1,23 +1,22 @@
 """Figures of a study: each quantity over one or two of its axes."""
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from tractive_sam import interrupt
 from tractive_sam.output_file import make_folder
 from tractive_sam.plot import DPI, Figure, Variable, study_curves, study_map, study_samples
-from tractive_sam.results import COLUMNS, by_name
+from tractive_sam.results import COLUMNS, Quantity, by_name
 from tractive_sam.scene import Scene
 from tractive_sam.studies.axis import SAMPLE
-from tractive_sam.studies.case import told_value
+from tractive_sam.studies.case import title_of, told_value
 from tractive_sam.studies.design import Study
-from tractive_sam.studies.results import StudyResults, title_of
 
 DRAWN = ("Qx_over_P", "Qy_over_P", "Mz", "p_max", "stick_fraction", "wear_max")
 """Quantities of which there are figures unless others are asked for."""
@@ -26,8 +25,27 @@ NOISE = 1e-6
 """Share of its size by which a quantity varies where it should not: what solvers leave open."""
 
 
+class Tabulated(Protocol):
+    """What is drawn of a study; see `StudyResults` for what the members mean."""
+
+    @property
+    def study(self) -> Study:
+        """The study."""
+
+    @property
+    def rows(self) -> Sequence[Any]:
+        """Its cases."""
+
+    @property
+    def quantities(self) -> Mapping[str, Quantity]:
+        """Quantities that are known."""
+
+    def column(self, name: str) -> np.ndarray:
+        """A quantity of all cases."""
+
+
 def save_figures(
-    results: StudyResults,
+    results: Tabulated,
     directory: str | PathLike[str],
     *,
     quantities: tuple[str, ...] = (),
@@ -46,7 +64,7 @@ def save_figures(
     directory : path-like
         Where to; made if it does not exist.
     quantities : tuple of str
-        Names of `StudyResults.quantities`; by default those of `DRAWN` that are not the same
+        Names of `Tabulated.quantities`; by default those of `DRAWN` that are not the same
         everywhere.
     at : mapping of str to object, optional
         Values at which other axes are held, by key; they are needed where more than two vary. The
@@ -95,7 +113,7 @@ def save_figures(
     return paths
 
 
-def first_figure(results: StudyResults) -> Figure | None:
+def first_figure(results: Tabulated) -> Figure | None:
     """Of the first quantity that varies, where no axis is to be held; else none."""
     try:
         index = _held(results, {})
@@ -113,7 +131,7 @@ def _short(key: str, study: Study) -> str:
     return short if last.count(short) == 1 else key
 
 
-def _held(results: StudyResults, at: Mapping[str, Any]) -> tuple[int | slice, ...]:
+def _held(results: Tabulated, at: Mapping[str, Any]) -> tuple[int | slice, ...]:
     """An index into the cases that holds some axes and leaves at most two."""
     dimensions = results.study.dimensions
     names = [one.name for one in dimensions]
@@ -141,13 +159,13 @@ def _held(results: StudyResults, at: Mapping[str, Any]) -> tuple[int | slice, ..
     return tuple(index)
 
 
-def _varies(results: StudyResults, name: str) -> bool:
+def _varies(results: Tabulated, name: str) -> bool:
     values = results.column(name)
     values = values[np.isfinite(values)]
     return bool(values.size) and bool(np.ptp(values) > NOISE * _size(results, name))
 
 
-def _size(results: StudyResults, name: str) -> float:
+def _size(results: Tabulated, name: str) -> float:
     """What a quantity is small against."""
     if name == "Mz":
         return float(np.nanmax(results.column("P") * results.column("half_width_x")))
@@ -162,9 +180,7 @@ def _parts(held: Mapping[str, Any]) -> Iterator[str]:
         yield re.sub(r"[^\w.+-]", "_", f"{key}{value}")
 
 
-def _figures(
-    results: StudyResults, name: str, index: tuple, title: str
-) -> Iterator[tuple[str, Any]]:
+def _figures(results: Tabulated, name: str, index: tuple, title: str) -> Iterator[tuple[str, Any]]:
     """Kinds of figures, and the figures."""
     free = [
         one for one, k in zip(results.study.dimensions, index, strict=True) if isinstance(k, slice)

@@ -20,9 +20,9 @@ from tractive_sam.markup import Html, html_table
 from tractive_sam.output_file import write_file
 from tractive_sam.plain import csv_cell, text_table
 from tractive_sam.results import BODIES, COLUMNS, History, Quantity, by_name
-from tractive_sam.scene import Scene, SceneWarning
+from tractive_sam.scene import SceneWarning
 from tractive_sam.store import ResultsError, is_written, open_history, write_netcdf
-from tractive_sam.studies.case import Case, cases
+from tractive_sam.studies.case import Case, cases, title_of
 from tractive_sam.studies.design import Study
 from tractive_sam.studies.folder import Folder
 from tractive_sam.studies.task import COMPLETE, FAILED, summary
@@ -365,13 +365,6 @@ def _ends(column: Sequence[Any]) -> tuple[Any, Any]:
     """The first and the last value, by size where they are numbers."""
     numbers = all(isinstance(one, int | float) for one in column)
     return (min(column), max(column)) if numbers else (column[0], column[-1])
-
-
-def title_of(key: str) -> str:
-    """What an entry of the scene means, with its unit; of a list, with its place."""
-    title = Scene.described(key).title or key
-    within, bracket, _ = key.rpartition("].")
-    return f"{within}]: {title}" if bracket else title
 
 
 def _row(case: Case, file: Path, failure: str) -> Row:
