@@ -370,7 +370,7 @@ def passage_at(
     grown : ndarray, shape (n_y,), or float
         Depth that the pass is expected to add, over that of `start`.
     rolled : int, optional
-        The only block to roll through; the contacts of the others stay as they are.
+        The only block to roll through; the contacts of the others stay as they are, at no cost.
     """
     contacts = [start] if isinstance(start, State) else list(start)
     solves = 0
@@ -378,6 +378,8 @@ def passage_at(
         if rolled in (None, k):
             contacts[k], taken = _pass(block, revolution, entering, contacts[k], tolerance, grown)
             solves += taken
+        else:
+            contacts[k] = replace(contacts[k], cost=Cost())
     of_model = _of_model(model, tuple(contacts), rolled)
     return Passage(tuple(contacts), revolution, solves, **of_model)
 
