@@ -563,12 +563,12 @@ def transient_steps() -> str:
     columns |= {
         f"{told}, {of}": (f"{slip} {of}", number(".2g"))
         for slip, told in slips.items()
-        for of in ("median", "most", "as long as")
+        for of in ("median", "most", "convolutions")
     }
     rows = defaultdict(dict)
     for row in rows_of("transient_steps.csv"):
         rows[row["course"]] |= {"course": row["course"]}
-        of_slip = ("median", "most", "as long as")
+        of_slip = ("median", "most", "convolutions")
         rows[row["course"]] |= {f"{row['slip']} {of}": row[of] for of in of_slip}
     return of_columns(rows.values(), columns)
 

@@ -67,12 +67,3 @@ def test_a_transient_counts_the_vectors_that_a_step_may_hold(monkeypatch):
     tractions = 2 * model.grid.elements[0] * model.grid.elements[1]
     # Vectors, the responses to them and their basis, in doubles.
     assert memory.of_contact(model) - before == 3 * more * tractions * 8
-
-
-def test_a_row_has_no_nearby_operators():
-    cylinders = ts.Scene.builtin("cylinders")
-    table = {"distance": [0.0, 1.0], "creepage.longitudinal": [-1e-3, -1e-3]}
-    row = Model(cylinders.replace(creepage=None, transient=table))
-    assert row.operators.nearby is None
-    assert memory.of_contact(row) > 0.0
-    assert Model(ts.Scene.builtin("fretting")).operators.nearby is not None

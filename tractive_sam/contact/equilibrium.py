@@ -188,13 +188,10 @@ def _contact(
     return finished(model, problem, outcome, slip, creepages, depth, resistance)
 
 
-def _traction_bound(model: Model, problem: Problem, outcome: Outcome) -> np.ndarray | None:
+def _traction_bound(model: Model, pressure: np.ndarray, radius: np.ndarray) -> np.ndarray | None:
     """Largest traction that friction allows, MPa; None where it is the pressure (Coulomb's law)."""
-    seen = problem.friction_slip(outcome.pressure, outcome.gap)
-    fields = outcome.pressure, outcome.traction, outcome.slip
-    radius = problem.bound_sliding(problem.bound(outcome.pressure), *fields, seen).radius
-    is_pressure = np.allclose(radius, outcome.pressure, rtol=1e-12, atol=0.0)  # up to rounding
-    if type(model.friction_law) is Coulomb and is_pressure:
+    is_coulomb = type(model.friction_law) is Coulomb
+    if is_coulomb and (np.abs(radius - pressure) <= 1e-12 * pressure).all():  # up to rounding
         return None
     return model.units.pressure * radius
 
@@ -234,7 +231,8 @@ def finished(
     sliding, steepness, bound = touching, 0.0, None
     if model.laws.friction is not None:
         fields = outcome.pressure, outcome.gap, outcome.traction, outcome.slip
-        sliding, bound = problem.sliding(*fields), _traction_bound(model, problem, outcome)
+        sliding, allowed = problem.sliding(*fields)
+        bound = _traction_bound(model, outcome.pressure, allowed.radius)
         if model.friction_law.falls:
             known = outcome.steepness
             steepness = steepness_of(problem, *fields) if known is None else known

@@ -252,7 +252,7 @@ class Stepper:
         model, grid = self.model, self.model.grid
         way = Way.of(asked.distance / grid.dx)
         past, displacement = before.contact, self._displacement(before, way.reach)
-        touching = _ahead((past.pressure > 0.0)[None], way.reach)[0]
+        touching = _ahead(past.pressure, way.reach) > 0.0
         held = way.held(touching) & model.stencil.staggered
         rigid = self._rigid(asked, way, way.middle(held))
         came = way.before(displacement, held)
@@ -260,7 +260,7 @@ class Stepper:
         worn = way.carried(before.worn)
         foreseen = worn + self._expected(before, earlier, ratio)
         gap = np.where(past.touching, 0.0, past.gap) / model.units.gap
-        ahead = _ahead(gap[None], way.reach, edge=True)[0]
+        ahead = _ahead(gap, way.reach, edge=True)
         law = self._law(before, asked, way)
         problem = replace(
             self._problem(asked, foreseen.sum(axis=0), law),
@@ -631,5 +631,9 @@ def _ahead(fields: np.ndarray, reach: int, edge: bool = False) -> np.ndarray:
     """Fields with nodes ahead of the mesh: zero there, or as they are at its edge."""
     if not reach:
         return fields
-    sides = [(0, 0)] * (fields.ndim - 2) + [(0, reach), (0, 0)]
-    return np.pad(fields, sides, mode="edge" if edge else "constant")
+    count, columns = fields.shape[-2:]
+    nodes = np.zeros((*fields.shape[:-2], count + reach, columns))
+    nodes[..., :count, :] = fields
+    if edge:
+        nodes[..., count:, :] = fields[..., -1:, :]
+    return nodes

@@ -13,7 +13,6 @@ isotropic friction of unit coefficient.
 """
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import cached_property, lru_cache, partial
 
 import numpy as np
@@ -68,15 +67,6 @@ class Operators:
     def coarsened(self) -> "Operators":
         """The same bodies and units on elements of twice the size."""
         return self.on(self.lattice.coarsened())
-
-    @cached_property
-    def nearby(self) -> "Operators | None":
-        """Nearly the same for half the work or less: loads act across the edges of the mesh.
-
-        None of a row: what it displaces holds a constant, which hinges on the period.
-        """
-        row = min(self.lattice.shape) == 1
-        return None if row else self.on(replace(self.lattice, wrapped=True))
 
     @cached_property
     def part(self) -> Callable[[tuple[int, int]], "Operators"]:

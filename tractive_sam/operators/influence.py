@@ -8,30 +8,22 @@ condition number of 121 instead of 5 on the scene `spheres` at 45 x 45.
 """
 
 from dataclasses import dataclass, replace
-from math import ceil
 
 import numpy as np
 
 from tractive_sam.mechanics import Elasticity
 from tractive_sam.operators.fft import fast_length, padded_length
 
-NEARBY = 1.5
-"""Periods of a wrapped lattice over its sides."""
-
 _PARITY = {"xx": (1, 1), "xy": (-1, -1), "yy": (1, 1), "zz": (1, 1), "xz": (-1, 1), "yz": (1, -1)}
 
 
 @dataclass(frozen=True)
 class Lattice:
-    """Number of elements and their sides: all that a convolution knows of a grid.
-
-    If `wrapped`, convolutions are cyclic, on periods of `NEARBY` sides: too short for linear ones.
-    """
+    """Number of elements and their sides: all that a convolution knows of a grid."""
 
     shape: tuple[int, int]
     dx: float
     dy: float
-    wrapped: bool = False
 
     def of(self, shape: tuple[int, int]) -> "Lattice":
         """A lattice of another number of the same elements."""
@@ -39,20 +31,17 @@ class Lattice:
 
     @property
     def padded(self) -> tuple[int, int]:
-        """Periods (p_x, p_y) of the operators' tables: unless `wrapped` for linear convolutions."""
-        if self.wrapped:
-            return self.cyclic
+        """Periods (p_x, p_y) of the operators' tables, for linear convolutions."""
         return padded_length(self.shape[0]), padded_length(self.shape[1])
 
     @property
     def cyclic(self) -> tuple[int, int]:
-        """Periods of the circulant inverses' tables: the lattice and no more, unless `wrapped`.
+        """Periods of the circulant inverses' tables: the lattice and no more.
 
         That loads also act across its edges costs a method none or one iteration more; without
         padding an inverse takes a third of the time.
         """
-        nx, ny = (NEARBY * n if self.wrapped else n for n in self.shape)
-        return fast_length(ceil(nx)), fast_length(ceil(ny))
+        return fast_length(self.shape[0]), fast_length(self.shape[1])
 
     @property
     def block(self) -> tuple[int, int]:

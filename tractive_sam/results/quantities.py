@@ -641,10 +641,10 @@ def columns(scene: Scene, own: Iterable[Quantity] = ()) -> dict[str, Quantity]:
     own = list(own)
     instead = {one.role: one for one in own if one.role and one.role != COORDINATE}
     coordinates = [one for one in own if one.role == COORDINATE]
-    found = coordinates + [
+    found = [one for one in coordinates if one.applies(scene)] + [
         _in_place_of(one, instead[one.role]) if one.role in instead else one
         for one in COLUMNS
-        if not (coordinates and one.role == COORDINATE)
+        if one.applies(scene) and not (coordinates and one.role == COORDINATE)
     ]
-    found += [one for one in own if not one.role]
-    return by_name(one.with_units_of(scene) for one in found if one.applies(scene))
+    found += [one for one in own if not one.role and one.applies(scene)]
+    return by_name(one.with_units_of(scene) for one in found)

@@ -8,6 +8,7 @@ them, and all that the next step needs, also after it was stored.
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, ClassVar, Generic, NamedTuple, Protocol, Self, TypeVar
 
 import numpy as np
@@ -336,6 +337,11 @@ class Process(ABC, Generic[AnyStep]):
         stored = self._observed_fields(step) if record.fields else ()
         return replace(record, values={**record.values, **observed}, cycles=stored)
 
+    @cached_property
+    def _stress_columns(self) -> tuple[tuple[Quantity, ...], ...]:
+        """Columns of the largest stress in each block, by the criterion of its laws."""
+        return tuple(stress_columns(one.laws.criterion) for one in self.model.blocks)
+
     def _observed_fields(self, step: AnyStep) -> tuple[Any, ...]:
         return tuple(one for seen in step.observed.values() for one in seen.fields)
 
@@ -356,7 +362,7 @@ class Process(ABC, Generic[AnyStep]):
         own = [*recorder.columns, *self.columns]
         if PARTS.name in values:
             own.append(PARTS)
-        stresses = stress_columns(laws.criterion)
+        stresses = self._stress_columns[block]
         for one, found in zip(stresses, ("value", "interior", "surface", "at"), strict=False):
             values[one.name] = {body: getattr(largest, found) for body, largest in maxima.items()}
         return Record.of(contact, values, own=(*own, *stresses), with_fields=keep, stress=stress)

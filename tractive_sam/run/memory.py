@@ -30,10 +30,8 @@ def of_contact(model: Model) -> float:
     # precision, tables on the way to them, and a Krylov space in single precision.
     krylov, padded, elements = 25, math.prod(lattice.padded), math.prod(lattice.shape)
     if not model.scene.schedule.revolves:
-        # In double all vectors of a system, the responses to them and their orthonormal basis; and
-        # the nearby operators.
-        krylov, nearby = 3 * Sparing.krylov, model.operators.nearby
-        padded += 0 if nearby is None else math.prod(nearby.lattice.padded)
+        # In double all vectors of a system, the responses to them and their orthonormal basis.
+        krylov = 3 * Sparing.krylov
     spectra = 1.5 * (9 if fields == 3 else 3)
     one = 8.0 * (padded * (spectra + 3.75 * fields + 7) + krylov * fields * elements)
     kinds = (kind for kind in process_type(model.scene).observers if kind.asked_by(model.scene))

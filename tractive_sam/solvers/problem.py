@@ -243,14 +243,6 @@ class Problem:
         rigid = np.ascontiguousarray(self.rigid[:, *box])
         return replace(self, normal=held, rigid=rigid, friction=friction.on(x, y))
 
-    @cached_property
-    def nearby(self) -> Self | None:
-        """Nearly the same problem, with `Operators.nearby`."""
-        operators = self.operators.nearby
-        if operators is None:
-            return None
-        return replace(self, normal=replace(self.normal, operators=operators))
-
     def coarsened(self) -> Self:
         """The same problem on elements of twice the size."""
         block = self.operators.lattice.block
@@ -334,12 +326,20 @@ class Problem:
 
     def sliding(
         self, pressure: np.ndarray, gap: np.ndarray, traction: np.ndarray, slip: np.ndarray
-    ) -> np.ndarray:
-        """Elements in contact whose traction is at its bound and opposes the slip, bool."""
+    ) -> tuple[np.ndarray, Bound]:
+        """Return where a solution slides, and the bound of its tractions.
+
+        Returns
+        -------
+        sliding : ndarray of bool, shape (n_x, n_y)
+            Elements in contact whose traction is at its bound and opposes the slip.
+        bound : Bound
+            Bound under this slip.
+        """
         seen = self.friction_slip(pressure, gap)
         opposed = self.opposed(traction, slip, seen)
         bound = self.bound_sliding(self.bound(pressure), pressure, traction, slip, seen)
-        return (pressure > 0.0) & (np.hypot(*(traction - opposed)) > bound.radius)
+        return (pressure > 0.0) & (np.hypot(*(traction - opposed)) > bound.radius), bound
 
     def eased(self, speed: float) -> "Problem":
         """The same at another speed of rolling, over its own: 0 with the friction of rest."""

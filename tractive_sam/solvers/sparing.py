@@ -1,24 +1,19 @@
-"""Newton's method of a step: it spares applications of the elastic operator.
+"""Newton's method of a step: no application of the elastic operator is lost.
 
-A step of a transient begins near its solution, and what it costs are the last digits of its linear
+A step of a transient begins near its solution, and what it costs are the iterations of its linear
 systems. They are solved by generalised conjugate residuals (Eisenstat, Elman & Schultz 1983, SIAM
-J. Numer. Anal. 20, 345-357), each iteration preconditioned by a few ones of GMRES on nearly the
-same system, of half the work or less, whose loads act across the edges of the mesh
-(`Operators.nearby`; van der Vorst & Vuik 1994, Numer. Linear Algebra Appl. 1, 369-386). What an
-iteration cannot foresee are those loads only: it gains a digit and more.
-
-A step is a sum of vectors that the operator has acted on. So the slip that it leads to is known
-without an application, as long as nothing has to be brought back to a bound.
+J. Numer. Anal. 20, 345-357): their solution is a sum of vectors that the operator has acted on. So
+the slip that a step leads to is known without an application, as long as nothing has to be brought
+back to a bound.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
+from math import sqrt
 
 import numpy as np
 
 from tractive_sam.results import Cost
-from tractive_sam.solvers.gmres import gmres, orthogonalised
+from tractive_sam.solvers.gmres import orthogonalised
 from tractive_sam.solvers.newton import Newton
 from tractive_sam.solvers.newton_system import Iterate, System
 from tractive_sam.solvers.outcome import Outcome, Start, closed
@@ -32,10 +27,7 @@ INSIDE = 0.999
 
 
 def conjugate_residuals(
-    system: System,
-    preconditioner: Callable[[np.ndarray], np.ndarray],
-    tolerance: float,
-    most: int,
+    system: System, tolerance: float, most: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """Solve a system to a relative residual with at most so many applications.
 
@@ -43,8 +35,6 @@ def conjugate_residuals(
     ----------
     system : System
         The system.
-    preconditioner : callable
-        Nearly the inverse of its matrix; not necessarily linear.
     tolerance : float
         Norm of the residual, relative to that of the right-hand side, at which to stop.
     most : int
@@ -52,17 +42,19 @@ def conjugate_residuals(
 
     Returns
     -------
-    vector, response : ndarray
-        The solution, and what the operator answers to its fields.
+    vector : ndarray, shape (n,)
+        The solution.
+    response : ndarray, shape (2 or 3, n_x, n_y)
+        What the operator answers to its fields.
     """
     left = system.right_hand_side()
     goal = tolerance * np.linalg.norm(left)
-    basis = np.empty((min(most, 15), left.size))
     found: list[tuple[np.ndarray, np.ndarray]] = []
+    basis = np.empty((min(most, 15), left.size))
     triangle, along = np.zeros((most, most)), np.zeros(most)
-    while len(found) < most and np.linalg.norm(left) > goal:
+    while len(found) < most and sqrt(left @ left) > goal:
         k = len(found)
-        vector = preconditioner(left)
+        vector = system.preconditioner(left)
         response = system.response(vector)
         w, h, beyond = orthogonalised(system.product(vector, response.copy()), basis[:k])
         if beyond <= ROUNDING * np.linalg.norm(h):
@@ -72,7 +64,7 @@ def conjugate_residuals(
         np.divide(w, beyond, out=basis[k])
         triangle[:k, k], triangle[k, k] = h, beyond
         along[k] = basis[k] @ left
-        left = left - along[k] * basis[k]
+        left -= along[k] * basis[k]
         found.append((vector, response))
     count = len(found)
     shares = np.linalg.solve(triangle[:count, :count], along[:count])
@@ -91,19 +83,13 @@ class Sparing(Newton):
     ----------
     krylov : int
         As of `Newton`; of each application three vectors are held.
-    inner : int
-        Most iterations of GMRES that precondition one of the system.
-    near : float
-        Relative residual at which they end.
     """
 
     halvings: int = 3
     rise: float = 0.5  # what a shorter step leads to is known as well
-    loosest: float = 0.5
+    loosest: float = 0.03  # iterations cost less than the linearisations that they spare
     aim: float = 0.6
-    krylov: int = 40
-    inner: int = 6
-    near: float = 0.03
+    krylov: int = 60
 
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
@@ -124,8 +110,10 @@ class Sparing(Newton):
 
     def _first(self, problem: Problem, start: Start | Outcome | None) -> tuple[Iterate, Cost]:
         at, cost = super()._first(problem, start)
+        if not len(problem.forces) or start is None:
+            return at, cost
         sticks = np.hypot(*at.traction) < INSIDE * at.bound.radius
-        if not len(problem.forces) or start is None or not sticks.any():
+        if not sticks.any():
             return at, cost
         # Creepages by which what is to stick slips least.
         slip = at.slip[:, sticks].mean(axis=1)
@@ -137,11 +125,7 @@ class Sparing(Newton):
     ) -> tuple[Iterate, Cost]:
         """See `Newton._advanced`."""
         system = System(problem, at, float)
-        preconditioner, near = system.preconditioner, system
-        if problem.nearby is not None:
-            near = System(problem.nearby, at, self.precision(self.near, at.pressure.size))
-            preconditioner = partial(self._nearly, near)
-        vector, answer = conjugate_residuals(system, preconditioner, goal, self.krylov)
+        vector, answer = conjugate_residuals(system, goal, self.krylov)
         # Bringing tractions back takes an application each: only where leaving them has stalled.
         ahead, trials = self._led(
             problem,
@@ -152,11 +136,4 @@ class Sparing(Newton):
             stalled,
             not bounded,
         )
-        beside = near.preconditionings + (0 if near is system else near.applications)
-        return ahead, Cost(system.applications + trials, beside)
-
-    def _nearly(self, near: System, left: np.ndarray) -> np.ndarray:
-        """Roughly the solution of a system nearby."""
-        rows = left.astype(near.kind)
-        found = gmres(near.operator, near.preconditioner, rows, self.near, self.inner)
-        return found[0].astype(float)
+        return ahead, Cost(system.applications + trials, system.preconditionings)

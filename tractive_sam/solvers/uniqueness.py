@@ -50,7 +50,7 @@ def steepness(
     bound = problem.bound_sliding(problem.bound(pressure), pressure, traction, slip, seen)
     if bound.slope is None:
         return 0.0
-    sliding = problem.sliding(pressure, gap, traction, slip)
+    sliding, _ = problem.sliding(pressure, gap, traction, slip)
     compliance = max(problem.operators.self_influence[::2])
     tangent = float(bound.slope.steepness[sliding].max(initial=0.0))
     if seen.staggered and not problem.joint:
