@@ -3,10 +3,13 @@ import sys
 from pathlib import Path
 from types import SimpleNamespace
 
+import numba
 import pytest
+from numba.core import event
 from typer.testing import CliRunner
 
 from tractive_sam.cli import app
+from tractive_sam.cli.output import compiling_told
 from tractive_sam.cli.scene_input import complete_keys, complete_scenes
 from tractive_sam.input_file import read_piped
 from tractive_sam.scene import Scene
@@ -249,3 +252,13 @@ def test_completion_of_scenes_and_keys(folder):
     assert complete_scenes("sp")[-2:] == ["spare.toml", "spoils/"]
     assert complete_keys("load.n") == ["load.normal="]
     assert {"title=", "body.A.young=", "body.B.young="} <= set(complete_keys(""))
+
+
+@pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
+def test_compiling_is_reported_without_a_terminal(capsys):
+    with compiling_told():
+        for _ in range(2):
+            with event.trigger_event("numba:compile"):
+                pass
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "compiling kernels" in line

@@ -116,6 +116,46 @@ def test_compiling_is_told_once_and_not_of_what_is_kept(ask, tmp_path):
     assert told().split() == ["0", "8.0", "6.0", "6.0"]
 
 
+COLD = """
+import json
+from collections import Counter
+
+import tractive_sam as ts
+from numba.core import event
+
+class Listener(event.Listener):
+    def on_start(self, event):
+        function = event.data["dispatcher"].py_func
+        found[f"{function.__module__}.{function.__qualname__}"] += 1
+
+    def on_end(self, event):
+        pass
+
+found = Counter()
+with event.install_listener("numba:compile", Listener()):
+    contact = ts.solve(ts.Scene.builtin("spheres").with_set(["grid.elements=[31, 31]"]))
+    ts.stress_maximum(contact, "A")
+print(json.dumps(found))
+"""
+
+TWICE = {"tractive_sam.kernels.spectral.symmetric_2x2"}
+"""Kernels of more than one kind of numbers: real and complex coefficients."""
+
+
+@pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
+def test_a_first_contact_compiles_few_kernels(tmp_path):
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    command = [sys.executable, "-c", COLD]
+    run = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    found = json.loads(run.stdout)
+    assert not {name for name in found if "unicode" in name}, "an array is assigned to a slice"
+    own = {name: n for name, n in found.items() if name.startswith("tractive_sam")}
+    assert own
+    assert not {name for name in own if name.split(".")[2] in ("fatigue", "heat", "strip")}
+    assert {name for name, n in own.items() if n > 1} <= TWICE
+    assert sum(found.values()) <= 110  # 98, 211 before; with room for another version of numba
+
+
 def test_what_takes_from_other_kernels_is_compiled_in_this_way():
     for module in files("tractive_sam.kernels").iterdir():
         if module.name.endswith(".py") and module.name != "compiled.py":

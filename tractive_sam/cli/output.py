@@ -205,13 +205,10 @@ def warnings_told() -> Iterator[list[warnings.WarningMessage]]:
 
 @contextmanager
 def compiling_told() -> Iterator[None]:
-    """Say on a terminal why the first run takes longer, once it does."""
-    if not console(stderr=True).is_terminal:
-        yield
-        return
+    """Print a note that the first run takes longer, once it does."""
     from tractive_sam.kernels.compiled import compiling_told as told
 
-    line = "formulas are compiled for this machine and kept: some 20 seconds, once"
+    line = "compiling kernels for this machine, once: 10 to 30 seconds; later runs load them"
     with told(lambda: note(line)):
         yield
 

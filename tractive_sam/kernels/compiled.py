@@ -5,6 +5,10 @@ Where nothing can be kept, every process compiles anew; `NUMBA_CACHE_DIR` names 
 By itself numba's cache sees a change in the module of a function, but not in the modules from which
 that takes other functions and constants: it would go on with an old formula. So what is kept bears
 a hash of all these sources in its name.
+
+What takes long to compile, and kernels do without: an array assigned to a slice or a row (the text
+of its error alone is 40 functions of numba), a literal number passed to another kernel and views
+that are not contiguous (each is a further specialisation).
 """
 
 import re
@@ -23,7 +27,9 @@ ANY_ORDER = {"reassoc", "contract", "nsz"}
 """`fastmath` of sums that may be added in any order, which allows for vector instructions."""
 
 
-def compiled(function: Callable[..., Any] | None = None, *, fastmath: Any = False) -> Any:
+def compiled(
+    function: Callable[..., Any] | None = None, *, fastmath: Any = False, inner: bool = False
+) -> Any:
     """Compile a function of numbers and arrays; division by zero gives inf or nan.
 
     Parameters
@@ -32,14 +38,19 @@ def compiled(function: Callable[..., Any] | None = None, *, fastmath: Any = Fals
         What to compile.
     fastmath : bool or set of str
         Freedom that the compiler has, such as `ANY_ORDER`.
+    inner : bool
+        Whether only other kernels call it: an entry from Python is then not compiled.
     """
     if function is None:
-        return lambda function: compiled(function, fastmath=fastmath)
+        return lambda function: compiled(function, fastmath=fastmath, inner=inner)
     name = function.__qualname__
     # numba names the files of its cache when it is given the function.
     function.__qualname__ = f"{sources(function.__module__.rpartition('.')[2])}.{name}"
     try:
-        kernel: Any = numba.njit(error_model="numpy", nogil=True, fastmath=fastmath)(function)
+        options = {"error_model": "numpy", "nogil": True, "fastmath": fastmath}
+        # An entry for callbacks from C, and one from Python: about a tenth of the time each takes.
+        options |= {"no_cfunc_wrapper": True, "no_cpython_wrapper": inner}
+        kernel: Any = numba.njit(**options)(function)
         with suppress(RuntimeError):  # of no folder that may be written
             kernel._cache = _Kept(function)
         return kernel

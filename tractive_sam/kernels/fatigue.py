@@ -92,7 +92,7 @@ def enclosing(centre, support, weights, points, squares, begun=0):
     return count, largest
 
 
-@compiled
+@compiled(inner=True)
 def _apart(points, i, j):
     """Squared distance of two points."""
     square = 0.0
@@ -101,7 +101,7 @@ def _apart(points, i, j):
     return square
 
 
-@compiled
+@compiled(inner=True)
 def _joined(support, weights, count, far, points, target, matrix, right):
     """Let a point join those that hold a ball, and those leave that it needs no more; how many."""
     support[count], weights[count] = far, 0.0
@@ -117,7 +117,7 @@ def _joined(support, weights, count, far, points, target, matrix, right):
     return count
 
 
-@compiled
+@compiled(inner=True)
 def _farthest(squares, centre, points):
     """Set the squared distances; the point that is farthest."""
     # One coordinate after another, so that several points go at once.
@@ -132,7 +132,7 @@ def _farthest(squares, centre, points):
     return _largest(squares)
 
 
-@compiled
+@compiled(inner=True)
 def _largest(values):
     """Where the largest value is."""
     # Four at once: one after another each would wait for the one before.
@@ -150,7 +150,7 @@ def _largest(values):
     return 0
 
 
-@compiled
+@compiled(inner=True)
 def _moved(weights, target, count, dependent):
     """Move weights towards their target as far as all stay positive; which falls to zero, or -1.
 
@@ -168,7 +168,7 @@ def _moved(weights, target, count, dependent):
     return leaving
 
 
-@compiled
+@compiled(inner=True)
 def _equally_far(target, support, count, points, matrix, right):
     """Set the weights of the point that is equally far from all that hold a ball.
 
@@ -208,7 +208,7 @@ def _equally_far(target, support, count, points, matrix, right):
     return False
 
 
-@compiled
+@compiled(inner=True)
 def _solved_back(out, matrix, right, count):
     """Set out[1:] to the solution of L^T x = right, L the lower part of a matrix."""
     for row in range(count - 1, -1, -1):
@@ -365,7 +365,7 @@ def shakedown_layer(out, paths):
     return 2.0 * best_r
 
 
-@compiled
+@compiled(inner=True)
 def _fitted(p, q, j2, r, room):
     """What is left of a path at r, by its best c, and the mean q of the points that hold it."""
     fixed, values, cuts, means = room
@@ -391,7 +391,7 @@ def _fitted(p, q, j2, r, room):
     return max(best + r * r, 0.0), mean  # rounding may leave less than none
 
 
-@compiled
+@compiled(inner=True)
 def _lowest(one, other):
     """Where the larger one of two bounds A + 2 B r + r² is smallest, and that; of one if no other.
 
@@ -439,7 +439,7 @@ def circle(support, weights, points, squares, enough=0.0):
     return held, largest
 
 
-@compiled
+@compiled(inner=True)
 def _opposite(support, points, centre, far):
     """Which of three points on a circle gives way to one outside.
 
@@ -462,7 +462,7 @@ def _opposite(support, points, centre, far):
     return (away + 1) % 3
 
 
-@compiled
+@compiled(inner=True)
 def _acute(support, weights, points):
     """Set the weights of the centre of the circle that three points need; how many hold it."""
     for j in range(3):
@@ -505,7 +505,7 @@ def _plane(path, normal, sum_k, product_k, room, enough=-math.inf):
     return math.sqrt(square) * factor + sum_k * high, held, at
 
 
-@compiled
+@compiled(inner=True)
 def _looking(look, normal):
     """Set what makes nn, en, fn, ee, ef and ff of the components of a stress (6, 6)."""
     n = normal[0], normal[1], normal[2]
@@ -578,10 +578,11 @@ def critical_plane(out, paths, sum_k, product_k):
             factor = max(1.0 + product_k * box[1, c], 0.0)
             values[c] = amplitude * factor + sum_k * box[1, c]
         best = max(_maximised(last, path, sum_k, product_k, room), 0.0)
-        normal[:] = normals[_largest(values)]
+        _copy(normal, normals[_largest(values)])
         beside = _maximised(normal, path, sum_k, product_k, room)
         if beside > best:
-            best, last[:] = beside, normal
+            best = beside
+            _copy(last, normal)
         left = 0
         for c in range(count):
             if values[c] + bend * reach[c] > best * (1.0 + ENOUGH):
@@ -598,7 +599,8 @@ def critical_plane(out, paths, sum_k, product_k):
             if value > best:
                 beside = _maximised(normal, path, sum_k, product_k, room)
                 if beside > best:
-                    best, last[:] = beside, normal
+                    best = beside
+                    _copy(last, normal)
             side *= 0.5
             for j in range(4):
                 stack[left, 0], stack[left, 3] = face, side
@@ -608,7 +610,7 @@ def critical_plane(out, paths, sum_k, product_k):
         out[k] = best
 
 
-@compiled
+@compiled(inner=True)
 def _cells():
     """The cells of the first look (m, 4): face, angles u and v of the middle, half of the side."""
     cells, half = np.empty((3 * SIDE * SIDE, 4)), math.pi / 4 / SIDE
@@ -619,7 +621,7 @@ def _cells():
     return cells
 
 
-@compiled
+@compiled(inner=True)
 def _middle(normal, cell):
     """Set the normal in the middle of a cell; how far its farthest corner is, radians, squared.
 
@@ -640,7 +642,7 @@ def _middle(normal, cell):
     return farthest
 
 
-@compiled
+@compiled(inner=True)
 def _bend(path, sum_k, product_k, ball):
     """By how much a value falls beside its maximum at most, over the square of the angle, radians.
 
@@ -669,17 +671,28 @@ def _bend(path, sum_k, product_k, ball):
     return 2.0 * (radius * factor + sum_k * shear)
 
 
-@compiled
+@compiled(inner=True)
+def _copy(out, values):
+    """Set an array of one dimension.
+
+    In place of an assignment to a slice, whose check of shapes takes seconds to compile.
+    """
+    for i in range(out.size):
+        out[i] = values[i]
+
+
+@compiled(inner=True)
 def _looks(normals):
     """What makes the normal and both shear stresses on planes of six components (3, 6, m)."""
     looks, look = np.empty((3, 6, len(normals))), np.empty((6, 6))
     for c in range(len(normals)):
         _looking(look, normals[c])
-        looks[:, :, c] = look[:3]
+        for k in range(3):
+            _copy(looks[k, :, c], look[k])
     return looks
 
 
-@compiled
+@compiled(inner=True)
 def _boxes(box, path, looks):
     """Set the smallest and the largest (6, m) of the normal and both shear stresses of a path."""
     box[0::2], box[1::2] = math.inf, -math.inf
@@ -710,7 +723,7 @@ def _maximised(normal, path, sum_k, product_k, room):
             gain = there - here
             if gain > 0.0:
                 here = there
-                normal[:] = trial
+                _copy(normal, trial)
                 break
             a, b = 0.4 * a, 0.4 * b
         if gain <= SETTLED * here:  # the next gain would be the square of this one
@@ -776,7 +789,7 @@ def _uphill(path, here, held, at, sum_k, product_k, room):
     return _newton(here, factor * ga + twice * en, factor * gb + twice * fn, haa, hab, hbb)
 
 
-@compiled
+@compiled(inner=True)
 def _beside(seen, k):
     """Two columns of what is seen at the second and third point, less that at the first."""
     x, y = seen[0, k], seen[0, k + 1]
@@ -797,7 +810,7 @@ def _newton(here, ga, gb, haa, hab, hbb):
     return a * shorter, b * shorter
 
 
-@compiled
+@compiled(inner=True)
 def _axes(normal):
     """Two axes across a normal."""
     nx, ny, nz = normal
@@ -862,7 +875,7 @@ def monotone(out, x, values, at):
             out[row, j] = values[row, k] + t * (slope[k] + t * (c + t * d))
 
 
-@compiled
+@compiled(inner=True)
 def _end(h, further, rise, next_rise):
     """Slope at an end, by the parabola through three points, kept monotone."""
     slope = ((2.0 * h + further) * rise - h * next_rise) / (h + further)

@@ -17,7 +17,7 @@ from tractive_sam.kernels.compiled import compiled
 OPEN, STICK, SLIP = 0, 1, 2
 
 
-@compiled
+@compiled(inner=True)
 def _nearest(a, b, g, w0, w1):
     """Point z of the disc of radius g > 0 nearest to (a, b), and l >= 0 with (1 + l w) z = (a, b).
 
@@ -67,7 +67,7 @@ def project(traction, bound, out, w0=1.0, w1=1.0):
                     out[0, i, j], out[1, i, j], _ = _nearest(a, b, g, w0, w1)
 
 
-@compiled
+@compiled(inner=True)
 def _centred(slip, contact, i, ahead, m0, m1):
     """Set (m0, m1) to the slip at the centres of row i, from that of the leading faces.
 
@@ -153,7 +153,7 @@ def carried(by_share, by_slip, kept, slip, out):
             out[i, j] = by_share[i, j] * share[j]
 
 
-@compiled
+@compiled(inner=True)
 def _share(a0, a1, m0, m1):
     """Share of the centre in the direction opposed, 2 a.m/(a² + m²) and a² + m² (`turn`)."""
     square = a0 * a0 + a1 * a1 + m0 * m0 + m1 * m1
@@ -163,7 +163,7 @@ def _share(a0, a1, m0, m1):
     return min(1.0, max(0.0, 2.0 * agreement - 0.5)), agreement, square
 
 
-@compiled
+@compiled(inner=True)
 def _turned(a0, a1, m0, m1):
     """The slip opposed, and the ratio of its size to that of the vector it is turned to."""
     share, _, _ = _share(a0, a1, m0, m1)
@@ -198,7 +198,7 @@ def turn(slip, contact, out, ahead=1.0):
             out[0, i, j], out[1, i, j] = (s0 if inside else a0), (s1 if inside else a1)
 
 
-@compiled
+@compiled(inner=True)
 def _respond(slip, m0, m1, staggered, s0, s1, ratio, t0, t1, i, j, across):
     """Derivative, along t, of the slip opposed s over the ratio of sizes (`_turned`).
 
@@ -272,7 +272,9 @@ def linearise(
     inverse0, inverse1 = 1.0 / w0, 1.0 / w1
     centre, turned, ratios = np.empty((2, ny)), np.empty((2, ny)), np.ones(ny)
     for i in range(nx):
-        centre[:], turned[:] = slip[:, i], slip[:, i]
+        for j in range(ny):
+            centre[0, j], centre[1, j] = slip[0, i, j], slip[1, i, j]
+            turned[0, j], turned[1, j] = slip[0, i, j], slip[1, i, j]
         if staggered:
             _centred(slip, contact, i, 1.0 * staggered, centre[0], centre[1])
             for j in range(ny):
@@ -431,7 +433,7 @@ def sweep(state, direction, kappa, stiffness, own, row, smooth, rough, out):
             ahead[0, j], ahead[1, j] = a, b
 
 
-@compiled
+@compiled(inner=True)
 def _unturned(state, direction, across, contact, ahead, rows):
     """Slip of the leading faces along t, in place of what the rows of slipping elements have.
 

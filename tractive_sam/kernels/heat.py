@@ -57,7 +57,7 @@ def exponential_integral(x):
     return h * exp(-x)
 
 
-@compiled
+@compiled(inner=True)
 def _spread(c, s):
     """Integral of erf(c/t) over t from 0 to s."""
     if s <= 0.0 or c == 0.0:
@@ -67,7 +67,7 @@ def _spread(c, s):
     return value if c > 0.0 else -value
 
 
-@compiled
+@compiled(inner=True)
 def _front(x, speed, kappa):
     """Where a side x ahead of the point stood, in s; what the front spreads shifts it a little.
 

@@ -89,7 +89,7 @@ def _logs_and_angles(xs: np.ndarray, ys: np.ndarray, z: float) -> tuple[np.ndarr
     return np.log(logs, out=logs), np.arctan(angles, out=angles)
 
 
-@compiled(fastmath=ANY_ORDER)
+@compiled(fastmath=ANY_ORDER, inner=True)
 def _distance2(x, z, width):
     """x² + z², and width² where that is 0: see `stress.log_argument`."""
     p = x * x + z * z
@@ -116,7 +116,7 @@ def _arguments(logs, angles, xs, ys, z):
             angles[1, i, j] = x * y / (q + z * r)
 
 
-@compiled(fastmath=ANY_ORDER)
+@compiled(fastmath=ANY_ORDER, inner=True)
 def _corners(out, logs, angles, x, ys, z):
     """Set the 14 corner forms at (x, ys[j], z)."""
     p = _distance2(x, z, ys[1] - ys[0])

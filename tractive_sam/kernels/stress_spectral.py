@@ -48,7 +48,7 @@ def layer_product(out, packs, loads, sign, nu, first, last):
             out[5, i, j], out[5, k, j] = s[5], m[5]
 
 
-@compiled(fastmath=ANY_ORDER)
+@compiled(fastmath=ANY_ORDER, inner=True)
 def _unpack_layer(packs, i, k, j):
     """Real sums of the 14 integrals, from the packs at (k_x, k_y) and (-k_x, k_y)."""
     xxz, xxx, xxy, xyz = _four(packs[0, i, j], packs[0, k, j])
@@ -58,7 +58,7 @@ def _unpack_layer(packs, i, k, j):
     return xxx, xxy, xyy, yyy, xxz, xyz, yyz, xzz, yzz, zzz, psi_xx, psi_xy, chi_xxy, chi_xyy
 
 
-@compiled(fastmath=ANY_ORDER)
+@compiled(fastmath=ANY_ORDER, inner=True)
 def _four(a, b):
     """Sums ee, oe, eo, oo from a = ee - oo - i (eo + oe) and b = ee + oo - i (eo - oe)."""
     return (
@@ -69,7 +69,7 @@ def _four(a, b):
     )
 
 
-@compiled(fastmath=ANY_ORDER)
+@compiled(fastmath=ANY_ORDER, inner=True)
 def _combine(along_x, along_y, normal, x, y, n):
     """Spectra of the six stresses from the real sums of the coefficients and the loads."""
     ix, iy, i_n = _minus_i(x), _minus_i(y), _minus_i(n)
@@ -83,7 +83,7 @@ def _combine(along_x, along_y, normal, x, y, n):
     )
 
 
-@compiled(fastmath=ANY_ORDER)
+@compiled(fastmath=ANY_ORDER, inner=True)
 def _minus_i(z):
     return complex(z.imag, -z.real)
 
@@ -127,7 +127,7 @@ def plane_product(out, packs, loads, sign, nu):
             out[5, j] += along_x[5] * _minus_i(odd_x) + along_y[5] * y + normal[5] * _minus_i(n)
 
 
-@compiled(fastmath=ANY_ORDER)
+@compiled(fastmath=ANY_ORDER, inner=True)
 def _unpack_edge(packs, e, j):
     """Real sums of the 14 integrals; even in y the real parts, odd in y the imaginary ones."""
     xxz, xxy = packs[0, e, j].real, -packs[0, e, j].imag

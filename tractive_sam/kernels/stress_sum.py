@@ -125,12 +125,15 @@ def stress_around(out, points, around, signs, poisson, corner, sums, sides, bloc
         Longest side of a block over its distance, below 1. Of 0.3 the stress under smooth tractions
         is right to 2e-3, and what it lacks is much the same at points near one another.
     """
-    out[:] = 0.0
+    count = points.shape[1]
+    stress, load = np.empty((1, 6, count)), (corner, sums, sides, blocks, widest)
     for m in range(len(points)):
-        one = slice(m, m + 1)
-        own = around[m], signs[one], poisson[one]
-        stress = out[:, one].transpose((1, 0, 2))
-        _sum_around(stress, points[m], *own, corner, sums, sides, blocks, widest)
+        stress[:] = 0.0
+        own = signs[m : m + 1], poisson[m : m + 1]
+        _sum_around(stress, points[m], around[m], *own, *load)
+        for component in range(6):
+            for n in range(count):
+                out[component, m, n] = stress[0, component, n]
 
 
 @compiled
@@ -172,14 +175,17 @@ def stress_at_columns(
             around = np.array((x[i], 0.5 * (y[first] + y[last - 1]), depths[0]))
             load = corner, sums, sides, blocks, widest
             stress[:] = 0.0
-            _sum_around(stress[:, :, :count], points[:count], around, signs, poisson, *load)
+            _sum_around(stress, points[:count], around, signs, poisson, *load)
             for n in range(count):
-                out[:, :, i, first + n // k, n % k] = stress[:, :, n]
+                for body in range(signs.size):
+                    for component in range(6):
+                        value = stress[body, component, n]
+                        out[body, component, i, first + n // k, n % k] = value
 
 
-@compiled
+@compiled(inner=True)
 def _sum_around(out, points, around, signs, poisson, corner, sums, sides, blocks, widest):
-    """Add the stresses (bodies, 6, n) at a group of points."""
+    """Add the stresses (bodies, 6, ...) at a group of points, the first ones of `out`."""
     nx, ny = sums.shape[0] - 1, sums.shape[1] - 1
     blocks_x, blocks_y = blocks
     forces, at_nodes = np.empty((5, AT_ONCE), dtype=np.float32), np.empty((3, 2, 2))
@@ -191,7 +197,7 @@ def _sum_around(out, points, around, signs, poisson, corner, sums, sides, blocks
         places[n, 0] = (points[n, 0] - around[0]) * per_depth
         places[n, 1] = (points[n, 1] - around[1]) * per_depth
         places[n, 2] = points[n, 2] * per_depth
-    count = 0
+    count = np.int64(0)  # a literal 0 would compile the callees another time
     # Blocks that wait, (first in x, first in y, number in x, number in y): no more than halvings.
     waiting = np.empty((128, 4), dtype=np.int64)
     for i in range(0, nx, blocks_x):
@@ -238,14 +244,14 @@ def _sum_around(out, points, around, signs, poisson, corner, sums, sides, blocks
     _add_to_bodies(out, places, forces, count, signs, poisson)
 
 
-@compiled
+@compiled(inner=True)
 def _node(k, pieces):
     """Place of a node of a side, from its middle, over its length: two in each of equal pieces."""
     offset = NODE if k % 2 == 1 else -NODE
     return (k // 2 + 0.5 + offset) / pieces - 0.5
 
 
-@compiled
+@compiled(inner=True)
 def _set_at_nodes(out, sums, a, b, m, n):
     """Set the loads (3, 2, 2) at the nodes of a block of m x n patches; whether there are any.
 
@@ -256,10 +262,13 @@ def _set_at_nodes(out, sums, a, b, m, n):
     node_x, node_y = NODE * m, NODE * n
     loaded = False
     for load in range(3):
-        whole = _of_block(sums, a, b, m, n, load, 0)
+        for by in range(4):
+            right = sums[a + m, b + n, load, by] - sums[a, b + n, load, by]
+            right -= sums[a + m, b, load, by] - sums[a, b, load, by]
+            out[load, by // 2, by % 2] = right
+        whole, by_i, by_j = out[load, 0, 0], out[load, 0, 1], out[load, 1, 0]
+        by_both = out[load, 1, 1]
         loaded = loaded or abs(whole) > NOTHING * abs(sums[a + m, b + n, load, 0])
-        by_i, by_j = _of_block(sums, a, b, m, n, load, 1), _of_block(sums, a, b, m, n, load, 2)
-        by_both = _of_block(sums, a, b, m, n, load, 3)
         lean_x, lean_y = (by_i - x * whole) / node_x, (by_j - y * whole) / node_y
         twist = (by_both - x * by_j - y * by_i + x * y * whole) / (node_x * node_y)
         out[load, 0, 0] = 0.25 * (whole - lean_x - lean_y + twist)
@@ -269,21 +278,14 @@ def _set_at_nodes(out, sums, a, b, m, n):
     return loaded
 
 
-@compiled
-def _of_block(sums, a, b, m, n, load, by):
-    """What one of the sums gains over a block."""
-    right = sums[a + m, b + n, load, by] - sums[a, b + n, load, by]
-    return right - (sums[a + m, b, load, by] - sums[a, b, load, by])
-
-
-@compiled
+@compiled(inner=True)
 def _add_to_bodies(out, places, forces, count, signs, poisson):
     """Add the stresses (bodies, 6, n) of point forces; on each body p_x and p_y times its sign."""
     for body in range(signs.size):
         _add_forces(out[body], places, forces, count, signs[body], poisson[body])
 
 
-@compiled(fastmath=ANY_ORDER)
+@compiled(fastmath=ANY_ORDER, inner=True)
 def _add_forces(out, places, forces, count, sign, nu):
     """Add the stresses of point forces (x, y, P_x, P_y, P_n), by Boussinesq and Cerruti.
 

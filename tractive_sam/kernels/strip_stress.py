@@ -25,7 +25,7 @@ import math
 from tractive_sam.kernels.compiled import compiled
 
 
-@compiled
+@compiled(inner=True)
 def _of_edge(x, z, width):
     """ln r, t, x z/r² and z²/r² at a place seen from an edge; what is infinite is left out."""
     rr = x * x + z * z

@@ -29,45 +29,41 @@ EVEN = 2.0
 WIDEST = 3
 """Most elements from a corner that slips to one that sticks."""
 
+ROOM = WIDEST + 1
+"""Corners beyond those of the elements that steps may lead to."""
+
 UNLOADED, SLIPS, STICKS, BOTH = range(4)
 """Kinds of corners: an element there is unloaded; all of them slip; all stick; some do either."""
 
 WAYS = ((1, 0), (-1, 0), (0, 1), (0, -1))
 
 
-@compiled
 def kinds_of_corners(pressure, sliding):
     """Kinds (n_x - 1, n_y - 1) of the corners of elements (n_x, n_y); of strips (n_x - 1, 1)."""
-    nx, ny = pressure.shape
-    kinds = np.empty((nx - 1, max(ny - 1, 1)), dtype=np.uint8)
-    for i in range(nx - 1):
-        for j in range(kinds.shape[1]):
-            k = min(j + 1, ny - 1)
-            slip = stick = 0
-            for m in (i, i + 1):
-                for n in (j, k):
-                    slip += pressure[m, n] > 0.0 and sliding[m, n]
-                    stick += pressure[m, n] > 0.0 and not sliding[m, n]
-            kind = UNLOADED if slip + stick < 4 else BOTH
-            kinds[i, j] = SLIPS if slip == 4 else STICKS if stick == 4 else kind
+    loaded = pressure > 0.0
+    slipping, sticking = _around_corners(loaded & sliding), _around_corners(loaded & ~sliding)
+    kinds = np.where(slipping + sticking < 4, np.uint8(UNLOADED), np.uint8(BOTH))
+    kinds[slipping == 4] = SLIPS
+    kinds[sticking == 4] = STICKS
     return kinds
 
 
-@compiled
+def _around_corners(elements):
+    """Number (n_x - 1, n_y - 1) of marked elements around each corner; strips count twice."""
+    marked = elements.view(np.uint8)
+    pairs = marked[:-1] + marked[1:]
+    return pairs[:, :-1] + pairs[:, 1:] if pairs.shape[1] > 1 else 2 * pairs
+
+
 def where_loaded(stress, kinds):
     """Stresses (6, bodies, n) at the loaded corners, and their places (2, n); see `where_rough`."""
     bodies = len(stress)
-    i, j = np.nonzero(kinds != UNLOADED)
-    stresses, places = np.empty((6, bodies, i.size)), np.empty((2, i.size))
-    places[0], places[1] = i, j
-    for component in range(6):
-        for body in range(bodies):
-            for n in range(i.size):
-                stresses[component, body, n] = stress[body, component, i[n], j[n]]
-    return stresses, places
+    (loaded,) = np.nonzero(kinds.ravel() != UNLOADED)
+    stresses = stress.reshape(bodies, 6, -1).take(loaded, axis=2)
+    places = np.array(np.divmod(loaded, kinds.shape[1]), dtype=float)
+    return stresses.swapaxes(0, 1), places
 
 
-@compiled
 def where_rough(stress, pressure, kinds, poisson, dx, dy):
     """Stresses at points of the edge of the contact and of the end of stick.
 
@@ -97,11 +93,17 @@ def where_rough(stress, pressure, kinds, poisson, dx, dy):
     places : ndarray, shape (2, n)
         In elements from the first corner.
     """
-    bodies, _, nx, ny = stress.shape
     # With room for all steps: beyond the last corners there is no contact.
-    m = WIDEST + 1
-    around = np.zeros((nx + 2 * m, ny + 2 * m), dtype=np.uint8)
-    around[m:-m, m:-m] = kinds
+    nx, ny = kinds.shape
+    around = np.full((nx + 2 * ROOM, ny + 2 * ROOM), UNLOADED, dtype=np.uint8)
+    around[ROOM:-ROOM, ROOM:-ROOM] = kinds
+    return _where_rough(stress, pressure, around, poisson, dx, dy)
+
+
+@compiled
+def _where_rough(stress, pressure, around, poisson, dx, dy):
+    """As `where_rough`, with the kinds of `ROOM` more corners on all sides."""
+    bodies, _, nx, ny = stress.shape
     count = 0
     stresses, places = np.zeros((6, bodies, count)), np.zeros((2, count))
     for counted in (False, True):
@@ -110,9 +112,9 @@ def where_rough(stress, pressure, kinds, poisson, dx, dy):
         count = 0
         for i in range(nx):
             for j in range(ny):
-                here = kinds[i, j]
+                k, h = ROOM + i, ROOM + j
+                here = around[k, h]
                 # Amid corners of its own kind, as most are, nothing is rough.
-                k, h = m + i, m + j
                 alike = here == around[k - 1, h] == around[k + 1, h]
                 if here == UNLOADED or (alike and here == around[k, h - 1] == around[k, h + 1]):
                     continue
@@ -137,14 +139,14 @@ def where_rough(stress, pressure, kinds, poisson, dx, dy):
     return stresses, places
 
 
-@compiled
+@compiled(inner=True)
 def _steps_to_edge(pressure, i, j, a, b):
     """Elements from a loaded corner, against the way (a, b), to the edge; -1 if not known."""
     in_x, in_y = _differences(pressure, i, j)
     rising, along = a * in_x + b * in_y, abs(b * in_x + a * in_y)
     if rising <= 0.0 or rising < EVENLY * along:
         return -1.0
-    here = _mean(pressure, i, j, 2)
+    here = _mean_square(pressure, i, j)
     if here > FARTHEST * rising - 0.5 * along:
         return -1.0
     # As steep further inside, or the edge is sharper than the mesh.
@@ -153,7 +155,7 @@ def _steps_to_edge(pressure, i, j, a, b):
     return here / rising if rising / EVEN < inner < EVEN * rising else -1.0
 
 
-@compiled
+@compiled(inner=True)
 def _set_at_edge(out, stress, pressure, i, j, a, b, away, poisson, dx, dy):
     """Set the stresses (6, bodies) so many elements from a corner, against the way (a, b)."""
     for body in range(len(stress)):
@@ -164,7 +166,7 @@ def _set_at_edge(out, stress, pressure, i, j, a, b, away, poisson, dx, dy):
         out[3, body] = here[2] + away * (here[2] - further[2])
 
 
-@compiled
+@compiled(inner=True)
 def _smooth(stress, pressure, i, j, nu, dx, dy):
     """Stresses xx, yy, xy at a corner, less those that fall with the root of the distance."""
     in_x, in_y = _differences(pressure, i, j)
@@ -173,7 +175,7 @@ def _smooth(stress, pressure, i, j, nu, dx, dy):
     if steep > 0.0:
         x, y = x / steep, y / steep
     # sigma + p (n n + 2 nu t t), in the plane: t t = 1 - n n.
-    p, k = _mean(pressure, i, j, 1), 1.0 - 2.0 * nu
+    p, k = _mean(pressure, i, j), 1.0 - 2.0 * nu
     return (
         stress[0, i, j] + p * (k * x * x + 2.0 * nu),
         stress[1, i, j] + p * (k * y * y + 2.0 * nu),
@@ -181,7 +183,7 @@ def _smooth(stress, pressure, i, j, nu, dx, dy):
     )
 
 
-@compiled
+@compiled(inner=True)
 def _steps_to_stick(kinds, i, j, a, b):
     """Steps in the way (a, b) from a corner that slips to one that sticks; 0 if there is none."""
     for step in range(1, WIDEST + 1):
@@ -193,7 +195,7 @@ def _steps_to_stick(kinds, i, j, a, b):
     return 0
 
 
-@compiled
+@compiled(inner=True)
 def _set_at_border(out, stress, i, j, a, b, apart):
     """Set the stresses (6, bodies) midway between a corner that slips and one that sticks."""
     for component in range(6):
@@ -206,15 +208,22 @@ def _set_at_border(out, stress, i, j, a, b, apart):
             out[component, body] = here + 0.5 * apart * (here - behind)
 
 
-@compiled
-def _mean(pressure, i, j, power):
-    """Of the pressure or its square at a corner."""
+@compiled(inner=True)
+def _mean(pressure, i, j):
+    """Mean of the pressure of the elements around a corner."""
     k = min(j + 1, pressure.shape[1] - 1)
-    total = pressure[i, j] ** power + pressure[i + 1, j] ** power
-    return 0.25 * (total + pressure[i, k] ** power + pressure[i + 1, k] ** power)
+    return 0.25 * (pressure[i, j] + pressure[i + 1, j] + pressure[i, k] + pressure[i + 1, k])
 
 
-@compiled
+@compiled(inner=True)
+def _mean_square(pressure, i, j):
+    """Mean of the square of the pressure of the elements around a corner."""
+    k = min(j + 1, pressure.shape[1] - 1)
+    total = pressure[i, j] ** 2 + pressure[i + 1, j] ** 2
+    return 0.25 * (total + pressure[i, k] ** 2 + pressure[i + 1, k] ** 2)
+
+
+@compiled(inner=True)
 def _differences(pressure, i, j):
     """Of the square of the pressure at a corner, across an element in x and in y."""
     k = min(j + 1, pressure.shape[1] - 1)

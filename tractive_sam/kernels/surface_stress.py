@@ -70,7 +70,7 @@ def at_corners(out, displacement, tractions, signs, dx, dy, nu):
                 out[b, 5, i, j] = -s * y
 
 
-@compiled
+@compiled(inner=True)
 def _strain(u, v, i, j, k, dx, dy):
     """xx, yy and twice xy at a corner, between the rows j and k."""
     xx = 0.5 / dx * (u[i + 1, j] + u[i + 1, k] - u[i, j] - u[i, k])
@@ -80,6 +80,6 @@ def _strain(u, v, i, j, k, dx, dy):
     return xx, yy, xy + yx
 
 
-@compiled
+@compiled(inner=True)
 def _mean(field, i, j, k):
     return 0.25 * (field[i, j] + field[i + 1, j] + field[i, k] + field[i + 1, k])

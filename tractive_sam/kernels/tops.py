@@ -82,7 +82,7 @@ def find_tops(values, above, below):
     return tops[:count]
 
 
-@compiled
+@compiled(inner=True)
 def _largest_around(values, i, j):
     """Whether no value around is larger; of equal ones the first is."""
     nx, ny = values.shape
@@ -94,7 +94,7 @@ def _largest_around(values, i, j):
     return True
 
 
-@compiled
+@compiled(inner=True)
 def _nearest(values, i, j, nx, ny):
     """The value of another layer next to a point of one of nx x ny; -1 where there is none."""
     if values.size == 0:
@@ -103,22 +103,16 @@ def _nearest(values, i, j, nx, ny):
     return values[(2 * i + 1) * kx // (2 * nx), (2 * j + 1) * ky // (2 * ny)]
 
 
-@compiled
+@compiled(inner=True)
 def _aside(before, here, behind):
     """Where a parabola through values has its top, in steps from the middle one, the largest."""
     bend = 2.0 * here - before - behind
     return 0.5 * (behind - before) / bend if bend > 0.0 else 0.0
 
 
-@compiled
 def stencil(at):
     """Points (m, 13, 3) around each of some (m, 3), whose values `climb` wants."""
-    points = np.empty((len(at), len(_STENCIL), 3))
-    for m in range(len(at)):
-        for n in range(len(_STENCIL)):
-            for i in range(3):
-                points[m, n, i] = at[m, i] + STEP * at[m, 2] * _STENCIL[n, i]
-    return points
+    return at[:, None] + STEP * at[:, None, 2:] * _STENCIL
 
 
 @compiled
@@ -186,7 +180,7 @@ def last_steps(at, values, floor):
     return reached
 
 
-@compiled
+@compiled(inner=True)
 def _follows(at, values, of, fates, m):
     """Whether a higher way of the same function is near."""
     for k in range(len(at)):
@@ -197,7 +191,7 @@ def _follows(at, values, of, fates, m):
     return False
 
 
-@compiled
+@compiled(inner=True)
 def _step(at, v, floor):
     """Go to the top of the parabola through values on the stencil; return what that gains."""
     step, gradient, hessian = np.empty(3), np.empty(3), np.empty((3, 3))
@@ -214,13 +208,16 @@ def _step(at, v, floor):
         _uphill(step, gradient, hessian)
     length = math.sqrt(step[0] ** 2 + step[1] ** 2 + step[2] ** 2)
     if length > LONGEST / STEP:
-        step *= LONGEST / STEP / length
-    at += STEP * at[2] * step
+        for i in range(3):
+            step[i] *= LONGEST / STEP / length
+    scale = STEP * at[2]
+    for i in range(3):
+        at[i] += scale * step[i]
     at[2] = max(at[2], floor)
     return 0.5 * (gradient[0] * step[0] + gradient[1] * step[1] + gradient[2] * step[2])
 
 
-@compiled
+@compiled(inner=True)
 def _uphill(step, gradient, hessian):
     """Set the Newton step of a Hessian that is lowered until it falls all ways."""
     a, d, f = hessian[0, 0], hessian[1, 1], hessian[2, 2]

@@ -166,7 +166,7 @@ class MultiLevel:
         """
         widest = NARROW if closely else WIDEST
         stress = np.empty((6, *points.shape[:2]))
-        own = self._of_bodies[:, bodies]
+        own = self._of_bodies.take(bodies, axis=1)  # contiguous rows, as the kernel is compiled for
         stress_sum.stress_around(stress, points, around, *own, *self._summed, widest)
         return self._criterion(stress)
 
