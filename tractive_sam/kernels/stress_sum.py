@@ -233,7 +233,7 @@ def _sum_around(out, points, around, signs, poisson, corner, sums, sides, blocks
                     for h in range(2 * pieces_y):
                         if count == AT_ONCE:
                             _add_to_bodies(out, places, forces, count, signs, poisson)
-                            count = 0
+                            count = np.int64(0)
                         forces[0, count] = at_x
                         forces[1, count] = y + n * dy * _node(h, pieces_y)
                         for load in range(3):
