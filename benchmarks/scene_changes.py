@@ -19,7 +19,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 import tractive_sam as ts
-from tractive_sam.results.quantities import kept_fields
+from tractive_sam.results.stored_fields import kept_fields
 
 BODIES = {"A": "B", "B": "A"}
 

@@ -6,9 +6,9 @@ from types import SimpleNamespace
 import numpy as np
 
 from tractive_sam.mechanics.point_contact import HertzContact
+from tractive_sam.results.column_table import columns
 from tractive_sam.results.grid import Grid
 from tractive_sam.results.history import History
-from tractive_sam.results.quantities import columns
 from tractive_sam.results.record import Record, fields
 from tractive_sam.results.state import State
 from tractive_sam.results.status import Cost, Status

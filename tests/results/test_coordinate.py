@@ -11,7 +11,8 @@ import tractive_sam as ts
 from tests.store.sample_records import STRESSED, make_record, mesh, with_stress
 from tractive_sam import plot
 from tractive_sam.cli.program import app
-from tractive_sam.results.quantities import COORDINATE, columns
+from tractive_sam.results.column_table import columns
+from tractive_sam.results.quantity import COORDINATE
 from tractive_sam.store.writer import HistoryWriter
 
 DISTANCE = ts.Quantity(

@@ -9,8 +9,9 @@ import pytest
 import tractive_sam as ts
 from tests.store.sample_records import SCENE, STRESSED, make_record, mesh, with_stress
 from tractive_sam.results import caveats
-from tractive_sam.results.quantities import COLUMNS, FIELDS, STRESS, WARM, columns
+from tractive_sam.results.column_table import COLUMNS, columns
 from tractive_sam.results.record import fields
+from tractive_sam.results.stored_fields import FIELDS, STRESS, WARM
 from tractive_sam.scene import PlausibilityWarning
 
 REVOLUTIONS = 2

@@ -15,7 +15,7 @@ import pytest
 from typer.testing import CliRunner
 
 from tractive_sam.cli.program import app
-from tractive_sam.results.quantities import FIELDS
+from tractive_sam.results.stored_fields import FIELDS
 from tractive_sam.run.pipeline import roll
 from tractive_sam.scene import Scene
 from tractive_sam.store import open_history

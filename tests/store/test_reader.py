@@ -10,7 +10,8 @@ import pytest
 import xarray as xr
 
 from tests.store.sample_records import SCENE, make_record, mesh
-from tractive_sam.results.quantities import FIELDS, STRESSES, columns
+from tractive_sam.results.column_table import STRESSES, columns
+from tractive_sam.results.stored_fields import FIELDS
 from tractive_sam.scene import Scene, SceneError
 from tractive_sam.store import HistoryWriter, ResultsError, open_history
 

@@ -9,7 +9,7 @@ import xarray as xr
 
 from tests.store.sample_records import SCENE, STRESSED, make_record, mesh, records, with_stress
 from tractive_sam.results.history import History
-from tractive_sam.results.quantities import STRESS
+from tractive_sam.results.stored_fields import STRESS
 from tractive_sam.store import HistoryWriter, open_history
 
 

@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from tractive_sam.results.quantities import BODIES, PARTS, Quantity
-from tractive_sam.results.quantities import columns as columns_of
+from tractive_sam.results.column_table import PARTS
+from tractive_sam.results.column_table import columns as columns_of
+from tractive_sam.results.quantity import BODIES, Quantity
 from tractive_sam.results.record import Record
 from tractive_sam.scene import Scene
 

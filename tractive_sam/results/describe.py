@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from tractive_sam.results.balance import SteadyBalance, balance_of
-from tractive_sam.results.quantities import BODIES, Quantity
+from tractive_sam.results.quantity import BODIES, Quantity
 from tractive_sam.results.recorded import Recorded
 from tractive_sam.scene import describe_load, near_edge, pressure_notes
 

@@ -12,6 +12,7 @@ from tractive_sam.extras import importing_extra
 from tractive_sam.mechanics import Frame
 from tractive_sam.plain import text_table
 from tractive_sam.results.balance import balance_of
+from tractive_sam.results.column_table import PARTS, STRESSES, columns
 from tractive_sam.results.cycle import PREFIX
 from tractive_sam.results.describe import summarize_history
 from tractive_sam.results.fatigue import BodyFatigue
@@ -20,23 +21,11 @@ from tractive_sam.results.grid import Grid, widened
 from tractive_sam.results.heat import FlashTemperature
 from tractive_sam.results.law_record import LawRecord, describe_laws
 from tractive_sam.results.plane_stress import PlaneStress
-from tractive_sam.results.quantities import (
-    BODIES,
-    BOUND,
-    COORDINATE,
-    FIELDS,
-    OUTSIDE,
-    PARTS,
-    STRESSES,
-    WARM,
-    Quantity,
-    columns,
-    kept_fields,
-    of_role,
-)
+from tractive_sam.results.quantity import BODIES, COORDINATE, Quantity, of_role
 from tractive_sam.results.record import Record
 from tractive_sam.results.state import State
 from tractive_sam.results.status import Cost, Status
+from tractive_sam.results.stored_fields import BOUND, FIELDS, OUTSIDE, WARM, kept_fields
 from tractive_sam.scene import Scene, label
 
 if TYPE_CHECKING:
@@ -70,7 +59,7 @@ class Rows(Protocol[T_co]):
 
 @dataclass(frozen=True, eq=False)
 class History:
-    """All records of a computation, under the names of `results.quantities`.
+    """All records of a computation, under the names of `results.column_table`.
 
     Attributes
     ----------

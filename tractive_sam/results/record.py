@@ -6,23 +6,17 @@ from typing import Any
 
 import numpy as np
 
+from tractive_sam.results.column_table import columns
 from tractive_sam.results.fatigue import BodyFatigue
 from tractive_sam.results.plane_stress import PlaneStress
-from tractive_sam.results.quantities import (
-    BOUND,
-    COORDINATE,
-    FIELDS,
-    WARM,
-    Quantity,
-    columns,
-    of_role,
-)
+from tractive_sam.results.quantity import COORDINATE, Quantity, of_role
 from tractive_sam.results.state import State
+from tractive_sam.results.stored_fields import BOUND, FIELDS, WARM
 
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """One contact as numbers and arrays under the names of `results.quantities`.
+    """One contact as numbers and arrays under the names of `results.column_table`.
 
     Attributes
     ----------

@@ -6,7 +6,7 @@ from typing import Protocol, Self
 import numpy as np
 
 from tractive_sam.results.grid import Grid
-from tractive_sam.results.quantities import Quantity
+from tractive_sam.results.quantity import Quantity
 from tractive_sam.scene import Scene
 
 

@@ -5,40 +5,23 @@ figures: one column more is one line here.
 """
 
 import math
-import re
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable
+from dataclasses import replace
 from functools import partial
 from operator import attrgetter
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
 from tractive_sam.mechanics import VON_MISES, StressCriterion
+from tractive_sam.results.quantity import BODIES, COORDINATE, Quantity, by_name
 from tractive_sam.results.state import State
+from tractive_sam.results.stored_fields import read_component, read_heat, read_number
 from tractive_sam.scene import Scene
-
-BODIES = ("A", "B")
-
-DIMS = ((), ("axis",), ("y",), ("body",), ("body", "position"))
-"""What a column of one's own can have beside the record."""
-
-
-def _always(_scene: Scene) -> bool:
-    return True
 
 
 def _over_load(force: str, contact: State) -> float:
     return getattr(contact, force) / contact.P if contact.P else 0.0
-
-
-def _component(field: str, k: int, contact: State) -> np.ndarray:
-    return getattr(contact, field)[k]
-
-
-def _as_number(name: str, contact: State) -> Any:
-    """1 where it holds, else 0."""
-    return 1.0 * getattr(contact, name)
 
 
 def _bars_of_damage(contact: State) -> Any:
@@ -47,11 +30,6 @@ def _bars_of_damage(contact: State) -> Any:
 
 def _deepest(contact: State) -> float:
     return float(contact.wear.max())
-
-
-def _of_heat(name: str, contact: State, none: Any = math.nan) -> Any:
-    """What the `heat` of a contact says."""
-    return none if contact.heat is None else getattr(contact.heat, name)
 
 
 def _alone(scene: Scene) -> bool:
@@ -70,109 +48,6 @@ def _surface_fatigue_index(contact: State) -> float:
     shear = np.hypot(*contact.traction[:, touching]) - k
     return float((shear / contact.pressure[touching]).max())
 
-
-@dataclass(frozen=True)
-class Quantity:
-    """A recorded quantity.
-
-    Attributes
-    ----------
-    name : str
-        Its name, in files and in Python.
-    unit : str
-        Unit; "1" where it has none.
-    long_name : str
-        Description for people.
-    of : callable, optional
-        Reads it off a contact: a number; an array of its dimensions; of dimensions ("body", ...) a
-        mapping from "A" and "B". What only the stepping knows has none.
-    dims : tuple of str
-        Its dimensions beside the record, one of `DIMS`: "y" is that of the mesh, "axis" (x, y),
-        "body" (A, B), "position" (x, y, depth).
-    symbol : str
-        For math text in figures.
-    label : str
-        On axes of figures; by default its description.
-    format : str
-        Of a number in tables.
-    whole : bool
-        Whether it is a whole number, and known of every record.
-    per_length : bool
-        Whether it is per length in a line contact.
-    needs : tuple of str
-        Dotted keys of what a scene has to have for it, see `Scene.has`.
-    when : callable
-        What else has to hold of a scene.
-    bodies_of : str
-        Of dimensions ("body", ...): the table of the scene that lists its bodies; by default both.
-    role : str
-        What it is whatever its name: a column of one's own takes the place of the package's of the
-        same role.
-
-    Examples
-    --------
-    >>> share = ts.Quantity("share", "1", "P over E* a^2", lambda c: c.P / c.grid.element_area)
-    >>> ts.roll(scene, columns=[share])["share"].shape
-    (1,)
-    """
-
-    name: str
-    unit: str
-    long_name: str
-    of: Callable[[State], Any] | None = field(default=None, compare=False)
-    dims: tuple[str, ...] = ()
-    symbol: str = ""
-    label: str = ""
-    format: str = ".4g"
-    whole: bool = False
-    per_length: bool = False
-    needs: tuple[str, ...] = field(default=(), compare=False)
-    when: Callable[[Scene], bool] = field(default=_always, compare=False)
-    bodies_of: str = field(default="", compare=False)
-    role: str = ""
-
-    def __post_init__(self) -> None:
-        """Refuse what would be no line of text, or no format of numbers, in an output.
-
-        Raises
-        ------
-        ValueError
-            With the attribute, its value and what is allowed.
-        """
-        for name in ("name", "unit", "long_name", "symbol", "label", "format", "role"):
-            text = getattr(self, name)
-            if not isinstance(text, str) or not text.isprintable():
-                raise ValueError(f"{name} of a column is {text!r}; allowed: one line of text")
-        if not re.fullmatch(r"[-+ z#]*\d{0,2},?(\.\d{1,2})?[deEfFgG%]?", self.format, re.ASCII):
-            allowed = "a format of numbers such as .4g, of at most 99 places"
-            raise ValueError(f"format of the column {self.name} is {self.format!r}; {allowed}")
-
-    def applies(self, scene: Scene) -> bool:
-        """Whether a scene has it."""
-        return all(map(scene.has, self.needs)) and self.when(scene)
-
-    def bodies(self, scene: Scene) -> tuple[str, ...]:
-        """The bodies in which a scene has it, of dimensions ("body", ...)."""
-        if not self.applies(scene):
-            return ()
-        return getattr(scene, self.bodies_of).bodies if self.bodies_of else BODIES
-
-    def with_units_of(self, scene: Scene) -> Self:
-        """Return the quantity as a scene has it: per length in a line contact."""
-        unit = scene.contact_type.unit(self.unit) if self.per_length else self.unit
-        if unit == self.unit:
-            return self
-        name = f"{self.long_name} per length"
-        return replace(self, unit=unit, long_name=name, per_length=False)
-
-
-def by_name(quantities: Iterable[Quantity]) -> dict[str, Quantity]:
-    """Quantities by their names."""
-    return {one.name: one for one in quantities}
-
-
-COORDINATE = "coordinate"
-"""Role of the column along which a history goes: revolutions, or a distance that grows."""
 
 REVOLUTION = Quantity(
     "revolution",
@@ -265,7 +140,7 @@ _SCALARS = (
              attrgetter("cost.convolutions")),
     Quantity("jump", "1", "revolutions that the next step is to take", format="d"),
     Quantity("converged", "1", "1 where the contact conditions hold to the tolerance",
-             partial(_as_number, "converged"), format="d"),
+             partial(read_number, "converged"), format="d"),
     Quantity("solves", "1", "contacts solved for this record", format="d"),
     Quantity("seconds", "s", "time spent on this record"),
     Quantity("shift_x", "mm", "shift of A over B in x since the start, by creepage too",
@@ -293,7 +168,7 @@ _OTHERS = (
              attrgetter("p_max_at"), ("axis",)),
     Quantity("wear_profile", "mm", "wear depth behind the contact, both bodies together; of "
              "shifts the deepest along x",
-             partial(_component, "wear", 0), ("y",)),
+             partial(read_component, "wear", 0), ("y",)),
     Quantity("entering_profile", "mm", "wear depth before the contact, both bodies together",
              dims=("y",)),
     Quantity("wear_per_revolution", "mm",
@@ -308,14 +183,14 @@ _OTHERS = (
     Quantity("creepage_found", "1", "creepages (x, y) that the prescribed forces take",
              attrgetter("creepage_found"), ("axis",), needs=("finds_creepage",)),
     Quantity("temperature_max", "degC", "largest temperature of the surfaces in contact",
-             partial(_of_heat, "temperature_max"), symbol=r"T_\mathrm{max}", **_HEATED),
+             partial(read_heat, "temperature_max"), symbol=r"T_\mathrm{max}", **_HEATED),
     Quantity("temperature_max_at", "mm", "position (x, y) of the largest temperature",
-             partial(_of_heat, "temperature_max_at", none=(math.nan, math.nan)),
+             partial(read_heat, "temperature_max_at", none=(math.nan, math.nan)),
              ("axis",), **_HEATED),
     Quantity("temperature_mean", "degC", "mean temperature of the surfaces in contact",
-             partial(_of_heat, "temperature_mean"), symbol=r"T_\mathrm{mean}", **_HEATED),
+             partial(read_heat, "temperature_mean"), symbol=r"T_\mathrm{mean}", **_HEATED),
     Quantity("heat_share", "1", "share of body A in the heat that friction makes",
-             partial(_of_heat, "share"), format=".4f", **_HEATED),
+             partial(read_heat, "share"), format=".4f", **_HEATED),
     Quantity("worn_volume", "mm3", "volume worn off each body since it was new; of a flat body "
              "only where a transient wears it",
              attrgetter("worn_volume"), ("body",), symbol="V", per_length=True, needs=("wear",)),
@@ -493,142 +368,6 @@ ROLLED = Quantity(
     whole=True,
 )
 """Recorded, as the one before, of duty cycles."""
-
-FIELDS = by_name(
-    (
-        Quantity("pressure", "MPa", "contact pressure", attrgetter("pressure")),
-        Quantity(
-            "traction_x",
-            "MPa",
-            "longitudinal traction on body A",
-            partial(_component, "traction", 0),
-        ),
-        Quantity(
-            "traction_y", "MPa", "lateral traction on body A", partial(_component, "traction", 1)
-        ),
-        Quantity(
-            "slip_x",
-            "1",
-            "longitudinal slip of A over B per unit rolling speed",
-            partial(_component, "slip", 0),
-        ),
-        Quantity(
-            "slip_y",
-            "1",
-            "lateral slip of A over B per unit rolling speed",
-            partial(_component, "slip", 1),
-        ),
-        Quantity("wear", "mm", "wear depth, both bodies together", attrgetter("wear")),
-        Quantity("gap", "mm", "separation of the deformed surfaces", attrgetter("gap")),
-        Quantity(
-            "sliding",
-            "1",
-            "1 where the traction has reached the friction bound",
-            partial(_as_number, "sliding"),
-        ),
-    )
-)
-"""A function of x and y, kept at chosen revolutions; all that rolling goes on from."""
-
-BOUND = Quantity(
-    "traction_bound",
-    "MPa",
-    "largest traction that friction allows, in the norm of its law",
-    attrgetter("traction_bound"),
-)
-"""Kept beside `FIELDS` where it is not the pressure, as it is under Coulomb's law."""
-
-BEFORE = by_name(
-    (
-        Quantity("before_pressure", "MPa", "pressure a step before"),
-        Quantity("before_x", "MPa", "longitudinal traction on body A a step before"),
-        Quantity("before_y", "MPa", "lateral traction on body A a step before"),
-    )
-)
-"""What a transient goes on from beside `FIELDS`: kept of the last contact only."""
-
-WARM = by_name(
-    (
-        Quantity("temperature_A", "degC", "temperature of the surface of body A",
-                 partial(_of_heat, "temperature_A"), **_HEATED),
-        Quantity("temperature_B", "degC", "temperature of the surface of body B",
-                 partial(_of_heat, "temperature_B"), **_HEATED),
-        Quantity("heat_into_A", "mW/mm2", "heat that goes into body A",
-                 partial(_of_heat, "into_A"), **_HEATED),
-    )
-)  # fmt: skip
-"""What is kept beside `FIELDS` of scenes with [heat]; rolling goes on without."""
-
-
-_SHIFTED = (
-    ("slip_x", "longitudinal slip of A over B in the step"),
-    ("slip_y", "lateral slip of A over B in the step"),
-)
-"""Slip of a shift, which rolls no distance that it could be divided by."""
-
-
-def kept_fields(scene: Scene) -> dict[str, Quantity]:
-    """Return the functions of x and y that may be kept of a scene, by name."""
-    slipped = (replace(FIELDS[name], unit="mm", long_name=text) for name, text in _SHIFTED)
-    shifted = by_name(slipped) if scene.schedule.shifts else {}
-    warm = {name: one for name, one in WARM.items() if one.applies(scene)}
-    return FIELDS | shifted | warm | {BOUND.name: BOUND}
-
-
-OUTSIDE = {"gap": math.inf} | dict.fromkeys(WARM, math.nan)
-"""What a field is beside the mesh, where that is not zero: nothing touches there, how wide the
-gap is only the next contact tells, and how warm it is there nobody asked."""
-
-STRESS = by_name(
-    (
-        Quantity(VON_MISES.name, VON_MISES.unit, VON_MISES.long_name),
-        Quantity("xx", "MPa", "normal stress in x"),
-        Quantity("yy", "MPa", "normal stress in y"),
-        Quantity("zz", "MPa", "normal stress in z"),
-        Quantity("xy", "MPa", "shear stress xy"),
-        Quantity("xz", "MPa", "shear stress xz"),
-        Quantity("yz", "MPa", "shear stress yz"),
-    )
-)
-"""A function on a plane below the surface, kept with the fields."""
-
-
-CYCLES = by_name(
-    (
-        Quantity(
-            "utilisation", "1", "equivalent stress of the cycle over its limit", dims=("y", "depth")
-        ),
-        Quantity(
-            "residual_shear",
-            "MPa",
-            "sqrt(J2) of the cycle left by the best residual stress that rolling can leave",
-            dims=("y", "depth"),
-        ),
-        Quantity(
-            "path_radius",
-            "MPa",
-            "sqrt(J2) of the cycle left by the best constant deviator",
-            dims=("y", "depth"),
-        ),
-        Quantity("damage", "1", "damage of the material", dims=("y", "zeta")),
-        Quantity("worn", "mm", "depth worn off the body", dims=("y",)),
-    )
-)
-"""What rolling does to a body, over its section, kept with the fields."""
-
-
-def of_role(columns: Iterable[Quantity], role: str) -> Quantity:
-    """The one of a role, whatever its name.
-
-    Raises
-    ------
-    LookupError
-        If there is none.
-    """
-    for one in columns:
-        if one.role == role:
-            return one
-    raise LookupError(f"no column is the {role}")
 
 
 def _in_place_of(package: Quantity, own: Quantity) -> Quantity:

@@ -1,0 +1,155 @@
+"""Fields that are stored: functions of x and y, stress on planes, and fatigue over depth."""
+
+import math
+from dataclasses import replace
+from functools import partial
+from operator import attrgetter
+from typing import Any
+
+import numpy as np
+
+from tractive_sam.mechanics import VON_MISES
+from tractive_sam.results.quantity import Quantity, by_name
+from tractive_sam.results.state import State
+from tractive_sam.scene import Scene
+
+
+def read_component(field: str, k: int, contact: State) -> np.ndarray:
+    """Return a component of a vector field of a contact, shape (n_x, n_y)."""
+    return getattr(contact, field)[k]
+
+
+def read_number(name: str, contact: State) -> Any:
+    """1 where it holds, else 0."""
+    return 1.0 * getattr(contact, name)
+
+
+def read_heat(name: str, contact: State, none: Any = math.nan) -> Any:
+    """What the `heat` of a contact says."""
+    return none if contact.heat is None else getattr(contact.heat, name)
+
+
+FIELDS = by_name(
+    (
+        Quantity("pressure", "MPa", "contact pressure", attrgetter("pressure")),
+        Quantity(
+            "traction_x",
+            "MPa",
+            "longitudinal traction on body A",
+            partial(read_component, "traction", 0),
+        ),
+        Quantity(
+            "traction_y",
+            "MPa",
+            "lateral traction on body A",
+            partial(read_component, "traction", 1),
+        ),
+        Quantity(
+            "slip_x",
+            "1",
+            "longitudinal slip of A over B per unit rolling speed",
+            partial(read_component, "slip", 0),
+        ),
+        Quantity(
+            "slip_y",
+            "1",
+            "lateral slip of A over B per unit rolling speed",
+            partial(read_component, "slip", 1),
+        ),
+        Quantity("wear", "mm", "wear depth, both bodies together", attrgetter("wear")),
+        Quantity("gap", "mm", "separation of the deformed surfaces", attrgetter("gap")),
+        Quantity(
+            "sliding",
+            "1",
+            "1 where the traction has reached the friction bound",
+            partial(read_number, "sliding"),
+        ),
+    )
+)
+"""A function of x and y, kept at chosen revolutions; all that rolling goes on from."""
+
+BOUND = Quantity(
+    "traction_bound",
+    "MPa",
+    "largest traction that friction allows, in the norm of its law",
+    attrgetter("traction_bound"),
+)
+"""Kept beside `FIELDS` where it is not the pressure, as it is under Coulomb's law."""
+
+BEFORE = by_name(
+    (
+        Quantity("before_pressure", "MPa", "pressure a step before"),
+        Quantity("before_x", "MPa", "longitudinal traction on body A a step before"),
+        Quantity("before_y", "MPa", "lateral traction on body A a step before"),
+    )
+)
+"""What a transient goes on from beside `FIELDS`: kept of the last contact only."""
+
+WARM = by_name(
+    (
+        Quantity("temperature_A", "degC", "temperature of the surface of body A",
+                 partial(read_heat, "temperature_A"), needs=("heat",)),
+        Quantity("temperature_B", "degC", "temperature of the surface of body B",
+                 partial(read_heat, "temperature_B"), needs=("heat",)),
+        Quantity("heat_into_A", "mW/mm2", "heat that goes into body A",
+                 partial(read_heat, "into_A"), needs=("heat",)),
+    )
+)  # fmt: skip
+"""What is kept beside `FIELDS` of scenes with [heat]; rolling goes on without."""
+
+
+_SHIFTED = (
+    ("slip_x", "longitudinal slip of A over B in the step"),
+    ("slip_y", "lateral slip of A over B in the step"),
+)
+"""Slip of a shift, which rolls no distance that it could be divided by."""
+
+
+def kept_fields(scene: Scene) -> dict[str, Quantity]:
+    """Return the functions of x and y that may be kept of a scene, by name."""
+    slipped = (replace(FIELDS[name], unit="mm", long_name=text) for name, text in _SHIFTED)
+    shifted = by_name(slipped) if scene.schedule.shifts else {}
+    warm = {name: one for name, one in WARM.items() if one.applies(scene)}
+    return FIELDS | shifted | warm | {BOUND.name: BOUND}
+
+
+OUTSIDE = {"gap": math.inf} | dict.fromkeys(WARM, math.nan)
+"""What a field is beside the mesh, where that is not zero: nothing touches there, how wide the
+gap is only the next contact tells, and how warm it is there nobody asked."""
+
+STRESS = by_name(
+    (
+        Quantity(VON_MISES.name, VON_MISES.unit, VON_MISES.long_name),
+        Quantity("xx", "MPa", "normal stress in x"),
+        Quantity("yy", "MPa", "normal stress in y"),
+        Quantity("zz", "MPa", "normal stress in z"),
+        Quantity("xy", "MPa", "shear stress xy"),
+        Quantity("xz", "MPa", "shear stress xz"),
+        Quantity("yz", "MPa", "shear stress yz"),
+    )
+)
+"""A function on a plane below the surface, kept with the fields."""
+
+
+CYCLES = by_name(
+    (
+        Quantity(
+            "utilisation", "1", "equivalent stress of the cycle over its limit", dims=("y", "depth")
+        ),
+        Quantity(
+            "residual_shear",
+            "MPa",
+            "sqrt(J2) of the cycle left by the best residual stress that rolling can leave",
+            dims=("y", "depth"),
+        ),
+        Quantity(
+            "path_radius",
+            "MPa",
+            "sqrt(J2) of the cycle left by the best constant deviator",
+            dims=("y", "depth"),
+        ),
+        Quantity("damage", "1", "damage of the material", dims=("y", "zeta")),
+        Quantity("worn", "mm", "depth worn off the body", dims=("y",)),
+    )
+)
+"""What rolling does to a body, over its section, kept with the fields."""
