@@ -76,7 +76,7 @@ def progress_shown(
             along = record.coordinate
             place, end = (format(one, along.format) for one in (record.at, forecast.end))
             text = f"{along.name} {place} of {end}"
-            if "worn_volume" in record.columns:
+            if scene.has("wear"):
                 text += f", wear {1e3 * wear:.3g} µm"
             left = duration(forecast.seconds_left)
             bar.show(text, forecast.done, forecast.done + forecast.left, left)
