@@ -5,10 +5,16 @@ from importlib.metadata import version as installed
 from importlib.util import find_spec
 from pathlib import Path
 
+from docutils import nodes
+from docutils.parsers.rst import roles
+
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))
 
 import parts  # noqa: E402 - beside this file
+
+# Matplotlib writes the setters of each class of figures, with a role of its own manual.
+roles.register_generic_role("mpltype", nodes.literal)
 
 parts.write(HERE)
 
