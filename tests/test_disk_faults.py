@@ -45,4 +45,4 @@ def test_every_call_of_an_output(library, tmp_path, output):
 @pytest.mark.parametrize("output", ["report", "export", "run", "resume", "overwrite"])
 def test_some_calls_of_other_outputs(library, tmp_path, output):
     """`python -m tests.disk_faults` fails all of them, which takes long."""
-    fail_every_call(library, tmp_path, output, "--every=50")
+    fail_every_call(library, tmp_path, output, "--every=120")
