@@ -1,4 +1,4 @@
-"""Numpy raises where numbers go wrong. The package is not imported before coverage has begun."""
+"""Settings of all tests. The package is not imported here: coverage has not begun yet."""
 
 import os
 
@@ -6,30 +6,38 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
-# A change is judged by the same examples each time, whatever the speed of the machine;
+from tests import cpu_time
+
+# The examples are the same in each run, whatever the speed of the machine;
 # `--hypothesis-profile=search` looks for new ones.
 settings.register_profile("same", derandomize=True, database=None, deadline=None)
 settings.register_profile("search", derandomize=False, database=None, deadline=None)
 settings.load_profile("same")
 
-OF_TERMINALS = ("FORCE_COLOR", "GITHUB_ACTIONS", "NO_COLOR", "PY_COLORS", "TERM", "TTY_COMPATIBLE")
-"""What a shell or a service tells of its terminal; what the program prints would go by it."""
+TERMINAL_VARIABLES = (
+    *("FORCE_COLOR", "GITHUB_ACTIONS", "NO_COLOR", "PY_COLORS", "TERM", "TTY_COMPATIBLE"),
+)
+"""Variables that describe the terminal; printed output depends on them."""
+
+pytest_addoption = cpu_time.pytest_addoption
 
 
 @pytest.hookimpl(trylast=True)
-def pytest_configure():
-    """No terminal is told of, once pytest itself has looked at it."""
-    for name in OF_TERMINALS:
+def pytest_configure(config):
+    """Remove the description of the terminal, after pytest itself has read it."""
+    for name in TERMINAL_VARIABLES:
         os.environ.pop(name, None)
+    config.pluginmanager.register(cpu_time.CpuTime(config))
 
 
 @pytest.fixture(autouse=True)
 def _strict_numpy():
+    """NumPy raises where a result is invalid or infinite."""
     with np.errstate(invalid="raise", over="raise", divide="raise"):
         yield
 
 
 def pytest_collection_modifyitems(session):
-    """Tests go to limits on purpose."""
+    """Ignore warnings about improbable values: tests go to limits on purpose."""
     unlikely = "ignore::tractive_sam.scene.PlausibilityWarning"
     session.add_marker(pytest.mark.filterwarnings(unlikely))

@@ -1,0 +1,72 @@
+"""CPU time of the quick tests and of all, printed and compared with its budget."""
+
+import os
+
+import pytest
+
+TOLERATED_RATIO = 1.5
+"""Machines differ, and a cold start compiles the kernels."""
+
+
+def pytest_addoption(parser):
+    parser.addini("cpu_budget_quick", "CPU seconds of all tests that are not marked slow")
+    parser.addini("cpu_budget_all", "CPU seconds of all tests")
+    parser.addoption("--cpu-budget", action="store_true", help="fail a run that exceeds it")
+
+
+def read_cpu_time():
+    """Return the CPU seconds of this process and of the children that it has waited for."""
+    return sum(os.times()[:4])
+
+
+class CpuTime:
+    """Add up the CPU seconds of tests with their fixtures, also from workers of pytest-xdist."""
+
+    def __init__(self, config):
+        self.seconds = {"quick": 0.0, "all": 0.0}
+        self.budget = {name: float(config.getini(f"cpu_budget_{name}")) for name in self.seconds}
+        self.is_enforced = config.getoption("--cpu-budget")
+        self.start = 0.0
+
+    @pytest.hookimpl(wrapper=True, tryfirst=True)
+    def pytest_runtest_protocol(self):
+        self.start = read_cpu_time()
+        return (yield)
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_makereport(self, item, call):
+        report = yield
+        if call.when == "teardown":
+            is_slow = item.get_closest_marker("slow") is not None
+            report.user_properties.append(("cpu", [is_slow, read_cpu_time() - self.start]))
+        return report
+
+    def pytest_runtest_logreport(self, report):
+        for name, value in report.user_properties:
+            if name == "cpu":
+                is_slow, seconds = value
+                self.seconds["all"] += seconds
+                self.seconds["quick"] += 0.0 if is_slow else seconds
+
+    def exceeded(self):
+        """Return the names of the sums that exceed their budget by more than is tolerated."""
+        limits = {name: TOLERATED_RATIO * budget for name, budget in self.budget.items()}
+        return [name for name, seconds in self.seconds.items() if seconds > limits[name]]
+
+    @pytest.hookimpl(trylast=True)
+    def pytest_sessionfinish(self, session):
+        if self.is_enforced and self.exceeded() and session.exitstatus == pytest.ExitCode.OK:
+            session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+    def pytest_terminal_summary(self, terminalreporter):
+        sums = (
+            f"{name} tests {seconds:.0f} of {self.budget[name]:.0f}"
+            for name, seconds in self.seconds.items()
+        )
+        terminalreporter.write_line(f"CPU seconds: {', '.join(sums)}")
+        if self.is_enforced and self.exceeded():
+            terminalreporter.write_line(
+                f"The CPU time of {' and '.join(self.exceeded())} tests exceeds its budget in "
+                f"pyproject.toml by more than {TOLERATED_RATIO - 1.0:.0%}: see --durations.",
+                red=True,
+            )
