@@ -11,7 +11,7 @@ WORN = {"coefficient": 1e-4, "revolutions": 20, "save": [0, 5]}
 def test_one_contact_is_solved_at_the_start_alone():
     schedule = SPHERES.schedule
     assert (schedule.end, schedule.stops, schedule.adaptive) == (0, (0,), False)
-    assert schedule.describe_place(0) == ""
+    assert schedule.message_start == ""
 
 
 def test_wear_is_rolled_to_its_last_revolution_whether_that_is_saved_or_not():

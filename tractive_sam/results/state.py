@@ -346,8 +346,9 @@ class State:
     @cached_property
     def half_width_y(self) -> float:
         """Half the extent of the contact in y, mm, as in x; inf of a line contact."""
-        halves = (0.5 * side * extent(self.pressure.T) for side in self.grid.sides[1:])
-        return next(halves, math.inf)
+        if self.grid.line:
+            return math.inf
+        return 0.5 * self.grid.dy * extent(self.pressure.T)
 
     @cached_property
     def area(self) -> float:

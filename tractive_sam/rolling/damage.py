@@ -280,8 +280,8 @@ class Damage(Observation):
         """See `Observation.restore`."""
         history, row, state = stored.history, stored.row, stored.state
         unknown = np.full((len(history), len(BODIES)), np.nan)  # without a limit
-        initiation = history.values.get("initiation", unknown)[row]
-        begun = dict(zip(BODIES, initiation, strict=True))
+        by_body = history.values.get("initiation", unknown)[row]
+        initiation = dict(zip(BODIES, by_body, strict=True))
         earlier = int(history["revolution"][max(row - 1, 0)])
         scene, grid = passage.contact.scene, passage.grid
         bodies, k = {}, scene.fatigue.shear_yield_stress
@@ -303,7 +303,7 @@ class Damage(Observation):
                 rate,
                 passage.turns[0].per_count[body],
                 error,
-                float(begun[body]),
+                float(initiation[body]),
             )
         return cls(passage.revolution, earlier, bodies)
 

@@ -5,7 +5,7 @@ made of one pass for each block; of the worn bodies a pass knows the profile wit
 enters.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -117,11 +117,6 @@ class Passage(Step):
     def place(self) -> int:
         """Value of the coordinate of its record."""
         return self.revolution
-
-    @property
-    def own_state(self) -> Mapping[str, np.ndarray]:
-        """See `Step.own_state`."""
-        return {k: v for one in self.observed.values() for k, v in one.state.items()}
 
     def record(self, block: int | None = None) -> StepRecord:
         """See `Step.record`."""

@@ -156,9 +156,10 @@ class StoredStep:
         found = self.history.contact(self.row, dict(self.state))
         return replace(found, scene=scene, cost=Cost())
 
-    def require(self, names: Iterable[str]) -> None:
-        """Raise a LookupError if a column is not finite in this record."""
-        lost = [name for name in names if not np.isfinite(self.history[name][self.row]).all()]
+    def require(self, names: Iterable[str], before: int = 0) -> None:
+        """Raise a LookupError if a column is not finite in this record or some before it."""
+        rows = slice(max(self.row - before, 0), self.row + 1)
+        lost = [name for name in names if not np.isfinite(self.history[name][rows]).all()]
         if lost:
             raise LookupError(", ".join(lost))
 
@@ -278,9 +279,15 @@ class Process(ABC, Generic[AnyStep]):
         """Return the first step on a mesh that holds its contacts, and the process on that mesh."""
         return self, self.begin()
 
+    @classmethod
+    def observers_of(cls, scene: Scene) -> tuple[type[Observation], ...]:
+        """Return the observers that follow it in a scene."""
+        return tuple(kind for kind in cls.observers if kind.asked_by(scene))
+
     def adopt(self, step: AnyStep, stored: StoredStep) -> AnyStep:
         """Return a restored step with what the model and the observers know of it."""
-        return step
+        kinds = self.observers_of(self.model.scene)
+        return replace(step, observed={kind.name: kind.restore(step, stored) for kind in kinds})
 
     def observe(self, step: AnyStep, before: AnyStep | None = None) -> AnyStep:
         """Return a step with what observers know after it; as before if it was not solved."""
@@ -290,8 +297,7 @@ class Process(ABC, Generic[AnyStep]):
                 kind.name: observed[kind.name].after(step, self.model)
                 if kind.name in observed
                 else kind.begin(step, self.model)
-                for kind in self.observers
-                if kind.asked_by(self.model.scene)
+                for kind in self.observers_of(self.model.scene)
             }
         return replace(step, observed=observed)
 
@@ -319,8 +325,18 @@ class Process(ABC, Generic[AnyStep]):
                 return
 
     def state(self, step: AnyStep) -> dict[str, np.ndarray]:
-        """Return all arrays to continue from after a step: fields of its contact, and its own."""
-        return fields(step.contact) | dict(step.own_state)
+        """Return all arrays to continue from after a step, by name.
+
+        Fields of its contact, what it and what its observers need besides.
+        """
+        return fields(step.contact) | self._state_besides_fields(step)
+
+    @staticmethod
+    def _state_besides_fields(step: AnyStep) -> dict[str, np.ndarray]:
+        found = dict(step.own_state)
+        for seen in step.observed.values():
+            found |= seen.state
+        return found
 
     def record(self, step: AnyStep, recorder: Recorder) -> Record:
         """Return the record of a step.
@@ -379,8 +395,8 @@ class Process(ABC, Generic[AnyStep]):
         """
         contact = step.contact
         remarks = "".join(one.remark(self.model) for one in step.observed.values())
-        message = f"{self._place_of(step)}{contact.message}{remarks}"
+        message = f"{self._describe_place(step)}{contact.message}{remarks}"
         return "done" if contact.converged else str(contact.status), message
 
-    def _place_of(self, step: AnyStep) -> str:
-        return self.model.scene.schedule.describe_place(step.place)
+    def _describe_place(self, step: AnyStep) -> str:
+        return self.model.scene.schedule.message_start.format(step.place)

@@ -40,10 +40,9 @@ def process_of(model: Model) -> Process[Any]:
         process = build_law("process.name", scene.process.name, Process, {"model": model})
     else:
         process = process_type(scene)(model)
-    for kind in (Damage,):
-        if kind.asked_by(scene) and kind not in process.observers:
-            cure = f"nothing: {type(process).__name__} has no {kind.__name__} among its observers"
-            raise SceneError([Fault(kind.key, "with this process", cure)])
+    if Damage.asked_by(scene) and Damage not in process.observers:
+        cure = f"nothing: {type(process).__name__} has no Damage among its observers"
+        raise SceneError([Fault(Damage.key, "with this process", cure)])
     return process
 
 

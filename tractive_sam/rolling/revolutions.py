@@ -67,6 +67,7 @@ class Revolutions(Process[Passage]):
         """See `Process.restore`."""
         history, row = stored.history, stored.row
         stored.require(_FINITE)
+        stored.require(("entering_profile", "wear_per_revolution"), before=1)
         course = tuple(
             ProfilePoint(
                 int(history["revolution"][k]),
@@ -76,10 +77,6 @@ class Revolutions(Process[Passage]):
             for k in (row - 1, row)
             if k > 0  # unworn bodies have no course
         )
-        if not all(
-            np.isfinite(one.profile).all() and np.isfinite(one.rate).all() for one in course
-        ):
-            raise LookupError("entering_profile, wear_per_revolution")
         jump = history["jump"][row]
         if not jump >= 1.0:  # "not" rather than "<": nan must fail, too
             raise LookupError("jump")
@@ -100,9 +97,7 @@ class Revolutions(Process[Passage]):
 
     def adopt(self, step: Passage, stored: StoredStep) -> Passage:
         """See `Process.adopt`."""
-        last = adopted(self.model, step)
-        kinds = (kind for kind in self.observers if kind.asked_by(self.model.scene))
-        return replace(last, observed={kind.name: kind.restore(last, stored) for kind in kinds})
+        return super().adopt(adopted(self.model, step), stored)
 
 
 _FINITE = ("approach", "Qx", "Qy", "Mz", "xi_x", "xi_y", "spin", "work_supplied", "residual")
@@ -120,7 +115,7 @@ class DutyCycle(Revolutions):
         """See `Process.state`: of each block in order."""
         each = [fields(step.contacts[k]) for k in self.spectrum.places]
         stacked = {name: np.stack([one[name] for one in each]) for name in each[0]}
-        return stacked | dict(step.own_state)
+        return stacked | self._state_besides_fields(step)
 
     def record(self, step: Passage, recorder: Recorder) -> Record:
         """See `Process.record`: put together of the records of the blocks (`results.cycle`)."""
@@ -170,9 +165,9 @@ class DutyCycle(Revolutions):
             known["weights"] = tuple(float(k == rolled) for k in range(blocks))
         return known
 
-    def _place_of(self, step: Passage) -> str:
+    def _describe_place(self, step: Passage) -> str:
         """With the block whose contact was not solved."""
-        place = super()._place_of(step)
+        place = super()._describe_place(step)
         if step.converged or len(step.contacts) == 1:
             return place
         block = self.spectrum.places.index(step.contacts.index(step.contact))

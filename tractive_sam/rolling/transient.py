@@ -118,8 +118,6 @@ class Moment(Step):
             "before_x": traction[0],
             "before_y": traction[1],
         }
-        for one in self.observed.values():
-            found |= one.state
         if self.contact.scene.wear is not None:
             found |= {"worn": self.stepped.worn, "gained": self.stepped.gained}
         return found
@@ -336,9 +334,7 @@ class Transient(Process[Moment]):
 
     def adopt(self, step: Moment, stored: StoredStep) -> Moment:
         """See `Process.adopt`."""
-        kinds = (kind for kind in self.observers if kind.asked_by(self.model.scene))
-        observed = {kind.name: kind.restore(step, stored) for kind in kinds}
-        return replace(step, began=self.model.began, observed=observed)
+        return super().adopt(replace(step, began=self.model.began), stored)
 
     def end(self, step: Moment, half_widths: np.ndarray) -> tuple[str, str]:
         """See `Process.end`.

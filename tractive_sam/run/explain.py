@@ -6,7 +6,7 @@ from time import perf_counter
 
 import numpy as np
 
-from tractive_sam.contact import Model, choose_grid, rough_maps
+from tractive_sam.contact import Model, rough_maps
 from tractive_sam.operators import available
 from tractive_sam.plain import text_table
 from tractive_sam.rolling import process_type
@@ -130,7 +130,7 @@ def _model_of(scene: Scene) -> tuple[Model, Refined | None]:
 
 def _work(model: Model) -> Iterator[Row]:
     """Yield the memory and the time that a scene takes, and what finer meshes would take."""
-    yield Row("records", f"{records(model.scene, model.grid.dx)} expected")
+    yield Row("records", f"{records(model)} expected")
     needed, free = memory.of_scene(model), available()
     room = f"about {needed / 2**20:.0f} MiB, and {OF_PROGRAMS} MiB for programs"
     if needed > free:
@@ -160,17 +160,14 @@ def _resolving(model: Model, seconds: float) -> Iterator[Row]:
             yield Row(f"to resolve {table}", f"{finer} elements, about {room} and {time}")
 
 
-def records(scene: Scene, dx: float | None = None) -> int:
-    """Records that a scene is expected to have, on elements so long."""
-    if dx is None:
-        known = scene.bounded or scene.hertz is not None
-        dx = choose_grid(scene).dx if known else 0.1
-    return process_type(scene).expected_records(scene, dx)
+def records(model: Model) -> int:
+    """Return the number of records that a scene is expected to have."""
+    return process_type(model.scene).expected_records(model.scene, model.grid.dx)
 
 
 def applications(model: Model) -> int:
     """Transform pairs that a scene is expected to take, or what takes as long."""
-    count, stress = records(model.scene, model.grid.dx), model.scene.subsurface
+    count, stress = records(model), model.scene.subsurface
     bodies = depths = 0
     if stress is not None:
         kept = len(model.scene.schedule.save)

@@ -34,7 +34,7 @@ def of_contact(model: Model) -> float:
         krylov = 3 * Sparing.krylov
     spectra = 1.5 * (9 if fields == 3 else 3)
     one = 8.0 * (padded * (spectra + 3.75 * fields + 7) + krylov * fields * elements)
-    kinds = (kind for kind in process_type(model.scene).observers if kind.asked_by(model.scene))
+    kinds = process_type(model.scene).observers_of(model.scene)
     return one * len(model.blocks) + sum(kind.bytes_needed(model) for kind in kinds)
 
 

@@ -53,9 +53,8 @@ def _subsurface(_table: Any, model: Model) -> Iterator[Row]:
 
 def _transient(_table: Any, model: Model) -> Iterator[Row]:
     yield Row("order", f"{'second' if model.stencil.staggered else 'first'} in the mesh")
-    for kind in process_type(model.scene).observers:
-        if kind.asked_by(model.scene):
-            yield Row(kind.key, (kind.__doc__ or kind.__name__).splitlines()[0])
+    for kind in process_type(model.scene).observers_of(model.scene):
+        yield Row(kind.key, (kind.__doc__ or kind.__name__).splitlines()[0])
 
 
 def _process(_table: Any, model: Model) -> Iterator[Row]:

@@ -51,6 +51,8 @@ class Schedule:
     """Whether material rolls through the contact."""
     shifts: ClassVar[bool] = False
     """Whether the bodies only shift over each other."""
+    message_start: ClassVar[str] = ""
+    """Beginning of a message about a record, with its place; empty of the only one."""
 
     def __contains__(self, place: float) -> bool:
         """Whether fields are stored there."""
@@ -61,10 +63,6 @@ class Schedule:
         """Values of the coordinate at which a step has to end, ascending."""
         return tuple(sorted({*self.save, self.end}))
 
-    def describe_place(self, place: float) -> str:
-        """Return the beginning of a message about a record; empty of the only one."""
-        return ""
-
     def heaviest(self, scene: Scene) -> Scene:
         """Return the scene under its largest load, which gives the size of the contact."""
         return scene
@@ -73,9 +71,7 @@ class Schedule:
 class Revolutions(Schedule):
     """The schedule of a scene with [wear]."""
 
-    def describe_place(self, place: float) -> str:
-        """See `Schedule.describe_place`."""
-        return f"revolution {place}: "
+    message_start = "revolution {}: "
 
 
 class Distance(Schedule):
@@ -83,10 +79,7 @@ class Distance(Schedule):
 
     save_key, end_key = "transient.save", "transient.distance"
     revolves = False
-
-    def describe_place(self, place: float) -> str:
-        """See `Schedule.describe_place`."""
-        return f"after {place:g} mm: "
+    message_start = "after {:g} mm: "
 
     def heaviest(self, scene: Scene) -> Scene:
         """See `Schedule.heaviest`."""
@@ -102,10 +95,7 @@ class Shifts(Distance):
     """The schedule of a [transient] whose bodies shift, over a parameter."""
 
     rolls, shifts = False, True
-
-    def describe_place(self, place: float) -> str:
-        """See `Schedule.describe_place`."""
-        return f"after {place:g} of the parameter: "
+    message_start = "after {:g} of the parameter: "
 
 
 class NamedSchedule(Schedule):
@@ -113,10 +103,7 @@ class NamedSchedule(Schedule):
 
     save_key, end_key = "process.save", "process.end"
     revolves = False
-
-    def describe_place(self, place: float) -> str:
-        """See `Schedule.describe_place`."""
-        return f"at {place:g}: "
+    message_start = "at {:g}: "
 
 
 def schedule_of(scene: Scene) -> Schedule:

@@ -155,7 +155,7 @@ def _bytes(model: Model) -> float:
     scene, (nx, ny) = model.scene, model.grid.elements
     kept = len(scene.schedule.save)
     numbers = (kept + 1) * len(FIELDS) * nx * ny  # and the state from which a run goes on
-    numbers += explain.records(scene) * sum(
+    numbers += explain.records(model) * sum(
         ny if one.dims else 1 for one in columns(scene).values()
     )
     if scene.subsurface is not None:
