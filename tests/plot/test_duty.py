@@ -95,5 +95,5 @@ def test_many_blocks_have_colours_of_their_own():
 def test_nothing_to_draw():
     with pytest.raises(ValueError, match="duty"):
         plot.worn_by_block(ts.roll(DISCS))
-    with pytest.raises(ValueError, match="no element"):
+    with pytest.raises(ValueError, match="element"):
         plot.wear_regimes(ts.solve(DISCS.with_set(["creepage.longitudinal=0"])))

@@ -167,13 +167,13 @@ def test_what_cannot_be_drawn_is_told(contact):
         plot.von_mises(contact, plane="w=0")
     with pytest.raises(ValueError, match="y=0 of A, x=0 of A"):
         plot.von_mises_sections(stress_on_planes(contact, ["y=0", "x=0"], ["A"]))
-    with pytest.raises(ValueError, match="not nothing"):
+    with pytest.raises(ValueError, match=r"stress|plane"):
         plot.von_mises_sections([])
-    with pytest.raises(ValueError, match="at least 2 depths"):
+    with pytest.raises(ValueError, match="depths"):
         plot.von_mises(stress_on_plane(contact, "y=0", depths=[0.0]))
     far = stress_on_plane(contact, "y=0")
     far.components.update({name: 0.0 * values for name, values in far.components.items()})
-    with pytest.raises(ValueError, match="no stress on the plane"):
+    with pytest.raises(ValueError, match="stress"):
         plot.von_mises(far)
 
 

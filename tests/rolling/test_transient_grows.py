@@ -104,5 +104,5 @@ def test_another_mesh_is_refused(tmp_path, grid):
     given = scene.replace(grid={"half_length": (4.0, 4.0), "elements": (N, N)})
     interrupted(given, path, 3)
     changed = given.replace(**{f"grid.{key}": value for key, value in grid.items()})
-    with pytest.raises(ResultsError, match="must have the same elements"):
+    with pytest.raises(ResultsError, match="elements"):
         ts.roll(changed, path, resume=True)

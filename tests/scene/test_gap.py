@@ -71,7 +71,7 @@ def test_faulty_arrays(change, key):
 
 
 def test_neither_file_nor_arrays():
-    with pytest.raises(SceneError, match=r"file.*x, y and separation"):
+    with pytest.raises(SceneError, match=r"file.*x.*y.*separation"):
         Gap()
 
 

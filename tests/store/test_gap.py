@@ -141,7 +141,7 @@ def test_units_are_those_of_the_file(tmp_path):
     np.testing.assert_allclose(read_gap(path)[2], SEPARATION, rtol=1e-15)  # one product
     with h5py.File(path, "r+") as file:
         file["separation"].attrs["units"] = "inch"
-    with pytest.raises(GapError, match="separation in inch"):
+    with pytest.raises(GapError, match=r"separation.*inch"):
         read_gap(path)
 
 
@@ -224,7 +224,7 @@ def test_scattered_points_are_refused_without_their_grid(tmp_path):
     path = tmp_path / "scattered.npy"
     np.save(path, rng.random((30_000, 3)))
     tracemalloc.start()
-    with pytest.raises(GapError, match="30000 points"):
+    with pytest.raises(GapError, match="30000"):
         read_gap(path)
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()

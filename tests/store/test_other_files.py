@@ -58,7 +58,7 @@ def test_gap_reads_no_other_file(tmp_path, kind, name):
                 put(file, key, values.shape, kind, tmp_path)
             else:
                 file[key] = values
-    with pytest.raises(GapError, match=r"in the file itself") as error:
+    with pytest.raises(GapError, match=r"gap\.h5") as error:
         read_gap(tmp_path / "gap.h5")
     assert str(SECRET) not in str(error.value)
 
@@ -125,7 +125,7 @@ def grown(path):
 
 def test_results_of_more_records_than_fit_are_refused(stored):
     grown(stored)
-    with pytest.raises(ResultsError, match="claimed by a file of"):
+    with pytest.raises(ResultsError, match="MiB"):
         open_history(stored)
 
 
@@ -153,10 +153,10 @@ def h5_claim(path):
 @pytest.mark.parametrize(
     ("name", "write", "found"),
     [
-        ("a.npy", npy_claim, r"is claimed by \d+ bytes"),
-        ("a.npz", npz_claim, r"is claimed by \d+ bytes"),
+        ("a.npy", npy_claim, r"\d+ bytes"),
+        ("a.npz", npz_claim, r"\d+ bytes"),
         ("b.npy", npy_objects, "objects"),
-        ("a.h5", h5_claim, "MiB are claimed by a file of"),
+        ("a.h5", h5_claim, "MiB"),
     ],
 )
 def test_gap_that_claims_more_than_it_holds(tmp_path, name, write, found):
@@ -170,7 +170,7 @@ def test_archive_is_measured_before_it_is_unpacked(tmp_path, monkeypatch):
     np.savez_compressed(path, y=np.zeros(10**5))
     assert path.stat().st_size < 10**4
     monkeypatch.setattr(numpy_guard, "_read", None)
-    with pytest.raises(ValueError, match="MiB of arrays, at most"):
+    with pytest.raises(ValueError, match="MiB"):
         numpy_guard.read_archive(path, most=8 * 10**5)  # of the numbers; the header is more
 
 
@@ -204,7 +204,7 @@ def test_size_of_a_text_is_limited(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text("12345")
     assert input_file.read_text(path, most=5) == "12345"
-    with pytest.raises(OSError, match="larger than the 4 bytes"):
+    with pytest.raises(OSError, match="4 bytes"):
         input_file.read_text(path, most=4)
 
 
@@ -229,5 +229,5 @@ COLUMN |= {"label": "turn", "format": ".3f", "whole": False, "per_length": False
 def test_columns_of_a_file_are_checked(stored, wrong):
     with h5py.File(stored, "r+") as file:
         set_text(file["history"], "own", json.dumps([COLUMN | wrong]))
-    with pytest.raises(ResultsError, match="own columns"):
+    with pytest.raises(ResultsError, match="columns"):
         open_history(stored)

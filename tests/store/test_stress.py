@@ -47,13 +47,13 @@ def test_json(stressed):
 
 def test_what_was_not_kept(stressed):
     history = open_history(stressed)
-    with pytest.raises(LookupError, match=r"there is y=0 of A, z=0\.5a of A, y=0 of B"):
+    with pytest.raises(LookupError, match=r"y=0 of A, z=0\.5a of A, y=0 of B"):
         history.stress("A", "x=0")
-    with pytest.raises(LookupError, match="those of 0, 20, 40"):
+    with pytest.raises(LookupError, match="0, 20, 40"):
         history.stress("A", "y=0", 10)
     plain = History.of_records(records(2), SCENE, mesh())
     assert plain.to_dict()["von_mises_max"] == {}
-    with pytest.raises(LookupError, match=r"none: add \[subsurface\]"):
+    with pytest.raises(LookupError, match=r"\[subsurface\]"):
         plain.stress("A", "y=0")
 
 

@@ -1,3 +1,5 @@
+import re
+
 import h5py
 import numpy as np
 import pytest
@@ -77,7 +79,7 @@ def test_vtk_reads_it(written):
 
 def test_a_volume_that_fails_leaves_what_was_there(path, written):
     before = written.read_bytes()
-    with pytest.raises(ResultsError, match="cannot be written: no space left"):
+    with pytest.raises(ResultsError, match="no space left"):
         write_volume(path, IMAGE, failing(), SCENE, {}, overwrite=True)
     assert path.read_bytes() == before
     assert [file.name for file in path.parent.iterdir()] == [path.name]
@@ -85,15 +87,15 @@ def test_a_volume_that_fails_leaves_what_was_there(path, written):
 
 class TestCheck:
     def test_suffix(self, tmp_path):
-        with pytest.raises(ResultsError, match=r"volume.h5 has not the suffix .vtkhdf"):
+        with pytest.raises(ResultsError, match=r"volume\.h5.*\.vtkhdf"):
             check_volume(tmp_path / "volume.h5")
 
     def test_folder(self, tmp_path):
-        with pytest.raises(ResultsError, match="missing is not a folder; create it"):
+        with pytest.raises(ResultsError, match="missing"):
             check_volume(tmp_path / "missing" / "volume.vtkhdf")
 
     def test_existing(self, written):
-        with pytest.raises(ResultsError, match="exists already; choose another name"):
+        with pytest.raises(ResultsError, match=re.escape(str(written))):
             check_volume(written)
         check_volume(written, overwrite=True)
 
@@ -103,5 +105,5 @@ class TestCheck:
             path.write_text("precious")
         else:
             HistoryWriter(path, SCENE, mesh())
-        with pytest.raises(ResultsError, match="is no volume of tractive-sam; choose another"):
+        with pytest.raises(ResultsError, match=re.escape(str(path))):
             check_volume(path, overwrite=True)

@@ -158,18 +158,18 @@ def test_wider_mesh(path):
 
 
 def test_only_results_are_overwritten_and_only_on_demand(finished, tmp_path):
-    with pytest.raises(ResultsError, match=r"exists already; .* overwrite=True"):
+    with pytest.raises(ResultsError, match="overwrite=True"):
         HistoryWriter(finished, SCENE, mesh())
     HistoryWriter(finished, SCENE, mesh(), overwrite=True)
     assert len(open_history(finished)) == 0
     precious = tmp_path / "precious.h5"
     with h5py.File(precious, "w") as file:
         file["gold"] = 1
-    with pytest.raises(ResultsError, match="not one of tractive-sam"):
+    with pytest.raises(ResultsError, match="precious"):
         HistoryWriter(precious, SCENE, mesh(), overwrite=True)
     with h5py.File(precious) as file:
         assert file["gold"][()] == 1
-    with pytest.raises(ResultsError, match="not a folder"):
+    with pytest.raises(ResultsError, match="nowhere"):
         HistoryWriter(tmp_path / "nowhere" / "history.h5", SCENE, mesh())
 
 

@@ -62,7 +62,7 @@ def test_samples_are_those_of_the_seed():
     ("given", "told"),
     [
         ({"key": "friction.angel", "values": [1]}, "key: given 'friction.angel'.*angle"),
-        ({"key": "load.normal"}, "values: given nothing.*start, stop and number"),
+        ({"key": "load.normal"}, "values: given nothing.*start.*stop.*number"),
         ({"key": "load.normal", "start": 1}, "values: given.*start"),
         ({**MU, "number": 2, "values": [1]}, "values: given.*start, stop, number"),
         ({"key": "load.normal", "values": [1, 1]}, "values: "),
@@ -99,7 +99,7 @@ def test_bad_samples(variable, told):
     [[1, 2, 1], [1, 1.0], [[1, 2], [1, 2]], ["a", "a"], [{"mu": 0.3}, {"mu": 0.3}]],
 )
 def test_values_are_distinct(values):
-    with pytest.raises(SceneError, match="each value once"):
+    with pytest.raises(SceneError, match="values: "):
         Axis(key="friction.mu", values=values)
 
 

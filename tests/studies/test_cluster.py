@@ -309,7 +309,7 @@ def test_local_cluster(tmp_path):
 
 def test_no_scheduler(tmp_path, monkeypatch):
     monkeypatch.setattr(cluster, "FIRST_CONTACT", 0.1)
-    with pytest.raises(SchedulerLostError, match=r"no scheduler at tcp://127.0.0.1:9; start one"):
+    with pytest.raises(SchedulerLostError, match=r"tcp://127\.0\.0\.1:9"):
         study(ASKED, tmp_path, scheduler="tcp://127.0.0.1:9")
 
 
