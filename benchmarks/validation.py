@@ -16,7 +16,8 @@ from timing import RESULTS, show, write
 
 from tractive_sam.contact import Model, equilibrium
 from tractive_sam.reference import creep_coefficients, kalker_simplified, vermeulen_johnson
-from tractive_sam.scene import PlausibilityWarning, Scene
+from tractive_sam.scene import Scene
+from tractive_sam.schema import PlausibilityWarning
 
 REFERENCE = json.loads(
     (Path(__file__).parents[1] / "tests" / "data" / "reference.json").read_text()

@@ -18,8 +18,8 @@ from tables import markdown
 
 from tractive_sam.cli.program import app
 from tractive_sam.results import COLUMNS, FIELDS, STRESS
-from tractive_sam.scene.keys import Group, Key, groups
 from tractive_sam.scene.scene import Scene
+from tractive_sam.schema import Key, KeyGroup, key_groups
 from tractive_sam.store import layout
 
 
@@ -44,10 +44,10 @@ def _write(file: Path, text: str) -> None:
 
 def keys() -> str:
     """Every table of a scene with its keys: meaning, what is allowed, default."""
-    return "\n".join(part for group in groups(Scene) for part in _group(group))
+    return "\n".join(part for group in key_groups(Scene) for part in _group(group))
 
 
-def _group(group: Group) -> Iterable[str]:
+def _group(group: KeyGroup) -> Iterable[str]:
     if group.names != ("",):
         yield "## " + ", ".join(f"`[{name}]`" for name in group.names) + "\n"
         yield group.about + "\n"

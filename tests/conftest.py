@@ -39,5 +39,5 @@ def _strict_numpy():
 
 def pytest_collection_modifyitems(session):
     """Ignore warnings about improbable values: tests go to limits on purpose."""
-    unlikely = "ignore::tractive_sam.scene.PlausibilityWarning"
+    unlikely = "ignore::tractive_sam.schema.PlausibilityWarning"
     session.add_marker(pytest.mark.filterwarnings(unlikely))

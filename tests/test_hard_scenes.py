@@ -16,7 +16,7 @@ from tractive_sam.operators import Lattice
 
 pytestmark = [
     pytest.mark.slow,  # many scenes
-    pytest.mark.filterwarnings("ignore::tractive_sam.scene.SceneWarning"),  # few elements
+    pytest.mark.filterwarnings("ignore::tractive_sam.schema.SceneWarning"),  # few elements
 ]
 
 TOLERANCE = 1e-8

@@ -25,7 +25,7 @@ from tractive_sam import pages
 from tractive_sam.cli import app
 from tractive_sam.lookup import c_header, columns_of
 from tractive_sam.plot.figure import Figure
-from tractive_sam.scene import SceneError
+from tractive_sam.schema import SceneError
 from tractive_sam.store import GapError, ResultsError, layout, open_history, read_gap
 from tractive_sam.store.texts import create_text, set_text, text_of
 from tractive_sam.studies import open_study, study
@@ -267,7 +267,7 @@ def test_folders_of_studies(computed, tmp_path, text):
     folder = shutil.copytree(computed, tmp_path / "b")
     toml = folder / "study.toml"
     entries = ts.Study.from_toml(toml).entries() | {"title": text}
-    toml.write_text(ts.scene.toml.emit(entries), "utf-8")
+    toml.write_text(ts.schema.toml.emit(entries), "utf-8")
     log = Folder(folder).log
     first, second = log.read().entries.values()
     log.append(dict(first) | {"message": text, "version": text})
@@ -329,7 +329,7 @@ def test_columns_of_text(tmp_path, text):
         for key, extra in (("gap", {}), ("load_history", {"levels": 2})):
             toml = tmp_path / "a.toml"
             toml.write_text(
-                ts.scene.toml.emit(entries | {key: {"file": str(path)} | extra}), "utf-8"
+                ts.schema.toml.emit(entries | {key: {"file": str(path)} | extra}), "utf-8"
             )
             called("run", toml, "-o", tmp_path / "never.h5")
 

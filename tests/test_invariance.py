@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 pytestmark = pytest.mark.filterwarnings(
-    "ignore::tractive_sam.scene.SceneWarning"  # few elements
+    "ignore::tractive_sam.schema.SceneWarning"  # few elements
 )
 
 KINDS = (

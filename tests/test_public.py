@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
-from tractive_sam.scene import Fault
+from tractive_sam.schema import Fault
 
 
 def test_names_outlive_the_import_of_their_rooms():

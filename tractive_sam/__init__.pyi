@@ -76,8 +76,6 @@ from .scene import Mesh as Mesh
 from .scene import ProcessTable as ProcessTable
 from .scene import Profiles as Profiles
 from .scene import Scene as Scene
-from .scene import SceneError as SceneError
-from .scene import SceneWarning as SceneWarning
 from .scene import Sets as Sets
 from .scene import Solver as Solver
 from .scene import Subsurface as Subsurface
@@ -87,6 +85,8 @@ from .scene import Wear as Wear
 from .scene import WearLaws as WearLaws
 from .scene import blocks_of as blocks_of
 from .scene import builtin_names as builtin_names
+from .schema import SceneError as SceneError
+from .schema import SceneWarning as SceneWarning
 from .store import GapError as GapError
 from .store import ResultsError as ResultsError
 from .store import open_history as open_history

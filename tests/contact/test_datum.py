@@ -13,7 +13,7 @@ STEEL = {"young": 2e5, "poisson": 0.3}
 SPHERE = STEEL | {"radius_x": 20.0, "radius_y": 20.0}
 CYLINDER = STEEL | {"radius_x": 20.0, "radius_y": np.inf}
 
-pytestmark = pytest.mark.filterwarnings("ignore::tractive_sam.scene.SceneWarning")  # few elements
+pytestmark = pytest.mark.filterwarnings("ignore::tractive_sam.schema.SceneWarning")  # few elements
 
 
 def scene_of(elements, body=SPHERE, half_length=(0.45, 0.45), **load):

@@ -9,7 +9,7 @@ from tests.scenes import steady
 from tractive_sam.contact import Model
 from tractive_sam.contact.message import message
 from tractive_sam.results.status import Status
-from tractive_sam.scene import SceneError
+from tractive_sam.schema import SceneError
 
 
 @pytest.mark.parametrize("bodies", [(), ("body.B.shear=8.0", "body.B.poisson=0.45")])

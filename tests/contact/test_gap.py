@@ -6,7 +6,8 @@ import pytest
 from tests.scenes import steady
 from tractive_sam.contact import Model, equilibrium
 from tractive_sam.run import solve
-from tractive_sam.scene import Scene, SceneWarning
+from tractive_sam.scene import Scene
+from tractive_sam.schema import SceneWarning
 
 
 def with_gap(x, y, separation, **changes):

@@ -280,7 +280,7 @@ def test_a_gap_that_does_not_end_the_contact_is_said():
     assert "rises towards its sides" in contact.message
 
 
-@pytest.mark.filterwarnings("ignore::tractive_sam.scene.SceneWarning")
+@pytest.mark.filterwarnings("ignore::tractive_sam.schema.SceneWarning")
 @pytest.mark.parametrize(
     "settings",
     [

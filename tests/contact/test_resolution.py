@@ -6,7 +6,7 @@ import pytest
 import tractive_sam as ts
 from tractive_sam.run import solve_many
 
-pytestmark = pytest.mark.filterwarnings("ignore::tractive_sam.scene.SceneWarning")
+pytestmark = pytest.mark.filterwarnings("ignore::tractive_sam.schema.SceneWarning")
 
 NAME = "not resolved"
 SPHERES = ts.Scene.builtin("spheres").replace(subsurface=None)

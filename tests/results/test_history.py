@@ -12,7 +12,7 @@ from tractive_sam.results import caveats
 from tractive_sam.results.column_table import COLUMNS, columns
 from tractive_sam.results.record import fields
 from tractive_sam.results.stored_fields import FIELDS, STRESS, WARM
-from tractive_sam.scene import PlausibilityWarning
+from tractive_sam.schema import PlausibilityWarning
 
 REVOLUTIONS = 2
 

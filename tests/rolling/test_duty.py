@@ -14,7 +14,7 @@ import tractive_sam as ts
 from tests.scenes import interrupted
 from tests.test_resume import KILLED_BY_ITSELF
 from tractive_sam.cli.program import app
-from tractive_sam.scene import PlausibilityWarning
+from tractive_sam.schema import PlausibilityWarning
 
 DISCS = ts.Scene.builtin("twin-discs").replace(subsurface=None)
 DISCS = DISCS.with_set(

@@ -11,7 +11,8 @@ from tractive_sam.results.grid import Grid
 from tractive_sam.rolling import steps
 from tractive_sam.rolling.passage import unworn
 from tractive_sam.run.pipeline import roll
-from tractive_sam.scene import Scene, SceneError
+from tractive_sam.scene import Scene
+from tractive_sam.schema import SceneError
 from tractive_sam.store import ResultsError
 
 WEARING = Scene.builtin("twin-discs").with_set(

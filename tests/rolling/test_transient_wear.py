@@ -7,7 +7,7 @@ from scipy.integrate import trapezoid
 import tractive_sam as ts
 from tests.scenes import interrupted
 from tractive_sam.contact import choose_grid
-from tractive_sam.scene import PlausibilityWarning
+from tractive_sam.schema import PlausibilityWarning
 
 SPHERES = ts.Scene.builtin("spheres").replace(subsurface=None, creepage=None)
 P, MU, A, P0 = SPHERES.normal_load, SPHERES.friction.mu[0], SPHERES.hertz.a, SPHERES.hertz.p0

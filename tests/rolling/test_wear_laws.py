@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
-from tractive_sam.scene import PlausibilityWarning
+from tractive_sam.schema import PlausibilityWarning
 
 DISCS = ts.Scene.builtin("twin-discs").replace(subsurface=None)
 DISCS = DISCS.with_set(

@@ -2,7 +2,8 @@ import math
 
 import pytest
 
-from tractive_sam.scene import Scene, SceneError, builtin_names
+from tractive_sam.scene import Scene, builtin_names
+from tractive_sam.schema import SceneError
 
 
 @pytest.mark.parametrize("name", builtin_names())

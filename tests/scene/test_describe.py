@@ -3,7 +3,8 @@
 import pytest
 
 import tractive_sam as ts
-from tractive_sam.scene import Row, Table, describe_load, describe_tables
+from tractive_sam.scene import describe_load
+from tractive_sam.schema import Row, Table, describe_tables
 
 DISCS = ts.Scene.builtin("twin-discs")
 

@@ -3,7 +3,7 @@
 import pytest
 
 import tractive_sam as ts
-from tractive_sam.scene import PlausibilityWarning
+from tractive_sam.schema import PlausibilityWarning
 
 WHOLE = {"shear_yield": 300.0, "criterion": "dang-van", "sensitivity": 0.333, "limit": 250.0}
 

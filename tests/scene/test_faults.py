@@ -4,7 +4,8 @@ import math
 import numpy as np
 import pytest
 
-from tractive_sam.scene import Body, Fault, Load, Scene, SceneError
+from tractive_sam.scene import Body, Load, Scene
+from tractive_sam.schema import Fault, SceneError
 
 WEAR = {"intensity": 1e-6, "revolutions": 100}
 
@@ -313,7 +314,7 @@ def test_needles(tables):
     assert "times as long as wide" in fault.allowed
 
 
-@pytest.mark.filterwarnings("ignore::tractive_sam.scene.SceneWarning")  # few elements
+@pytest.mark.filterwarnings("ignore::tractive_sam.schema.SceneWarning")  # few elements
 def test_a_contact_too_slender_for_a_chosen_grid(tables):
     tables["body"]["A"]["radius_y"] = tables["body"]["B"]["radius_y"] = 1e9
     (fault,) = faults_of(tables)

@@ -3,7 +3,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tractive_sam.scene import Gap, Scene, SceneError
+from tractive_sam.scene import Gap, Scene
+from tractive_sam.schema import SceneError
 
 ARRAYS = {"x": [0.0, 1.0, 3.0], "y": np.array([-1, 1]), "separation": np.ones((3, 2))}
 

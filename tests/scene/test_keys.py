@@ -6,11 +6,10 @@ from pathlib import Path
 import pytest
 
 import tractive_sam as ts
-from tractive_sam.scene.keys import groups
 from tractive_sam.scene.starter_text import starter
-from tractive_sam.scene.table import Table
+from tractive_sam.schema import Table, key_groups
 
-GROUPS = {name: group for group in groups(ts.Scene) for name in group.names}
+GROUPS = {name: group for group in key_groups(ts.Scene) for name in group.names}
 
 
 def test_every_entry_of_the_built_in_scenes_is_a_key():

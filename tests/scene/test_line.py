@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from tractive_sam.mechanics.line_contact import HertzLine
-from tractive_sam.scene import Scene, SceneError, SceneWarning
+from tractive_sam.scene import Scene
+from tractive_sam.schema import SceneError, SceneWarning
 
 GAP = {"x": [0, 1], "y": [0, 1], "separation": [[0, 1], [1, 2]]}
 

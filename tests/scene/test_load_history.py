@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
-from tractive_sam.scene import PlausibilityWarning, describe_load
+from tractive_sam.scene import describe_load
+from tractive_sam.schema import PlausibilityWarning
 
 RANDOM = np.random.default_rng(5)
 MEASURED = {
@@ -190,7 +191,7 @@ def test_rainflow_is_refused_with_its_reason():
     assert [fault.key for fault in caught.value.faults] == ["binning"]
 
 
-@pytest.mark.filterwarnings("ignore::tractive_sam.scene.PlausibilityWarning")  # of few levels
+@pytest.mark.filterwarnings("ignore::tractive_sam.schema.PlausibilityWarning")  # of few levels
 def test_a_study_over_the_levels(loads):
     text = (
         'scene = "twin-discs"\nwithout = ["subsurface"]\n'

@@ -4,7 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tractive_sam.scene import BlockLoad, Friction, Scene, SceneError, Wear
+from tractive_sam.scene import BlockLoad, Friction, Scene, Wear
+from tractive_sam.schema import SceneError
 
 
 def test_values_as_in_toml(spheres):
@@ -163,13 +164,13 @@ def test_a_place_that_is_not_there(spectrum, key):
 
 
 def test_an_entry_of_a_block_is_described():
-    assert Scene.described("duty[3].load.normal") is BlockLoad.model_fields["normal"]
+    assert Scene.find_field("duty[3].load.normal") is BlockLoad.model_fields["normal"]
 
 
 @pytest.mark.parametrize("key", ["duty.load", "0", "load[0].normal", "duty[0].laod", "title[0].x"])
 def test_what_no_scene_has_is_not_described(key):
     with pytest.raises(SceneError) as caught:
-        Scene.described(key)
+        Scene.find_field(key)
     assert [fault.key for fault in caught.value.faults] == [key]
 
 

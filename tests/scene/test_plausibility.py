@@ -8,8 +8,8 @@ import pytest
 
 import tractive_sam as ts
 from tractive_sam.results import caveats
-from tractive_sam.scene import PlausibilityWarning
 from tractive_sam.scene.plausibility import RULES, Reading
+from tractive_sam.schema import PlausibilityWarning
 
 DISCS = ts.Scene.builtin("twin-discs").replace(subsurface=None, grid=None)
 

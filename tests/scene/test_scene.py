@@ -6,19 +6,8 @@ import numpy as np
 import pytest
 
 from tractive_sam.mechanics.material import Material, combine
-from tractive_sam.scene import (
-    Bodies,
-    Body,
-    Creepage,
-    Friction,
-    Load,
-    Mesh,
-    Scene,
-    SceneError,
-    SceneWarning,
-    Subsurface,
-    Wear,
-)
+from tractive_sam.scene import Bodies, Body, Creepage, Friction, Load, Mesh, Scene, Subsurface, Wear
+from tractive_sam.schema import SceneError, SceneWarning
 
 BALL = {"young": 208e3, "poisson": 0.3, "radius_x": 10.0, "radius_y": 10.0}
 PLATE = {"shear": 80e3, "poisson": 0.3, "radius_x": math.inf, "radius_y": math.inf}

@@ -5,8 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tractive_sam.scene import Scene, SceneError
-from tractive_sam.scene.toml import emit, parse, parse_value
+from tractive_sam.scene import Scene
+from tractive_sam.schema import SceneError
+from tractive_sam.schema.toml import emit, parse, parse_value
 
 POSITIVE = st.floats(1e-3, 1e3)
 FINITE = st.floats(-1e3, 1e3).filter(lambda value: value == 0 or abs(value) > 1e-30)
@@ -68,7 +69,7 @@ SCENES = st.fixed_dictionaries(
 )
 
 
-@pytest.mark.filterwarnings("ignore::tractive_sam.scene.SceneWarning")  # large contacts
+@pytest.mark.filterwarnings("ignore::tractive_sam.schema.SceneWarning")  # large contacts
 @settings(max_examples=60)
 @given(SCENES)
 def test_round_trip(tables):
@@ -131,7 +132,7 @@ def test_junk_gives_faults(tables, more):
 @given(
     SCENES, st.lists(st.tuples(st.sampled_from(["load", "body", "wear", "grid", "friction"]), JUNK))
 )
-@pytest.mark.filterwarnings("ignore::tractive_sam.scene.SceneWarning")
+@pytest.mark.filterwarnings("ignore::tractive_sam.schema.SceneWarning")
 def test_partly_junk_gives_a_scene_or_faults(tables, replaced):
     with suppress(SceneError):
         Scene(**tables | dict(replaced))
@@ -147,7 +148,7 @@ def test_any_text_gives_faults(text):
     ("text", "given_line"),
     [
         ("a = 1\nb = = 2\n", "line 2, 'b = = 2'"),
-        ('a = "open', "no TOML"),
+        ('a = "open', "text that is not TOML"),
         ("[a]\n[a]", "line 2, '[a]'"),
     ],
 )

@@ -13,7 +13,7 @@ import pytest
 import tractive_sam as ts
 from tests.store.sample_records import SCENE, mesh, records
 from tractive_sam import input_file
-from tractive_sam.scene import SceneError
+from tractive_sam.schema import SceneError
 from tractive_sam.store import (
     GapError,
     HistoryWriter,

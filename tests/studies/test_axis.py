@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from tractive_sam.scene import SceneError
+from tractive_sam.schema import SceneError
 from tractive_sam.studies import SAMPLE, Axis, Latin, Values
 
 MU = {"key": "friction.mu", "start": 0.1, "stop": 0.9}

@@ -1,7 +1,8 @@
 import pytest
 
 from tests.studies.conftest import CREEPAGE, MU, small
-from tractive_sam.scene import Scene, toml
+from tractive_sam.scene import Scene
+from tractive_sam.schema import toml
 from tractive_sam.studies import Study, StudyError, cases, is_study
 
 WHOLE = """

@@ -8,7 +8,8 @@ import pytest
 
 from tests.studies.conftest import CREEPAGE, MU, small
 from tractive_sam.run.pipeline import roll
-from tractive_sam.scene import PlausibilityWarning, Scene
+from tractive_sam.scene import Scene
+from tractive_sam.schema import PlausibilityWarning
 from tractive_sam.store import ResultsError, results_writer
 from tractive_sam.studies import Study, cases, figures, open_study, save_figures, study
 from tractive_sam.studies.case import told_value

@@ -257,6 +257,6 @@ def test_the_command_makes_tables_with_axes(text, name, tmp_path, monkeypatch):
 def test_files_beside_an_axis_are_sought_from_the_folder_of_the_design(tmp_path):
     zipped = {"key": "gap.file", "values": ["one.csv", "two.csv"]}
     tables = {"axis": [{"key": "load.normal", "values": [1.0, 2.0], "zip": [zipped]}]}
-    ts.TableDesign.files_from(tmp_path, tables)
+    ts.TableDesign.resolve_files(tmp_path, tables)
     assert zipped["values"] == [str(tmp_path / "one.csv"), str(tmp_path / "two.csv")]
-    assert ts.TableDesign.files_from(tmp_path, {"axis": 5}) == {"axis": 5}  # told later
+    assert ts.TableDesign.resolve_files(tmp_path, {"axis": 5}) == {"axis": 5}  # told later

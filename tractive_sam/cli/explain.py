@@ -89,7 +89,7 @@ def _table(file: str, settings: list[str] | None):
 
 def _tell_if_design(study: str) -> None:
     """Say of a study that it could as well be a table of creep forces."""
-    from tractive_sam.scene import SceneError
+    from tractive_sam.schema import SceneError
     from tractive_sam.tables import TableDesign
 
     with suppress(SceneError):

@@ -16,15 +16,16 @@ def keys(
     ] = None,
 ) -> None:
     """Tell every key of a scene: meaning with unit, what is allowed, default."""
-    from tractive_sam.scene import Scene, groups, shown, suggestion
+    from tractive_sam.scene import Scene
+    from tractive_sam.schema import key_groups, shorten, suggest_name
 
-    found = list(groups(Scene))
+    found = list(key_groups(Scene))
     names = [name for group in found for name in group.names if name]
     asked = None if table is None else table.strip("[]")
     with bad_input_told():
         if asked is not None and asked not in names:
-            allowed = suggestion(asked, names)
-            raise stop(Status.INVALID, f"a scene has no table {shown(table)}; {allowed}")
+            allowed = suggest_name(asked, names)
+            raise stop(Status.INVALID, f"a scene has no table {shorten(table)}; {allowed}")
     out = console()
     for group in found:
         inside = asked is None or any(f"{name}.".startswith(f"{asked}.") for name in group.names)

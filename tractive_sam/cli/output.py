@@ -218,7 +218,7 @@ def bad_input_told() -> Iterator[None]:
     """Turn errors that the user can cure into messages and an exit status."""
     from tractive_sam.extras import MissingExtraError
     from tractive_sam.output_file import OutputError, OutputPlaceError
-    from tractive_sam.scene import SceneError
+    from tractive_sam.schema import SceneError
     from tractive_sam.store import GapError, ResultsError, StorageError
 
     try:
@@ -245,13 +245,13 @@ def bad_input_told() -> Iterator[None]:
 
 def _faults(faults: Sequence, subject: str = "scene") -> typer.Exit:
     """List faults: anything with key, given and allowed."""
-    from tractive_sam.scene import MOST_TOLD
+    from tractive_sam.schema import SceneError
 
     count = f"{len(faults)} faults" if len(faults) > 1 else "1 fault"
     leave = stop(Status.INVALID, f"{count} in the {subject}")
-    for fault in faults[:MOST_TOLD]:
+    for fault in faults[: SceneError.most_listed]:
         told = f": given {fault.given}; allowed: {fault.allowed}"
         say("  ", (fault.key, "bold"), told, error=True)
-    if len(faults) > MOST_TOLD:
-        say(f"  and {len(faults) - MOST_TOLD} more", error=True)
+    if len(faults) > SceneError.most_listed:
+        say(f"  and {len(faults) - SceneError.most_listed} more", error=True)
     return leave

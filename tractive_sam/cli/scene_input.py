@@ -31,11 +31,12 @@ def complete_scenes(incomplete: str) -> list[str]:
 
 def complete_keys(incomplete: str) -> list[str]:
     """Return keys of a scene that begin so, as ``load.normal=``."""
-    from tractive_sam.scene import Scene, groups
+    from tractive_sam.scene import Scene
+    from tractive_sam.schema import key_groups
 
     keys = (
         f"{name}.{key.name}=".lstrip(".")
-        for group in groups(Scene)
+        for group in key_groups(Scene)
         for name in group.names
         for key in group.keys
     )
@@ -71,7 +72,8 @@ def read_scene(name: str, settings: list[str] | None) -> "Scene":
     SceneError
         With every fault.
     """
-    from tractive_sam.scene import Scene, SceneError
+    from tractive_sam.scene import Scene
+    from tractive_sam.schema import SceneError
 
     with warnings_told() as notes:
         try:

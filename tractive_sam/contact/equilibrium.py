@@ -12,7 +12,8 @@ from tractive_sam.contact.model import Model
 from tractive_sam.mechanics import Coulomb
 from tractive_sam.operators import ConvolutionMeter
 from tractive_sam.results import State, Status
-from tractive_sam.scene import FewestElements, warn
+from tractive_sam.scene import FewestElements
+from tractive_sam.schema import warn
 from tractive_sam.solvers import ALONE, METHODS, FromRest, Outcome, Problem, Start
 from tractive_sam.solvers import steepness as steepness_of
 

@@ -41,7 +41,7 @@ from tractive_sam.contact.model import Model
 from tractive_sam.extras import check_extra
 from tractive_sam.mechanics import Coulomb, FallingCoulomb
 from tractive_sam.results import COLUMNS, State, by_name
-from tractive_sam.scene import warn
+from tractive_sam.schema import warn
 from tractive_sam.solvers import Iterate, Problem, System, gmres
 
 if TYPE_CHECKING:

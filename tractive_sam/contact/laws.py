@@ -43,14 +43,8 @@ from tractive_sam.mechanics import (
     fingerprint,
 )
 from tractive_sam.results import UNNAMED, LawRecord, State, describe_laws
-from tractive_sam.scene import (
-    BY_COEFFICIENT,
-    PER_INTENSITY,
-    Fault,
-    Scene,
-    SceneError,
-    build_law,
-)
+from tractive_sam.scene import BY_COEFFICIENT, PER_INTENSITY, Scene
+from tractive_sam.schema import Fault, SceneError, build_law
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,8 @@ import numpy as np
 from tractive_sam.contact.measured import Gap
 from tractive_sam.contact.roughness import follow, rough_maps
 from tractive_sam.results import Grid
-from tractive_sam.scene import ALONG, MOST_ELEMENTS, Fault, Scene, SceneError
+from tractive_sam.scene import ALONG, MOST_ELEMENTS, Scene
+from tractive_sam.schema import Fault, SceneError
 
 MARGIN = 1.15
 """Half length of the domain over the semi-axis of the Hertzian contact."""

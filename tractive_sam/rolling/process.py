@@ -29,7 +29,8 @@ from tractive_sam.results import (
     stress_columns,
 )
 from tractive_sam.rolling.observation import Observation
-from tractive_sam.scene import Row, Scene
+from tractive_sam.scene import Scene
+from tractive_sam.schema import Row
 from tractive_sam.subsurface import stress_maxima, stress_on_planes
 
 GROWTHS = 16

@@ -8,7 +8,8 @@ from tractive_sam.rolling.damage import Damage
 from tractive_sam.rolling.process import Process, Step
 from tractive_sam.rolling.revolutions import DutyCycle, Revolutions
 from tractive_sam.rolling.transient import Transient
-from tractive_sam.scene import Fault, Scene, SceneError, build_law, load_law_class
+from tractive_sam.scene import Scene
+from tractive_sam.schema import Fault, SceneError, build_law, load_law_class
 
 
 def process_type(scene: Scene) -> type[Process[Any]]:

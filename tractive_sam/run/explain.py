@@ -21,7 +21,8 @@ from tractive_sam.run.model_rows import (
     describe_mesh,
     describe_refinement,
 )
-from tractive_sam.scene import Row, Scene, describe_tables
+from tractive_sam.scene import Scene
+from tractive_sam.schema import Row, describe_tables
 
 # Typical work at a tolerance of 1e-8, in applications with all that goes with them: of a new
 # contact on nested meshes, of a revolution or a step, which starts from the one before

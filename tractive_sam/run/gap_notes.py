@@ -12,7 +12,7 @@ from tractive_sam.contact import (
     uncovered_axes,
 )
 from tractive_sam.run import memory
-from tractive_sam.scene import warn
+from tractive_sam.schema import warn
 
 
 def warn_of_gap(model: Model) -> None:

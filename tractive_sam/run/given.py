@@ -20,7 +20,8 @@ from tractive_sam.results import (
     State,
     stress_columns,
 )
-from tractive_sam.scene import LARGEST, Scene
+from tractive_sam.scene import Scene
+from tractive_sam.schema import LARGEST
 from tractive_sam.solvers import Solver
 from tractive_sam.store import read_gap
 

@@ -20,7 +20,8 @@ from tractive_sam.run.gap_notes import warn_of_gap
 from tractive_sam.run.given import measured_gap
 from tractive_sam.run.pipeline import roll
 from tractive_sam.run.recording import Recording
-from tractive_sam.scene import Fault, Scene, SceneError, shown
+from tractive_sam.scene import Scene
+from tractive_sam.schema import Fault, SceneError, shorten
 
 if TYPE_CHECKING:
     import xarray
@@ -115,7 +116,7 @@ def solve_many(
     variables["converged"] = (dims, solved.astype(bool))
     variables |= {name: (dims, texts.astype(str)) for name, texts in told.items()}
     coordinates: dict[str, Any] = {
-        key: (key, _as_array(values), {"long_name": Scene.described(key).title or key})
+        key: (key, _as_array(values), {"long_name": Scene.find_field(key).title or key})
         for key, values in columns_over.items()
     }
     if derivatives:
@@ -141,14 +142,14 @@ def _checked(scene: Scene, over: Mapping[str, Sequence[Any]]) -> dict[str, tuple
     """The values by key, each of them valid beside the first ones of the others."""
     allowed = "entries of a scene and a list of values of each"
     if not isinstance(over, Mapping) or not over:
-        raise SceneError([Fault("over", shown(over), allowed)])
+        raise SceneError([Fault("over", shorten(over), allowed)])
     faults, found = [], {}
     for key, values in over.items():
         if isinstance(values, str | Mapping) or not np.iterable(values) or not list(values):
-            faults.append(Fault(f"over.{key}", shown(values), "a list of at least one value"))
+            faults.append(Fault(f"over.{key}", shorten(values), "a list of at least one value"))
             continue
         try:
-            Scene.described(key)
+            Scene.find_field(key)
         except SceneError as error:
             faults += error.faults
             continue
@@ -188,7 +189,7 @@ def _told_with(case: Mapping[str, Any], first: Mapping[str, Any], fault: Fault) 
     if len(case) == 1 and any(key in fault.key for key in case):
         return fault
     others = {key: value for key, value in (first | case).items() if key not in fault.key}
-    told = ", ".join(f"{key} = {shown(value)}" for key, value in others.items())
+    told = ", ".join(f"{key} = {shorten(value)}" for key, value in others.items())
     return replace(fault, given=f"{fault.given} with {told}") if told else fault
 
 

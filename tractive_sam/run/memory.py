@@ -7,7 +7,7 @@ from tractive_sam.kernels.stress import COMPONENTS
 from tractive_sam.operators import available
 from tractive_sam.results import FIELDS
 from tractive_sam.rolling import process_type
-from tractive_sam.scene import Fault, SceneError
+from tractive_sam.schema import Fault, SceneError
 from tractive_sam.solvers import Sparing
 
 BESIDE = 3.5

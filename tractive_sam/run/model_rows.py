@@ -11,7 +11,8 @@ from tractive_sam.operators import STEPS_FROM
 from tractive_sam.results import columns
 from tractive_sam.rolling import MISSED, process_of, process_type
 from tractive_sam.run.accuracy.steady import Refined
-from tractive_sam.scene import Fatigue, Heat, Row, Solver
+from tractive_sam.scene import Fatigue, Heat, Solver
+from tractive_sam.schema import Row
 
 
 def _creepage(_table: Any, model: Model) -> Iterator[Row]:

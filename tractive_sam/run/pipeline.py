@@ -23,7 +23,8 @@ from tractive_sam.run.progress import progress_shown, solving_shown
 from tractive_sam.run.recording import Recording
 from tractive_sam.run.resume import check_measured, damaged, last_step
 from tractive_sam.run.start import started_as, told_of, worn_bodies
-from tractive_sam.scene import PlausibilityWarning, Scene, pressure_notes, warn
+from tractive_sam.scene import Scene, pressure_notes
+from tractive_sam.schema import PlausibilityWarning, warn
 from tractive_sam.solvers import Solver
 from tractive_sam.store import open_history, results_writer
 

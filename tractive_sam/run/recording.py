@@ -24,7 +24,8 @@ from tractive_sam.results import (
 from tractive_sam.rolling import ErrorEstimator, Process, Recorder, Step
 from tractive_sam.run.gap_notes import warn_of_gap
 from tractive_sam.run.given import hash_of
-from tractive_sam.scene import PlausibilityWarning, Scene, warn
+from tractive_sam.scene import Scene
+from tractive_sam.schema import PlausibilityWarning, warn
 from tractive_sam.store import HistoryWriter, open_history
 
 

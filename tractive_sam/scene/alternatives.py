@@ -1,13 +1,7 @@
-"""Entries of which only one may be given."""
+"""Keys of a scene that exclude each other."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
-from .faults import Fault
-from .table import Check, Known
-
-_GAP_ARRAYS = ("gap.x", "gap.y", "gap.separation")
 _ALTERNATIVES: tuple[tuple[tuple[str, ...], ...], ...] = (
     (("body.A.young",), ("body.A.shear",)),
     (("body.B.young",), ("body.B.shear",)),
@@ -16,7 +10,7 @@ _ALTERNATIVES: tuple[tuple[tuple[str, ...], ...], ...] = (
     (("load.force_y",), ("creepage.lateral",)),
     (("friction.mu",), ("friction.static",)),
     (("friction.kinetic", "friction.half_speed"), ("friction.A", "friction.B")),
-    (("gap.file",), _GAP_ARRAYS),
+    (("gap.file",), ("gap.x", "gap.y", "gap.separation")),
     (("fatigue.shear_yield",), ("fatigue.yield_strength",)),
     (("wear.intensity",), ("wear.coefficient", "wear.coefficient.A", "wear.coefficient.B")),
     (
@@ -24,46 +18,19 @@ _ALTERNATIVES: tuple[tuple[tuple[str, ...], ...], ...] = (
         ("grid", "grid.half_length", "grid.elements"),
     ),
 )
+"""Groups of keys: a key of one group of a line excludes those of the other groups."""
 
 
-def _rivals() -> dict[str, tuple[str, ...]]:
-    found: dict[str, tuple[str, ...]] = {}
-    for one in _ALTERNATIVES:
-        for keys in one:
-            others = tuple(other for rest in one if rest is not keys for other in rest)
-            found |= {key: (*found.get(key, ()), *others) for key in keys}
-    return found
-
-
-RIVALS = _rivals()
-"""For each entry that has alternatives: the entries that it excludes."""
-
-for _own in ("wear.coefficient.A", "wear.coefficient.B"):  # they tell the shares of the bodies
-    RIVALS[_own] += ("body.A.hardness", "body.B.hardness")
-
-
-def exactly_one(*keys: str) -> Check:
-    """Make the check that exactly one of some entries of a table is given."""
-
-    def check(known: Known) -> Iterator[Fault]:
-        if not known.given.intersection(keys):
-            yield Fault(keys[0], "nothing", f"exactly one of {_listed(keys)}")
-        yield from not_both(*keys)(known)
-
-    return check
-
-
-def not_both(*keys: str) -> Check:
-    """Make the check that at most one of some entries is given."""
-
-    def check(known: Known) -> Iterator[Fault]:
-        first, *others = [key for key in keys if key in known.given] or [""]
-        if others:
-            told = f"together with {' and '.join(others)}"
-            yield Fault(first, told, f"only one of {_listed(keys)}")
-
-    return check
-
-
-def _listed(keys: tuple[str, ...]) -> str:
-    return f"{', '.join(keys[:-1])} and {keys[-1]}"
+def excluded_keys(key: str) -> tuple[str, ...]:
+    """Return the keys of a scene that a key excludes."""
+    excluded = tuple(
+        other
+        for groups in _ALTERNATIVES
+        if any(key in group for group in groups)
+        for group in groups
+        if key not in group
+        for other in group
+    )
+    if key in ("wear.coefficient.A", "wear.coefficient.B"):  # they give the shares in the wear
+        return (*excluded, "body.A.hardness", "body.B.hardness")
+    return excluded

@@ -16,13 +16,20 @@ from tractive_sam.mechanics import (
     hertz,
     hertz_line,
 )
+from tractive_sam.schema import (
+    Check,
+    Fault,
+    Positive,
+    Radius,
+    Real,
+    Row,
+    Table,
+    ValidEntries,
+    entry,
+    exactly_one,
+)
 
-from .alternatives import exactly_one
-from .describe import Row
-from .faults import Fault
 from .heat import Thermal
-from .quantities import Positive, Radius, Real, entry, positive
-from .table import Check, Known, Table
 from .tables import Load
 
 
@@ -36,23 +43,25 @@ class Body(Table):
     32.5
     """
 
-    young: Positive | None = positive("Young's modulus, MPa", None)
-    shear: Positive | None = positive("shear modulus, MPa", None)
+    young: Positive | None = entry("Young's modulus, MPa", default=None)
+    shear: Positive | None = entry("shear modulus, MPa", default=None)
     poisson: Real = entry("Poisson's ratio", "a number from 0 to 0.5", ge=0, le=0.5)
     radius_x: Radius = entry("radius in the rolling direction, mm", "a number, or inf (flat)")
     radius_y: Radius = entry("radius across it, mm", "a number, or inf (flat)")
-    hardness: Positive = positive(
+    hardness: Positive = entry(
         "hardness, in the unit of the other body's: only their ratio counts, the worn depth is "
         "shared in inverse proportion; of both bodies or of none; MPa for the wear law jendel",
-        1.0,
+        default=1.0,
     )
-    width: Positive | None = positive(
+    width: Positive | None = entry(
         "width across the rolling direction, mm, half of it to either side of y = 0; edges are not "
         "modelled, and a note tells where the contact comes near one",
-        None,
+        default=None,
     )
-    density: Positive = positive("density, kg/m3, for the worn mass; by default steel's", 7850.0)
-    thermal: Thermal | None = entry("what it conducts heat by", "", None)
+    density: Positive = entry(
+        "density, kg/m3, for the worn mass; by default steel's", default=7850.0
+    )
+    thermal: Thermal | None = entry("what it conducts heat by", default=None)
     checks: ClassVar[tuple[Check, ...]] = (exactly_one("young", "shear"),)
 
     @property
@@ -63,14 +72,14 @@ class Body(Table):
         return Material.from_young(self.young, self.poisson)
 
 
-def _hardness_of_both(known: Known) -> Iterator[Fault]:
-    given = [body for body in "AB" if f"{body}.hardness" in known.given]
+def _hardness_of_both(entries: ValidEntries) -> Iterator[Fault]:
+    given = [body for body in "AB" if f"{body}.hardness" in entries.given]
     if len(given) == 1:
         (other,) = set("AB") - set(given)
         cure = (
             "that of both bodies, or of none: only their ratio counts, which shares the worn depth"
         )
-        hardness = known[f"{given[0]}.hardness"]  # a faulty one is told as such
+        hardness = entries[f"{given[0]}.hardness"]  # a faulty one is told as such
         yield Fault(f"{other}.hardness", f"nothing, and {hardness:g} of body {given[0]}", cure)
 
 
@@ -86,8 +95,8 @@ class Bodies(Table):
     58462
     """
 
-    A: Body = entry("the upper body", "")
-    B: Body = entry("the lower body", "")
+    A: Body = entry("the upper body")
+    B: Body = entry("the lower body")
     checks: ClassVar[tuple[Check, ...]] = (_hardness_of_both,)
 
     def describe(self, scene: Any) -> Iterator[Row]:

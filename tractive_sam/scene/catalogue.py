@@ -6,7 +6,7 @@ from importlib import resources
 from os import PathLike
 from pathlib import Path
 
-from .faults import Fault, SceneError, shown, suggestion
+from tractive_sam.schema import Fault, SceneError, shorten, suggest_name
 
 
 def builtin_names() -> tuple[str, ...]:
@@ -37,5 +37,5 @@ def builtin_text(name: str) -> str:
     """
     names = builtin_names()
     if name not in names:
-        raise SceneError([Fault("(scene)", shown(name), suggestion(name, names))])
+        raise SceneError([Fault("(scene)", shorten(name), suggest_name(name, names))])
     return (resources.files(__package__) / "builtin" / f"{name}.toml").read_text(encoding="utf-8")

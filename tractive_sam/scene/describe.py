@@ -8,48 +8,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Any
 
 from tractive_sam.markup import Html, as_html, html_table
 from tractive_sam.plain import text_table
-
-
-@dataclass(frozen=True)
-class Row:
-    """One line of a description.
-
-    Attributes
-    ----------
-    label : str
-        What is described.
-    text : str
-        Its description, with numbers and units.
-    brief : bool
-        Whether the summary of a scene and the report of a run print it.
-    """
-
-    label: str
-    text: str
-    brief: bool = False
-
-
-def describe_tables(scene: Any) -> dict[str, list[Row]]:
-    """Return the rows of each table of a scene, by its key; of absent tables what is left out."""
-    kinds = {key: scene.table_of(info) for key, info in type(scene).model_fields.items()}
-    return {
-        key: _describe_entry(kind, key, getattr(scene, key), scene)
-        for key, kind in kinds.items()
-        if kind is not None
-    }
-
-
-def _describe_entry(kind: Any, key: str, given: Any, scene: Any) -> list[Row]:
-    if isinstance(given, tuple):
-        return [*kind.describe_array(given, scene)]
-    if given is not None:
-        return [*given.describe(scene)]
-    return [Row(kind.effect, f"left out: the scene has no [{key}]")] if kind.effect else []
+from tractive_sam.schema import describe_tables
 
 
 def describe_load(

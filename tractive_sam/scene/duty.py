@@ -7,19 +7,22 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from .alternatives import not_both
-from .describe import Row, format_pair
-from .faults import MOST_TOLD, Fault, SceneError
-from .override import override
-from .quantities import (
+from tractive_sam.schema import (
+    Check,
+    Fault,
     OptionalOrthotropicPositive,
     Positive,
     Real,
+    Row,
+    SceneError,
+    Table,
+    ValidEntries,
     entry,
-    number,
-    positive,
+    not_both,
 )
-from .table import Check, Known, Table
+
+from .describe import format_pair
+from .override import override
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -34,13 +37,13 @@ class BlockLoad(Table):
     450.0
     """
 
-    normal: Positive | None = positive("normal load P, N; of a line contact N/mm", None)
-    approach: Positive | None = positive(
-        "approach of the bodies, mm, from the first touch of the unworn ones", None
+    normal: Positive | None = entry("normal load P, N; of a line contact N/mm", default=None)
+    approach: Positive | None = entry(
+        "approach of the bodies, mm, from the first touch of the unworn ones", default=None
     )
-    pressure: Positive | None = positive("peak contact pressure p0 by Hertz, MPa", None)
-    force_x: Real | None = number("prescribed tangential force Q_x on body A, N or N/mm", None)
-    force_y: Real | None = number("prescribed tangential force Q_y on body A, N or N/mm", None)
+    pressure: Positive | None = entry("peak contact pressure p0 by Hertz, MPa", default=None)
+    force_x: Real | None = entry("prescribed force Q_x on body A, N or N/mm", default=None)
+    force_y: Real | None = entry("prescribed force Q_y on body A, N or N/mm", default=None)
     checks: ClassVar[tuple[Check, ...]] = (not_both("normal", "approach", "pressure"),)
 
 
@@ -53,10 +56,10 @@ class BlockCreepage(Table):
     -0.002
     """
 
-    longitudinal: Real | None = number("longitudinal creepage xi_x", None)
-    lateral: Real | None = number("lateral creepage xi_y", None)
-    spin: Real | None = number("spin creepage phi, 1/mm", None)
-    speed: Positive | None = positive("rolling speed V, mm/s", None)
+    longitudinal: Real | None = entry("longitudinal creepage xi_x", default=None)
+    lateral: Real | None = entry("lateral creepage xi_y", default=None)
+    spin: Real | None = entry("spin creepage phi, 1/mm", default=None)
+    speed: Positive | None = entry("rolling speed V, mm/s", default=None)
 
 
 class BlockFriction(Table):
@@ -92,22 +95,22 @@ class Block(Table):
     revolutions: int = entry(
         "revolutions of the block in a cycle", "a whole number from 1 to 1e12", ge=1, le=10**12
     )
-    load: BlockLoad = entry("what it changes of the load", "", BlockLoad())
-    creepage: BlockCreepage = entry("what it changes of the creepage", "", BlockCreepage())
-    friction: BlockFriction = entry("what it changes of friction", "", BlockFriction())
-    shift_y: Real = number(
+    load: BlockLoad = entry("what it changes of the load", default=BlockLoad())
+    creepage: BlockCreepage = entry("what it changes of the creepage", default=BlockCreepage())
+    friction: BlockFriction = entry("what it changes of friction", default=BlockFriction())
+    shift_y: Real = entry(
         "lateral place of the running band on both bodies, mm: contact and radii are centred there",
-        0.0,
+        default=0.0,
     )
 
     @classmethod
     def describe_array(cls, tables: tuple[Table, ...], scene: Any) -> Iterator[Row]:
         """Yield a row for each of the first blocks of the array, as `Table.describe` does."""
-        for k, block in enumerate(scene.duty[:MOST_TOLD]):
+        for k, block in enumerate(scene.duty[: SceneError.most_listed]):
             share = f"{block.revolutions} of {scene.spectrum.cycle} revolutions"
             yield Row(label(scene, k), f"{share}: {block.describe_changes()}", brief=True)
-        if len(tables) > MOST_TOLD:
-            yield Row("other blocks", f"{len(tables) - MOST_TOLD} more", brief=True)
+        if len(tables) > SceneError.most_listed:
+            yield Row("other blocks", f"{len(tables) - SceneError.most_listed} more", brief=True)
 
     def describe_changes(self) -> str:
         """Describe what it changes of the scene."""
@@ -231,22 +234,22 @@ def _named_apart(blocks: tuple[Block, ...]) -> Iterator[Fault]:
         seen.add(block.name)
 
 
-def duty_fits(known: Known) -> Iterator[Fault]:
+def duty_fits(entries: ValidEntries) -> Iterator[Fault]:
     """Check what the blocks need of the other tables."""
-    duty: tuple[Block, ...] = known["duty"]
+    duty: tuple[Block, ...] = entries["duty"]
     if not duty:
         return
     yield from _named_apart(duty)
-    if known["transient"] is not None:
+    if entries["transient"] is not None:
         yield Fault("duty", "with [transient]", "one of them: blocks are of steady rolling")
         return
-    wear = known["wear"]
+    wear = entries["wear"]
     if wear is None:
         yield Fault("duty", "without [wear]", "only with a [wear] table: blocks are rolled")
     elif (cycle := sum(block.revolutions for block in duty)) > wear.revolutions:
         given = f"a cycle of {cycle} revolutions"
         yield Fault("duty", given, f"at most the {wear.revolutions} of wear.revolutions")
-    gap, line = known["gap"], known["body"].infinitely_long
+    gap, line = entries["gap"], entries["body"].infinitely_long
     for k, block in enumerate(duty):
         if block.shift_y and (gap is not None or line):
             what = "with a [gap], which is that of one place" if gap else "in a line contact"

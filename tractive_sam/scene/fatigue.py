@@ -8,12 +8,22 @@ from typing import Annotated, Any, ClassVar, Literal, get_args
 
 from pydantic import AfterValidator
 
-from .alternatives import not_both
-from .describe import Row
-from .faults import Fault, shown
-from .named_law import ANOTHER, LawTable, NamedLaw
-from .quantities import NotNegative, Positive, entry, positive
-from .table import Check, Known, Table
+from tractive_sam.schema import (
+    Check,
+    Fault,
+    LawTable,
+    NamedLaw,
+    NotNegative,
+    Positive,
+    Row,
+    Table,
+    ValidEntries,
+    allow_laws,
+    entry,
+    not_both,
+    shorten,
+)
+
 from .tables import distinct
 
 SENSITIVITIES = {
@@ -29,33 +39,33 @@ MOST_EXPONENT = 100.0
 """Of a Woehler line: with more, a per cent of the stress is a factor of e in the life."""
 
 
-def _something_asked(known: Known) -> Iterator[Fault]:
-    if not known.given & {"shear_yield", "yield_strength", "limit"}:
+def _something_asked(entries: ValidEntries) -> Iterator[Fault]:
+    if not entries.given & {"shear_yield", "yield_strength", "limit"}:
         cure = "shear_yield or yield_strength for shakedown, limit for utilisation and damage"
         yield Fault("limit", "nothing, and no yield", cure)
 
 
-def _sensitivity_of_the_criterion(known: Known) -> Iterator[Fault]:
-    criterion, given = known["criterion"], known["sensitivity"]
+def _sensitivity_of_the_criterion(entries: ValidEntries) -> Iterator[Fault]:
+    criterion, given = entries["criterion"], entries["sensitivity"]
     if isinstance(criterion, NamedLaw):
         return
     if criterion not in SENSITIVITIES:
         if given is not None:
-            yield Fault("sensitivity", shown(given), f'nothing: "{criterion}" has none')
+            yield Fault("sensitivity", shorten(given), f'nothing: "{criterion}" has none')
         return
     most, meaning = SENSITIVITIES[criterion]
     allowed = f'from 0 to below {most:.4g} for "{criterion}" ({meaning})'
     if given is None:
-        if known["limit"] is not None:
+        if entries["limit"] is not None:
             yield Fault("sensitivity", "nothing", allowed)
     elif given >= most:
-        yield Fault("sensitivity", shown(given), allowed)
+        yield Fault("sensitivity", shorten(given), allowed)
 
 
-def _yield_of_the_criterion(known: Known) -> Iterator[Fault]:
-    if known["criterion"] != "fatemi-socie" or known["limit"] is None:
+def _yield_of_the_criterion(entries: ValidEntries) -> Iterator[Fault]:
+    if entries["criterion"] != "fatemi-socie" or entries["limit"] is None:
         return
-    if not known.given & {"shear_yield", "yield_strength"}:
+    if not entries.given & {"shear_yield", "yield_strength"}:
         yield Fault("yield_strength", "nothing", 'a number above 0: "fatemi-socie" divides by it')
 
 
@@ -85,7 +95,7 @@ class FatigueVolume(Table):
         gt=0.0,
         lt=1.0,
     )
-    slope: Positive | None = positive("slope of Weibull; by itself 10/9, of a line 9/8", None)
+    slope: Positive | None = entry("slope of Weibull; by itself 10/9, of a line 9/8", default=None)
     limit: NotNegative = entry("stress that does no harm, MPa", "a number of at least 0", 0.0)
     stress_exponent: Positive = entry(
         "exponent of the stress", "a number above 0, at most 100", 31.0 / 3.0, le=MOST_EXPONENT
@@ -95,8 +105,8 @@ class FatigueVolume(Table):
     )
 
 
-def _limit_of_the_volume(known: Known) -> Iterator[Fault]:
-    if known["volume"] is not None and known["limit"] is None:
+def _limit_of_the_volume(entries: ValidEntries) -> Iterator[Fault]:
+    if entries["volume"] is not None and entries["limit"] is None:
         yield Fault("limit", "nothing", "a number above 0: [fatigue.volume] takes the criterion")
 
 
@@ -120,11 +130,11 @@ class Fatigue(LawTable):
     ('dang-van', 519.6)
     """
 
-    shear_yield: Positive | None = positive("yield stress in shear k, MPa", None)
-    yield_strength: Positive | None = positive("yield stress in tension, sqrt 3 k, MPa", None)
+    shear_yield: Positive | None = entry("yield stress in shear k, MPa", default=None)
+    yield_strength: Positive | None = entry("yield stress in tension, sqrt 3 k, MPa", default=None)
     criterion: CriterionName | NamedLaw = entry(
         "fatigue criterion",
-        f'"dang-van", "crossland", "findley", "fatemi-socie" or "orthogonal-shear", {ANOTHER}',
+        allow_laws(get_args(CriterionName)),
         "dang-van",
     )
     sensitivity: NotNegative | None = entry(
@@ -133,10 +143,10 @@ class Fatigue(LawTable):
         "a number of at least 0, its upper bound depends on the criterion",
         None,
     )
-    limit: Positive | None = positive(
-        "limit of the criterion, MPa: utilisation is the equivalent stress over it", None
+    limit: Positive | None = entry(
+        "limit of the criterion, MPa: utilisation is the equivalent stress over it", default=None
     )
-    cycles: Positive = positive("life at a utilisation of 1, cycles", 1e7)
+    cycles: Positive = entry("life at a utilisation of 1, cycles", default=1e7)
     exponent: Positive = entry(
         "exponent of the Woehler line, life = cycles * utilisation ** -exponent",
         f"a number above 0, at most {MOST_EXPONENT:g}",
@@ -144,14 +154,14 @@ class Fatigue(LawTable):
         le=MOST_EXPONENT,
     )
     knee: bool = entry("whether life is infinite below a utilisation of 1", "true or false", False)
-    depth: Positive = positive("depth, in units of the semi-axis a", 1.5)
+    depth: Positive = entry("depth, in units of the semi-axis a", default=1.5)
     elements: int = entry(
         "points over the depth", "a whole number from 8 to 1e4", 24, ge=8, le=10**4
     )
     bodies: Annotated[tuple[Literal["A", "B"], ...], AfterValidator(distinct)] = entry(
         "bodies that are followed", 'a list of "A" and "B"', ("A", "B"), min_length=1
     )
-    volume: FatigueVolume | None = entry("life of the whole volume under stress", "", None)
+    volume: FatigueVolume | None = entry("life of the whole volume under stress", default=None)
     tolerance: float = entry(
         "share of the largest damage: a jump of the stepping that would miss more than 0.3 of it "
         "is made shorter; what all miss together is the column damage_error, "

@@ -10,21 +10,24 @@ from typing import Annotated, Any, ClassVar, Literal, get_args
 from pydantic import AfterValidator
 
 from tractive_sam.mechanics import Frame
-
-from .alternatives import exactly_one
-from .describe import Row, format_pair
-from .faults import Fault
-from .named_law import ANOTHER, LawTable, NamedLaw
-from .quantities import (
+from tractive_sam.schema import (
+    Check,
+    Fault,
+    LawTable,
+    NamedLaw,
     NotNegative,
     OptionalOrthotropicPositive,
     OrthotropicPositive,
     Positive,
     Real,
+    Row,
+    ValidEntries,
+    allow_laws,
     entry,
-    positive,
+    exactly_one,
 )
-from .table import Check, Known
+
+from .describe import format_pair
 
 MOST_ORTHOTROPIC = 100.0
 """Ratio of the friction coefficients up to which contacts are known to be solved."""
@@ -37,8 +40,8 @@ def _at_rest(friction: dict[str, Any]) -> tuple[float, float]:
     return friction["static"]
 
 
-def _axes_alike(known: Known) -> Iterator[Fault]:
-    mu = known["mu"]
+def _axes_alike(entries: ValidEntries) -> Iterator[Fault]:
+    mu = entries["mu"]
     if max(mu) > MOST_ORTHOTROPIC * min(mu) * (1.0 + 1e-12):
         allowed = f"one coefficient at most {MOST_ORTHOTROPIC:g} times the other"
         yield Fault("mu", f"{mu[0]:g} and {mu[1]:g}", allowed)
@@ -69,8 +72,8 @@ def describe_factors(factors: tuple[tuple[float, float], ...] | None) -> str:
     return f"; {ends} of the surface"
 
 
-def _law_is_given(known: Known) -> Iterator[Fault]:
-    law, given = known["law"], known.given
+def _law_is_given(entries: ValidEntries) -> Iterator[Fault]:
+    law, given = entries["law"], entries.given
     if isinstance(law, NamedLaw):
         return
     if law == "constant":
@@ -92,9 +95,9 @@ def _law_is_given(known: Known) -> Iterator[Fault]:
             yield Fault(key, f'nothing, and law = "{law}"', "what the law falls to, and how fast")
 
 
-def _kinetic_is_less(known: Known) -> Iterator[Fault]:
-    mu, kinetic = known["mu"], known["kinetic"]
-    if kinetic is None or known["law"] == "constant":
+def _kinetic_is_less(entries: ValidEntries) -> Iterator[Fault]:
+    mu, kinetic = entries["mu"], entries["kinetic"]
+    if kinetic is None or entries["law"] == "constant":
         return
     if any(less > more for less, more in zip(kinetic, mu, strict=True)):
         allowed = f"at most the coefficient at rest, {_pair(mu)}"
@@ -144,7 +147,7 @@ class Friction(LawTable):
     law: FrictionName | NamedLaw = entry(
         "how friction falls with the local speed of sliding; all but the constant one need "
         "creepage.speed; or a law of another package",
-        f'"constant", "exponential", "rational" or "polach", {ANOTHER}',
+        allow_laws(get_args(FrictionName)),
         "constant",
     )
     kinetic: OptionalOrthotropicPositive = entry(
@@ -152,8 +155,8 @@ class Friction(LawTable):
         "a number above 0, or a pair in the ratio of that at rest",
         None,
     )
-    half_speed: Positive | None = positive(
-        "speed of sliding at which half of the way to it is gone, mm/s", None
+    half_speed: Positive | None = entry(
+        "speed of sliding at which half of the way to it is gone, mm/s", default=None
     )
     A: Real | None = entry(
         "of Polach's law, in place of kinetic: what is left at great speed over that at rest",
@@ -162,8 +165,8 @@ class Friction(LawTable):
         ge=0,
         le=1,
     )
-    B: Positive | None = positive(
-        "of Polach's law, in place of half_speed: its rate of decay, s/m", None
+    B: Positive | None = entry(
+        "of Polach's law, in place of half_speed: its rate of decay, s/m", default=None
     )
     memory: NotNegative = entry(
         "distance slid over which the coefficients follow the speed, mm; 0: at once",
@@ -177,7 +180,7 @@ class Friction(LawTable):
         None,
         min_length=1,
     )
-    strength: Positive | None = positive("shear strength that no traction exceeds, MPa", None)
+    strength: Positive | None = entry("shear strength that no traction exceeds, MPa", default=None)
     layer: NotNegative = entry(
         "shear compliance h/G3 of an interfacial layer, mm/MPa", "a number of at least 0", 0.0
     )

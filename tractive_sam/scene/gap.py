@@ -11,12 +11,20 @@ from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import AfterValidator, BeforeValidator, PlainValidator
+from pydantic import AfterValidator, PlainValidator
 
-from .describe import Row
-from .faults import Fault
-from .quantities import LARGEST, SMALLEST, PositivePair, entry
-from .table import Check, Known, Table
+from tractive_sam.schema import (
+    LARGEST,
+    SMALLEST,
+    Check,
+    Fault,
+    FilePath,
+    PositivePair,
+    Row,
+    Table,
+    ValidEntries,
+    entry,
+)
 
 TEXTS = (".csv", ".txt", ".dat", ".tsv", ".xyz", ".asc")
 SUFFIXES = (".h5", ".npy", ".npz", *TEXTS)
@@ -42,12 +50,6 @@ def files_anywhere() -> Iterator[None]:
         yield
     finally:
         _ANYWHERE.reset(before)
-
-
-FilePath = Annotated[
-    Path, BeforeValidator(lambda text: Path(text) if isinstance(text, str) else text)
-]
-"""The path of a file, from a text as well."""
 
 
 def named(path: Path, suffixes: tuple[str, ...]) -> Path:
@@ -93,34 +95,34 @@ def _axis(array: NDArray[np.float64]) -> NDArray[np.float64]:
     return array
 
 
-def _either_file_or_arrays(known: Known) -> Iterator[Fault]:
-    given = [key for key in _ARRAYS if key in known.given]
-    if "file" in known.given and given:
+def _either_file_or_arrays(entries: ValidEntries) -> Iterator[Fault]:
+    given = [key for key in _ARRAYS if key in entries.given]
+    if "file" in entries.given and given:
         yield Fault("file", f"together with {', '.join(given)}", "a file or the arrays, not both")
-    elif "file" not in known.given:
+    elif "file" not in entries.given:
         for key in _ARRAYS:
             if key not in given:
                 yield Fault(key, "nothing", "a file, or all of x, y and separation")
 
 
-def _fitting_shape(known: Known) -> Iterator[Fault]:
-    if not known.given.issuperset(_ARRAYS):
+def _fitting_shape(entries: ValidEntries) -> Iterator[Fault]:
+    if not entries.given.issuperset(_ARRAYS):
         return
-    x, y, separation = (known[key] for key in _ARRAYS)
+    x, y, separation = (entries[key] for key in _ARRAYS)
     if separation.shape != (x.size, y.size):
         shape = f"the shape {separation.shape}"
         yield Fault("separation", shape, f"the shape ({x.size}, {y.size}), a row for each x")
 
 
-def _heights_of_a_body(known: Known) -> Iterator[Fault]:
-    if "positive" in known.given and "body" not in known.given:
+def _heights_of_a_body(entries: ValidEntries) -> Iterator[Fault]:
+    if "positive" in entries.given and "body" not in entries.given:
         cure = "gap.body as well: only heights of a body point out of it or into it"
-        yield Fault("positive", known["positive"], cure)
+        yield Fault("positive", entries["positive"], cure)
 
 
-def _step_of_a_file(known: Known) -> Iterator[Fault]:
-    if "step" in known.given and "file" not in known.given:
-        yield Fault("step", known["step"], "a file that holds no x and y; arrays have theirs")
+def _step_of_a_file(entries: ValidEntries) -> Iterator[Fault]:
+    if "step" in entries.given and "file" not in entries.given:
+        yield Fault("step", entries["step"], "a file that holds no x and y; arrays have theirs")
 
 
 _Unit = Literal["m", "mm", "um", "nm"]
@@ -183,7 +185,7 @@ class Gap(Table):
         yield Row("separation", f"of the radii, and the measured one of [gap], {source}")
 
     @classmethod
-    def unfolded(cls, given: Mapping[Any, Any]) -> Mapping[Any, Any]:
+    def unfold(cls, given: Mapping[Any, Any]) -> Mapping[Any, Any]:
         """A profile across the track, without x, as the same all along it."""
         profile = given.get("separation")
         row = isinstance(profile, list | tuple) and not any(map(np.ndim, profile))

@@ -5,10 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, ClassVar
 
-from .describe import Row
-from .faults import Fault
-from .quantities import Positive, Real, entry, positive
-from .table import Check, Known, Table
+from tractive_sam.schema import Check, Fault, Positive, Real, Row, Table, ValidEntries, entry
 
 ABSOLUTE_ZERO = -273.15
 
@@ -27,9 +24,9 @@ class Thermal(Table):
     14.15
     """
 
-    conductivity: Positive = positive("heat conductivity, W/(m K)")
-    density: Positive = positive("density, kg/m3", 7850.0)
-    heat_capacity: Positive = positive("heat capacity, J/(kg K)")
+    conductivity: Positive = entry("heat conductivity, W/(m K)")
+    density: Positive = entry("density, kg/m3", default=7850.0)
+    heat_capacity: Positive = entry("heat capacity, J/(kg K)")
 
     @property
     def diffusivity(self) -> float:
@@ -53,8 +50,8 @@ class Bulk(Table):
     B: Real = entry("bulk temperature of body B, degrees C", _DEGREES, 20.0, ge=ABSOLUTE_ZERO)
 
 
-def _bulk_is_warm_enough(known: Known) -> Iterator[Fault]:
-    bulk = known["bulk"]
+def _bulk_is_warm_enough(entries: ValidEntries) -> Iterator[Fault]:
+    bulk = entries["bulk"]
     if not isinstance(bulk, Bulk) and bulk < ABSOLUTE_ZERO:
         yield Fault("bulk", f"{bulk:g}", f"at least {ABSOLUTE_ZERO}, in degrees C")
 
@@ -100,25 +97,25 @@ class Heat(Table):
         return {"A": bulk.A, "B": bulk.B} if isinstance(bulk, Bulk) else dict.fromkeys("AB", bulk)
 
 
-def _thermal_of_both(known: Known) -> Iterator[Fault]:
-    given = [body for body in "AB" if known[f"body.{body}.thermal"] is not None]
+def _thermal_of_both(entries: ValidEntries) -> Iterator[Fault]:
+    given = [body for body in "AB" if entries[f"body.{body}.thermal"] is not None]
     if len(given) == 1:
         (other,) = set("AB") - set(given)
         cure = f"those of both bodies, or of none: that of {given[0]} is given"
         yield Fault(f"body.{other}.thermal", "nothing", cure)
 
 
-def _heat_needs_speed(known: Known) -> Iterator[Fault]:
-    if known["heat"] is not None and known["creepage.speed"] is None:
+def _heat_needs_speed(entries: ValidEntries) -> Iterator[Fault]:
+    if entries["heat"] is not None and entries["creepage.speed"] is None:
         cure = "the rolling speed V, mm/s: [heat] is made by sliding, and carried away by rolling"
         yield Fault("creepage.speed", "nothing", cure)
 
 
-def _heat_is_conducted(known: Known) -> Iterator[Fault]:
-    if known["heat"] is None:
+def _heat_is_conducted(entries: ValidEntries) -> Iterator[Fault]:
+    if entries["heat"] is None:
         return
     for body in "AB":
-        one = known[f"body.{body}"]
+        one = entries[f"body.{body}"]
         E = one.material.young
         if one.thermal is None and not LIKE_STEEL[0] <= E <= LIKE_STEEL[1]:
             cure = (
@@ -128,30 +125,30 @@ def _heat_is_conducted(known: Known) -> Iterator[Fault]:
             yield Fault(f"body.{body}.thermal", "nothing", cure)
 
 
-def _temperature_needs_heat(known: Known) -> Iterator[Fault]:
+def _temperature_needs_heat(entries: ValidEntries) -> Iterator[Fault]:
     answering = [
         f"{table}.temperature"
         for table in ("friction", "wear")
-        if known[table] is not None and known[f"{table}.temperature"] is not None
+        if entries[table] is not None and entries[f"{table}.temperature"] is not None
     ]
-    if known["heat"] is None:
+    if entries["heat"] is None:
         cure = "only with a [heat] table, which gives the temperature"
         yield from (Fault(key, "without [heat]", cure) for key in answering)
-    if "wear.temperature" in answering and known["solver.method"] == "uzawa":
+    if "wear.temperature" in answering and entries["solver.method"] == "uzawa":
         cure = "another solver.method: this one wears before the temperature is known"
         yield Fault("wear.temperature", 'with solver.method = "uzawa"', cure)
 
 
-def _heat_of_transients(known: Known) -> Iterator[Fault]:
+def _heat_of_transients(entries: ValidEntries) -> Iterator[Fault]:
     """Refuse shifts, which take no time, and laws that a step does not take the temperature of."""
-    transient = known["transient"]
-    if transient is None or known["heat"] is None:
+    transient = entries["transient"]
+    if transient is None or entries["heat"] is None:
         return
     if not transient.rolls:
         cure = '"rest" or "steady": a shift takes no time, and how warm surfaces get depends on it'
         yield Fault("transient.start", '"shift" together with [heat]', cure)
     for table in ("friction", "wear"):
-        if known[table] is not None and known[f"{table}.temperature"] is not None:
+        if entries[table] is not None and entries[f"{table}.temperature"] is not None:
             cure = "nothing: temperatures of a transient are computed, but do not act on its steps"
             yield Fault(f"{table}.temperature", "together with [transient]", cure)
 

@@ -15,13 +15,22 @@ from numpy.typing import ArrayLike
 from pydantic import AfterValidator
 
 from tractive_sam import input_file
+from tractive_sam.schema import (
+    Check,
+    Fault,
+    FilePath,
+    Row,
+    SceneError,
+    Table,
+    ValidEntries,
+    Whole,
+    entry,
+    shorten,
+    suggest_name,
+)
 
-from .describe import Row
 from .duty import Block, BlockCreepage, BlockFriction, BlockLoad
-from .faults import Fault, SceneError, shown, suggestion
-from .gap import FilePath, named
-from .quantities import Whole, entry
-from .table import Check, Known, Table
+from .gap import named
 
 MOST_LEVELS = 1000
 """Of a column."""
@@ -53,11 +62,11 @@ WORK_UNKNOWN = {"approach", "pressure", "force_x", "force_y"}
 _File = Annotated[FilePath, AfterValidator(lambda path: named(path, (".csv", ".txt")))]
 
 
-def _found_together(known: Known) -> Iterator[Fault]:
-    given = known.given & {"rows", "error", "work_error"}
+def _found_together(entries: ValidEntries) -> Iterator[Fault]:
+    given = entries.given & {"rows", "error", "work_error"}
     if given and not given >= {"rows", "error"}:
         first = min(given)
-        yield Fault(first, shown(known[first]), "nothing: it is written when the file is read")
+        yield Fault(first, shorten(entries[first]), "nothing: it is written when the file is read")
 
 
 class LoadHistory(Table):
@@ -166,7 +175,7 @@ def with_blocks(tables: Mapping[Any, Any]) -> Mapping[Any, Any]:
     given, blocks = tables.get("load_history"), tables.get("duty")
     if isinstance(blocks, Mapping):
         cure = "a list of blocks, each begins with [[duty]]; a measured file is of [load_history]"
-        raise SceneError([Fault("duty", f"one table, {shown(dict(blocks))}", cure)])
+        raise SceneError([Fault("duty", f"one table, {shorten(dict(blocks))}", cure)])
     if given is None:
         return tables
     try:
@@ -189,7 +198,7 @@ def with_blocks(tables: Mapping[Any, Any]) -> Mapping[Any, Any]:
 def _table(given: Any) -> Mapping[Any, Any]:
     if isinstance(given, Mapping):
         return given
-    raise SceneError([Fault("file", shown(given), "a table with a file, and levels")])
+    raise SceneError([Fault("file", shorten(given), "a table with a file, and levels")])
 
 
 def blocks_of(
@@ -229,9 +238,9 @@ def blocks_of(
     """
     if not isinstance(levels, int) or isinstance(levels, bool) or not 1 <= levels <= MOST_LEVELS:
         allowed = f"a whole number from 1 to {MOST_LEVELS}"
-        raise SceneError([Fault("levels", shown(levels), allowed)])
+        raise SceneError([Fault("levels", shorten(levels), allowed)])
     if binning != "levels":
-        raise SceneError([Fault("binning", shown(binning), BY_LEVELS)])
+        raise SceneError([Fault("binning", shorten(binning), BY_LEVELS)])
     columns = _columns(measured)
     rows = next(iter(columns.values())).size
     given = columns.pop("revolutions", np.ones(rows))
@@ -299,7 +308,7 @@ def _columns(measured: str | PathLike[str] | Mapping[str, ArrayLike]) -> dict[st
     given = measured if isinstance(measured, Mapping) else _read(Path(measured))
     unknown = [name for name in given if name not in COLUMNS]
     if unknown:
-        raise SceneError([Fault(n, "a column", suggestion(n, COLUMNS)) for n in unknown])
+        raise SceneError([Fault(n, "a column", suggest_name(n, COLUMNS)) for n in unknown])
     try:
         columns = {name: np.asarray(values, float).ravel() for name, values in given.items()}
     except (ValueError, TypeError):
@@ -319,19 +328,19 @@ def _read(path: Path, most: int = 2**29) -> dict[str, list[float]]:
         lines = [(n, row) for n, row in enumerate(csv.reader(StringIO(text)), 1) if row]
     except (OSError, ValueError, csv.Error):
         allowed = "an existing CSV file that can be read: a line of names, then numbers"
-        raise SceneError([Fault("measured", shown(str(path)), allowed)]) from None
+        raise SceneError([Fault("measured", shorten(str(path)), allowed)]) from None
     (_, names), *rows = lines or [(0, [])]
     numbers = [_numbers(names, row) or [] for _, row in rows]
     wrong = [line for line, found in zip(lines[1:], numbers, strict=True) if not found]
     if not rows or wrong or ";" in "".join(names):
         n, row = (wrong or lines or [(1, ["nothing"])])[0]
         allowed = "a line of names, then as many numbers in each; commas between, decimal points"
-        given = f"{path.name}, line {n}: {shown(','.join(row))}"
+        given = f"{path.name}, line {n}: {shorten(','.join(row))}"
         raise SceneError([Fault("measured", given, allowed)])
     names = [name.strip() for name in names]
     twice = {name: None for name in names if names.count(name) > 1}
     if twice:
-        given = f"{path.name} with two columns {', '.join(map(shown, twice))}"
+        given = f"{path.name} with two columns {', '.join(map(shorten, twice))}"
         raise SceneError([Fault("measured", given, "each column once")])
     return {name: [row[k] for row in numbers] for k, name in enumerate(names)}
 

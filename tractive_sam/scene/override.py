@@ -5,10 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from .alternatives import RIVALS
-from .faults import Fault, SceneError, shown
-from .keys import joined, parts
-from .toml import parse_value
+from tractive_sam.schema import (
+    Fault,
+    SceneError,
+    copy_tables,
+    remove_key,
+    set_key,
+    shorten,
+    split_key,
+    toml,
+)
+
+from .alternatives import excluded_keys
 from .wear_laws import BY_COEFFICIENT
 
 
@@ -22,13 +30,13 @@ def parse_settings(settings: Iterable[str]) -> dict[str, Any]:
     """
     pairs = [(text, *text.partition("=")) for text in settings]
     faults = [
-        Fault(shown(text), "no key and value", "table.key=value")
+        Fault(shorten(text), "no key and value", "table.key=value")
         for text, key, equals, _ in pairs
         if not (equals and key.strip())
     ]
     if faults:
         raise SceneError(faults)
-    return {key.strip(): parse_value(value.strip()) for _, key, _, value in pairs}
+    return {key.strip(): toml.parse_value(value.strip()) for _, key, _, value in pairs}
 
 
 def override(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
@@ -51,68 +59,27 @@ def override(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str,
     SceneError
         If a key leads through an entry that is no table, or to a place that a list has not.
     """
-    result = _copy(tables)
-    faults = [fault for key, value in changes.items() for fault in _set(result, key, value)]
+    result = copy_tables(tables)
+    faults = [fault for key, value in changes.items() for fault in set_key(result, key, value)]
     if faults:
         raise SceneError(faults)
     for key, value in changes.items():
         block, bracket, entry = key.rpartition("].")
-        for other in RIVALS.get(entry, ()) if value is not None else ():
+        for other in excluded_keys(entry) if value is not None else ():
             rival = f"{block}{bracket}{other}"
             if not any(f"{change}.".startswith(f"{rival}.") for change in changes):
-                _remove(result, rival)
-    changed = {parts(change)[0] for change in changes}
+                remove_key(result, rival)
+    changed = {split_key(change)[0] for change in changes}
     for key, other in (("load_history", "duty"), ("duty", "load_history")):
         if key in changed and other not in changed:
-            _remove(result, other)
+            remove_key(result, other)
     if changes.get("wear.law", "archard") not in BY_COEFFICIENT:
         for key in ("wear.intensity", "wear.coefficient"):
             if not any(f"{change}.".startswith(f"{key}.") for change in changes):
-                _remove(result, key)
+                remove_key(result, key)
     if "wear.revolutions" in changes and "wear.save" not in changes:
         _shorten_save(result)
     return result
-
-
-def _copy(value: Any) -> Any:
-    """Tables and lists of tables anew, all else as it is."""
-    if isinstance(value, Mapping):
-        return {key: _copy(item) for key, item in value.items()}
-    if isinstance(value, list | tuple) and any(isinstance(item, Mapping) for item in value):
-        return [_copy(item) for item in value]
-    return value
-
-
-def _set(tables: dict[str, Any], key: str, value: Any) -> list[Fault]:
-    inner: Any = tables
-    path = parts(key)
-    for depth, name in enumerate(path):
-        allowed = _not_within(inner, name, joined(path[:depth]))
-        if allowed:
-            return [Fault(key, shown(value), allowed)]
-        if depth < len(path) - 1:
-            inner = inner[name] if isinstance(name, int) else inner.setdefault(name, {})
-    inner[name] = _copy(value)
-    return []
-
-
-def _not_within(inner: Any, name: str | int, where: str) -> str:
-    """What is allowed in place of a name, or a place, that an entry cannot have; else nothing."""
-    if isinstance(inner, list):
-        within = isinstance(name, int) and name < len(inner)
-        return "" if within else f"a place in the list: {where}[0] to {where}[{len(inner) - 1}]"
-    if not isinstance(inner, dict):
-        return f"no entry within {where}"
-    return f"nothing: the scene has no list {where}" if isinstance(name, int) else ""
-
-
-def _remove(tables: dict[str, Any], key: str) -> None:
-    inner: Any = tables
-    *path, last = parts(key)
-    for name in path:
-        inner = inner[name] if isinstance(name, int) else inner.get(name) or {}
-    if isinstance(inner, dict):
-        inner.pop(last, None)
 
 
 def _shorten_save(tables: dict[str, Any]) -> None:

@@ -7,16 +7,23 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator
 
-from .describe import Row
-from .faults import Fault
-from .named_law import LawTable, NamedLaw
-from .quantities import Real, entry
-from .table import Check, Known
+from tractive_sam.schema import (
+    Check,
+    Fault,
+    LawTable,
+    NamedLaw,
+    Real,
+    Row,
+    ValidEntries,
+    allow_laws,
+    entry,
+)
+
 from .transient import OF_REVOLUTIONS, rising
 
 
-def _saved_within(known: Known) -> Iterator[Fault]:
-    save, end = known["save"], known["end"]
+def _saved_within(entries: ValidEntries) -> Iterator[Fault]:
+    save, end = entries["save"], entries["end"]
     if save and save[-1] > end:
         yield Fault("save", str(list(save)), f"values of the coordinate up to end, {end:g}")
 
@@ -33,7 +40,7 @@ class ProcessTable(LawTable):
     (0.0, 10.0)
     """
 
-    name: NamedLaw = entry("the process", '"module:name" of an installed package')
+    name: NamedLaw = entry("the process", allow_laws(()))
     end: Real = entry("last value of its coordinate", "a number of at least 0", ge=0)
     save: Annotated[tuple[Real, ...], AfterValidator(rising)] = entry(
         "values of its coordinate at which fields are stored",
@@ -51,14 +58,14 @@ class ProcessTable(LawTable):
         )
 
 
-def _process_is_alone(known: Known) -> Iterator[Fault]:
-    if known["process"] is None:
+def _process_is_alone(entries: ValidEntries) -> Iterator[Fault]:
+    if entries["process"] is None:
         return
     for table in ("transient", "duty", "accuracy"):
-        if known[table]:
+        if entries[table]:
             yield Fault("process", f"together with [{table}]", "one of both")
     for key in OF_REVOLUTIONS:
-        if f"wear.{key}" in known.given:
+        if f"wear.{key}" in entries.given:
             cure = "nothing: process.end says how long it wears"
             yield Fault(f"wear.{key}", "together with [process]", cure)
 

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 
 from tractive_sam.mechanics import HertzContact, HertzLine
+from tractive_sam.schema import warn
 
-from .faults import warn
 from .tables import Mesh
 
 

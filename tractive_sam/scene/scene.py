@@ -13,16 +13,24 @@ from typing import Any, ClassVar
 import numpy as np
 
 from tractive_sam.mechanics import CombinedMaterial, HertzContact, HertzLine, Material, Turns
+from tractive_sam.schema import (
+    Check,
+    Document,
+    PlausibilityWarning,
+    SceneError,
+    Table,
+    entry,
+    keywords_only,
+    warn,
+)
 
 from . import describe
 from .bodies import Bodies
 from .catalogue import builtin_text, names_file
 from .checks import SCENE_CHECKS, warn_if_large, warn_if_unequal
 from .contact_type import LineContact, PointContact
-from .document import Document, keywords_alone
 from .duty import Block, Spectrum, block_scenes, off_the_mesh
 from .fatigue import Fatigue
-from .faults import PlausibilityWarning, SceneError, warn
 from .friction import Friction
 from .gap import Gap
 from .heat import STEEL, Heat, Thermal
@@ -30,10 +38,8 @@ from .load_history import DOUBTFUL, LoadHistory, with_blocks
 from .override import override, parse_settings
 from .plausibility import scene_notes
 from .process import ProcessTable
-from .quantities import entry
 from .resolution import warn_if_coarse
 from .schedule import Schedule, schedule_of
-from .table import Check, Table
 from .tables import (
     Accuracy,
     Creepage,
@@ -73,25 +79,25 @@ class Scene(Document):
     """
 
     title: str = entry("title", "a text", "")
-    body: Bodies = entry("the two bodies", "")
-    load: Load = entry("the load", "")
-    creepage: Creepage = entry("the creepages", "", Creepage())
-    elasticity: ElasticBodies | None = entry("the elastic law of the bodies", "", None)
-    friction: Friction | None = entry("the friction law", "", None)
-    wear: Wear | None = entry("the wear law", "", None)
-    grid: Mesh | None = entry("the grid", "", None)
-    accuracy: Accuracy | None = entry("the accuracy that chooses the grid", "", None)
-    gap: Gap | None = entry("the additional separation", "", None)
-    heat: Heat | None = entry("the flash temperature", "", None)
-    subsurface: Subsurface | None = entry("the subsurface stress", "", None)
-    fatigue: Fatigue | None = entry("the fatigue of the material", "", None)
-    transient: Transient | None = entry("what changes over the distance rolled", "", None)
-    process: ProcessTable | None = entry("a process of another package", "", None)
+    body: Bodies = entry("the two bodies")
+    load: Load = entry("the load")
+    creepage: Creepage = entry("the creepages", default=Creepage())
+    elasticity: ElasticBodies | None = entry("the elastic law of the bodies", default=None)
+    friction: Friction | None = entry("the friction law", default=None)
+    wear: Wear | None = entry("the wear law", default=None)
+    grid: Mesh | None = entry("the grid", default=None)
+    accuracy: Accuracy | None = entry("the accuracy that chooses the grid", default=None)
+    gap: Gap | None = entry("the additional separation", default=None)
+    heat: Heat | None = entry("the flash temperature", default=None)
+    subsurface: Subsurface | None = entry("the subsurface stress", default=None)
+    fatigue: Fatigue | None = entry("the fatigue of the material", default=None)
+    transient: Transient | None = entry("what changes over the distance rolled", default=None)
+    process: ProcessTable | None = entry("a process of another package", default=None)
     duty: tuple[Block, ...] = entry(
         "blocks of a duty cycle", "at least one block, [[duty]]", (), min_length=1
     )
-    load_history: LoadHistory | None = entry("the load history of the blocks", "", None)
-    solver: Solver = entry("the solver", "", Solver())
+    load_history: LoadHistory | None = entry("the load history of the blocks", default=None)
+    solver: Solver = entry("the solver", default=Solver())
     checks: ClassVar[tuple[Check, ...]] = SCENE_CHECKS
     internal: ClassVar[frozenset[str]] = frozenset(
         (
@@ -100,7 +106,7 @@ class Scene(Document):
         )
     )
 
-    @keywords_alone
+    @keywords_only
     def __init__(self, /, **tables: Any) -> None:
         super().__init__(**tables)
         if self.duty:
@@ -116,7 +122,7 @@ class Scene(Document):
             warn_if_coarse(self.grid, self.hertz)
 
     @classmethod
-    def unfolded(cls, given: Mapping[Any, Any]) -> Mapping[Any, Any]:
+    def unfold(cls, given: Mapping[Any, Any]) -> Mapping[Any, Any]:
         """With the blocks of a load history."""
         return with_blocks(given)
 
@@ -321,7 +327,7 @@ class Scene(Document):
         return self.body.hertz(self.load)
 
     @classmethod
-    def files_from(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
+    def resolve_files(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
         """The tables, with relative files in them sought from a folder."""
         for name in ("gap", "load_history"):
             match tables.get(name):

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from tractive_sam.schema import Key, KeyGroup, key_groups
+
 from .catalogue import builtin_text
-from .keys import Group, Key, groups
 from .scene import Scene
 
 HEAD = """\
@@ -24,7 +25,7 @@ def starter(name: str) -> str:
     SceneError
         If there is none of this name.
     """
-    tables = {table: group for group in groups(Scene) for table in group.names}
+    tables = {table: group for group in key_groups(Scene) for table in group.names}
     lines, left = [HEAD], dict(tables)
     for block in f"\n{builtin_text(name).strip()}\n".split("\n["):
         head, *rest = block.strip("\n").split("\n")
@@ -36,7 +37,7 @@ def starter(name: str) -> str:
     return "\n".join(lines).rstrip() + "\n"
 
 
-def _block(group: Group | None, table: str, entries: list[str]) -> list[str]:
+def _block(group: KeyGroup | None, table: str, entries: list[str]) -> list[str]:
     """A table with what it gives and what it could."""
     absent, name = table.startswith("# "), table.removeprefix("# ")
     lines = [f"{'# ' if absent else ''}[{name}]"] if name else []

@@ -6,18 +6,29 @@ Units mm, N, MPa, degrees, revolutions.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, ClassVar, Literal, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator
 
-from .alternatives import exactly_one
-from .describe import Row
-from .faults import Fault
-from .named_law import ANOTHER, LawTable, NamedLaw
+from tractive_sam.schema import (
+    Check,
+    Fault,
+    LawTable,
+    NamedLaw,
+    OptionalPositiveOneOrTwo,
+    Positive,
+    Real,
+    Row,
+    Table,
+    ValidEntries,
+    allow_laws,
+    entry,
+    exactly_one,
+    number_to_tuple,
+)
+
 from .plane import Plane
-from .quantities import OptionalPositiveOneOrTwo, Positive, Real, alone, entry, number, positive
-from .table import Check, Known, Table
 
 Item = TypeVar("Item")
 
@@ -40,17 +51,18 @@ class Load(Table):
     120.0
     """
 
-    normal: Positive | None = positive("normal load P, N; of a line contact N/mm", None)
-    approach: Positive | None = positive(
-        "approach of the bodies, mm, from the first touch of the unworn ones", None
+    normal: Positive | None = entry("normal load P, N; of a line contact N/mm", default=None)
+    approach: Positive | None = entry(
+        "approach of the bodies, mm, from the first touch of the unworn ones", default=None
     )
-    pressure: Positive | None = positive(
+    pressure: Positive | None = entry(
         "peak contact pressure p0 of the unworn bodies by Hertz, MPa, from which the load follows",
-        None,
+        default=None,
     )
-    force_x: Real | None = number("prescribed tangential force Q_x on body A, N or N/mm", None)
-    force_y: Real | None = number("prescribed tangential force Q_y on body A, N or N/mm", None)
+    force_x: Real | None = entry("prescribed force Q_x on body A, N or N/mm", default=None)
+    force_y: Real | None = entry("prescribed force Q_y on body A, N or N/mm", default=None)
     checks: ClassVar[tuple[Check, ...]] = (exactly_one("normal", "approach", "pressure"),)
+    renamed_keys: ClassVar[Mapping[str, str]] = {"traction_x": "force_x", "traction_y": "force_y"}
 
     def describe(self, scene: Any) -> Iterator[Row]:
         """See `Table.describe`: the load and the peak pressure, whichever of them is given."""
@@ -84,11 +96,11 @@ class Creepage(Table):
     Creepage(longitudinal=-0.005, lateral=0.0, spin=0.01, speed=None)
     """
 
-    longitudinal: Real = number("longitudinal creepage xi_x", 0.0)
-    lateral: Real = number("lateral creepage xi_y", 0.0)
-    spin: Real = number("spin creepage phi, 1/mm", 0.0)
-    speed: Positive | None = positive(
-        "rolling speed V, mm/s, for what depends on the sliding speed", None
+    longitudinal: Real = entry("longitudinal creepage xi_x", default=0.0)
+    lateral: Real = entry("lateral creepage xi_y", default=0.0)
+    spin: Real = entry("spin creepage phi, 1/mm", default=0.0)
+    speed: Positive | None = entry(
+        "rolling speed V, mm/s, for what depends on the sliding speed", default=None
     )
 
     def describe(self, scene: Any) -> Iterator[Row]:
@@ -111,7 +123,7 @@ class Creepage(Table):
 
 _Elements = Annotated[int, Field(ge=3, le=10**6)]
 _OneOrTwo = Annotated[
-    tuple[_Elements, ...], BeforeValidator(alone), Field(min_length=1, max_length=2)
+    tuple[_Elements, ...], BeforeValidator(number_to_tuple), Field(min_length=1, max_length=2)
 ]
 
 
@@ -119,8 +131,8 @@ MOST_ELEMENTS = 5 * 10**7
 """Elements of a grid: more would take some hundred GiB."""
 
 
-def _fits_a_machine(known: Known) -> Iterator[Fault]:
-    elements = known["elements"]
+def _fits_a_machine(entries: ValidEntries) -> Iterator[Fault]:
+    elements = entries["elements"]
     if elements is not None and math.prod(elements) > MOST_ELEMENTS:
         yield Fault("elements", str(elements), f"at most {MOST_ELEMENTS:.0e} elements in all")
 
@@ -129,8 +141,8 @@ LONGEST = 1e6
 """Side of an element over the other: in a longer one the influence coefficients lose all digits."""
 
 
-def _no_needles(known: Known) -> Iterator[Fault]:
-    half_length, elements = known["half_length"] or (), known["elements"] or ()
+def _no_needles(entries: ValidEntries) -> Iterator[Fault]:
+    half_length, elements = entries["half_length"] or (), entries["elements"] or ()
     if len(half_length) == len(elements) == 2:
         dx, dy = (length / n for length, n in zip(half_length, elements, strict=True))
         if not 1.0 / LONGEST <= dx / dy <= LONGEST:
@@ -138,8 +150,8 @@ def _no_needles(known: Known) -> Iterator[Fault]:
             yield Fault("half_length", given, f"elements at most {LONGEST:g} times as long as wide")
 
 
-def _not_nothing(known: Known) -> Iterator[Fault]:
-    if known["half_length"] is None and known["elements"] is None:
+def _not_nothing(entries: ValidEntries) -> Iterator[Fault]:
+    if entries["half_length"] is None and entries["elements"] is None:
         yield Fault("half_length", "nothing", "it, elements or both; or no [grid]")
 
 
@@ -218,7 +230,7 @@ class Subsurface(Table):
     planes: Annotated[
         tuple[Annotated[Plane, PlainValidator(Plane.parse)], ...], AfterValidator(distinct)
     ] = entry("planes of the stress", 'a list of planes like "y=0.75a"', min_length=1)
-    depth: Positive = positive("depth, in units of the semi-axis a", 1.5)
+    depth: Positive = entry("depth, in units of the semi-axis a", default=1.5)
     elements: int = entry(
         "points over the depth", "a whole number from 2 to 1e6", 64, ge=2, le=10**6
     )
@@ -251,7 +263,7 @@ class ElasticBodies(LawTable):
 
     law: Literal["half-spaces"] | NamedLaw = entry(
         "how the surfaces of the bodies displace under tractions",
-        f'"half-spaces", {ANOTHER}',
+        allow_laws(("half-spaces",)),
         "half-spaces",
     )
     law_names: ClassVar[tuple[str, ...]] = ("half-spaces",)

@@ -13,11 +13,9 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, Field
 
-from .describe import Row
-from .faults import Fault
+from tractive_sam.schema import Check, Fault, Positive, Real, Row, Table, ValidEntries, entry
+
 from .gap import Gap
-from .quantities import Positive, Real, entry, positive
-from .table import Check, Known, Table
 
 
 def _ascending(places: tuple[float, ...]) -> tuple[float, ...]:
@@ -116,8 +114,8 @@ class Profiles(Table):
     True
     """
 
-    A: Gap | None = entry("of the upper body", "", None)
-    B: Gap | None = entry("of the lower body", "", None)
+    A: Gap | None = entry("of the upper body", default=None)
+    B: Gap | None = entry("of the lower body", default=None)
 
     @property
     def given(self) -> dict[str, Gap]:
@@ -126,8 +124,8 @@ class Profiles(Table):
         return {table: one for table, one in found.items() if one is not None}
 
 
-def _of_the_knots(known: Known) -> Iterator[Fault]:
-    knots = known["distance"]
+def _of_the_knots(entries: ValidEntries) -> Iterator[Fault]:
+    knots = entries["distance"]
     if knots[0] == knots[-1]:
         yield Fault("distance", str(list(knots)), "knots that go on from the first one")
     for table, kind in (
@@ -136,14 +134,14 @@ def _of_the_knots(known: Known) -> Iterator[Fault]:
         ("friction", FrictionCourse),
     ):
         for key in kind.model_fields:
-            values = known.get(f"{table}.{key}")
+            values = entries.get(f"{table}.{key}")
             if values is not None and len(values) != len(knots):
                 given = f"{len(values)} values and {len(knots)} knots"
                 yield Fault(f"{table}.{key}", given, "one value for each knot of distance")
 
 
-def _saved_on_the_way(known: Known) -> Iterator[Fault]:
-    knots, save = known["distance"], known["save"]
+def _saved_on_the_way(entries: ValidEntries) -> Iterator[Fault]:
+    knots, save = entries["distance"], entries["save"]
     if save and not knots[0] <= save[0] <= save[-1] <= knots[-1]:
         cure = f"distances from the first knot to the last, {knots[0]:g} to {knots[-1]:g}"
         yield Fault("save", str(list(save)), cure)
@@ -163,20 +161,20 @@ class Transient(Table):
     """
 
     distance: Knots = entry("knots, distance rolled, mm", "numbers that do not fall", min_length=2)
-    load: LoadCourse = entry("courses of the load", "", LoadCourse())
-    creepage: CreepageCourse = entry("courses of the creepages", "", CreepageCourse())
-    friction: FrictionCourse = entry("courses of the friction", "", FrictionCourse())
-    profile: Profiles = entry("profiles that travel through the contact", "", Profiles())
+    load: LoadCourse = entry("courses of the load", default=LoadCourse())
+    creepage: CreepageCourse = entry("courses of the creepages", default=CreepageCourse())
+    friction: FrictionCourse = entry("courses of the friction", default=FrictionCourse())
+    profile: Profiles = entry("profiles that travel through the contact", default=Profiles())
     start: Literal["rest", "steady", "shift"] = entry(
         "what the bodies did before: they were only pressed together, or they rolled steadily as "
         "the first knot says; or they are not to roll but to shift",
         '"rest", "steady" or "shift"',
         "rest",
     )
-    step: Positive | None = positive(
+    step: Positive | None = entry(
         "longest step, mm; by default one element, of shifts a tenth of the way between two knots, "
         "and of adaptive steps a quarter of the contact",
-        None,
+        default=None,
     )
     stepping: Literal["even", "adaptive"] = entry(
         "whether steps are equally long but for the last one to a knot, or as long as their error "
@@ -199,7 +197,7 @@ class Transient(Table):
     checks: ClassVar[tuple[Check, ...]] = (_of_the_knots, _saved_on_the_way)
 
     @classmethod
-    def unfolded(cls, given: Mapping[Any, Any]) -> Mapping[Any, Any]:
+    def unfold(cls, given: Mapping[Any, Any]) -> Mapping[Any, Any]:
         """Keys with a dot in them, as in ``"creepage.longitudinal"``, as tables."""
         tables: dict[Any, Any] = {}
         for key, value in given.items():
@@ -264,28 +262,28 @@ class Transient(Table):
         }
 
 
-def _transient_needs_friction(known: Known) -> Iterator[Fault]:
-    if known["transient"] is not None and known["friction"] is None:
+def _transient_needs_friction(entries: ValidEntries) -> Iterator[Fault]:
+    if entries["transient"] is not None and entries["friction"] is None:
         yield Fault("transient", "without friction", "only with a [friction] table")
 
 
-def _transient_is_alone(known: Known) -> Iterator[Fault]:
-    if known["transient"] is None:
+def _transient_is_alone(entries: ValidEntries) -> Iterator[Fault]:
+    if entries["transient"] is None:
         return
-    if known["accuracy"] is not None:
+    if entries["accuracy"] is not None:
         cure = "a [grid] in place of it: the error bars are those of steady states"
         yield Fault("transient", "together with [accuracy]", cure)
-    if known["friction"] is not None and known["friction.layer"]:
-        given = f"{known['friction.layer']:g}, together with [transient]"
+    if entries["friction"] is not None and entries["friction.layer"]:
+        given = f"{entries['friction.layer']:g}, together with [transient]"
         yield Fault("friction.layer", given, "no layer: that of a transient is not modelled")
-    if known["solver.method"] in ("uzawa", "anderson"):
-        given = f'solver.method = "{known["solver.method"]}"'
+    if entries["solver.method"] in ("uzawa", "anderson"):
+        given = f'solver.method = "{entries["solver.method"]}"'
         yield Fault("solver.method", given, '"auto" or "newton" with [transient]')
 
 
-def _sliding_has_a_speed(known: Known) -> Iterator[Fault]:
+def _sliding_has_a_speed(entries: ValidEntries) -> Iterator[Fault]:
     """Refuse shifts with friction that falls with the speed of sliding: they take no time."""
-    transient, friction = known["transient"], known["friction"]
+    transient, friction = entries["transient"], entries["friction"]
     if transient is None or friction is None or friction.share is None:
         return
     falls = f'together with friction.law = "{friction.law}"'
@@ -297,7 +295,7 @@ def _sliding_has_a_speed(known: Known) -> Iterator[Fault]:
         cure = f"knots a short distance apart: {why}"
         yield Fault("transient.distance", f"a jump of {keys} at {place:g} mm {falls}", cure)
     for force in ("load.force_x", "load.force_y"):
-        first = transient.courses.get(force, (known[force],))[0]
+        first = transient.courses.get(force, (entries[force],))[0]
         if transient.start == "rest" and first:
             key = f"transient.{force}" if force in transient.courses else force
             cure = f'0 at the first knot, or transient.start = "steady": {why}'
@@ -314,21 +312,21 @@ LINEAR = ("archard", "energy")
 """Wear laws by which twice the slip wears twice as deep, whatever way is rolled."""
 
 
-def _wears_over_the_distance(known: Known) -> Iterator[Fault]:
-    transient, wear = known["transient"], known["wear"]
+def _wears_over_the_distance(entries: ValidEntries) -> Iterator[Fault]:
+    transient, wear = entries["transient"], entries["wear"]
     if wear is None:
         return
-    if known["process"] is not None:
+    if entries["process"] is not None:
         return
     if transient is None:
-        if "wear.revolutions" not in known.given:
+        if "wear.revolutions" not in entries.given:
             cure = (
                 "how many, a whole number from 1; or a [transient], which wears over its distance"
             )
             yield Fault("wear.revolutions", "nothing", cure)
         return
     for key in OF_REVOLUTIONS:
-        if f"wear.{key}" in known.given:
+        if f"wear.{key}" in entries.given:
             cure = "nothing: it wears over the distance of the courses"
             yield Fault(f"wear.{key}", "together with [transient]", cure)
     laws = set() if wear.named_law else set(wear.laws.values())
@@ -340,36 +338,36 @@ def _wears_over_the_distance(known: Known) -> Iterator[Fault]:
         else:
             continue
         yield Fault("wear.law", f"{law} together with [transient]", cure)
-    radii = (abs(known[f"body.{name}.radius_x"]) for name in "AB")
+    radii = (abs(entries[f"body.{name}.radius_x"]) for name in "AB")
     turn, way = 2.0 * math.pi * min(radii), transient.distance[-1] - transient.distance[0]
     if transient.rolls and way > turn:
         cure = f"at most {turn:.5g} mm: a body that has turned would meet what it has worn"
         yield Fault("transient.distance", f"{way:g} mm together with [wear]", cure)
 
 
-def _courses_of_what_is_asked(known: Known) -> Iterator[Fault]:
-    if known["transient"] is None:
+def _courses_of_what_is_asked(entries: ValidEntries) -> Iterator[Fault]:
+    if entries["transient"] is None:
         return
     for key in ("normal", "approach"):
-        if known[f"transient.load.{key}"] is not None and known[f"load.{key}"] is None:
+        if entries[f"transient.load.{key}"] is not None and entries[f"load.{key}"] is None:
             cure = f"load.{key} itself as well: it tells the mesh and the units"
             yield Fault(f"transient.load.{key}", f"a course, and no load.{key}", cure)
     for force, creepage in (("force_x", "longitudinal"), ("force_y", "lateral")):
-        forced = [k for k in (f"load.{force}", f"transient.load.{force}") if known[k] is not None]
+        forced = [k for k in (f"load.{force}", f"transient.load.{force}") if entries[k] is not None]
         crept = f"transient.creepage.{creepage}"
-        if forced and known[crept] is not None:
+        if forced and entries[crept] is not None:
             yield Fault(crept, f"together with {forced[-1]}", "one of both: a force or a creepage")
-        if f"transient.load.{force}" in forced and f"creepage.{creepage}" in known.given:
+        if f"transient.load.{force}" in forced and f"creepage.{creepage}" in entries.given:
             given = f"together with transient.load.{force}"
             yield Fault(f"creepage.{creepage}", given, "one of both: a force or a creepage")
 
 
-def _steps_within_the_contact(known: Known) -> Iterator[Fault]:
-    transient, hertz = known["transient"], known["body"].hertz(known["load"])
+def _steps_within_the_contact(entries: ValidEntries) -> Iterator[Fault]:
+    transient, hertz = entries["transient"], entries["body"].hertz(entries["load"])
     if transient is None or not transient.rolls or transient.step is None or hertz is None:
         return
     most = 2.0 * hertz.a
-    if known["gap"] is None and transient.step > most and math.isfinite(most):
+    if entries["gap"] is None and transient.step > most and math.isfinite(most):
         cure = f"at most {most:.4g} mm: in a longer step all material leaves the contact"
         yield Fault("transient.step", f"{transient.step:g}", cure)
 

@@ -23,7 +23,7 @@ def files_of_varied(folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
         case {"scene": str(name)} if (folder / name).is_file():
             tables["scene"] = str(folder / name)
         case {"scene": dict(scene)}:
-            Scene.files_from(folder, scene)
+            Scene.resolve_files(folder, scene)
     for one in _tables_with_values(tables.get("axis")):
         match one:
             case {"key": str(key), "values": list() | tuple() as files} if key in FILES:

@@ -8,12 +8,22 @@ from typing import Annotated, Any, ClassVar, Literal, get_args
 
 from pydantic import AfterValidator, Field
 
-from .describe import Row, format_pair
-from .faults import Fault
+from tractive_sam.schema import (
+    Check,
+    Fault,
+    LawTable,
+    NamedLaw,
+    OptionalOrthotropicNotNegative,
+    Real,
+    Row,
+    ValidEntries,
+    Whole,
+    allow_laws,
+    entry,
+)
+
+from .describe import format_pair
 from .friction import Factors, describe_factors
-from .named_law import ANOTHER, LawTable, NamedLaw
-from .quantities import OptionalOrthotropicNotNegative, Real, Whole, entry
-from .table import Check, Known
 from .wear_laws import (
     ALL_LAWS,
     BY_COEFFICIENT,
@@ -30,8 +40,8 @@ from .wear_laws import (
 )
 
 
-def _saved_within(known: Known) -> Iterator[Fault]:
-    save, last = known["save"], known["revolutions"]
+def _saved_within(entries: ValidEntries) -> Iterator[Fault]:
+    save, last = entries["save"], entries["revolutions"]
     if save[-1] > last:
         yield Fault("save", str(save[-1]), f"at most {last}, the number of revolutions")
 
@@ -61,7 +71,7 @@ class Wear(LawTable):
     law: LawName | WearLaws | NamedLaw = entry(
         "wear law: by pressure and slip, by frictional work, or by measured regimes; or a law of "
         "another package",
-        f"{ALL_LAWS}, {{ table = [[W, rate], ...] }}, {{ A = ..., B = ... }}, {ANOTHER}",
+        f"{ALL_LAWS}, {{ table = [[W, rate], ...] }}, {{ A = ..., B = ... }}, {allow_laws(())}",
         "archard",
     )
     set: str | Sets | None = entry(

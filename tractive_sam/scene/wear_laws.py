@@ -9,12 +9,17 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 from pydantic import AfterValidator
 
 from tractive_sam.mechanics import BRR, JENDEL, USFD
-
-from .alternatives import exactly_one
-from .faults import Fault
-from .named_law import NamedLaw
-from .quantities import NotNegative, OptionalOrthotropicNotNegative, entry
-from .table import Check, Known, Table
+from tractive_sam.schema import (
+    Check,
+    Fault,
+    NamedLaw,
+    NotNegative,
+    OptionalOrthotropicNotNegative,
+    Table,
+    ValidEntries,
+    entry,
+    exactly_one,
+)
 
 PER_INTENSITY = 1e3
 """Coefficient in mm3/(N m) of a wear intensity of 1/MPa = 1 mm3/(N mm)."""
@@ -38,7 +43,7 @@ class Coefficients(Table):
 
 
 if TYPE_CHECKING:
-    from .quantities import Accepting, Pair
+    from tractive_sam.schema import Accepting, Pair
 
     SpecificWearRate = Accepting[
         float | Pair | Coefficients | Mapping[str, float] | None, Pair | Coefficients | None
@@ -66,8 +71,8 @@ def _rising(points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float
     return points
 
 
-def _laws_of_what(known: Known) -> Iterator[Fault]:
-    table, bodies = known["table"], (known["A"], known["B"])
+def _laws_of_what(entries: ValidEntries) -> Iterator[Fault]:
+    table, bodies = entries["table"], (entries["A"], entries["B"])
     if table is None and bodies == (None, None):
         yield Fault("table", "nothing", "a table, or laws A and B of the bodies")
     if "table" in bodies and table is None:
@@ -125,22 +130,22 @@ def laws_of_bodies(law: str | WearLaws | NamedLaw) -> dict[str, str | None]:
     return {"A": law.A or both, "B": law.B or both}
 
 
-def check_coefficients(known: Known) -> Iterator[Fault]:
+def check_coefficients(entries: ValidEntries) -> Iterator[Fault]:
     """Yield faults of the coefficients that the wear laws need, or do not take."""
-    if isinstance(known["law"], NamedLaw):
+    if isinstance(entries["law"], NamedLaw):
         return
-    laws = laws_of_bodies(known["law"])
+    laws = laws_of_bodies(entries["law"])
     taking = [body for body, name in laws.items() if name in BY_COEFFICIENT]
-    either = known.given & {"intensity", "coefficient"}
-    together = known["law"] in BY_COEFFICIENT
+    either = entries.given & {"intensity", "coefficient"}
+    together = entries["law"] in BY_COEFFICIENT
     if not taking:
         for key in sorted(either):
             yield Fault(
-                key, f"with the law {known['law']!r}", "nothing: its coefficients are known"
+                key, f"with the law {entries['law']!r}", "nothing: its coefficients are known"
             )
         return
-    if known["law"] == "archard":
-        yield from exactly_one("intensity", "coefficient")(known)
+    if entries["law"] == "archard":
+        yield from exactly_one("intensity", "coefficient")(entries)
     elif "intensity" in either:
         cure = "coefficient: mm3/J of the energy law, or { A = ..., B = ... } of each body"
         yield Fault("intensity", "not with this law", cure)
@@ -148,7 +153,7 @@ def check_coefficients(known: Known) -> Iterator[Fault]:
         yield Fault("coefficient", "nothing", "that of the bodies whose law takes one")
     if "coefficient" not in either:
         return
-    k = known["coefficient"]
+    k = entries["coefficient"]
     if not isinstance(k, Coefficients):
         if not together and k is not None:
             listed = ", ".join(f"{body} = ..." for body in taking)
@@ -162,9 +167,9 @@ def check_coefficients(known: Known) -> Iterator[Fault]:
             yield Fault(f"coefficient.{body}", str(value), "nothing: its law takes none")
 
 
-def check_sets(known: Known) -> Iterator[Fault]:
+def check_sets(entries: ValidEntries) -> Iterator[Fault]:
     """Yield faults of the names of sets of coefficients."""
-    laws, given = laws_of_bodies(known["law"]), known["set"]
+    laws, given = laws_of_bodies(entries["law"]), entries["set"]
     for body in "AB" if given is not None else ():
         name = given if isinstance(given, str) else getattr(given, body)
         sets = OF_SETS.get(laws[body] or "", {})

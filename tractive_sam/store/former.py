@@ -9,7 +9,8 @@ import h5py
 import numpy as np
 
 from tractive_sam.results import BODIES, FIELDS, FORMER, History, Record, fields
-from tractive_sam.scene import Scene, toml
+from tractive_sam.scene import Scene
+from tractive_sam.schema import toml
 from tractive_sam.store import layout, rows
 from tractive_sam.store.errors import ResultsError
 from tractive_sam.store.opening import Results

@@ -29,7 +29,8 @@ from tractive_sam.results import (
     load_laws,
     of_role,
 )
-from tractive_sam.scene import Scene, SceneError, SceneWarning, files_anywhere
+from tractive_sam.scene import Scene, files_anywhere
+from tractive_sam.schema import SceneError, SceneWarning
 from tractive_sam.store import former, layout
 from tractive_sam.store.errors import ResultsError
 from tractive_sam.store.opening import Results, results_file

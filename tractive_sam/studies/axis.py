@@ -9,18 +9,8 @@ from typing import Annotated, Any, ClassVar, Literal, get_args
 import numpy as np
 from pydantic import AfterValidator
 
-from tractive_sam.scene import (
-    Check,
-    Fault,
-    Known,
-    Real,
-    Scene,
-    SceneError,
-    Table,
-    entry,
-    number,
-    shown,
-)
+from tractive_sam.scene import Scene
+from tractive_sam.schema import Check, Fault, Real, SceneError, Table, ValidEntries, entry, shorten
 
 MOST = 1_000_000
 """Cases of a study, and values of an axis."""
@@ -34,7 +24,7 @@ SAMPLE = "sample"
 
 def _entry_of_scene(key: str) -> str:
     try:
-        Scene.described(key)
+        Scene.find_field(key)
     except SceneError as error:
         raise ValueError(f"a dotted key of a scene: {error.faults[0].allowed}") from None
     return key
@@ -47,20 +37,20 @@ _KEY = "a dotted key of a scene, like friction.angle"
 _SPACING = '"linear" or "logarithmic"'
 
 
-def _one_way_to_give_values(known: Known) -> Iterator[Fault]:
-    ends = [name for name in ("start", "stop", "number") if name in known.given]
+def _one_way_to_give_values(entries: ValidEntries) -> Iterator[Fault]:
+    ends = [name for name in ("start", "stop", "number") if name in entries.given]
     allowed = "either values, or start, stop and number"
-    if "values" in known.given:
+    if "values" in entries.given:
         if ends:
             yield Fault("values", f"together with {', '.join(ends)}", allowed)
     elif len(ends) < 3:
         yield Fault("values", f"only {', '.join(ends)}" if ends else "nothing", allowed)
 
 
-def _distinct(known: Known) -> Iterator[Fault]:
-    values = known["values"] or ()
+def _distinct(entries: ValidEntries) -> Iterator[Fault]:
+    values = entries["values"] or ()
     if len({_frozen(value) for value in values}) < len(values):
-        yield Fault("values", shown(values), "each value once")
+        yield Fault("values", shorten(values), "each value once")
 
 
 def _frozen(value: Any) -> Any:
@@ -77,17 +67,17 @@ def _frozen(value: Any) -> Any:
     return repr(value)
 
 
-def _logarithm_exists(known: Known) -> Iterator[Fault]:
-    start, stop = known["start"], known["stop"]
-    if known["spacing"] == "logarithmic" and start is not None and stop is not None:
+def _logarithm_exists(entries: ValidEntries) -> Iterator[Fault]:
+    start, stop = entries["start"], entries["stop"]
+    if entries["spacing"] == "logarithmic" and start is not None and stop is not None:
         if start * stop > 0.0:
             return
         yield Fault("spacing", f"logarithmic from {start:g} to {stop:g}", "two numbers of one sign")
 
 
-def _apart(known: Known) -> Iterator[Fault]:
-    if known["start"] is not None and known["start"] == known["stop"]:
-        yield Fault("stop", f"{known['stop']:g}", "another number than start")
+def _apart(entries: ValidEntries) -> Iterator[Fault]:
+    if entries["start"] is not None and entries["start"] == entries["stop"]:
+        yield Fault("stop", f"{entries['stop']:g}", "another number than start")
 
 
 class Values(Table):
@@ -104,8 +94,8 @@ class Values(Table):
     values: tuple[Any, ...] | None = entry(
         "the values, one by one", "a list of at least one value", None, min_length=1
     )
-    start: Real | None = number("first value of a range", None)
-    stop: Real | None = number("last value of a range", None)
+    start: Real | None = entry("first value of a range", default=None)
+    stop: Real | None = entry("last value of a range", default=None)
     number: int | None = entry(
         "number of values of a range", "a whole number from 2 to 1e6", None, ge=2, le=MOST
     )
@@ -120,9 +110,9 @@ class Values(Table):
         return _between(self.key, self.start, self.stop, self.spacing, shares)
 
 
-def _as_long_as_the_axis(known: Known) -> Iterator[Fault]:
-    wanted = _length(known["values"], known["number"])
-    for k, other in enumerate(known["zip"]):
+def _as_long_as_the_axis(entries: ValidEntries) -> Iterator[Fault]:
+    wanted = _length(entries["values"], entries["number"])
+    for k, other in enumerate(entries["zip"]):
         if len(other.column()) != wanted:
             given = f"{len(other.column())} values"
             yield Fault(f"zip[{k}].values", given, f"{wanted}, as many as the axis has")
@@ -132,12 +122,12 @@ def _length(values: tuple | None, number: int | None) -> int | None:
     return number if values is None else len(values)
 
 
-def _each_zipped_entry_once(known: Known) -> Iterator[Fault]:
-    yield from _repeated("zip", [known["key"]], known["zip"])
+def _each_zipped_entry_once(entries: ValidEntries) -> Iterator[Fault]:
+    yield from _repeated("zip", [entries["key"]], entries["zip"])
 
 
-def _each_variable_once(known: Known) -> Iterator[Fault]:
-    yield from _repeated("variable", [], known["variable"])
+def _each_variable_once(entries: ValidEntries) -> Iterator[Fault]:
+    yield from _repeated("variable", [], entries["variable"])
 
 
 def _repeated(name: str, before: list[str], tables: Iterable[Values | Bounds]) -> Iterator[Fault]:
@@ -160,7 +150,7 @@ class Axis(Values):
     {'load.normal': 300.0, 'friction.mu': 0.4}
     """
 
-    zip: tuple[Values, ...] = entry("entries that vary together with this one", "", ())
+    zip: tuple[Values, ...] = entry("entries that vary together with this one", default=())
     checks: ClassVar[tuple[Check, ...]] = (
         *Values.checks,
         _distinct,
@@ -185,8 +175,8 @@ class Bounds(Table):
     """
 
     key: Key = entry("the entry that varies", _KEY)
-    start: Real = number("one end of the interval")
-    stop: Real = number("the other end of the interval")
+    start: Real = entry("one end of the interval")
+    stop: Real = entry("the other end of the interval")
     spacing: Spacing = entry("in what it is uniform", _SPACING, "linear")
     checks: ClassVar[tuple[Check, ...]] = (_logarithm_exists, _apart)
 
@@ -267,5 +257,5 @@ def _between(
 
 
 def _whole(key: str) -> bool:
-    kind = Scene.described(key).annotation
+    kind = Scene.find_field(key).annotation
     return kind is int or int in get_args(kind)

@@ -13,7 +13,8 @@ import numpy as np
 
 from tractive_sam import interrupt
 from tractive_sam.plain import plain
-from tractive_sam.scene import Fault, Gap, Scene, SceneError
+from tractive_sam.scene import Gap, Scene
+from tractive_sam.schema import Fault, SceneError
 from tractive_sam.store import FORMAT_VERSION, GapError, read_gap, versions
 from tractive_sam.studies.design import Study, StudyError
 
@@ -171,6 +172,6 @@ def told_value(value: Any) -> str:
 
 def title_of(key: str) -> str:
     """What an entry of the scene means, with its unit; of a list, with its place."""
-    title = Scene.described(key).title or key
+    title = Scene.find_field(key).title or key
     within, bracket, _ = key.rpartition("].")
     return f"{within}]: {title}" if bracket else title

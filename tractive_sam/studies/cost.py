@@ -9,7 +9,7 @@ from tractive_sam.contact import Model
 from tractive_sam.operators import available
 from tractive_sam.results import FIELDS, STRESS, columns
 from tractive_sam.run import explain, memory
-from tractive_sam.scene import Fault
+from tractive_sam.schema import Fault
 from tractive_sam.store import read_gap
 from tractive_sam.studies.case import Case, cases, told_value
 from tractive_sam.studies.design import Study, StudyError

@@ -10,21 +10,17 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, ClassVar, Literal
 
-from tractive_sam.scene import (
-    FILES,
+from tractive_sam.scene import FILES, Scene, builtin_names, files_of_varied, parse_settings
+from tractive_sam.schema import (
     Check,
     Document,
     Fault,
-    Known,
     LawTable,
-    Scene,
     SceneError,
-    builtin_names,
+    ValidEntries,
     entry,
-    files_of_varied,
-    parse_settings,
-    shown,
-    suggestion,
+    shorten,
+    suggest_name,
 )
 from tractive_sam.studies.axis import MOST, Axis, Dimension, Latin
 
@@ -45,13 +41,15 @@ class StudyError(SceneError):
     subject: ClassVar[str] = "study"
 
 
-def _something_varies(known: Known) -> Iterator[Fault]:
-    if not known["axis"] and known["latin"] is None:
+def _something_varies(entries: ValidEntries) -> Iterator[Fault]:
+    if not entries["axis"] and entries["latin"] is None:
         yield Fault("axis", "nothing", "at least one [[axis]], or a [latin] hypercube")
 
 
-def _each_entry_once(known: Known) -> Iterator[Fault]:
-    keys = Counter(key for one in _dimensions(known["axis"], known["latin"]) for key in one.columns)
+def _each_entry_once(entries: ValidEntries) -> Iterator[Fault]:
+    keys = Counter(
+        key for one in _dimensions(entries["axis"], entries["latin"]) for key in one.columns
+    )
     for key, count in keys.items():
         if count > 1:
             yield Fault("axis", f"{key} varies {count} times", "each entry of the scene once")
@@ -60,22 +58,22 @@ def _each_entry_once(known: Known) -> Iterator[Fault]:
             yield Fault("axis", f"{key} and {', '.join(within)}", "a table, or entries within it")
 
 
-def _parameters_have_a_law(known: Known) -> Iterator[Fault]:
+def _parameters_have_a_law(entries: ValidEntries) -> Iterator[Fault]:
     """A key beside those of its table must be a parameter of a law of another package."""
-    keys = [key for one in _dimensions(known["axis"], known["latin"]) for key in one.columns]
+    keys = [key for one in _dimensions(entries["axis"], entries["latin"]) for key in one.columns]
     for key in keys:
         name, _, entry_name = key.partition(".")
-        kind = Scene.table_of(Scene.model_fields[name]) if name in Scene.model_fields else None
+        kind = Scene.table_class(Scene.model_fields[name]) if name in Scene.model_fields else None
         if kind is None or not issubclass(kind, LawTable) or entry_name in kind.model_fields:
             continue
-        table = getattr(known["scene"], name)
+        table = getattr(entries["scene"], name)
         has_law = table is not None and table.named_law is not None
         if entry_name and not has_law and f"{name}.{kind.law_key}" not in keys:
-            yield Fault("axis", key, suggestion(entry_name, kind.model_fields))
+            yield Fault("axis", key, suggest_name(entry_name, kind.model_fields))
 
 
-def _not_too_many(known: Known) -> Iterator[Fault]:
-    count = math.prod(map(len, _dimensions(known["axis"], known["latin"])))
+def _not_too_many(entries: ValidEntries) -> Iterator[Fault]:
+    count = math.prod(map(len, _dimensions(entries["axis"], entries["latin"])))
     if count > MOST:
         yield Fault("axis", f"{count} cases", f"at most {MOST:.0e}")
 
@@ -124,7 +122,7 @@ class Study(Document):
     title: str = entry("title", "a text", "")
     scene: Scene = entry("the scene", "a built-in name, a scene file, or the tables of a scene")
     axis: tuple[Axis, ...] = entry("the axes", "a list of tables", ())
-    latin: Latin | None = entry("the Latin hypercube", "", None)
+    latin: Latin | None = entry("the Latin hypercube", default=None)
     keep: Literal["all", "scalars"] = entry(
         "what is kept of each case: a results file, or the numbers of its last record",
         '"all" or "scalars"',
@@ -136,7 +134,7 @@ class Study(Document):
         _parameters_have_a_law,
         _not_too_many,
     )
-    invalid: ClassVar[type[SceneError]] = StudyError
+    error_class: ClassVar[type[SceneError]] = StudyError
 
     def __init__(
         self,
@@ -148,7 +146,7 @@ class Study(Document):
     ) -> None:
         known = (*type(self).model_fields, "set", "without")
         faults = [
-            Fault(key, shown(given.pop(key)), suggestion(key, known))
+            Fault(key, shorten(given.pop(key)), suggest_name(key, known))
             for key in [*given]
             if key not in known
         ]
@@ -169,10 +167,10 @@ class Study(Document):
 
         Relative files in it, which are sought from the working folder, become absolute.
         """
-        return self.files_from(Path.cwd(), super().entries())
+        return self.resolve_files(Path.cwd(), super().entries())
 
     @classmethod
-    def files_from(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
+    def resolve_files(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
         """The tables, with relative files in them sought from a folder."""
         if "body" in tables:
             cure = 'scene = "FILE.toml", or them in [scene]; tractive-sam run computes a scene'
@@ -206,7 +204,7 @@ def is_study(path: str | PathLike[str]) -> bool:
     False
     """
     try:
-        return bool({"axis", "latin"} & Study.tables_of(path).keys())
+        return bool({"axis", "latin"} & Study.read_tables(path).keys())
     except SceneError:
         return False
 
@@ -227,7 +225,7 @@ def _dimensions(axes: Iterable[Axis], latin: Latin | None) -> tuple[Dimension, .
 def _settled(scene: Any, settings: Any, without: Any) -> Scene:
     """The scene with its settings made."""
     faults = [
-        Fault(name, shown(given), f"a list of {kind}")
+        Fault(name, shorten(given), f"a list of {kind}")
         for name, given, kind in (
             ("set", settings, "settings like solver.tolerance=1e-9"),
             ("without", without, "keys like subsurface"),
@@ -237,7 +235,7 @@ def _settled(scene: Any, settings: Any, without: Any) -> Scene:
     if faults:
         raise SceneError(faults)
     if not isinstance(scene, Scene | Mapping | str):
-        given = "nothing" if scene is None else shown(scene)
+        given = "nothing" if scene is None else shorten(scene)
         raise SceneError([Fault("scene", given, Study.model_fields["scene"].description)])
     _check_keys(without)
     try:
@@ -251,7 +249,7 @@ def _settled(scene: Any, settings: Any, without: Any) -> Scene:
 def _check_keys(without: Iterable[str]) -> None:
     for key in without:
         try:
-            Scene.described(key)
+            Scene.find_field(key)
         except SceneError as error:
             raise SceneError(replace(fault, key="without") for fault in error.faults) from None
 

@@ -20,7 +20,7 @@ from tractive_sam.markup import Html, html_table
 from tractive_sam.output_file import write_file
 from tractive_sam.plain import csv_cell, text_table
 from tractive_sam.results import BODIES, COLUMNS, History, Quantity, by_name
-from tractive_sam.scene import SceneWarning
+from tractive_sam.schema import SceneWarning
 from tractive_sam.store import ResultsError, is_written, open_history, write_netcdf
 from tractive_sam.studies.case import Case, cases, title_of
 from tractive_sam.studies.design import Study

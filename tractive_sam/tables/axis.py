@@ -9,20 +9,21 @@ from typing import Any, ClassVar
 import numpy as np
 
 from tractive_sam.lookup import check_axis_name
-from tractive_sam.scene import Check, Fault, Known, Scene, entry, shown
+from tractive_sam.scene import Scene
+from tractive_sam.schema import Check, Fault, ValidEntries, entry, shorten
 from tractive_sam.studies import Axis
 
 
-def _named(known: Known) -> Iterator[Fault]:
-    name = known["name"] or known["key"].rpartition(".")[2]
+def _named(entries: ValidEntries) -> Iterator[Fault]:
+    name = entries["name"] or entries["key"].rpartition(".")[2]
     try:
         check_axis_name(name, further=True)
     except ValueError as error:
-        yield Fault("name", shown(name), str(error))
+        yield Fault("name", shorten(name), str(error))
 
 
-def _along_numbers(known: Known) -> Iterator[Fault]:
-    values, at = known["values"], known["at"]
+def _along_numbers(entries: ValidEntries) -> Iterator[Fault]:
+    values, at = entries["values"], entries["at"]
     if values is None:  # a range of numbers
         return
     if at is None:
@@ -30,17 +31,17 @@ def _along_numbers(known: Known) -> Iterator[Fault]:
             needed = "a number for each of the values, ascending: where they are along the axis"
             yield Fault("at", "nothing, of values that are no numbers", needed)
         elif _falls(values):
-            yield Fault("values", shown(values), "ascending numbers, each once")
+            yield Fault("values", shorten(values), "ascending numbers, each once")
     elif len(at) != len(values):
         yield Fault("at", f"{len(at)} numbers", f"{len(values)}, as many as there are values")
 
 
-def _ascending(known: Known) -> Iterator[Fault]:
-    start, stop = known["start"], known["stop"]
-    if known["at"] is not None and _falls(known["at"]):
-        yield Fault("at", shown(known["at"]), "ascending numbers, each once")
+def _ascending(entries: ValidEntries) -> Iterator[Fault]:
+    start, stop = entries["start"], entries["stop"]
+    if entries["at"] is not None and _falls(entries["at"]):
+        yield Fault("at", shorten(entries["at"]), "ascending numbers, each once")
     if start is not None and stop is not None and stop < start:
-        yield Fault("stop", shown(stop), "more than start")
+        yield Fault("stop", shorten(stop), "more than start")
 
 
 def _falls(values: tuple[float, ...]) -> bool:
@@ -100,7 +101,7 @@ class TableAxis(Axis):
 
 def _interpolated(item: tuple[str, tuple[Any, ...]]) -> bool:
     key, column = item
-    if Scene.described(key).annotation is int:
+    if Scene.find_field(key).annotation is int:
         return False
     lists = [one for one in column if isinstance(one, list | tuple)]
     if lists:

@@ -16,7 +16,7 @@ from scipy.stats import qmc
 from tractive_sam.extras import importing_extra
 from tractive_sam.lookup import CreepTable, Hermite, by_coordinates, cell_of, creepages_at
 from tractive_sam.reference import full_slip_with_spin
-from tractive_sam.scene import Fault
+from tractive_sam.schema import Fault
 from tractive_sam.store import ResultsError
 from tractive_sam.studies import check_installed, local_cluster
 from tractive_sam.tables.coefficients import coefficients

@@ -13,17 +13,8 @@ import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field
 
 from tractive_sam.lookup import CONTACT, RATIO
-from tractive_sam.scene import (
-    Check,
-    Document,
-    Fault,
-    Known,
-    Scene,
-    SceneError,
-    entry,
-    files_of_varied,
-    shown,
-)
+from tractive_sam.scene import Scene, files_of_varied
+from tractive_sam.schema import Check, Document, Fault, SceneError, ValidEntries, entry, shorten
 from tractive_sam.tables.axis import TableAxis
 from tractive_sam.tables.contacts import Contacts, unit_scene
 
@@ -68,23 +59,23 @@ Poissons = Annotated[
 ]
 
 
-def _finest_is_fine(known: Known) -> Iterator[Fault]:
-    if known["finest"] < known["elements"]:
-        cure = f"at least {known['elements']}, as elements is"
-        yield Fault("finest", shown(known["finest"]), cure)
+def _finest_is_fine(entries: ValidEntries) -> Iterator[Fault]:
+    if entries["finest"] < entries["elements"]:
+        cure = f"at least {entries['elements']}, as elements is"
+        yield Fault("finest", shorten(entries["finest"]), cure)
 
 
-def _of_a_scene_or_of_any(known: Known) -> Iterator[Fault]:
-    if known["scene"] is not None:
+def _of_a_scene_or_of_any(entries: ValidEntries) -> Iterator[Fault]:
+    if entries["scene"] is not None:
         for key in ("ellipticity", "poisson"):
-            if key in known.given:
+            if key in entries.given:
                 cure = "an [[axis]] of the scene, such as body.B.radius_y"
                 yield Fault(key, "a table of one scene", cure)
 
 
-def _each_axis_once(known: Known) -> Iterator[Fault]:
+def _each_axis_once(entries: ValidEntries) -> Iterator[Fault]:
     for what in ("called", "key"):
-        names = [getattr(one, what) for one in known["axis"]]
+        names = [getattr(one, what) for one in entries["axis"]]
         for name in {one for one in names if names.count(one) > 1}:
             yield Fault("axis", f"{name} {names.count(name)} times", "each once")
 
@@ -93,22 +84,22 @@ SCALED = ("friction.mu", "friction.angle")
 """Entries that keep the scaling of contacts of Hertz, by mu1 P."""
 
 
-def _axes_of_any_contact(known: Known) -> Iterator[Fault]:
-    if known["scene"] is not None:
+def _axes_of_any_contact(entries: ValidEntries) -> Iterator[Fault]:
+    if entries["scene"] is not None:
         return
-    for k, one in enumerate(known["axis"]):
+    for k, one in enumerate(entries["axis"]):
         for key in one.dimension().columns:
             if key not in SCALED:
                 cure = f"{' or '.join(SCALED)}; of others, the [scene] in which they vary"
-                yield Fault(f"axis[{k}].key", shown(key), cure)
+                yield Fault(f"axis[{k}].key", shorten(key), cure)
 
 
 LEFT_OUT = ("wear", "subsurface", "fatigue", "accuracy", "grid")
 """Tables of a scene that have no say in its creep forces, or in the meshes of a table."""
 
 
-def _one_steady_contact(known: Known) -> Iterator[Fault]:
-    scene = known["scene"]
+def _one_steady_contact(entries: ValidEntries) -> Iterator[Fault]:
+    scene = entries["scene"]
     if scene is None:
         return
     for key in ("process", "transient", "duty"):
@@ -183,7 +174,7 @@ class TableDesign(Document):
         _axes_of_any_contact,
         _one_steady_contact,
     )
-    invalid: ClassVar[type[SceneError]] = TableError
+    error_class: ClassVar[type[SceneError]] = TableError
 
     def __init__(self, /, **given: Any) -> None:
         if isinstance(given.get("scene"), str):
@@ -202,7 +193,7 @@ class TableDesign(Document):
             raise TableError(faults)
 
     @classmethod
-    def files_from(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
+    def resolve_files(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
         """The tables, with relative files in them sought from a folder."""
         return files_of_varied(folder, tables)
 

@@ -7,7 +7,8 @@ from typing import Any
 
 from tractive_sam.lookup import NAMES, CreepTable, describe_axis, describe_range
 from tractive_sam.run import explain
-from tractive_sam.scene import Scene, SceneError
+from tractive_sam.scene import Scene
+from tractive_sam.schema import SceneError
 from tractive_sam.studies import Axis, Study
 from tractive_sam.tables.axis import TableAxis
 from tractive_sam.tables.design import TableDesign
@@ -19,7 +20,7 @@ def is_design(path: str | PathLike[str]) -> bool:
     One of a scene and axes alone may be a study as well, and is not told as a design.
     """
     try:
-        tables = TableDesign.tables_of(path)
+        tables = TableDesign.read_tables(path)
     except SceneError:
         return False
     own = TableDesign.model_fields.keys() - Study.model_fields.keys() - Scene.model_fields.keys()

@@ -1,11 +1,10 @@
 """Laws of other packages that a scene names, with their parameters.
 
 A table names a law as ``module:name``, or by an entry point of the group "tractive_sam.laws";
-further keys of the table are its parameters. Reading a scene imports nothing: the form of the name
-is checked, and `build_law` imports the module where the law is needed. It imports only modules of
-installed packages, or takes them where they are imported already, and calls only subclasses of the
-law that the table takes: a scene file cannot bring code with it, nor have the code of any other
-library run.
+further keys of the table are its parameters. Reading a scene imports nothing: only the form of the
+name is checked, and `build_law` imports the module when the law is needed. It imports only modules
+of installed packages, or uses modules that are already imported, and calls only subclasses of the
+class that the table needs. A scene file can neither contain code nor run code of another library.
 """
 
 from __future__ import annotations
@@ -28,16 +27,10 @@ import numpy as np
 from pydantic import ConfigDict, PydanticUserError, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 
-from .faults import Fault, SceneError, shown, suggestion
-from .table import Table, plain
-
-GROUP = "tractive_sam.laws"
-"""Entry points by which packages give their laws short names."""
-
-ANOTHER = 'or "module:name" of an installed package'
-"""What a key that names a law allows beside the laws of this package."""
-
-_FORM = re.compile(r"[^\W\d]\w*(\.[^\W\d]\w*)*:[^\W\d]\w*")
+from .allowed_text import describe_allowed, list_names
+from .faults import Fault, SceneError, shorten, suggest_name
+from .table import Table
+from .table_base import to_python
 
 
 @dataclass(frozen=True)
@@ -64,7 +57,7 @@ class NamedLaw:
 
 
 class LawTable(Table):
-    """A table that names a law: one of this package, or one of another with any parameters."""
+    """A table that names a law of this package, or a law of another package with its parameters."""
 
     law_key: ClassVar[str] = "law"
     """Key that names the law."""
@@ -74,39 +67,39 @@ class LawTable(Table):
     """Keys of these laws; a law of another package may have parameters of these names."""
 
     @classmethod
-    def unfolded(cls, given: Mapping[Any, Any]) -> Mapping[Any, Any]:
-        """Return the entries with a law of another package and its parameters as one."""
+    def unfold(cls, given: Mapping[Any, Any]) -> Mapping[Any, Any]:
+        """Return the entries with a law of another package and its parameters in one entry."""
         text = given.get(cls.law_key)
         if not isinstance(text, str) or text in cls.law_names or not (name := _full_name(text)):
             return given
         common = {*cls.model_fields} - {*cls.law_fields, cls.law_key}
         parameters = {
-            str(key): plain(value)
+            str(key): to_python(value)
             for key, value in given.items()
             if key not in common and key != cls.law_key and value is not None
         }
-        others = {key: value for key, value in given.items() if key in common}
-        return {cls.law_key: NamedLaw(name, parameters), **others}
+        entries = {key: value for key, value in given.items() if key in common}
+        return {cls.law_key: NamedLaw(name, parameters), **entries}
 
     @classmethod
-    def described_beyond(cls, name: str) -> FieldInfo | None:
-        """Return the field of a key that is none of the table: a parameter of a law.
+    def find_parameter(cls, name: str) -> FieldInfo | None:
+        """Return the field of a parameter of a law, a key that the table does not define.
 
-        The letters of a key of the table in another order are a slip.
+        A name with the letters of a key of the table in another order is a spelling mistake.
         """
-        slip = sorted(name) in map(sorted, cls.model_fields)
-        if slip or not name.isidentifier():
+        misspelt = sorted(name) in map(sorted, cls.model_fields)
+        if misspelt or not name.isidentifier():
             return None
         return FieldInfo(annotation=Any, title=f"{name}, a parameter of the law")
 
     @property
     def named_law(self) -> NamedLaw | None:
-        """The law of another package; None for the laws of this one."""
+        """The law of another package; None for the laws of this package."""
         law = getattr(self, self.law_key)
         return law if isinstance(law, NamedLaw) else None
 
     def entries(self) -> dict[str, Any]:
-        """Return what was given, see `Table.entries`."""
+        """Return the given entries, see `Table.entries`."""
         return self._with_parameters(super().entries())
 
     def settings(self) -> dict[str, Any]:
@@ -119,12 +112,19 @@ class LawTable(Table):
         return {**entries, self.law_key: law.name, **law.parameters}
 
 
+def allow_laws(names: tuple[str, ...]) -> str:
+    """Return what a key that names a law allows: laws of this package and of other packages."""
+    another = '"module:name" of an installed package'
+    return f"{list_names(names)}, or {another}" if names else another
+
+
 def _full_name(text: str) -> str | None:
     """Return ``module:name`` of a law, or of an entry point; None for any other text."""
     if ":" in text:
-        return text if _FORM.fullmatch(text) else None
-    found = metadata.entry_points(group=GROUP, name=text)
-    return next((f"{one.module}:{one.attr}" for one in found), None)
+        identifier = r"[^\W\d]\w*"
+        return text if re.fullmatch(rf"{identifier}(\.{identifier})*:{identifier}", text) else None
+    points = metadata.entry_points(group="tractive_sam.laws", name=text)
+    return next((f"{point.module}:{point.attr}" for point in points), None)
 
 
 def build_law(
@@ -139,15 +139,15 @@ def build_law(
     law : NamedLaw
         Its name and parameters.
     base : type
-        The class that it is to be a subclass of.
+        The class of which the law must be a subclass.
     provided : mapping, optional
         Values of other keys of the scene, given to the class if it has parameters of these names.
 
     Raises
     ------
     SceneError
-        If the law is not installed, is no law for this key, or is given unknown, missing or
-        wrong parameters; with all such faults.
+        If the law is not installed, is no law for this key, or has unknown, missing or wrong
+        parameters; with all these faults.
     """
     kind = load_law_class(key, law, base)
     table = key.rpartition(".")[0]
@@ -167,27 +167,25 @@ def load_law_class(key: str, law: NamedLaw, base: type[Any]) -> type[Any]:
     Parameters
     ----------
     key, law, base
-        As of `build_law`.
+        See `build_law`.
 
     Raises
     ------
     SceneError
-        If it is not installed, or no subclass of `base`.
+        If it is not installed, or is no subclass of `base`.
     """
     try:
         kind = _load(law.name)
     except (ImportError, AttributeError, ValueError) as error:
-        raise SceneError([Fault(key, law.name, f"{_ALLOWED} ({error})")]) from None
+        allowed = f"a law of an installed package, module:name ({error})"
+        raise SceneError([Fault(key, law.name, allowed)]) from None
     if not (isinstance(kind, type) and issubclass(kind, base)):
         raise SceneError([Fault(key, law.name, f"a subclass of ts.{base.__name__}")])
     return kind
 
 
-_ALLOWED = "a law of an installed package, module:name"
-
-
 def _load(name: str) -> Any:
-    """Return what a name stands for; a module that is not yet imported has to be installed."""
+    """Return the class of a name; a module that is not imported yet must be installed."""
     module, _, attribute = name.partition(":")
     if module not in sys.modules:
         _check_installed(module.partition(".")[0])
@@ -195,35 +193,37 @@ def _load(name: str) -> Any:
 
 
 def _check_installed(root: str) -> None:
+    """Raise an ImportError unless a module is part of an installed package."""
     spec = find_spec(root)
     if spec is None:
         raise ImportError(f"there is no module {root}")
     if not _is_installed(spec):
         place = spec.origin or "the interpreter"
-        raise ImportError(f"{root} is no installed package: it comes from {place}")
+        raise ImportError(f"{root} is not an installed package: it comes from {place}")
 
 
 def _is_installed(spec: ModuleSpec) -> bool:
-    """Whether a module lies where packages are installed, and not in the current folder."""
+    """Return whether a module is in a folder of installed packages, not in the current folder."""
     if spec.submodule_search_locations is not None:
-        folders = [Path(one).parent for one in spec.submodule_search_locations]
+        folders = [Path(location).parent for location in spec.submodule_search_locations]
     else:
         folders = [Path(spec.origin).parent] if spec.has_location and spec.origin else []
     installed: set[Path] = set()
     editable: list[Path] = []
-    for one in metadata.distributions():
-        installed.add(Path(str(one.locate_file(""))).resolve())
-        editable += _source_folder(one)
-    # `python -m` and interactive sessions search the current folder, which may be that of a scene.
+    for distribution in metadata.distributions():
+        installed.add(Path(str(distribution.locate_file(""))).resolve())
+        editable += _source_folder(distribution)
+    # `python -m` and interactive sessions search the current folder, which may contain a scene.
     installed -= {Path.cwd().resolve()}
     places = [folder.resolve() for folder in folders]
     return bool(places) and all(
-        place in installed or any(place.is_relative_to(one) for one in editable) for place in places
+        place in installed or any(place.is_relative_to(folder) for folder in editable)
+        for place in places
     )
 
 
 def _source_folder(distribution: metadata.Distribution) -> Iterator[Path]:
-    """Yield the folder of the sources of a package that is installed as editable (PEP 610)."""
+    """Yield the source folder of a package that is installed as editable (PEP 610)."""
     text = distribution.read_text("direct_url.json")
     origin = json.loads(text) if text else {}
     if origin.get("dir_info", {}).get("editable"):
@@ -233,44 +233,46 @@ def _source_folder(distribution: metadata.Distribution) -> Iterator[Path]:
 def _arguments(
     kind: type, given: Mapping[str, Any], provided: Mapping[str, Any], faults: list[Fault]
 ) -> Iterator[tuple[str, Any]]:
-    """Yield the arguments of a class by name; collect the faults of what is given."""
+    """Yield the arguments of a class by name; add the faults of the given ones to `faults`."""
     parameters = inspect.signature(kind).parameters
     named = {
-        name: one
-        for name, one in parameters.items()
-        if one.kind in (one.POSITIONAL_OR_KEYWORD, one.KEYWORD_ONLY)
+        name: parameter
+        for name, parameter in parameters.items()
+        if parameter.kind in (parameter.POSITIONAL_OR_KEYWORD, parameter.KEYWORD_ONLY)
     }
-    types, own = _types(kind), [name for name in named if name not in provided]
-    any_name = any(one.kind is one.VAR_KEYWORD for one in parameters.values())
+    types, free = _types(kind), [name for name in named if name not in provided]
+    any_name = any(p.kind is p.VAR_KEYWORD for p in parameters.values())
     for name, value in given.items():
         if name in named or any_name:
-            yield name, _read(name, value, types.get(name, Any), faults)
+            yield name, _read_argument(name, value, types.get(name, Any), faults)
         else:
-            allowed = suggestion(name, own) if own else f"no parameter: {kind.__name__} has none"
-            faults.append(Fault(name, shown(value), allowed))
-    for name, one in named.items():
+            none = f"no parameter: {kind.__name__} has none"
+            allowed = suggest_name(name, free) if free else none
+            faults.append(Fault(name, shorten(value), allowed))
+    for name, parameter in named.items():
         if name in given:
             continue
         if name in provided:
             yield name, provided[name]
-        elif one.default is one.empty:
+        elif parameter.default is parameter.empty:
             expected = _describe_type(types.get(name, Any))
             faults.append(Fault(name, "nothing", f"{expected}, which {kind.__name__} needs"))
 
 
 def _types(kind: Any) -> dict[str, Any]:
-    """Return the types of the parameters of a class; empty where they cannot be found."""
+    """Return the types of the parameters of a class; empty if they are not available."""
     try:
         return get_type_hints(kind.__init__)
     except NameError:  # imported for type checkers only
         return {}
 
 
-def _read(name: str, value: Any, kind: Any, faults: list[Fault]) -> Any:
+def _read_argument(name: str, value: Any, kind: Any, faults: list[Fault]) -> Any:
+    """Return an argument of a type; add a fault if the value is of another type."""
     if kind is np.ndarray:
         kind, value = Any, np.asarray(value)
         if value.dtype.kind not in "fiub":
-            faults.append(Fault(name, shown(value), "a list of numbers"))
+            faults.append(Fault(name, shorten(value), "a list of numbers"))
     adapter = _adapter(kind)
     # A table may stand for a record, as { shear = 8e4, poisson = 0.3 } for a material.
     strict = not isinstance(value, Mapping)
@@ -280,21 +282,20 @@ def _read(name: str, value: Any, kind: Any, faults: list[Fault]) -> Any:
             return adapter.validate_python(form, strict=strict)
         except ValidationError:
             continue
-    faults.append(Fault(name, shown(value), _describe_type(kind)))
+    faults.append(Fault(name, shorten(value), _describe_type(kind)))
     return None
 
 
 def _adapter(kind: Any) -> TypeAdapter[Any]:
+    """Return the validator of a type."""
     try:
         return TypeAdapter(kind, config=ConfigDict(arbitrary_types_allowed=True))
     except PydanticUserError:  # records have a configuration already
         return TypeAdapter(kind)
 
 
-_WORDS = {float: "a number", int: "a whole number", str: "a text", bool: "true or false"}
-
-
 def _describe_type(kind: Any) -> str:
+    """Describe the values of a type, for messages."""
     if kind is Any:
         return "a value"
-    return _WORDS.get(kind) or f"a value of the type {inspect.formatannotation(kind)}"
+    return describe_allowed(kind) or f"a value of the type {inspect.formatannotation(kind)}"

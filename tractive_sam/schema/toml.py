@@ -1,4 +1,4 @@
-"""The text of a scene file: TOML to nested tables and back."""
+"""Convert TOML text to nested tables, and nested tables to TOML text."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ import tomli_w
 
 from tractive_sam import input_file
 
-from .faults import Fault, SceneError, shown
+from .faults import Fault, SceneError, shorten
 
 FILE = "(file)"
-"""The key of faults of the file itself."""
+"""Key of the faults of a file as a whole."""
 
 
 def parse(text: str) -> dict[str, Any]:
@@ -25,7 +25,7 @@ def parse(text: str) -> dict[str, Any]:
     Raises
     ------
     SceneError
-        If the text is no TOML; with the line that is at fault.
+        If the text is not TOML, with the faulty line.
     """
     try:
         return tomllib.loads(text)
@@ -41,65 +41,62 @@ def parse_file(path: Path, most: int = 2**26) -> dict[str, Any]:
     path : Path
         A regular file, or the standard input.
     most : int
-        Bytes that it may have: a gap of 1500 x 1500 points in the scene itself takes 45 MB.
+        Largest size in bytes: a gap of 1500 x 1500 points in the scene itself takes 45 MB.
 
     Raises
     ------
     SceneError
-        If there is no such readable file, or if it is no TOML.
+        If the file cannot be read, or is not TOML.
     """
     try:
         text = input_file.read_text(path, most)
     except UnicodeDecodeError:
-        raise SceneError([Fault(FILE, shown(str(path)), "a text file in UTF-8")]) from None
+        raise SceneError([Fault(FILE, shorten(str(path)), "a text file in UTF-8")]) from None
     except (OSError, ValueError) as error:  # ValueError: a path with a null character
         reason = getattr(error, "strerror", None) or str(error)
         allowed = f"a readable file ({reason.lower()})"
-        raise SceneError([Fault(FILE, shown(str(path)), allowed)]) from None
+        raise SceneError([Fault(FILE, shorten(str(path)), allowed)]) from None
     return parse(text)
 
 
 def parse_value(text: str) -> Any:
-    """Read one TOML value; what is none is taken as a string, so that words need no quotes."""
+    """Read one TOML value; any other text is returned as a string, so that words need no quotes."""
     try:
-        found = tomllib.loads(f"value = {text}")
+        tables = tomllib.loads(f"value = {text}")
     except (ValueError, RecursionError):
         return text
-    return found["value"] if found.keys() == {"value"} else text
+    return tables["value"] if tables.keys() == {"value"} else text
 
 
 def emit(tables: Mapping[str, Any]) -> str:
-    """Write nested tables as TOML; `parse` gives them back exactly."""
-    return tomli_w.dumps(_plain(tables))
+    """Return nested tables as TOML; `parse` reads exactly the same tables."""
+    return tomli_w.dumps(_to_toml_types(tables))
 
 
-def _plain(value: Any) -> Any:
-    """Numbers, lists and tables; all else, such as a path or a plane, is the text of itself."""
+def _to_toml_types(value: Any) -> Any:
+    """Return numbers, lists and tables; other values, as a path or a plane, become text."""
     match value:
         case Mapping():
-            return {key: _plain(item) for key, item in value.items()}
+            return {key: _to_toml_types(item) for key, item in value.items()}
         case np.ndarray():
             return value.tolist()
         case list() | tuple():
-            return [_plain(item) for item in value]
+            return [_to_toml_types(item) for item in value]
         case bool() | int() | float():
             return value
     return str(value)
 
 
 def _syntax_fault(text: str, message: str) -> Fault:
-    """Find the line in the parser's message, which ends in "(at line 3, column 5)"."""
+    """Return the fault with its line; the parser's message ends in "(at line 3, column 5)"."""
     reason, line = re.sub(r" \(at .*\)$", "", message), re.search(r"\(at line (\d+)", message)
     if not line:
-        return Fault(FILE, "no TOML", f"TOML ({reason})")
+        return Fault(FILE, "text that is not TOML", f"TOML ({reason})")
     number, lines = int(line[1]), text.split("\n")
     content = lines[number - 1] if number <= len(lines) else ""
-    hint = next((told for form, told in _SLIPS if form.search(content)), "")
-    return Fault(FILE, f"line {number}, {shown(content)}", f"TOML ({reason}){hint}")
-
-
-_SLIPS = (
-    (re.compile(r"=\s*[-+]?\d+,\d+\s*(#|$)"), "; a decimal point, perhaps?"),
-    (re.compile(r"=\s*[-+]?infinity\b", re.IGNORECASE), "; inf, perhaps?"),
-)
-"""What is often written in place of a number, and the cure."""
+    hint = ""
+    if re.search(r"=\s*[-+]?\d+,\d+\s*(#|$)", content):
+        hint = "; a decimal point, perhaps?"
+    elif re.search(r"=\s*[-+]?infinity\b", content, re.IGNORECASE):
+        hint = "; inf, perhaps?"
+    return Fault(FILE, f"line {number}, {shorten(content)}", f"TOML ({reason}){hint}")

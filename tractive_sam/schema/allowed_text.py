@@ -1,0 +1,97 @@
+"""What a field allows, in words, from its type and its constraints."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+from pydantic import BeforeValidator
+from pydantic.fields import FieldInfo
+
+from .field_types import number_to_pair
+
+_WORDS = {
+    float: "a number",
+    int: "a whole number",
+    str: "a text",
+    bool: "true or false",
+    Path: "the path of a file",
+}
+
+
+def describe_allowed(kind: Any, constraints: Iterable[Any] = ()) -> str:
+    """Describe the values that a type with constraints allows.
+
+    Parameters
+    ----------
+    kind : type
+        A number, a text, a bool, a path, names (`Literal`), or a pair of numbers; alone, annotated
+        or optional.
+    constraints : iterable
+        Metadata of the field: bounds and validators.
+
+    Returns
+    -------
+    str
+        Such as "a number above 0"; empty for other types, whose fields need a text of their own.
+    """
+    if get_origin(kind) is Annotated:
+        inner, *outer = get_args(kind)
+        return describe_allowed(inner, [*outer, *constraints])
+    if isinstance(kind, UnionType) or get_origin(kind) is Union:
+        members = [member for member in get_args(kind) if member is not NoneType]
+        return describe_allowed(members[0], constraints) if len(members) == 1 else ""
+    if get_origin(kind) is Literal:
+        return list_names(get_args(kind))
+    if get_origin(kind) is tuple:
+        item = describe_allowed(get_args(kind)[0])
+        one_for_both = any(
+            isinstance(check, BeforeValidator) and check.func is number_to_pair
+            for check in constraints
+        )
+        if get_args(kind)[1:] == (...,) or not item:
+            return ""
+        return f"{item}, or a pair of them" if one_for_both else f"a pair: each {item}"
+    bounds = _bounds(constraints)
+    return f"{_WORDS.get(kind, '')}{_describe_bounds(bounds)}" if kind in _WORDS else ""
+
+
+def list_names(names: Iterable[str], last: str = "or") -> str:
+    """Return names in quotes, separated by commas, with a word before the last one."""
+    *quoted, final = (f'"{name}"' for name in names)
+    return f"{', '.join(quoted)} {last} {final}" if quoted else final
+
+
+def _bounds(constraints: Iterable[Any]) -> dict[str, Any]:
+    """Return the bounds gt, ge, lt and le among the constraints."""
+    bounds: dict[str, Any] = {}
+    for check in constraints:
+        metadata = check.metadata if isinstance(check, FieldInfo) else [check]
+        for item in metadata:
+            bounds |= {
+                name: getattr(item, name)
+                for name in ("gt", "ge", "lt", "le")
+                if getattr(item, name, None) is not None
+            }
+    return bounds
+
+
+def _describe_bounds(bounds: dict[str, Any]) -> str:
+    """Describe an interval, with a leading space; empty without bounds."""
+    lower, upper = bounds.get("ge"), bounds.get("le")
+    if lower is not None and upper is not None:
+        return f" from {_format_bound(lower)} to {_format_bound(upper)}"
+    parts = (
+        (" above {}", bounds.get("gt")),
+        (" of at least {}", lower),
+        (" and below {}", bounds.get("lt")),
+        (", at most {}", upper),
+    )
+    return "".join(text.format(_format_bound(bound)) for text, bound in parts if bound is not None)
+
+
+def _format_bound(bound: float) -> str:
+    """Return a bound as people write it: 1e+12 as 1e12."""
+    return f"{bound:g}".replace("e+", "e").replace("e0", "e").replace("e-0", "e-")

@@ -1,0 +1,35 @@
+"""Checks of entries that exclude each other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from .faults import Fault
+from .table_base import Check
+from .valid_entries import ValidEntries
+
+
+def exactly_one(*keys: str) -> Check:
+    """Return the check that exactly one of some entries of a table is given."""
+
+    def check(entries: ValidEntries) -> Iterator[Fault]:
+        if not entries.given.intersection(keys):
+            yield Fault(keys[0], "nothing", f"exactly one of {_join_keys(keys)}")
+        yield from not_both(*keys)(entries)
+
+    return check
+
+
+def not_both(*keys: str) -> Check:
+    """Return the check that at most one of some entries is given."""
+
+    def check(entries: ValidEntries) -> Iterator[Fault]:
+        first, *others = [key for key in keys if key in entries.given] or [""]
+        if others:
+            yield Fault(first, f"with {' and '.join(others)}", f"only one of {_join_keys(keys)}")
+
+    return check
+
+
+def _join_keys(keys: tuple[str, ...]) -> str:
+    return f"{', '.join(keys[:-1])} and {keys[-1]}"

@@ -1,0 +1,47 @@
+"""Describe a document: each table returns its rows, and summaries and reports print them.
+
+`Table.describe` returns the rows of a table that is given. `Table.effect` names what is left out
+where a table is absent. The table of an array has `describe_array` in addition.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of a description.
+
+    Attributes
+    ----------
+    label : str
+        What is described.
+    text : str
+        Its description, with numbers and units.
+    brief : bool
+        Whether the summary of a scene and the report of a run print it.
+    """
+
+    label: str
+    text: str
+    brief: bool = False
+
+
+def describe_tables(document: Any) -> dict[str, list[Row]]:
+    """Return the rows of each table of a document by its key, also for absent tables."""
+    kinds = {key: document.table_class(info) for key, info in type(document).model_fields.items()}
+    return {
+        key: _describe_entry(kind, key, getattr(document, key), document)
+        for key, kind in kinds.items()
+        if kind is not None
+    }
+
+
+def _describe_entry(kind: Any, key: str, value: Any, document: Any) -> list[Row]:
+    if isinstance(value, tuple):
+        return [*kind.describe_array(value, document)]
+    if value is not None:
+        return [*value.describe(document)]
+    return [Row(kind.effect, f"left out: the scene has no [{key}]")] if kind.effect else []

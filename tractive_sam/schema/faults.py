@@ -1,0 +1,118 @@
+"""Faults of a document, and the errors and warnings that report them."""
+
+from __future__ import annotations
+
+import difflib
+import inspect
+import reprlib
+import warnings
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One fault of a scene.
+
+    Parameters
+    ----------
+    key : str
+        Dotted key of the faulty entry, as in TOML: ``body.A.young``.
+    given : str
+        The value found there, shortened.
+    allowed : str
+        What is allowed there, or how to correct it.
+    """
+
+    key: str
+    given: str
+    allowed: str
+
+    def __str__(self) -> str:
+        return f"{self.key}: given {self.given}; allowed: {self.allowed}"
+
+    def under(self, table: str) -> Fault:
+        """Return the fault with the name of the outer table before its key."""
+        return replace(self, key=f"{table}.{self.key}")
+
+    def at(self, array: str, place: int) -> Fault:
+        """Return the fault of an entry under `array` with its place in this array of tables."""
+        return replace(self, key=self.key.replace(array, f"{array}[{place}]", 1))
+
+
+class SceneError(Exception):
+    """A scene that cannot be modelled, with every fault that was found.
+
+    Parameters
+    ----------
+    faults : iterable of Fault
+        At least one; stored as the tuple `faults`.
+
+    Examples
+    --------
+    >>> try:
+    ...     scene.with_set(["load.normal=-1"])
+    ... except ts.SceneError as error:
+    ...     print(error.faults[0].key, error.faults[0].allowed)
+    load.normal a number above 0 (normal load P, N; of a line contact N/mm)
+    """
+
+    subject: ClassVar[str] = "scene"
+    most_listed: ClassVar[int] = 20
+    """Number of faults that a message lists; it only counts the others."""
+
+    def __init__(self, faults: Iterable[Fault]) -> None:
+        self.faults = tuple(faults)
+        super().__init__(self.faults)
+
+    def __str__(self) -> str:
+        count, most = len(self.faults), self.most_listed
+        head = f"{count} fault{'s' if count > 1 else ''} in the {self.subject}:"
+        more = [f"and {count - most} more"] if count > most else []
+        return "\n  ".join([head, *map(str, self.faults[:most]), *more])
+
+
+class SceneWarning(UserWarning):
+    """A scene that can be modelled, but probably differs from what was meant.
+
+    Examples
+    --------
+    >>> import warnings
+    >>> with warnings.catch_warnings():
+    ...     warnings.simplefilter("error", ts.SceneWarning)  # stop at doubtful scenes
+    ...     scene = ts.Scene.builtin("spheres")
+    """
+
+
+class PlausibilityWarning(SceneWarning):
+    """A scene with a value that is probably in another unit, or that is missing."""
+
+
+def warn(text: str, category: type[SceneWarning] = SceneWarning) -> None:
+    """Issue a warning at the line outside of this package that called it."""
+    # Modules of this package, and those whose wrappers are around its functions.
+    inside = (f"{__name__.partition('.')[0]}.", "contextlib", "functools")
+    level, frame = 1, inspect.currentframe()
+    while frame is not None and frame.f_globals.get("__name__", "").startswith(inside):
+        level, frame = level + 1, frame.f_back
+    warnings.warn(text, category, stacklevel=level)
+
+
+def shorten(value: object, most: int = 60) -> str:
+    """Return a short text of a value, for a message."""
+    short = reprlib.Repr()
+    short.maxstring = short.maxother = most
+    try:
+        return short.repr(value)
+    except (ValueError, RecursionError):  # integers of thousands of digits, endless lists
+        return f"an unprintable {type(value).__name__}"
+
+
+def suggest_name(name: str, names: Iterable[str]) -> str:
+    """Return a text that lists the allowed names, with the one most like `name` first."""
+    names = list(names)
+    listed = ", ".join(names)
+    reordered = [other for other in names if sorted(other.split("_")) == sorted(name.split("_"))]
+    nearest = reordered or difflib.get_close_matches(name, names, n=1)
+    return f"{nearest[0]}, perhaps? One of {listed}" if nearest else f"one of {listed}"

@@ -1,0 +1,109 @@
+"""Types of the entries of a document, and the definition of a field."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Generic, TypeVar
+
+from pydantic import AfterValidator, BeforeValidator, Field
+
+Given = TypeVar("Given")
+Stored = TypeVar("Stored")
+
+SMALLEST, LARGEST = 1e-30, 1e30
+"""Magnitudes within which no product or quotient of a few entries can overflow."""
+
+
+def _check_magnitude(value: float) -> float:
+    if abs(value) <= LARGEST:
+        return value
+    raise ValueError(f"a finite number, at most {LARGEST:g} in magnitude")
+
+
+def _check_not_tiny(value: float) -> float:
+    if value >= SMALLEST:
+        return value
+    raise ValueError(f"a number of at least {SMALLEST:g}")
+
+
+def _check_radius(value: float) -> float:
+    if value == math.inf or SMALLEST <= abs(value) <= LARGEST:
+        return value
+    raise ValueError("a number other than 0 (negative: concave), or inf (flat)")
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def number_to_pair(value: Any) -> Any:
+    """Return a pair of equal numbers for a number, which applies to both directions."""
+    return (value, value) if _is_number(value) else value
+
+
+def number_to_tuple(value: Any) -> Any:
+    """Return a tuple for a number, which applies to x only."""
+    return (value,) if _is_number(value) else value
+
+
+def _read_whole(value: Any) -> Any:
+    """Return the integer for a whole number that is written as 1e4."""
+    return int(value) if isinstance(value, float) and value.is_integer() else value
+
+
+def _read_path(value: Any) -> Any:
+    return Path(value) if isinstance(value, str) else value
+
+
+Whole = Annotated[int, BeforeValidator(_read_whole)]
+Real = Annotated[float, AfterValidator(_check_magnitude)]
+Radius = Annotated[float, AfterValidator(_check_radius)]
+Positive = Annotated[Real, Field(gt=0), AfterValidator(_check_not_tiny)]
+NotNegative = Annotated[Real, Field(ge=0)]
+PositivePair = tuple[Positive, Positive]
+PositiveOneOrTwo = Annotated[
+    tuple[Positive, ...], BeforeValidator(number_to_tuple), Field(min_length=1, max_length=2)
+]
+FilePath = Annotated[Path, BeforeValidator(_read_path)]
+"""Path of a file, also given as a text."""
+
+Pair = tuple[float, float]
+
+if TYPE_CHECKING:
+
+    class Accepting(Generic[Given, Stored]):
+        """A field that accepts more types than it stores, for type checkers."""
+
+        def __get__(self, table: object, kind: type, /) -> Stored: ...
+        def __set__(self, table: object, value: Given, /) -> None: ...
+
+    OrthotropicPositive = Accepting[float | Pair, Pair]
+    OptionalOrthotropicPositive = Accepting[float | Pair | None, Pair | None]
+    OptionalOrthotropicNotNegative = OptionalOrthotropicPositive
+    OptionalPositiveOneOrTwo = Accepting[float | tuple[float, ...] | None, tuple[float, ...] | None]
+else:
+    OrthotropicPositive = Annotated[PositivePair, BeforeValidator(number_to_pair)]
+    OptionalOrthotropicPositive = OrthotropicPositive | None
+    OptionalOrthotropicNotNegative = (
+        Annotated[tuple[NotNegative, NotNegative], BeforeValidator(number_to_pair)] | None
+    )
+    OptionalPositiveOneOrTwo = PositiveOneOrTwo | None
+
+
+def entry(meaning: str, allowed: str | None = None, default: Any = ..., **bounds: Any) -> Any:
+    """Define a field by its meaning and its constraints.
+
+    Parameters
+    ----------
+    meaning : str
+        Meaning of the key, with its unit; the title of the field.
+    allowed : str, optional
+        What is allowed, for messages and for the list of keys; the description of the field. By
+        default it is written from the type and the bounds (`allowed_text.describe_allowed`).
+    default : optional
+        Value if the key is not given; without a default the key is required.
+    **bounds
+        Constraints, see `pydantic.Field`.
+    """
+    return Field(default, title=meaning, description=allowed, **bounds)

@@ -1,0 +1,196 @@
+"""Every key of a document: its meaning with its unit, what is allowed, its default.
+
+All of it is taken from the fields that read the document. Docstrings, the command line, the manual
+and the commented scene files print it.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+import textwrap
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import reduce
+from operator import or_
+from types import UnionType
+from typing import Annotated, Any, Union, get_args, get_origin
+
+from pydantic import BaseModel, BeforeValidator
+from pydantic.fields import FieldInfo
+
+from .allowed_text import describe_allowed
+from .field_types import number_to_pair, number_to_tuple
+
+
+@dataclass(frozen=True)
+class Key:
+    """A key of a table.
+
+    Attributes
+    ----------
+    name : str
+        Its name in the table.
+    meaning : str
+        What it stands for, with its unit.
+    allowed : str
+        What may be given.
+    default : str
+        Default as it is written in a scene file; "required", "none", or "from the others" if it
+        follows from other entries.
+    """
+
+    name: str
+    meaning: str
+    allowed: str
+    default: str
+
+
+@dataclass(frozen=True)
+class KeyGroup:
+    """A table, or several tables with the same keys.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Dotted names of the tables; "" is the document itself.
+    about : str
+        Description in a few lines.
+    keys : tuple of Key
+        Keys, without those of inner tables.
+    """
+
+    names: tuple[str, ...]
+    about: str
+    keys: tuple[Key, ...]
+
+
+def split_key(key: str) -> list[str | int]:
+    """Return the names of a dotted key and the places in lists: ``duty[0].load.normal``."""
+    path: list[str | int] = []
+    for part in key.split("."):
+        name, *places = re.split(r"\[([0-9]+)\](?=\[|$)", part)
+        path += [name, *(int(place) for place in places if place)]
+    return path
+
+
+def join_key(path: Iterable[str | int]) -> str:
+    """Return the dotted key of names and places; the inverse of `split_key`."""
+    parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in path)
+    return "".join(parts).lstrip(".")
+
+
+def key_groups(table: Any, *names: str) -> Iterator[KeyGroup]:
+    """Yield the keys of a table class and of its inner tables; tables of one class are one group.
+
+    Parameters
+    ----------
+    table : type of Table
+        The class.
+    *names : str
+        Dotted names of tables of this class in the document; none for the document itself.
+    """
+    inner: dict[Any, list[str]] = {}
+    for name, info in table.model_fields.items():
+        if kind := table.table_class(info):
+            inner.setdefault(kind, []).append(name)
+    yield KeyGroup(names or ("",), _summary(table), tuple(_keys(table)))
+    for kind, inner_names in inner.items():
+        outer = names or ("",)
+        yield from key_groups(
+            kind, *(f"{table}.{name}".lstrip(".") for table in outer for name in inner_names)
+        )
+
+
+def _keys(table: type[BaseModel]) -> Iterator[Key]:
+    """Yield the keys of a table class, without those that can only be tables."""
+    for name, info in table.model_fields.items():
+        if info.description:
+            yield Key(name, str(info.title), info.description, _format_default(info))
+
+
+def _summary(table: type) -> str:
+    """Return the docstring of a table class without keys and examples."""
+    text = inspect.cleandoc(table.__doc__ or "")
+    return text.split("\n\nKeys\n")[0].split("\n\nExamples\n")[0].replace("``", "`")
+
+
+def set_allowed_texts(table: type[BaseModel]) -> None:
+    """Set the description of each field that has none: what its type and its bounds allow."""
+    for info in table.model_fields.values():
+        if info.description is None:
+            info.description = describe_allowed(info.annotation, info.metadata)
+
+
+def docstring_with_keys(table: type[BaseModel]) -> str:
+    """Return the docstring of a table class with its keys, before the examples."""
+    text = inspect.cleandoc(table.__doc__ or "")
+    lines = []
+    for key in _keys(table):
+        lines += [f"{key.name} : {key.allowed}"]
+        default = "" if key.default == "required" else f"; default {key.default}"
+        meaning = f"{key.meaning}{default}"
+        lines += textwrap.wrap(meaning, 90, initial_indent="    ", subsequent_indent="    ")
+    if not lines or "\n\nKeys\n" in text:
+        return text
+    head, examples, tail = text.partition("\n\nExamples\n")
+    return "\n".join((head, "", "Keys", "----", *lines)) + examples + tail
+
+
+def key_signature(table: Any) -> inspect.Signature:
+    """Return the signature of a table class: its keys with the accepted types, and defaults.
+
+    A default that is a table, or that follows from other entries, is None: "not given". Parameters
+    of `__init__` that are no keys, as those of a study, come first.
+    """
+    own = inspect.signature(table.__init__).parameters.values()
+    named = {item.name: item for item in own if item.kind is item.POSITIONAL_OR_KEYWORD}
+    parameters = [item for name, item in named.items() if name != "self"]
+    for name, info in table.model_fields.items():
+        if name in named:
+            continue
+        default = inspect.Parameter.empty if info.is_required() else info.default
+        if info.default_factory is not None or hasattr(default, "table_class"):
+            default = None
+        kind = _accepted_type(info.annotation, info.metadata)
+        keyword = inspect.Parameter.KEYWORD_ONLY
+        parameters.append(inspect.Parameter(name, keyword, default=default, annotation=kind))
+    return inspect.Signature(parameters)
+
+
+def _accepted_type(kind: Any, checks: Iterable[Any] = ()) -> Any:
+    """Return a type without validators; a table may be a dictionary, a pair may be one number."""
+    if get_origin(kind) is Annotated:
+        inner, *checks = get_args(kind)
+        return _accepted_type(inner, checks)
+    if isinstance(kind, UnionType) or get_origin(kind) is Union:
+        return reduce(or_, map(_accepted_type, get_args(kind)))
+    if get_origin(kind) is tuple:
+        items = get_args(kind)
+        item_types: Any = tuple(item if item is ... else _accepted_type(item) for item in items)
+        accepted: Any = tuple[item_types]
+        from_number = any(
+            isinstance(check, BeforeValidator) and check.func in (number_to_pair, number_to_tuple)
+            for check in checks
+        )
+        return _accepted_type(items[0]) | accepted if from_number else accepted
+    if isinstance(kind, type) and hasattr(kind, "table_class"):
+        return kind | dict
+    return kind
+
+
+def format_value(value: Any) -> str:
+    """Return a value as it is written in a scene file."""
+    if isinstance(value, tuple):
+        return "[" + ", ".join(map(format_value, value)) + "]"
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f'"{value}"' if isinstance(value, str) else repr(value)
+
+
+def _format_default(info: FieldInfo) -> str:
+    if info.is_required():
+        return "required"
+    if info.default_factory is not None:
+        return "from the others"
+    return "none" if info.default is None else format_value(info.default)

@@ -1,0 +1,193 @@
+"""Read the entries of a table, and collect every fault at once.
+
+Each entry is read by itself, so that a fault hides no other one. The checks between entries then
+run on the entries that are valid.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field, is_dataclass
+from difflib import get_close_matches
+from typing import Annotated, Any, get_args
+
+from pydantic import ConfigDict, TypeAdapter, ValidationError
+from pydantic.fields import FieldInfo
+
+from .faults import Fault, SceneError, shorten
+from .table_base import TableBase, array_item, inner_table, suggest_key, to_python
+from .valid_entries import InvalidEntryError, ValidEntries
+
+
+@dataclass
+class Reading:
+    """Result of reading a table.
+
+    Attributes
+    ----------
+    given : dict
+        The entries as given, without None.
+    values : dict
+        The valid values and defaults, in the order of the fields.
+    entries : ValidEntries
+        The same and those of inner tables by dotted key.
+    faults : list of Fault
+        All faults.
+    """
+
+    given: dict[Any, Any]
+    values: dict[str, Any] = field(default_factory=dict)
+    entries: ValidEntries = field(default_factory=ValidEntries)
+    faults: list[Fault] = field(default_factory=list)
+
+    def store(self, key: str, value: Any) -> None:
+        """Store a valid value."""
+        self.values[key] = self.entries[key] = value
+
+    def report(self, key: str, allowed: str) -> None:
+        """Add the fault of an entry."""
+        self.faults.append(Fault(str(key), shorten(self.given[key]), allowed))
+
+
+def read_entries(table: type[TableBase], given: Mapping[Any, Any]) -> Reading:
+    """Read the entries of a table of a class, and check them.
+
+    Returns
+    -------
+    Reading
+        The valid values, and all faults.
+    """
+    faults: list[Fault] = []
+    try:
+        given = table.unfold(given)
+    except SceneError as error:
+        faults += error.faults
+        faulty = {fault.key.split(".")[0] for fault in faults}
+        given = {key: value for key, value in given.items() if key not in faulty}
+    reading = Reading(
+        {key: value for key, value in given.items() if value is not None}, faults=faults
+    )
+    for key in reading.given:
+        if key in table.model_fields:
+            reading.entries.given.add(key)
+        else:
+            many = len(reading.faults) >= SceneError.most_listed
+            reading.report(key, "no such entry" if many else suggest_key(table, str(key)))
+    for key, info in table.model_fields.items():
+        if key not in reading.given:
+            _read_default(reading, key, info)
+        elif (inner := inner_table(info)) and _is_table(reading.given[key], info):
+            _read_table(reading, key, inner)
+        elif inner := array_item(info):
+            _read_array(reading, key, inner, table)
+        else:
+            _read_value(reading, key, table, to_python(reading.given[key]))
+    for check in table.checks:
+        with suppress(InvalidEntryError):
+            reading.faults.extend(check(reading.entries))
+    return reading
+
+
+def _read_default(reading: Reading, key: str, info: FieldInfo) -> None:
+    if info.is_required():
+        reading.faults.append(Fault(key, "nothing", _describe_field(info)))
+        return
+    with suppress(KeyError):  # a default that follows from a faulty entry
+        value = info.get_default(call_default_factory=True, validated_data=reading.values)
+        reading.store(key, value)
+        if isinstance(value, TableBase):
+            reading.entries.add(key, read_entries(type(value), value.entries()).entries)
+
+
+def _read_table(reading: Reading, key: str, table: type[TableBase]) -> None:
+    given = reading.given[key]
+    if isinstance(given, table):
+        given = given.entries()
+    if not isinstance(given, Mapping):
+        reading.report(key, f"a table with the keys {', '.join(table.model_fields)}")
+        return
+    inner = read_entries(table, given)
+    reading.entries.add(key, inner.entries)
+    reading.faults.extend(fault.under(key) for fault in inner.faults)
+    if not inner.faults:
+        reading.store(key, table.model_construct(_fields_set=set(inner.given), **inner.values))
+
+
+def _read_array(reading: Reading, key: str, table: type[TableBase], outer: type[TableBase]) -> None:
+    """Read an array of tables: each table by itself, and then the number of them."""
+    given = reading.given[key]
+    if not isinstance(given, list | tuple):
+        reading.report(key, f"a list of tables with the keys {', '.join(table.model_fields)}")
+        return
+    before, items = len(reading.faults), []
+    for place, entries in enumerate(given):
+        item = Reading({key: entries})
+        _read_table(item, key, table)
+        reading.faults.extend(fault.at(key, place) for fault in item.faults)
+        items.append(item.values.get(key))
+    if len(reading.faults) == before:
+        _read_value(reading, key, outer, tuple(items))
+
+
+def _read_value(reading: Reading, key: str, table: type[TableBase], value: Any) -> None:
+    adapter = _adapter(table, key)
+    try:
+        reading.store(key, adapter.validate_python(value))
+    except ValidationError as error:
+        info = table.model_fields[key]
+        reasons = dict.fromkeys(
+            str(e["ctx"]["error"]) for e in error.errors() if e["type"] == "value_error"
+        )
+        hints = _suggest_number(adapter, value) + _suggest_nearest_name(info.annotation, value)
+        reading.report(key, ("; ".join(reasons) or _describe_field(info)) + hints)
+
+
+def _suggest_number(adapter: TypeAdapter, value: Any) -> str:
+    """Return a hint for a text that is valid as a number."""
+    if not isinstance(value, str):
+        return ""
+    try:
+        adapter.validate_python(float(value))
+    except ValueError:  # also of pydantic
+        return ""
+    return f"; the number {value.strip()} without quotes, perhaps?"
+
+
+def _suggest_nearest_name(kind: Any, value: Any) -> str:
+    """Return a hint for a text that is like one of the allowed names."""
+    if not isinstance(value, str):
+        return ""
+    nearest = get_close_matches(value.casefold(), _allowed_names(kind), n=1)
+    return "".join(f'; "{name}", perhaps?' for name in nearest)
+
+
+def _allowed_names(kind: Any) -> list[str]:
+    """Return the names that a type allows."""
+    if isinstance(kind, str):
+        return [kind]
+    return [name for part in get_args(kind) for name in _allowed_names(part)]
+
+
+def _describe_field(info: FieldInfo) -> str:
+    """Return what a field allows, with its meaning."""
+    inner = None if info.description else inner_table(info)
+    allowed = (
+        f"a table with the keys {', '.join(inner.model_fields)}" if inner else info.description
+    )
+    return f"{allowed} ({info.title})" if info.title else str(allowed)
+
+
+def _is_table(given: Any, info: FieldInfo) -> bool:
+    """Return whether an entry is to be read as a table: some fields also allow other values."""
+    return not info.description or isinstance(given, Mapping | TableBase)
+
+
+@functools.cache
+def _adapter(table: type[TableBase], key: str) -> TypeAdapter[Any]:
+    info = table.model_fields[key]
+    kind: Any = Annotated[info.annotation, key, *info.metadata]  # built at run time
+    # A record has a configuration already.
+    strict = ConfigDict(strict=True, arbitrary_types_allowed=True)
+    return TypeAdapter(kind, config=None if is_dataclass(info.annotation) else strict)

@@ -1,0 +1,102 @@
+"""The base class of all tables of a document: construction, help and immutability.
+
+Pydantic checks the type and the bounds of each entry; `reading` collects the faults of all entries
+and of the checks between them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any, ClassVar
+
+from pydantic import BaseModel
+
+from .description import Row
+from .faults import SceneError
+from .keys import docstring_with_keys, key_signature, set_allowed_texts
+from .reading import read_entries
+from .table_base import TableBase
+
+_LIBRARY = set(dir(BaseModel))
+
+
+def _listed_names(cls: Any) -> list[str]:
+    """Return the names of a table class for help and completion, without those of pydantic."""
+    return [name for name in type(BaseModel).__dir__(cls) if name not in _LIBRARY]
+
+
+def _ignore_signature(cls: Any, of_library: Any) -> None:
+    """Keep the signature: the one that pydantic would set lists validators as types."""
+
+
+# Pydantic has no public name for the metaclass of its models.
+_TableType: Any = type(
+    "_TableType",
+    (type(BaseModel),),
+    {"__dir__": _listed_names, "__signature__": property(key_signature, _ignore_signature)},
+)
+
+
+class Table(TableBase, metaclass=_TableType):
+    """A frozen table of a document.
+
+    Keywords are the keys of the TOML table; None stands for "not given".
+
+    Raises
+    ------
+    SceneError
+        With all faults of the table and of its inner tables.
+    """
+
+    internal: ClassVar[frozenset[str]] = frozenset(
+        (
+            *("checks", "describe_array", "effect", "find_field", "find_parameter", "internal"),
+            *("renamed_keys", "table_class", "unfold"),
+        )
+    )
+    """Names that the package uses and completion leaves out."""
+    effect: ClassVar[str] = ""
+    """What a document without the table leaves out, for descriptions; may be empty."""
+
+    def __init__(self, /, **given: Any) -> None:
+        reading = read_entries(type(self), given)
+        if reading.faults:
+            raise SceneError(reading.faults)
+        self.__setstate__(
+            {
+                "__dict__": reading.values,
+                "__pydantic_fields_set__": set(reading.given),
+                "__pydantic_extra__": None,
+                "__pydantic_private__": None,
+            }
+        )
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **_: Any) -> None:
+        """Document the keys of a new class of tables."""
+        set_allowed_texts(cls)
+        cls.__doc__ = docstring_with_keys(cls)
+
+    def describe(self, scene: Any) -> Iterable[Row]:
+        """Return the rows that describe the table.
+
+        Parameters
+        ----------
+        scene : Scene
+            The scene that contains the table.
+        """
+        return ()
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        """Refuse the change, with the way to make a changed copy."""
+        cure = 'make a changed copy, as with scene.replace(**{"load.normal": 200.0})'
+        raise AttributeError(f"{name}: a {type(self).__name__} cannot be changed; {cure}")
+
+    def __dir__(self) -> list[str]:
+        """Return the names for users, without those of pydantic and of the package."""
+        internal = frozenset().union(*(getattr(cls, "internal", ()) for cls in type(self).__mro__))
+        return [
+            name
+            for name in super().__dir__()
+            if name[:2] == "__" or (name not in _LIBRARY and name not in internal)
+        ]

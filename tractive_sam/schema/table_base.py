@@ -1,0 +1,145 @@
+"""What a class of tables defines: its keys, its checks, other forms of its entries."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from operator import methodcaller
+from typing import Any, ClassVar, get_args, get_origin
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict
+from pydantic.fields import FieldInfo
+
+from .faults import Fault, SceneError, shorten, suggest_name
+from .keys import split_key
+from .valid_entries import ValidEntries
+
+Check = Callable[[ValidEntries], Iterable[Fault]]
+
+
+class TableBase(BaseModel):
+    """Keys of a table, as fields, and the checks between its entries."""
+
+    # Entries are checked key by key (`reading`): a validator of the complete table is never built.
+    model_config = ConfigDict(
+        strict=True, arbitrary_types_allowed=True, frozen=True, defer_build=True, extra="forbid"
+    )
+    checks: ClassVar[tuple[Check, ...]] = ()
+    """Checks between the entries of the table."""
+    renamed_keys: ClassVar[Mapping[str, str]] = {}
+    """New names of keys by their names in older versions, for messages."""
+
+    @classmethod
+    def unfold(cls, given: Mapping[Any, Any]) -> Mapping[Any, Any]:
+        """Return the entries to read; a table may allow other forms of what is given.
+
+        Raises
+        ------
+        SceneError
+            With the faults of an entry that has no such form.
+        """
+        return given
+
+    @classmethod
+    def find_parameter(cls, name: str) -> FieldInfo | None:
+        """Return the field of a key that is not a field of the table; None if it is not allowed."""
+        return None
+
+    @staticmethod
+    def table_class(info: FieldInfo) -> type[TableBase] | None:
+        """Return the class of the tables that a field may contain, alone or in an array."""
+        return inner_table(info) or array_item(info)
+
+    def entries(self) -> dict[str, Any]:
+        """Return the given entries without defaults, nested as in TOML."""
+        return {
+            key: _to_plain(value, methodcaller("entries"))
+            for key in type(self).model_fields
+            if key in self.model_fields_set and (value := getattr(self, key)) is not None
+        }
+
+    def settings(self) -> dict[str, Any]:
+        """Return all entries with defaults, nested as in TOML."""
+        return {
+            key: _to_plain(value, methodcaller("settings"))
+            for key in type(self).model_fields
+            if (value := getattr(self, key)) is not None
+        }
+
+    @classmethod
+    def find_field(cls, key: str) -> FieldInfo:
+        """Return the field of a dotted key: its title and what it allows.
+
+        Raises
+        ------
+        SceneError
+            If there is no such key.
+        """
+        table: type[TableBase] | None = cls
+        array: type[TableBase] | None = None
+        before = ""
+        for name in split_key(key):
+            if array and isinstance(name, int):
+                table, array, before = array, None, f"{before}[{name}]"
+                continue
+            if table is None:
+                place = f"; {before}[0].{name} is that of the first one" if array else ""
+                raise SceneError([Fault(key, shorten(key), f"no entry within {before}{place}")])
+            found = table.model_fields.get(str(name)) or table.find_parameter(str(name))
+            if found is None:
+                raise SceneError([Fault(key, shorten(key), suggest_key(table, str(name)))])
+            info = found
+            table, array = inner_table(info), array_item(info)
+            before = f"{before}.{name}".lstrip(".")
+        return info
+
+
+def suggest_key(table: type[TableBase], name: str) -> str:
+    """Return what may be meant by a key that a table does not have, also in its inner tables."""
+    inner = [
+        f"{outer}.{name}"
+        for outer, info in table.model_fields.items()
+        if (kind := inner_table(info)) and name in kind.model_fields
+    ]
+    if name in table.renamed_keys:
+        return f"{table.renamed_keys[name]}, the new name of the key"
+    return f"{' or '.join(inner)}, perhaps?" if inner else suggest_name(name, table.model_fields)
+
+
+def _to_plain(value: Any, convert: Callable[[Any], dict[str, Any]]) -> Any:
+    """Return a value with its tables as dictionaries."""
+    if isinstance(value, TableBase):
+        return convert(value)
+    if isinstance(value, tuple) and any(isinstance(item, TableBase) for item in value):
+        return tuple(convert(item) for item in value)
+    return value
+
+
+def array_item(info: FieldInfo) -> type[TableBase] | None:
+    """Return the class of the tables in a field that is an array of them; else None."""
+    first = next(iter(get_args(info.annotation)), None)
+    if get_origin(info.annotation) is tuple and isinstance(first, type):
+        return first if issubclass(first, TableBase) else None
+    return None
+
+
+def inner_table(info: FieldInfo) -> type[TableBase] | None:
+    """Return the class of the table in a field, optional or not; else None."""
+    if get_origin(info.annotation) is tuple:
+        return None
+    for kind in (info.annotation, *get_args(info.annotation)):
+        if isinstance(kind, type) and issubclass(kind, TableBase):
+            return kind
+    return None
+
+
+def to_python(value: Any) -> Any:
+    """Return Python numbers and tuples for the scalars, vectors and lists of numpy and TOML."""
+    match value:
+        case np.generic():
+            return value.item()
+        case np.ndarray(ndim=1):
+            return tuple(value.tolist())
+        case list() | tuple():
+            return tuple(map(to_python, value))
+    return value
