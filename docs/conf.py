@@ -1,4 +1,4 @@
-"""How Sphinx builds the manual: `sphinx-build -W --keep-going docs docs/_build/html`."""
+"""Sphinx configuration of the manual: `sphinx-build -W --keep-going docs docs/_build/html`."""
 
 import sys
 from importlib.metadata import version as installed
@@ -13,7 +13,7 @@ sys.path.insert(0, str(HERE))
 
 import parts  # noqa: E402 - beside this file
 
-# Matplotlib writes the setters of each class of figures, with a role of its own manual.
+# The inherited docstrings of Matplotlib use a role of the Matplotlib manual.
 roles.register_generic_role("mpltype", nodes.literal)
 
 parts.write(HERE)
@@ -34,20 +34,20 @@ extensions = [
 exclude_patterns = ["_build", "_parts"]
 templates_path = ["_templates"]
 
-# Every reference inside the pages has to lead somewhere.
+# Every cross-reference must have a target.
 nitpicky = True
 
-# Notebooks are shown with the outputs that they are kept with; CI runs them by themselves.
+# Notebooks are shown with their stored outputs; CI runs them separately.
 nb_execution_mode = "off"
 myst_enable_extensions = ["amsmath", "colon_fence", "dollarmath"]
 myst_heading_anchors = 3
 
-# MathJax is part of the built manual: formulas need no network. This script draws them as SVG and
-# contains all packages of TeX and all glyphs, so it loads no other file.
+# MathJax is part of the built manual, so that formulas need no network. This script draws SVG and
+# contains all TeX packages and glyphs, so it loads no other file.
 mathjax_path = "tex-svg-full.js"
 MATHJAX = Path(find_spec("sphinx-mathjax-offline").origin).parent / "static" / "mathjax"
 
-# Docstrings give shapes and units in words: types are no links, and signatures stay short.
+# Docstrings state shapes and units, so types need no links and signatures stay short.
 default_role = "literal"
 autodoc_typehints = "none"
 numpydoc_show_class_members = False
@@ -66,11 +66,13 @@ html_sidebars = {"index": [], "validation": [], "benchmarks": []}
 html_copy_source = False
 
 
-def _bars_are_bars(_app, _what, _name, _object, _options, lines):
-    """Magnitudes in docstrings, |s|, are no substitutions."""
-    lines[:] = [one if "`" in one or ">>>" in one else one.replace("|", r"\|") for one in lines]
+def _escape_bars(_app, _what, _name, _object, _options, lines):
+    """Escape the bars of magnitudes, |s|, which are not substitutions."""
+    lines[:] = [
+        line if "`" in line or ">>>" in line else line.replace("|", r"\|") for line in lines
+    ]
 
 
 def setup(app):
-    """Let docstrings be written as they are read in a terminal."""
-    app.connect("autodoc-process-docstring", _bars_are_bars)
+    """Connect the function that escapes bars, so that docstrings remain readable in a terminal."""
+    app.connect("autodoc-process-docstring", _escape_bars)

@@ -1,60 +1,65 @@
-"""The page of the public names, as the package lets them out."""
+"""The reference page of the public names."""
 
 import inspect
+from collections.abc import Iterator
 from importlib import import_module
+from types import ModuleType
 
 import tractive_sam
 
-ROOMS = {
+SUBPACKAGES = {
     "tractive_sam.subsurface": "Stress",
-    "tractive_sam.solvers": "Methods of solution",
+    "tractive_sam.solvers": "Solution methods",
     "tractive_sam.plot": "Figures",
     "tractive_sam.studies": "Studies",
     "tractive_sam.reference": "Closed forms",
 }
-"""Beside what the package itself lets out."""
+"""Packages with public names beyond `tractive_sam.__all__`, and their headings."""
 
 HEAD = """\
-Names of Python
-===============
+Python names
+============
 
-``import tractive_sam as ts``. Every name has an example, which goes on from that of the package.
+This page lists all public names after ``import tractive_sam as ts``. Every name has an example;
+the examples continue the example of the package.
 
 .. currentmodule:: tractive_sam
 """
 
 
 def page() -> str:
-    """The page, with a summary for each kind of name in each room."""
-    told: set[int] = set()
-    parts = [HEAD, *_room(tractive_sam, "", told)]
-    for room, title in ROOMS.items():
-        module = import_module(room)
-        found = list(_room(module, room.removeprefix("tractive_sam."), told))
-        first = inspect.cleandoc(module.__doc__).split("\n\n")[0].replace("`", "``")
-        parts += [f"{title}\n{'-' * len(title)}\n\n``{room}``: {first}\n", *found] if found else []
+    """Return the page, with a summary for each kind of name in each package."""
+    listed: set[int] = set()
+    parts = [HEAD, *_summaries(tractive_sam, "", listed)]
+    for package, title in SUBPACKAGES.items():
+        module = import_module(package)
+        summaries = list(_summaries(module, package.removeprefix("tractive_sam."), listed))
+        about = inspect.cleandoc(module.__doc__).split("\n\n")[0].replace("`", "``")
+        if summaries:
+            parts += [f"{title}\n{'-' * len(title)}\n\n``{package}``: {about}\n", *summaries]
     return "\n".join(parts)
 
 
-def _room(module, prefix: str, told: set[int]):
-    """Functions, records and errors of a room that no room before has told."""
+def _summaries(module: ModuleType, prefix: str, listed: set[int]) -> Iterator[str]:
+    """Yield the summaries of functions, classes and errors that no earlier package has listed."""
     names = {name: getattr(module, name) for name in module.__all__}
-    names = {n: o for n, o in names.items() if callable(o) and id(o) not in told}
-    told.update(map(id, names.values()))
-    errors = {n for n, o in names.items() if isinstance(o, type) and issubclass(o, BaseException)}
-    records = {n for n, o in names.items() if isinstance(o, type)} - errors
-    functions = names.keys() - records - errors
+    names = {
+        name: value for name, value in names.items() if callable(value) and id(value) not in listed
+    }
+    listed.update(map(id, names.values()))
+    classes = {name for name, value in names.items() if isinstance(value, type)}
+    errors = {name for name in classes if issubclass(names[name], BaseException)}
     kinds = (
-        ("Functions", functions, "function.rst"),
-        ("Objects", records, "record.rst"),
+        ("Functions", names.keys() - classes, "function.rst"),
+        ("Objects", classes - errors, "record.rst"),
         ("Errors and warnings", errors, ""),
     )
-    for kind, some, template in kinds:
-        if some:
+    for kind, members, template in kinds:
+        if members:
             if not prefix:
                 yield f"{kind}\n{'-' * len(kind)}\n"
-            told_by = f"   :template: {template}\n" if template else ""
-            listed = "".join(
-                f"   {prefix + '.' if prefix else ''}{name}\n" for name in sorted(some)
+            option = f"   :template: {template}\n" if template else ""
+            lines = "".join(
+                f"   {prefix + '.' if prefix else ''}{name}\n" for name in sorted(members)
             )
-            yield f".. autosummary::\n   :toctree: names\n   :nosignatures:\n{told_by}\n{listed}"
+            yield f".. autosummary::\n   :toctree: names\n   :nosignatures:\n{option}\n{lines}"

@@ -1,17 +1,17 @@
-"""The tables of numbers in the manual, each from a CSV file that a benchmark has written."""
+"""Tables of numbers for the manual, each from the CSV file of a benchmark."""
 
 import math
 import statistics
 from collections import defaultdict
 
-from tables import markdown, number, of_columns, rows_of
+from tables import format_columns, format_table, number, read_rows
 
 PER_CENT = number(".3f", 100.0)
 
 
 def solvers() -> str:
-    """Applications and seconds of each method, over meshes."""
-    rows = {(row["n"], row["method"]): row for row in rows_of("solvers.csv")}
+    """Return applications and seconds of each method for each mesh."""
+    rows = {(row["n"], row["method"]): row for row in read_rows("solvers.csv")}
     meshes = list(dict.fromkeys(n for n, _ in rows))
     methods = ("newton", "anderson", "uzawa")
 
@@ -22,23 +22,25 @@ def solvers() -> str:
         return f"{float(row['applications']):,.0f}, {float(row['seconds']):.2g} s"
 
     head = ("elements", *methods)
-    return markdown(head, ((f"{n} x {n}", *(cell(n, one) for one in methods)) for n in meshes))
+    return format_table(
+        head, ((f"{n} x {n}", *(cell(n, method) for method in methods)) for n in meshes)
+    )
 
 
 def large() -> str:
-    """Time and memory of large meshes."""
+    """Return time and memory of large meshes."""
     columns = {
         "elements": ("n", lambda n: f"{n} x {n}"),
         "applications": ("applications", number(".0f")),
-        "first solve, s": ("first s", number(".2g")),
-        "again, s": ("again s", number(".2g")),
+        "first solution, s": ("first s", number(".2g")),
+        "second solution, s": ("again s", number(".2g")),
         "GiB": ("GiB", number(".2f")),
     }
-    return of_columns(rows_of("large.csv"), columns)
+    return format_columns(read_rows("large.csv"), columns)
 
 
 def normal() -> str:
-    """The normal problem alone."""
+    """Return time and error of the normal problem."""
     columns = {
         "elements": ("n", lambda n: f"{n} x {n}"),
         "applications": ("applications", number(".0f")),
@@ -46,27 +48,27 @@ def normal() -> str:
         "seconds over those of its FFTs": ("over its FFTs", number(".2f")),
         "error of the peak contact pressure": ("p_max/p0 - 1", number(".1e")),
         "Tamaas, seconds": ("Tamaas seconds", number(".2g")),
-        "Tamaas over this": ("Tamaas/this", number(".0f")),
+        "Tamaas / this package": ("Tamaas/this", number(".0f")),
     }
-    return of_columns(rows_of("normal.csv"), columns)
+    return format_columns(read_rows("normal.csv"), columns)
 
 
 def spheres() -> str:
-    """Convergence of the scene `spheres` over the mesh."""
+    """Return the convergence of the scene `spheres` with the mesh."""
     wanted = {"41", "61", "91", "121", "181", "241", "321"}
     columns = {
         "elements": ("n", lambda n: f"{n} x {n}"),
-        "peak contact pressure over Hertz - 1": ("p_max/p0 - 1", number(".1e")),
+        "relative error of the peak contact pressure": ("p_max/p0 - 1", number(".1e")),
         "error of the approach": ("approach error", number(".1e")),
         "mean error of the pressure / p0": ("mean |p - Hertz|/p0", number(".1e")),
         "Q_x/(mu P)": ("Qx/muP", number(".5f")),
         "Q_x/(mu P), CONTACT": ("CONTACT", number(".4f")),
     }
-    return of_columns(rows_of("spheres_convergence.csv", lambda r: r["n"] in wanted), columns)
+    return format_columns(read_rows("spheres_convergence.csv", lambda r: r["n"] in wanted), columns)
 
 
 def creep_forces() -> str:
-    """The creep-force curve."""
+    """Return the creep-force curve."""
     columns = {
         "scaled creepage": ("xi~", number("g")),
         "91 x 91": ("n = 91", number(".4f")),
@@ -76,11 +78,11 @@ def creep_forces() -> str:
         "Vermeulen and Johnson": ("Vermeulen-Johnson", number(".4f")),
         "paper, eq. (42)": ("Kalker (42)", number(".4f")),
     }
-    return of_columns(rows_of("creep_force_curve.csv"), columns)
+    return format_columns(read_rows("creep_force_curve.csv"), columns)
 
 
 def kalker() -> str:
-    """Creep coefficients beside Kalker's table."""
+    """Return creep coefficients and their difference from Kalker's table."""
     columns = {"a/b": ("a/b", number("g")), "nu": ("nu", number("g"))}
     for name in ("C11", "C22", "C23", "C33"):
         columns |= {
@@ -88,26 +90,26 @@ def kalker() -> str:
             f"{name}, Kalker": (f"{name} Kalker", number(".3g")),
             f"{name}, %": (f"{name} %", number("+.2f")),
         }
-    return of_columns(rows_of("kalker_coefficients.csv"), columns)
+    return format_columns(read_rows("kalker_coefficients.csv"), columns)
 
 
 def orthotropic() -> str:
-    """Forces over the angle of friction."""
+    """Return forces for each friction angle."""
     columns = {
         "beta": ("beta", number("g")),
         "Q_x/P": ("Qx/P", number(".4f")),
         "Q_y/P": ("Qy/P", number("z.4f")),
-        "stick": ("stick", number(".2f")),
+        "stick fraction": ("stick", number(".2f")),
         "Q_x/P in full slip": ("full slip Qx/P", number(".4f")),
-        "closed form": ("closed form x", number(".4f")),
+        "closed form of Q_x/P": ("closed form x", number(".4f")),
         "Q_y/P in full slip": ("full slip Qy/P", number("z.4f")),
-        "closed form ": ("closed form y", number(".4f")),
+        "closed form of Q_y/P": ("closed form y", number(".4f")),
     }
-    return of_columns(rows_of("orthotropic_angles.csv"), columns)
+    return format_columns(read_rows("orthotropic_angles.csv"), columns)
 
 
 def twin_discs() -> str:
-    """States of the worn discs."""
+    """Return the states of the worn discs."""
     columns = {
         "beta": ("beta", number("g")),
         "revolution": ("revolution", number(",.0f")),
@@ -117,13 +119,13 @@ def twin_discs() -> str:
         "peak contact pressure, MPa": ("p_max", number(".0f")),
         "Q_x/P": ("Qx/P", number(".4f")),
         "Q_y/P": ("Qy/P", number("z.4f")),
-        "stick": ("stick", number(".2f")),
+        "stick fraction": ("stick", number(".2f")),
     }
-    return of_columns(rows_of("twin_discs.csv"), columns)
+    return format_columns(read_rows("twin_discs.csv"), columns)
 
 
 def twin_discs_mesh() -> str:
-    """Convergence of the worn discs over the mesh."""
+    """Return the convergence of the worn discs with the mesh."""
     columns = {
         "mesh": ("mesh", str),
         "contact solves": ("solves", str),
@@ -133,37 +135,37 @@ def twin_discs_mesh() -> str:
         "pressure at y = 0, MPa": ("pressure at y = 0", number(".1f")),
         "peak contact pressure, MPa": ("p_max", number(".0f")),
     }
-    return of_columns(rows_of("twin_discs_mesh.csv"), columns)
+    return format_columns(read_rows("twin_discs_mesh.csv"), columns)
 
 
 def giwm() -> str:
-    """Wear beside the global incremental wear model."""
+    """Return wear and the global incremental wear model (GIWM)."""
     columns = {
         "revolution": ("revolution", number(",.0f")),
         "wear depth, mm": ("depth", number(".3g")),
-        "GIWM, mm": ("GIWM depth", number(".3g")),
-        "ratio": ("depth/GIWM", number(".3f")),
+        "wear depth of GIWM, mm": ("GIWM depth", number(".3g")),
+        "ratio of the depths": ("depth/GIWM", number(".3f")),
         "half width y, mm": ("b", number(".3f")),
-        "GIWM, mm ": ("GIWM b", number(".3f")),
+        "half width y of GIWM, mm": ("GIWM b", number(".3f")),
     }
-    return of_columns(rows_of("twin_discs_giwm.csv"), columns)
+    return format_columns(read_rows("twin_discs_giwm.csv"), columns)
 
 
 def wear() -> str:
-    """What 15,000 revolutions take, over the tolerance."""
+    """Return cost and error of 15,000 revolutions for each tolerance."""
     columns = {
         "tolerance": ("tolerance", str),
         "contact solves": ("solves", str),
         "seconds": ("seconds", number(".1f")),
-        "paper's scheme over this": ("paper/this", number(",.0f")),
+        "time of the paper's scheme / this package": ("paper/this", number(",.0f")),
         "error of the profile, % of its depth": ("profile error at 15000", PER_CENT),
         "error of Q_x/P, %": ("Qx_over_P error at 15000", number("+.4f", 100.0)),
     }
-    return of_columns(rows_of("wear.csv"), columns)
+    return format_columns(read_rows("wear.csv"), columns)
 
 
 def stepping() -> str:
-    """Ways of stepping."""
+    """Return cost and error of the stepping schemes."""
     columns = {
         "stepping": ("stepping", str),
         "tolerance": ("tolerance", number("g")),
@@ -172,36 +174,36 @@ def stepping() -> str:
         "error of p_max, %": ("p_max error", number(".2f", 100.0)),
         "ripple of the pressure": ("ripple", number(".1e")),
     }
-    return of_columns(rows_of("stepping.csv"), columns)
+    return format_columns(read_rows("stepping.csv"), columns)
 
 
 def balance() -> str:
-    """Worn section over work."""
+    """Return the worn section over i/mu times the frictional work."""
     wanted = {"16", "64"}
     columns = {
         "friction": ("friction", str),
         "creepage": ("creepage", str),
-        "of that of full slip": ("of full slip", number("g")),
+        "creepage / creepage of full slip": ("of full slip", number("g")),
         "elements across": ("across", str),
-        "by work": ("by work", number(".4f")),
-        "by pressure": ("by pressure", number(".2f")),
+        "law in the work": ("by work", number(".4f")),
+        "law in the pressure": ("by pressure", number(".2f")),
     }
-    return of_columns(rows_of("wear_balance.csv", lambda r: r["across"] in wanted), columns)
+    return format_columns(read_rows("wear_balance.csv", lambda r: r["across"] in wanted), columns)
 
 
 def peaks() -> str:
-    """Errors of peak values in per cent, over the mesh, and their order."""
+    """Return errors of peak values in per cent for each mesh, and their order."""
     found = defaultdict(dict)
-    for row in rows_of("peaks.csv"):
+    for row in read_rows("peaks.csv"):
         if not row["case"].startswith("worn"):
-            of = row["case"], row["quantity"], row["way"]
-            found[of][int(row["across"])] = abs(100.0 * float(row["error"]))
+            case = row["case"], row["quantity"], row["way"]
+            found[case][int(row["across"])] = abs(100.0 * float(row["error"]))
     lines = []
-    for of, errors in found.items():
+    for case, errors in found.items():
         order = -statistics.linear_regression(*map(_logs, zip(*errors.items(), strict=True))).slope
-        lines.append((*of, *(f"{errors[n]:.2g}" for n in PEAK_MESHES), f"{order:.1f}"))
+        lines.append((*case, *(f"{errors[n]:.2g}" for n in PEAK_MESHES), f"{order:.1f}"))
     across = (f"{n} across" for n in PEAK_MESHES)
-    return markdown(("case", "quantity", "way", *across, "order"), lines)
+    return format_table(("case", "quantity", "evaluation", *across, "order"), lines)
 
 
 PEAK_MESHES = (16, 32, 96)
@@ -212,32 +214,40 @@ def _logs(values: tuple[float, ...]) -> list[float]:
 
 
 def peaks_worn() -> str:
-    """How the peaks of worn discs stray, in per cent, over the mesh."""
+    """Return scatter and mean error of the peaks of worn discs, in per cent, for each mesh."""
     found = defaultdict(list)
-    for row in rows_of("peaks.csv", lambda r: r["case"].startswith("worn")):
+    for row in read_rows("peaks.csv", lambda r: r["case"].startswith("worn")):
         found[row["quantity"], row["way"], row["across"]].append(100.0 * float(row["error"]))
-    head = ("quantity", "way", "elements in x", "zigzag", "mean, to the finest mesh")
-    return markdown(
-        head, ((*of, f"{zigzag:.2f}", f"{off:+.2f}") for of, (zigzag, off) in found.items())
+    head = (
+        "quantity",
+        "evaluation",
+        "elements in x",
+        "scatter",
+        "mean, relative to the finest mesh",
+    )
+    return format_table(
+        head, ((*case, f"{zigzag:.2f}", f"{mean:+.2f}") for case, (zigzag, mean) in found.items())
     )
 
 
 def hard_scenes() -> str:
-    """How many random scenes each method solves, by family, and at what median cost."""
+    """Return the random scenes that each method solves in each family, and the median cost."""
     found = defaultdict(list)
-    for row in rows_of("hard_scenes.csv"):
+    for row in read_rows("hard_scenes.csv"):
         found[row["family"], row["method"]].append(row)
     lines = []
     for (family, method), rows in found.items():
-        done = [float(row["applications"]) for row in rows if row["converged"] == "True"]
-        median = f"{statistics.median(done):,.0f}" if done else "-"
-        lines.append((family, method, len(rows), len(done), median))
-    return markdown(("family", "method", "scenes", "solved", "median of applications"), lines)
+        counts = [float(row["applications"]) for row in rows if row["converged"] == "True"]
+        median = f"{statistics.median(counts):,.0f}" if counts else "-"
+        lines.append((family, method, len(rows), len(counts), median))
+    return format_table(
+        ("family", "method", "scenes", "solved", "median of the applications"), lines
+    )
 
 
 def invariance() -> str:
-    """The largest difference of each group of quantities under each change, over all kinds."""
-    rows = rows_of("invariance.csv")
+    """Return the largest difference of each group of quantities for each change, over all kinds."""
+    rows = read_rows("invariance.csv")
     changes = list(dict.fromkeys(row["change"] for row in rows))
     lines = []
     for group in dict.fromkeys(row["group"] for row in rows):
@@ -249,29 +259,35 @@ def invariance() -> str:
             ]
             for change in changes
         }
-        lines.append((group, *(f"{max(of):.0e}" if of else "-" for of in values.values())))
-    return markdown(("largest difference of", *changes), lines)
+        lines.append((group, *(f"{max(found):.0e}" if found else "-" for found in values.values())))
+    return format_table(("largest difference of", *changes), lines)
 
 
 def invariance_scenes() -> str:
-    """How many scenes of each kind were compared, and how many comparisons broke their bound."""
-    rows = rows_of("invariance.csv")
+    """Return the scenes of each kind, and the comparisons that exceeded their bound."""
+    rows = read_rows("invariance.csv")
     lines = []
     for kind in dict.fromkeys(row["kind"] for row in rows):
-        of = [row for row in rows if row["kind"] == kind]
-        broken = sum(int(row["broken"]) for row in of)
-        lines.append((kind, max(int(row["scenes"]) for row in of), broken))
-    return markdown(("kind", "scenes", "differences above their bound"), lines)
+        of_kind = [row for row in rows if row["kind"] == kind]
+        broken = sum(int(row["broken"]) for row in of_kind)
+        lines.append((kind, max(int(row["scenes"]) for row in of_kind), broken))
+    return format_table(("kind", "scenes", "differences above the bound"), lines)
 
 
 def falling() -> str:
-    """How random scenes with falling friction end, and at what cost beside the constant law."""
-    rows = rows_of("falling.csv")
+    """Return how random scenes with falling friction end, and their cost over the constant law."""
+    rows = read_rows("falling.csv")
     ended = [row["ended"] for row in rows]
     ratios = sorted(
         float(row["ratio"]) for row in rows if row["ended"] == row["constant_ended"] == "converged"
     )
-    head = ("scenes", "converged", "refused", "applications over the constant law, median", "90 %")
+    head = (
+        "scenes",
+        "converged",
+        "refused",
+        "applications / constant law, median",
+        "90th percentile",
+    )
     cells = (
         len(rows),
         ended.count("converged"),
@@ -279,18 +295,18 @@ def falling() -> str:
         f"{statistics.median(ratios):.2f}",
         f"{ratios[int(0.9 * len(ratios))]:.2f}",
     )
-    return markdown(head, [cells])
+    return format_table(head, [cells])
 
 
 def heat() -> str:
-    """What temperatures cost beside the contact, over mesh and Peclet number."""
+    """Return the cost of temperatures over the cost of the contact, for mesh and Peclet number."""
     head = (
         "elements",
         "V a/(2 κ)",
-        "tables, once",
-        "shared, alike bodies",
-        "unlike",
-        "applications, friction answers",
+        "tables, computed once",
+        "heat partition, equal bodies",
+        "heat partition, different bodies",
+        "applications, temperature-dependent friction",
     )
     lines = [
         (
@@ -299,15 +315,15 @@ def heat() -> str:
             *(f"{100.0 * float(row[key]):.2g} %" for key in ("kernels", "alike", "unlike")),
             f"{float(row['answering']):.1f} times",
         )
-        for row in rows_of("heat.csv")
+        for row in read_rows("heat.csv")
     ]
-    return markdown(head, lines)
+    return format_table(head, lines)
 
 
 def error_bars() -> str:
-    """How often error bars hold, by quantity."""
+    """Return how often the error bar of each quantity holds."""
     found = defaultdict(list)
-    for row in rows_of("error_bars.csv"):
+    for row in read_rows("error_bars.csv"):
         found[row["quantity"]].append(row)
     lines = []
     for name, rows in found.items():
@@ -318,57 +334,57 @@ def error_bars() -> str:
             if row["relative error"] and float(row["relative bar"] or 0.0) > 0.0
         ]
         lines.append((f"`{name}`", len(rows), held, f"{statistics.median(ratios):.2f}"))
-    return markdown(("quantity", "scenes", "bars that hold", "median of error over bar"), lines)
+    return format_table(("quantity", "scenes", "bars that hold", "median of error / bar"), lines)
 
 
 def subsurface() -> str:
-    """Time of the stress."""
+    """Return time and memory of the stress."""
     columns = {
-        "what": ("what", str),
+        "problem": ("what", str),
         "seconds": ("seconds", number(".2g")),
         "seconds over those of its FFTs": ("over its FFTs", number(".1f")),
         "MiB": ("MiB", number(".1f")),
     }
-    return of_columns(rows_of("subsurface.csv"), columns)
+    return format_columns(read_rows("subsurface.csv"), columns)
 
 
 def whole_roll() -> str:
-    """Where the time of a roll goes."""
+    """Return the time of each part of a run."""
     columns = {
         "part": ("part", str),
         "seconds": ("seconds", number(".2f")),
-        "over contacts": ("over contacts", number(".2f")),
-        "of the whole, %": ("over the whole", number(".0f", 100.0)),
+        "seconds / seconds of the contacts": ("over contacts", number(".2f")),
+        "fraction of the total, %": ("over the whole", number(".0f", 100.0)),
     }
-    return of_columns(rows_of("whole_roll.csv"), columns)
+    return format_columns(read_rows("whole_roll.csv"), columns)
 
 
 def largest_stress() -> str:
-    """Errors of the largest stress inside."""
+    """Return errors of the largest stress inside a body."""
     columns = {
         "disc": ("body", str),
         "records": ("records", str),
-        "with one inside": ("with a largest stress inside", str),
+        "records with a maximum inside": ("with a largest stress inside", str),
         "median error": ("median error", number(".0e")),
         "largest error": ("largest error", number(".0e")),
     }
-    return of_columns(rows_of("largest_stress.csv"), columns)
+    return format_columns(read_rows("largest_stress.csv"), columns)
 
 
 def jacobian() -> str:
-    """Work of derivatives beside that of central differences."""
+    """Return operator applications of derivatives and of central differences."""
     columns = {
         "scene": ("scene", str),
-        "solve": ("solve", number(".0f")),
+        "solution": ("solve", number(".0f")),
         "Jacobian": ("jacobian", number(".0f")),
         "central differences": ("differences", number(".0f")),
-        "apart": ("apart", number(".0e")),
+        "difference": ("apart", number(".0e")),
     }
-    return of_columns(rows_of("jacobian.csv"), columns)
+    return format_columns(read_rows("jacobian.csv"), columns)
 
 
 def fatigue() -> str:
-    """Damage of the twin discs' body A with and without wear."""
+    """Return the damage of body A of the twin discs with and without wear."""
     three = number(".3g")
     columns = {
         "beta": ("beta", str),
@@ -377,17 +393,20 @@ def fatigue() -> str:
         "D without wear": ("without wear A", three),
         "largest D": ("most A", three),
         "D at the end": ("damage A", three),
-        "its error": ("error A", number(".1g")),
-        "crack at": ("crack at A", lambda text: "none" if text == "nan" else three(text)),
-        "removed, %": ("removed A", number(".1f", 100.0)),
+        "error of D at the end": ("error A", number(".1g")),
+        "revolution of the first crack": (
+            "crack at A",
+            lambda text: "none" if text == "nan" else three(text),
+        ),
+        "removed damage, %": ("removed A", number(".1f", 100.0)),
         "contacts": ("contacts", number(".0f")),
-        "s": ("seconds", number(".0f")),
+        "seconds": ("seconds", number(".0f")),
     }
-    return of_columns(rows_of("fatigue.csv"), columns)
+    return format_columns(read_rows("fatigue.csv"), columns)
 
 
 def block_order() -> str:
-    """Error bars of damage beside the effect of the order of blocks, by seed."""
+    """Return the error bars of damage and the effect of the block order for each seed."""
     columns = {
         "random seed": ("seed", str),
         "bodies": ("bodies", str),
@@ -395,15 +414,15 @@ def block_order() -> str:
         "smallest ratio of `damage_error` to the difference": ("least", number(".2f")),
         "median ratio": ("median", number(".1f")),
     }
-    return of_columns(rows_of("block_order_ratios.csv"), columns)
+    return format_columns(read_rows("block_order_ratios.csv"), columns)
 
 
 def fatigue_spread() -> str:
-    """How far damage of the twin discs' body A differs over meshes and tolerances."""
-    rows = {(one["mesh"], one["tolerance"], one["beta"]): one for one in rows_of("fatigue.csv")}
+    """Return the differences of the damage of body A due to meshes and tolerances."""
+    rows = {(row["mesh"], row["tolerance"], row["beta"]): row for row in read_rows("fatigue.csv")}
     usual, loose, strict = "41 x 121", "0.001", "0.0001"
-    head = ("between", "largest D", "D at the end")
-    apart = {
+    head = ("compared runs", "largest D", "D at the end")
+    compared = {
         "21 × 61 and 41 × 121 elements": (("21 x 61", loose), (usual, loose)),
         "41 × 121 and 81 × 241 elements": ((usual, loose), ("81 x 241", loose)),
         "tolerances 1e-3 and 1e-4, 21 × 61": (("21 x 61", loose), ("21 x 61", strict)),
@@ -411,80 +430,80 @@ def fatigue_spread() -> str:
         "tolerances 1e-3 and 1e-4, 81 × 241": (("81 x 241", loose), ("81 x 241", strict)),
     }
 
-    def most(one: tuple[str, str], other: tuple[str, str], column: str) -> str:
+    def largest_difference(first: tuple[str, str], second: tuple[str, str], column: str) -> str:
         pairs = (
-            (float(rows[*one, beta][column]), float(rows[*other, beta][column]))
+            (float(rows[*first, beta][column]), float(rows[*second, beta][column]))
             for beta in ("0", "45", "90")
-            if (*one, beta) in rows and (*other, beta) in rows
+            if (*first, beta) in rows and (*second, beta) in rows
         )
-        return f"{max((abs(a / b - 1.0) for a, b in pairs), default=math.nan):.1%}"
+        return f"{max((abs(a / b - 1.0) for a, b in pairs), default=math.nan) * 100.0:.1f} %"
 
-    return markdown(
+    return format_table(
         head,
         (
-            (name, *(most(*pair, column) for column in ("most A", "damage A")))
-            for name, pair in apart.items()
+            (name, *(largest_difference(*pair, column) for column in ("most A", "damage A")))
+            for name, pair in compared.items()
         ),
     )
 
 
 def fatigue_cost() -> str:
-    """Time of a roll with fatigue beside the roll without, of each mesh and tolerance."""
+    """Return the cost of a run with fatigue over a run without, for each mesh and tolerance."""
     rows = defaultdict(list)
-    for one in rows_of("fatigue.csv"):
-        rows[one["mesh"], one["tolerance"]].append(one)
+    for row in read_rows("fatigue.csv"):
+        rows[row["mesh"], row["tolerance"]].append(row)
 
     def ratios(several: list[dict], column: str, without: str) -> str:
-        each = [float(one[column]) / float(one[without]) for one in several]
+        each = [float(row[column]) / float(row[without]) for row in several]
         return f"{min(each):.1f} to {max(each):.1f}"
 
-    head = ("mesh", "tolerance", "contacts over those without", "time over that without")
-    return markdown(
+    head = ("mesh", "tolerance", "ratio of the contacts", "ratio of the times")
+    return format_table(
         head,
         (
             (
-                *of,
+                *run,
                 ratios(several, "contacts", "contacts without"),
                 ratios(several, "seconds", "without"),
             )
-            for of, several in rows.items()
+            for run, several in rows.items()
         ),
     )
 
 
 def jacobian_carter() -> str:
-    """Errors of the slope of Carter's curve over the mesh."""
+    """Return errors of the slope of Carter's curve for each mesh."""
     columns = {
         "elements across": ("n", str),
         "error of the slope": ("slope", number(".1e")),
         "error of the force": ("force", number(".1e")),
     }
-    return of_columns(rows_of("jacobian_carter.csv"), columns)
+    return format_columns(read_rows("jacobian_carter.csv"), columns)
 
 
 def tables() -> str:
-    """Creep forces by a table and by other ways."""
+    """Return time and error of creep forces from tables and from other methods."""
     columns = {
-        "by": ("way", str),
-        "time of one, µs": ("s", number(".2g", 1e6)),
-        "median error over µP": ("median", number(".1e")),
-        "largest": ("worst", number(".1e")),
-        "median of the moment over µPc": ("moment", number(".1e")),
+        "method": ("way", str),
+        "time per point, µs": ("s", number(".2g", 1e6)),
+        "median error / (mu P)": ("median", number(".1e")),
+        "largest error / (mu P)": ("worst", number(".1e")),
+        "median error of the moment / (mu P c)": ("moment", number(".1e")),
     }
-    about = rows_of("tables_about.csv")[0]
-    told = (
-        f"{about['points']} points; {float(about['inside']):.1%} of them are within the error that "
-        f"the table tells. It has {about['nodes']} nodes for a tolerance of "
-        f"{float(about['tolerance']):g} and took {float(about['cpu_seconds']):.0f} s of one core, "
-        f"{float(about['cpu_seconds']) / 3600.0:.2g} core-hours."
+    about = read_rows("tables_about.csv")[0]
+    summary = (
+        f"The test has {about['points']} points. At {100.0 * float(about['inside']):.1f} % of them "
+        f"the error is within the error bar of the table. The table has {about['nodes']} nodes for "
+        f"a tolerance of {float(about['tolerance']):g}, and its construction took "
+        f"{float(about['cpu_seconds']):.0f} s on one core."
     )
-    return told + "\n\n" + of_columns(rows_of("tables.csv"), columns)
+    return summary + "\n\n" + format_columns(read_rows("tables.csv"), columns)
 
 
 def table_gradients() -> str:
-    """Slopes at rest of the table of steel over a/b, and gradients at random points."""
+    """Return slopes at rest of the table of steel for each a/b, and gradients at random points."""
     names = ("C11", "C22", "C23, force", "C23, moment", "C33")
-    rows = rows_of("table_slopes.csv")
+    rows = read_rows("table_slopes.csv")
     small = number(".2f")
     body = [
         (
@@ -493,155 +512,176 @@ def table_gradients() -> str:
         )
         for row in rows
     ]
-    about = rows_of("table_gradients.csv")[0]
+    about = read_rows("table_gradients.csv")[0]
     share = number(".2g", 100.0)
     return (
-        "Errors of the slopes at rest of the table of steel in percent, against limits of 22 "
-        "meshes of up to 131 elements, and in brackets the error bars that the table reports "
-        "(`python benchmarks/table_gradients.py`):"
-        f"\n\n{markdown(('a/b', *names), body)}\n\n"
-        f"At {about['points']} random points the largest error of the derivatives of a force is "
-        f"{share(about['forces median'])} % of sqrt(K_ii K_jj) in the median, "
-        f"{share(about['forces 95%'])} % at 95 of 100, {share(about['forces largest'])} % at most; "
-        f"of the moment {share(about['moment median'])} %, {share(about['moment 95%'])} % and "
-        f"{share(about['moment largest'])} %. {float(about['inside']):.0%} of the points "
-        "are within their error bars."
+        "The next table gives errors of the slopes at rest of the table of steel in per cent. The "
+        "reference is the limit of 22 meshes of up to 131 elements. The numbers in brackets are "
+        "the error bars of the table (`python benchmarks/table_gradients.py`):"
+        f"\n\n{format_table(('a/b', *names), body)}\n\n"
+        f"At {about['points']} random points, the error of the derivatives of a force, divided by "
+        f"sqrt(K_ii K_jj), has the median {share(about['forces median'])} %, the 95th percentile "
+        f"{share(about['forces 95%'])} % and the maximum {share(about['forces largest'])} %. For "
+        f"the moment these values are {share(about['moment median'])} %, "
+        f"{share(about['moment 95%'])} % and {share(about['moment largest'])} %. "
+        f"{100.0 * float(about['inside']):.0f} % of the points are within their error bars."
     )
 
 
 def table_cluster() -> str:
-    """A table by one process, and by workers of which one was killed."""
+    """Return the build of a table by one process, and by workers, one of them killed."""
     columns = {
-        "by": ("way", str),
+        "build": ("way", str),
         "contacts": ("contacts", str),
-        "s": ("s", number(".0f")),
+        "seconds": ("s", number(".0f")),
         "core-hours": ("core-hours", number(".1e")),
         "largest difference": ("largest difference", number(".0e")),
     }
-    return of_columns(rows_of("table_cluster.csv"), columns)
+    return format_columns(read_rows("table_cluster.csv"), columns)
 
 
 def study_scaling() -> str:
-    """A study on one and two workers."""
+    """Return the time of studies on workers, and the estimate for a large study."""
     columns = {
         "study": ("study", str),
         "workers": ("workers", str),
         "seconds": ("s", number(".1f")),
     }
-    return of_columns(rows_of("study_scaling.csv"), columns)
+    rows = read_rows("study_scaling.csv")
+    seconds = {(row["study"], row["workers"]): float(row["s"]) for row in rows}
+    ratios = [
+        seconds[study, "2"] / seconds[study, "1"] for study, number in seconds if number == "1"
+    ]
+    engine = read_rows("study_engine.csv")[0]
+    large = read_rows("study_on_paper.csv")[-1]
+    summary = (
+        f"Two workers need {100.0 * min(ratios):.0f} to {100.0 * max(ratios):.0f} % of the time of "
+        f"one worker, and the scheduler needs {float(engine['ms of scheduler']):.1f} ms for a case "
+        "(`python benchmarks/study.py`). As an estimate, "
+        f"{int(large['cases']):,} wear scenes of 15,000 revolutions occupy {large['cores']} cores "
+        f"for {float(large['s of the cores']):.0f} s and the scheduler for "
+        f"{float(large['s of the scheduler']):.0f} s. Their files need "
+        f"{float(large['GB in files']):.0f} GB."
+    )
+    return summary + "\n\n" + format_columns(rows, columns)
 
 
 def transient_order() -> str:
-    """Force after a ramp of creepage, over the mesh and over the step."""
-    rows = rows_of("transient_order.csv")
+    """Return the force after a ramp of creepage for each mesh and each step."""
+    rows = read_rows("transient_order.csv")
     meshes = dict.fromkeys(row["n"] for row in rows if row["over"] == "mesh")
     forces = {(row["slip"], row["n"]): row["Qx"] for row in rows if row["over"] == "mesh"}
     head = ("elements", *(f"{n} x {n}" for n in meshes))
     force = number(".5f")
     body = [
-        (told, *(force(forces[slip, n]) for n in meshes))
-        for told, slip in (("Q_x/(mu P), second order", "auto"), ("first order", "upwind"))
+        (label, *(force(forces[slip, n]) for n in meshes))
+        for label, slip in (
+            ("Q_x/(mu P), second order", "auto"),
+            ("Q_x/(mu P), first order", "upwind"),
+        )
     ]
     steps = [row for row in rows if row["over"] == "step"]
     length = number(".3g")
-    over_steps = markdown(
+    over_steps = format_table(
         ("step, mm", *(length(row["step"]) for row in steps)),
         [("Q_x/(mu P)", *(force(row["Qx"]) for row in steps))],
     )
-    told = (
-        "From rest, after a ramp of creepage to -0.004 over 3 mm (spheres, a = 3.5 mm); over the "
-        "mesh, in steps of one element,"
+    meshes_text = (
+        "The tables give the force from rest after a ramp of creepage to -0.004 over 3 mm. The "
+        "contact is between spheres, with a = 3.5 mm. The first table varies the mesh, in steps of "
+        "one element:"
     )
-    also = "and, on 85 x 85 elements, over the step:"
-    return f"{told}\n\n{markdown(head, body)}\n{also}\n\n{over_steps}"
+    steps_text = "The second table varies the step, on 85 x 85 elements:"
+    return f"{meshes_text}\n\n{format_table(head, body)}\n{steps_text}\n\n{over_steps}"
 
 
 def transient_steps() -> str:
-    """Work of the steps of courses."""
+    """Return the work of the steps of transients."""
     columns = {"course": ("course", str)}
     slips = {"auto": "second order", "upwind": "first order"}
+    values = {"median": "median", "most": "maximum", "convolutions": "convolutions"}
     columns |= {
-        f"{told}, {of}": (f"{slip} {of}", number(".2g"))
-        for slip, told in slips.items()
-        for of in ("median", "most", "convolutions")
+        f"{order}, {label}": (f"{slip} {value}", number(".2g"))
+        for slip, order in slips.items()
+        for value, label in values.items()
     }
     rows = defaultdict(dict)
-    for row in rows_of("transient_steps.csv"):
+    for row in read_rows("transient_steps.csv"):
         rows[row["course"]] |= {"course": row["course"]}
-        of_slip = ("median", "most", "convolutions")
-        rows[row["course"]] |= {f"{row['slip']} {of}": row[of] for of in of_slip}
-    return of_columns(rows.values(), columns)
+        rows[row["course"]] |= {f"{row['slip']} {value}": row[value] for value in values}
+    return format_columns(rows.values(), columns)
 
 
 def transient_wear() -> str:
-    """Errors of the depth that transients wear."""
+    """Return errors of the worn depth of transients."""
     errors = {
         (row["case"], row["slip"], row["n"], row["steps"]): row["error"]
-        for row in rows_of("transient_wear.csv")
+        for row in read_rows("transient_wear.csv")
     }
-    slips = (("by the work of friction (default)", "auto"), ("by pressure (`upwind`)", "upwind"))
+    slips = (("law in the work (default)", "auto"), ("law in the pressure (`upwind`)", "upwind"))
     small, tables = number(".2g"), []
-    for case, first in (("pass", "elements"), ("fretting", "elements, steps a stroke")):
+    for case, first in (("pass", "elements"), ("fretting", "elements, steps per stroke")):
         places = list(dict.fromkeys(", ".join(filter(None, k[2:])) for k in errors if k[0] == case))
         body = [
-            (told, *(small(value) for key, value in errors.items() if key[:2] == (case, slip)))
-            for told, slip in slips
+            (label, *(small(value) for key, value in errors.items() if key[:2] == (case, slip)))
+            for label, slip in slips
         ]
-        tables.append(markdown((first, *places), body))
-    told = (
-        "Largest error of the depth over the largest depth (spheres). A pass of a constant course "
-        "against a steady revolution, in steps of one element:"
+        tables.append(format_table((first, *places), body))
+    rolling = (
+        "The tables give the largest error of the depth, divided by the largest depth (spheres). "
+        "The first table compares a pass with constant creepage and a steady revolution, in steps "
+        "of one element:"
     )
-    also = "A ball that slides to and fro against the closed form:"
-    return f"{told}\n\n{tables[0]}\n{also}\n\n{tables[1]}"
+    fretting = "The second table compares an oscillating ball with the closed form:"
+    return f"{rolling}\n\n{tables[0]}\n{fretting}\n\n{tables[1]}"
 
 
 def duty() -> str:
-    """Jumps of duty cycles against every revolution."""
+    """Return the error and cost of jumps of duty cycles, relative to every revolution."""
     columns = {
         "blocks": ("blocks", str),
         "error of the profile, % of the depth": ("error", PER_CENT),
         "wear of a cycle, %": ("cycle", PER_CENT),
         "contacts": ("contacts", str),
-        "over those of a single load": ("over single", number(".2f")),
-        "one by one": ("one by one", str),
+        "contacts / contacts of a single load": ("over single", number(".2f")),
+        "contacts, every revolution": ("one by one", str),
     }
-    return of_columns(rows_of("duty.csv"), columns)
+    return format_columns(read_rows("duty.csv"), columns)
 
 
 def duty_cores() -> str:
-    """What blocks side by side could win."""
+    """Return the possible gain of parallel blocks."""
     columns = {
         "elements": ("elements", str),
-        "seconds a contact": ("seconds", number(".2g")),
-        "of it in transforms and kernels, %": ("free", number(".0f", 100.0)),
-        "two threads, at most times as fast": ("threads", number(".1f")),
-        "seconds until a process is ready": ("process", number(".1f")),
-        "as long as so many contacts": ("contacts", number(".0f")),
+        "seconds per contact": ("seconds", number(".2g")),
+        "part in transforms and kernels, %": ("free", number(".0f", 100.0)),
+        "largest gain of two threads, times": ("threads", number(".1f")),
+        "seconds to start a process": ("process", number(".1f")),
+        "contacts in the time of this start": ("contacts", number(".0f")),
     }
-    return of_columns(rows_of("duty_cores.csv"), columns)
+    return format_columns(read_rows("duty_cores.csv"), columns)
 
 
 def experiment() -> str:
-    """Frictional work of twin discs, measured and predicted."""
+    """Return measured and predicted frictional work of twin discs."""
     columns = {
         "slip, %": ("slip", number("g", 100.0)),
-        "T-gamma/A, measured, N/mm²": ("measured", number(".3g")),
-        "predicted": ("predicted", number(".3g")),
-        "by the least and": ("least", number(".3g")),
-        "the most friction": ("most", number(".3g")),
-        "over measured": ("over", number(".2f")),
-        "wear by the law at the measured work, µg/(m mm²)": ("wear measured", number(".3g")),
-        "at the predicted": ("wear predicted", number(".3g")),
-        "least": ("wear least", number(".3g")),
-        "most": ("wear most", number(".3g")),
+        "measured T-gamma/A, N/mm²": ("measured", number(".3g")),
+        "predicted T-gamma/A, N/mm²": ("predicted", number(".3g")),
+        "with minimum friction": ("least", number(".3g")),
+        "with maximum friction": ("most", number(".3g")),
+        "predicted / measured": ("over", number(".2f")),
+        "wear law at the measured work, µg/(m mm²)": ("wear measured", number(".3g")),
+        "at the predicted work": ("wear predicted", number(".3g")),
+        "at the minimum": ("wear least", number(".3g")),
+        "at the maximum": ("wear most", number(".3g")),
     }
-    return of_columns(rows_of("experiment.csv"), columns)
+    return format_columns(read_rows("experiment.csv"), columns)
 
 
 TABLES = {
-    one.__name__: one
-    for one in (
+    table.__name__: table
+    for table in (
         solvers,
         large,
         normal,

@@ -1,7 +1,7 @@
-"""Parts of pages that are made from the package and from the results of the benchmarks.
+"""Parts of pages that are generated from the package and from the results of the benchmarks.
 
-Keys of a scene, columns of a results file and commands are told by the very objects that read,
-write and run them; numbers are those that the scripts in `benchmarks` have written.
+Scene keys, columns of a results file and commands come from the objects that read, write and run
+them. Numbers come from the output files of the scripts in `benchmarks`.
 """
 
 import inspect
@@ -14,7 +14,7 @@ from typing import get_args
 import names
 import typer
 from numbers_of_benchmarks import TABLES
-from tables import markdown
+from tables import format_table
 
 from tractive_sam.cli.program import app
 from tractive_sam.results import COLUMNS, FIELDS, STRESS
@@ -24,26 +24,26 @@ from tractive_sam.store import layout
 
 
 def write(docs: Path) -> None:
-    """Write the parts into `_parts`, the page of names, and the notebooks as tutorials."""
-    made = {"keys": keys, "columns": columns, "layout": layout_of_files, "commands": commands}
-    for name, part in (made | TABLES).items():
+    """Write the parts to `_parts`, the page of names, and the notebooks as tutorials."""
+    generated = {"keys": keys, "columns": columns, "layout": layout_of_files, "commands": commands}
+    for name, part in (generated | TABLES).items():
         _write(docs / "_parts" / f"{name}.md", part())
     _write(docs / "reference" / "api.rst", names.page())
     for notebook in sorted((docs.parent / "notebooks").glob("*.ipynb")):
-        # A notebook names pictures as seen from its own folder.
+        # Picture paths in a notebook are relative to the folder of the notebook.
         text = notebook.read_text(encoding="utf-8").replace("](../", "](../../")
         _write(docs / "tutorials" / notebook.name, text)
 
 
 def _write(file: Path, text: str) -> None:
-    """Write a file that has changed; Sphinx reads the others no second time."""
+    """Write a file if its text has changed; Sphinx then reads only changed files again."""
     file.parent.mkdir(exist_ok=True)
     if not file.exists() or file.read_text(encoding="utf-8") != text:
         file.write_text(text, encoding="utf-8")
 
 
 def keys() -> str:
-    """Every table of a scene with its keys: meaning, what is allowed, default."""
+    """Return every table of a scene with its keys: meaning, allowed values, default."""
     return "\n".join(part for group in key_groups(Scene) for part in _group(group))
 
 
@@ -53,7 +53,7 @@ def _group(group: KeyGroup) -> Iterable[str]:
         yield group.about + "\n"
     if group.keys:
         rows = ((f"`{key.name}`", key.meaning, key.allowed, _default(key)) for key in group.keys)
-        yield markdown(("key", "meaning", "allowed", "default"), rows)
+        yield format_table(("key", "meaning", "allowed", "default"), rows)
 
 
 def _default(key: Key) -> str:
@@ -62,47 +62,51 @@ def _default(key: Key) -> str:
 
 
 def columns() -> str:
-    """What a results file holds: columns of the history, fields, stress."""
+    """Return the quantities of a results file: columns of the history, fields, stress."""
     parts = []
-    for title, found in (
+    for title, quantities in (
         ("Columns of the history", COLUMNS),
         ("Fields", FIELDS.values()),
         ("Stress", STRESS.values()),
     ):
-        rows = ((f"`{one.name}`", one.unit, one.long_name, ", ".join(one.dims)) for one in found)
-        parts.append(f"## {title}\n\n" + markdown(("name", "unit", "meaning", "dimensions"), rows))
+        rows = ((f"`{q.name}`", q.unit, q.long_name, ", ".join(q.dims)) for q in quantities)
+        parts.append(
+            f"## {title}\n\n" + format_table(("name", "unit", "meaning", "dimensions"), rows)
+        )
     return "\n".join(parts)
 
 
 def layout_of_files() -> str:
-    """The groups of a results file, as the module that writes them tells it."""
+    """Return the groups of a results file, from the docstring of the module that writes them."""
     text = inspect.cleandoc(layout.__doc__).split("\n\n", 1)[1]
     tree, words = text.split("\n\n", 1)
     return f"```text\n{inspect.cleandoc(tree)}\n```\n\n{words}\n"
 
 
 def commands() -> str:
-    """Every command of the program with its arguments and options."""
+    """Return every command of the program with its arguments and options."""
     parts = []
     for command in app.registered_commands:
-        does, name = command.callback, command.name or command.callback.__name__
-        parts.append(f"## `tractive-sam {name}`\n\n{inspect.cleandoc(does.__doc__)}\n")
-        rows = [_parameter(one) for one in signature(does, eval_str=True).parameters.values()]
+        function, name = command.callback, command.name or command.callback.__name__
+        parts.append(f"## `tractive-sam {name}`\n\n{inspect.cleandoc(function.__doc__)}\n")
+        parameters = signature(function, eval_str=True).parameters.values()
+        rows = [_describe_parameter(parameter) for parameter in parameters]
         if rows:
-            parts.append(markdown(("argument", "meaning"), rows))
+            parts.append(format_table(("argument", "meaning"), rows))
     return "\n".join(parts)
 
 
-def _parameter(one: inspect.Parameter) -> tuple[str, str]:
-    """How an argument or option of a command is written, and its meaning."""
-    kind, told = get_args(one.annotation)[:2]
-    if isinstance(told, typer.models.ArgumentInfo):
-        return f"`{told.metavar or one.name.upper()}`", told.help
-    kinds = [alone for alone in get_args(kind) or (kind,) if isinstance(alone, type)]
-    choices = [str(choice.value) for choice in kinds[0]] if issubclass(kinds[0], Enum) else []
-    value = "" if kinds[0] is bool else told.metavar or "|".join(choices) or kinds[0].__name__
-    # In an annotation the first of the names stands where a default would.
-    first = (told.default,) if isinstance(told.default, str) else ()
-    names = (*first, *(told.param_decls or ())) or (f"--{one.name.replace('_', '-')}",)
-    default = f" By default {one.default.value}." if isinstance(one.default, Enum) else ""
-    return f"`{' '.join([', '.join(names), value]).strip()}`", told.help + default
+def _describe_parameter(parameter: inspect.Parameter) -> tuple[str, str]:
+    """Return an argument or option of a command as written, and its meaning."""
+    kind, option = get_args(parameter.annotation)[:2]
+    if isinstance(option, typer.models.ArgumentInfo):
+        return f"`{option.metavar or parameter.name.upper()}`", option.help
+    types = [member for member in get_args(kind) or (kind,) if isinstance(member, type)]
+    choices = [str(choice.value) for choice in types[0]] if issubclass(types[0], Enum) else []
+    value = "" if types[0] is bool else option.metavar or "|".join(choices) or types[0].__name__
+    # In an annotation, the first name of an option is in the place of its default.
+    first = (option.default,) if isinstance(option.default, str) else ()
+    names = (*first, *(option.param_decls or ())) or (f"--{parameter.name.replace('_', '-')}",)
+    is_choice = isinstance(parameter.default, Enum)
+    default = f" By default {parameter.default.value}." if is_choice else ""
+    return f"`{' '.join([', '.join(names), value]).strip()}`", option.help + default
