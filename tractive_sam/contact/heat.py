@@ -128,8 +128,7 @@ def _into_A(
     colder: np.ndarray | float,
     touching: np.ndarray,
 ) -> np.ndarray:
-    """What of the heat made goes into A, where B is colder by so much before; exactly half of
-    alike ones."""
+    """Return the heat that flows into A; bodies of equal material and temperature share by half."""
     thermal = model.scene.thermal
     if thermal["A"] == thermal["B"] and not np.any(colder):
         return 0.5 * made

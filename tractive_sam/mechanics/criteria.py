@@ -10,7 +10,7 @@ from tractive_sam.mechanics.law import Law
 
 
 class StressCriterion(Law, ABC):
-    """One number of the six components of a stress; the larger, the worse.
+    r"""One number of the six components of a stress; the larger, the worse.
 
     Attributes
     ----------
@@ -26,7 +26,7 @@ class StressCriterion(Law, ABC):
     Examples
     --------
     >>> class Tresca(ts.StressCriterion):
-    ...     name, symbol = "tresca", r"\\sigma_\\mathrm{T}"
+    ...     name, symbol = "tresca", r"\sigma_\mathrm{T}"
     ...     long_name = "equivalent stress of Tresca"
     ...
     ...     def __call__(self, stress):

@@ -15,7 +15,7 @@ from tractive_sam.results import REVOLUTION, History, Quantity, State
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """One contact and what it is drawn against.
+    r"""One contact and what it is drawn against.
 
     Attributes
     ----------

@@ -216,7 +216,6 @@ def _bars(name: str, contact: State) -> dict[str, float]:
 
 def _error_bar(of: Quantity) -> Quantity:
     """The error bar of a quantity; nan where it is not known."""
-
     return replace(
         of,
         name=f"{of.name}_error",

@@ -70,7 +70,7 @@ def _found_together(entries: ValidEntries) -> Iterator[Fault]:
 
 
 class LoadHistory(Table):
-    """A measured load history, [load_history]: its rows become the blocks of [[duty]].
+    r"""A measured load history, [load_history]: its rows become the blocks of [[duty]].
 
     Each column is divided into levels of equal width between its extremes; revolutions in the same
     level of every column become one block, with their mean. A relative file is sought from the
@@ -80,7 +80,7 @@ class LoadHistory(Table):
     Examples
     --------
     >>> from pathlib import Path
-    >>> rows = "normal,revolutions\\n300,500\\n310,400\\n450,100\\n"
+    >>> rows = "normal,revolutions\n300,500\n310,400\n450,100\n"
     >>> _ = Path("loads.csv").write_text(rows)
     >>> table = {"file": "loads.csv", "levels": 2}
     >>> spectrum = discs.replace(load_history=table, **{"wear.revolutions": 2000})

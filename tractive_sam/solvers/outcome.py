@@ -118,11 +118,11 @@ class Outcome:
         return self.status is Status.CONVERGED
 
     def costing(self, earlier: "Outcome", share: float = 1.0) -> "Outcome":
-        """This outcome with the cost of work that led to it, on a share of the elements."""
+        """Return the outcome with the cost of earlier work on a fraction of the elements."""
         return replace(self, cost=self.cost + earlier.cost.scaled(share))
 
     def after(self, earlier: "Outcome") -> "Outcome":
-        """This outcome with the cost and trace of the work that led to it."""
+        """Return the outcome with the cost and trace of earlier work."""
         return replace(self.costing(earlier), trace=earlier.trace + self.trace)
 
 

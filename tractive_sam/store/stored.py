@@ -68,7 +68,6 @@ class StoredStress:
 
     def __getitem__(self, row: int) -> "PlaneStress":
         """The stress of one record, on the mesh that it was computed on."""
-
         with results_file(self.path) as file:
             group = f"stress/{place_of(self.body, self.plane, self.block)}"
             names = [name for name in ("x", "y", "depth") if f"{group}/{name}" in file]
