@@ -1,4 +1,4 @@
-"""A scheduler and workers as programs of their own, killed where it hurts."""
+"""Scheduler and workers as separate programs, killed at critical moments."""
 
 import os
 import signal
@@ -20,12 +20,12 @@ distributed = pytest.importorskip("distributed", reason="dask.distributed is of 
 pytestmark = pytest.mark.slow  # processes that start, are killed and start again
 
 LONGEST = 120.0
-"""Wait for anything, s; only a test that fails waits so long."""
+"""Longest wait in s; only a test that fails waits so long."""
 
 GATE = 5
-"""Revolution at which cases wait, so that the tests and not the clock say what is under way."""
+"""Revolution at which cases wait, so that the tests and not the clock determine their state."""
 
-ASKED = Study(
+STUDY = Study(
     title="Small discs",
     scene="twin-discs",
     without=["subsurface"],
@@ -36,7 +36,7 @@ ASKED = Study(
         "wear.save=[12]",
         'wear.stepping="every-revolution"',
     ],
-    axis=[{"key": "friction.angle", "values": [0, 45, 90]}],
+    axis=[{"key": "friction.angle", "values": [0, 90]}],
 )
 
 PRELOAD = """
@@ -65,18 +65,21 @@ worker.roll = gated
 @pytest.fixture(scope="module")
 def wanted(tmp_path_factory):
     """The results of one process."""
-    return study(ASKED, tmp_path_factory.mktemp("serial"), workers=0)
+    return study(STUDY, tmp_path_factory.mktemp("serial"), workers=0)
 
 
 class Programs:
-    """Programs in a folder, ended with the test."""
+    """Programs in a folder, ended with the test.
+
+    Each process imports the package and dask, 2 to 3 CPU seconds: tests start few of them.
+    """
 
     def __init__(self, folder):
         self.folder, self.running = folder, []
         with socket.create_server(("127.0.0.1", 0)) as found:
             self.port = found.getsockname()[1]
         self.address = f"tcp://127.0.0.1:{self.port}"
-        (folder / "study.toml").write_text(ASKED.to_toml())
+        (folder / "study.toml").write_text(STUDY.to_toml())
         self.gate = folder / "gate.py"
         self.gate.write_text(PRELOAD.format(gate=GATE, go=str(folder / "go")))
 
@@ -108,7 +111,7 @@ class Programs:
         options = options or ("--scheduler", self.address)
         return self.start("tractive_sam", "study", "study.toml", "-o", "results", *options)
 
-    def said(self):
+    def read_log(self):
         return (self.folder / "log.txt").read_text()
 
     def results(self):
@@ -116,10 +119,10 @@ class Programs:
 
     def until_cases_wait(self, number, client):
         def holds():
-            assert client.poll() is None, self.said()
+            assert client.poll() is None, self.read_log()
             return len([*self.folder.glob("results/*.waits")]) >= number
 
-        until(holds, self.said)
+        until(holds, self.read_log)
 
     def open_gate(self):
         (self.folder / "go").touch()
@@ -169,35 +172,35 @@ def _sigint_is_not_ignored():
 
 
 def test_worker_killed(programs, wanted):
-    """Its nanny starts another one; the case that it computed goes on from its last record."""
+    """Its nanny starts another one; the case that it computed continues from its last record."""
     programs.scheduler()
-    programs.workers(2)
+    programs.workers(1)
     client = programs.client()
-    programs.until_cases_wait(2, client)
+    programs.until_cases_wait(1, client)
     with distributed.Client(programs.address, set_as_default=False) as cluster:
-        # BLAS is held to one thread by the nannies.
+        # The nannies restrict BLAS to one thread.
         threads = cluster.run(lambda: os.environ["OMP_NUM_THREADS"])
         assert set(threads.values()) == {"1"}
         for pid in cluster.run(os.getpid).values():
             os.kill(pid, signal.SIGKILL)
     programs.open_gate()
-    assert ended(client, programs.said) == 0, programs.said()
+    assert ended(client, programs.read_log) == 0, programs.read_log()
     assert_same(programs.results(), wanted)
 
 
 def test_scheduler_killed(programs, wanted):
-    """Its workers end with it; the client waits for others, and cases go on where they ended."""
+    """Its workers end with it; the client waits for others, and cases continue where they ended."""
     scheduler = programs.scheduler()
-    programs.workers(2)
+    programs.workers(1)
     client = programs.client()
-    programs.until_cases_wait(2, client)
+    programs.until_cases_wait(1, client)
     scheduler.kill()
-    until(lambda: "the scheduler was lost" in programs.said(), programs.said)
+    until(lambda: "the scheduler was lost" in programs.read_log(), programs.read_log)
     programs.open_gate()
     assert client.poll() is None
     programs.scheduler()
     programs.workers(1)
-    assert ended(client, programs.said) == 0, programs.said()
+    assert ended(client, programs.read_log) == 0, programs.read_log()
     assert_same(programs.results(), wanted)
 
 
@@ -207,27 +210,27 @@ def test_client_leaves_and_comes_back(programs, wanted):
     client = programs.client()
     programs.until_cases_wait(2, client)
     client.send_signal(signal.SIGINT)
-    assert ended(client, programs.said) == 3, programs.said()
-    assert "the same command goes on from there" in programs.said()
+    assert ended(client, programs.read_log) == 3, programs.read_log()
+    assert "the same command goes on from there" in programs.read_log()
     programs.open_gate()
     client = programs.client()
-    assert ended(client, programs.said) == 0, programs.said()
+    assert ended(client, programs.read_log) == 0, programs.read_log()
     assert_same(programs.results(), wanted)
 
 
 def test_signal_to_all_processes_of_a_command(programs, wanted):
-    """As a terminal sends it: the client says so, and nothing is left behind."""
-    client = programs.client("--workers", "2")
-    programs.until_cases_wait(2, client)
+    """As a terminal sends it: the client reports it and ends all of them."""
+    client = programs.client("--workers", "1")
+    programs.until_cases_wait(1, client)
     os.killpg(client.pid, signal.SIGINT)
-    assert ended(client, programs.said) == 3, programs.said()
-    assert "Traceback" not in programs.said()
-    assert "CancelledError" not in programs.said()
-    assert "the same command goes on from there" in programs.said()
+    assert ended(client, programs.read_log) == 3, programs.read_log()
+    assert "Traceback" not in programs.read_log()
+    assert "CancelledError" not in programs.read_log()
+    assert "the same command goes on from there" in programs.read_log()
     until(lambda: not alive(client.pid))
     programs.open_gate()
-    client = programs.client("--workers", "2")
-    assert ended(client, programs.said) == 0, programs.said()
+    client = programs.client("--workers", "0")
+    assert ended(client, programs.read_log) == 0, programs.read_log()
     assert_same(programs.results(), wanted)
 
 
@@ -240,20 +243,60 @@ def alive(group):
     return True
 
 
-def test_processes_listen_to_this_machine_alone():
-    with cluster.local_cluster(1) as (address, _):
-        assert address.startswith("tls://127.0.0.1:")
-        listening = [one for one in psutil.net_connections("inet") if one.status == "LISTEN"]
-        ours = {os.getpid(), *(one.pid for one in psutil.Process().children(recursive=True))}
-        heard = {one.laddr for one in listening if one.pid in ours}
-        assert {one.ip for one in heard} == {"127.0.0.1"}
-        assert len(heard) == 3  # scheduler, nanny and worker; none for browsers
-        for port in {one.port for one in heard}:
-            assert not answered(port)
+def test_cases_run_in_other_processes(tmp_path):
+    friction = {"key": "friction.mu", "values": [0.2, 0.4]}
+    spheres = Study(scene="spheres", set=["grid.elements=[21, 21]"], axis=[friction])
+    states = []
+    assert study(spheres, tmp_path, workers=1, progress=states.append).complete
+    here = f"{socket.gethostname()}:{os.getpid()}"
+    assert here not in {state.outcome.worker for state in states[1:]}
 
 
-def answered(port):
-    """What a port answers to who has no keys: to a browser, and to a client of dask."""
+def test_keys_need_cryptography(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "cryptography", None)
+    with (
+        pytest.raises(ResultsError, match="pip install cryptography"),
+        cluster.local_cluster(1, True),
+    ):
+        pass
+    with pytest.raises(ValueError, match="tls://"):
+        study(STUDY, tmp_path, scheduler="tcp://127.0.0.1:9", encrypted=True)
+
+
+def test_no_scheduler(tmp_path, monkeypatch):
+    monkeypatch.setattr(cluster, "FIRST_CONTACT", 0.1)
+    with pytest.raises(SchedulerLostError, match=r"tcp://127\.0\.0\.1:9"):
+        study(STUDY, tmp_path, scheduler="tcp://127.0.0.1:9")
+
+
+def test_a_missing_scheduler_is_found_without_a_client(tmp_path, monkeypatch):
+    """A client without scheduler closes itself when it is collected, and may wait for a lock."""
+    monkeypatch.setattr(cluster, "FIRST_CONTACT", 0.1)
+    monkeypatch.setattr("distributed.Client", lambda *_, **__: pytest.fail("a client was made"))
+    with pytest.raises(SchedulerLostError, match="start one"):
+        study(STUDY, tmp_path, scheduler="tcp://127.0.0.1:9")
+
+
+@pytest.fixture(scope="module")
+def local_cluster():
+    """A scheduler and one worker on this machine: its address and its keys."""
+    with cluster.local_cluster(1) as (address, security):
+        yield address, security
+
+
+def test_processes_listen_to_this_machine_alone(local_cluster):
+    assert local_cluster[0].startswith("tls://127.0.0.1:")
+    listening = [one for one in psutil.net_connections("inet") if one.status == "LISTEN"]
+    ours = {os.getpid(), *(one.pid for one in psutil.Process().children(recursive=True))}
+    heard = {one.laddr for one in listening if one.pid in ours}
+    assert {one.ip for one in heard} == {"127.0.0.1"}
+    assert len(heard) == 3  # scheduler, nanny and worker; none for browsers
+    for port in {one.port for one in heard}:
+        assert not read_answer(port)
+
+
+def read_answer(port):
+    """Return what a port sends to a browser, and to a client of dask, without keys."""
     found = b""
     for words in (b"GET / HTTP/1.0\r\n\r\n", bytes(8)):
         with suppress(OSError), socket.create_connection(("127.0.0.1", port), 5) as connection:
@@ -265,19 +308,17 @@ def answered(port):
     return found
 
 
-def test_processes_speak_tls(tmp_path):
-    friction = {"key": "friction.mu", "values": [0.2, 0.4]}
-    asked = Study(scene="spheres", set=["grid.elements=[21, 21]"], axis=[friction])
-    assert study(asked, tmp_path, workers=1).complete
-    with cluster.local_cluster(1) as (address, security):
-        assert address.startswith("tls://127.0.0.1:")
-        with distributed.Client(address, security=security, set_as_default=False) as client:
-            assert client.submit(abs, -1).result() == 1
-        # Without the keys, nobody is let in.
-        for scheme in ("tls", "tcp"):
-            at = address.replace("tls://", f"{scheme}://")
-            with pytest.raises((OSError, TypeError, ValueError)):
-                distributed.Client(at, timeout=2, set_as_default=False)
+def test_only_clients_with_the_keys_are_admitted(local_cluster):
+    address, security = local_cluster
+    with distributed.Client(address, security=security, set_as_default=False) as client:
+        assert client.submit(abs, -1).result() == 1
+    for scheme in ("tls", "tcp"):
+        at = address.replace("tls://", f"{scheme}://")
+        with pytest.raises((OSError, TypeError, ValueError)):
+            distributed.Client(at, timeout=2, set_as_default=False)
+
+
+def test_processes_without_keys_speak_tcp():
     with (
         cluster.local_cluster(1, encrypted=False) as (address, security),
         distributed.Client(address, set_as_default=False) as client,
@@ -286,42 +327,7 @@ def test_processes_speak_tls(tmp_path):
         assert client.submit(abs, -1).result() == 1
 
 
-def test_keys_that_cannot_be_made_are_asked_for(tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "cryptography", None)
-    with (
-        pytest.raises(ResultsError, match="pip install cryptography"),
-        cluster.local_cluster(1, True),
-    ):
-        pass
-    with pytest.raises(ValueError, match="tls://"):
-        study(ASKED, tmp_path, scheduler="tcp://127.0.0.1:9", encrypted=True)
-
-
-def test_local_cluster(tmp_path):
-    friction = {"key": "friction.mu", "values": [0.2, 0.4]}
-    asked = Study(scene="spheres", set=["grid.elements=[21, 21]"], axis=[friction])
-    told = []
-    results = study(asked, tmp_path, workers=2, progress=told.append)
-    assert results.complete
-    here = f"{socket.gethostname()}:{os.getpid()}"
-    assert here not in {now.outcome.worker for now in told[1:]}
-
-
-def test_no_scheduler(tmp_path, monkeypatch):
-    monkeypatch.setattr(cluster, "FIRST_CONTACT", 0.1)
-    with pytest.raises(SchedulerLostError, match=r"tcp://127\.0\.0\.1:9"):
-        study(ASKED, tmp_path, scheduler="tcp://127.0.0.1:9")
-
-
-def test_nobody_is_seen_to_be_there_without_a_client(tmp_path, monkeypatch):
-    """One that finds nobody closes itself when it is collected, whatever lock is held then."""
-    monkeypatch.setattr(cluster, "FIRST_CONTACT", 0.1)
-    monkeypatch.setattr("distributed.Client", lambda *_, **__: pytest.fail("a client was made"))
-    with pytest.raises(SchedulerLostError, match="start one"):
-        study(ASKED, tmp_path, scheduler="tcp://127.0.0.1:9")
-
-
-def test_calls_of_a_killed_worker_are_made_again(tmp_path):
+def test_calls_of_a_killed_worker_are_made_again(tmp_path, local_cluster):
     """Its nanny starts another one."""
 
     def killed_once(place, folder):
@@ -330,8 +336,8 @@ def test_calls_of_a_killed_worker_are_made_again(tmp_path):
             os.kill(os.getpid(), signal.SIGKILL)
         return 10 * place
 
-    with cluster.local_cluster(1) as (address, security):
-        calls = [(killed_once, place, tmp_path) for place in range(3)]
-        found = dict(cluster.computed(calls, address, lambda _: None, security))
+    address, security = local_cluster
+    calls = [(killed_once, place, tmp_path) for place in range(3)]
+    found = dict(cluster.computed(calls, address, lambda _: None, security))
     assert (tmp_path / "was-here").exists()
     assert found == {0: 0, 1: 10, 2: 20}
