@@ -2,6 +2,7 @@
 
 import math
 import os
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -147,16 +148,67 @@ def test_steps_towards_a_critical_plane_are_newtons(sum_k, product_k):
     assert min(number.values()) > 5
 
 
-@pytest.mark.parametrize(("sum_k", "product_k"), [(0.3, 0.0), (0.0, 0.3)])
+def unit_vectors(number):
+    normals = RNG.normal(size=(number, 3))
+    return normals / np.linalg.norm(normals, axis=1)[:, None]
+
+
+def triangle_radius(corners):
+    """Radius of the smallest circle around three points each, (..., 3, 2)."""
+    sides = np.linalg.norm(corners - np.roll(corners, 1, axis=-2), axis=-1)
+    longest = sides.max(axis=-1)
+    edges = corners[..., 1:, :] - corners[..., :1, :]
+    double_area = np.abs(edges[..., 0, 0] * edges[..., 1, 1] - edges[..., 0, 1] * edges[..., 1, 0])
+    is_acute = (sides**2).sum(axis=-1) > 2.0 * longest**2
+    around = sides.prod(axis=-1) / np.maximum(2.0 * double_area, 1e-300)
+    return np.where(is_acute, around, 0.5 * longest)
+
+
+def values_on_planes(cycle, normals, sum_k, product_k):
+    """Return what a critical plane maximises on many planes, from its definition, (planes,).
+
+    The smallest circle around points is the largest one around three of them (Helly).
+    """
+    tensors = np.moveaxis(cycle[[[0, 3, 4], [3, 1, 5], [4, 5, 2]]], -1, 0)
+    tractions = np.einsum("ijk,nk->nij", tensors, normals)
+    along = np.einsum("nij,nj->ni", tractions, normals)
+    across = np.cross(normals, np.roll(normals, 1, axis=1) * [1.0, -1.0, 1.0])
+    across /= np.linalg.norm(across, axis=1)[:, None]
+    axes = np.stack((across, np.cross(normals, across)), axis=1)
+    shear = np.einsum("nij,nkj->nik", tractions, axes)
+    corners = np.array(list(combinations(range(cycle.shape[1]), 3)))
+    radius = triangle_radius(shear[:, corners]).max(axis=1)
+    high = along.max(axis=1)
+    return radius * np.maximum(1.0 + product_k * high, 0.0) + sum_k * high
+
+
+def find_critical_value(cycle, sum_k, product_k):
+    """Return the largest value by a search of random planes that narrows around the best ones."""
+    normals, reach = unit_vectors(1500), 0.1
+    values = values_on_planes(cycle, normals, sum_k, product_k)
+    for _ in range(4):
+        best = normals[np.argsort(values)[-10:]]
+        near = best[:, None] + reach * RNG.normal(size=(10, 30, 3))
+        near = np.concatenate((best, near.reshape(-1, 3)))
+        normals, reach = near / np.linalg.norm(near, axis=1)[:, None], 0.25 * reach
+        values = values_on_planes(cycle, normals, sum_k, product_k)
+    return values.max()
+
+
+@pytest.mark.parametrize(("sum_k", "product_k"), [(0.0, 0.0), (0.3, 0.0), (1.0, 0.0), (0.0, 0.3)])
 def test_the_critical_plane_is_that_of_brute_force(sum_k, product_k):
-    """At least as large as on 1e5 planes, and by no more than their distance allows."""
-    criterion = Findley(sum_k) if sum_k else FatemiSocie(product_k, 1.0)
-    normals = RNG.normal(size=(100_000, 3))
-    normals /= np.linalg.norm(normals, axis=1)[:, None]
-    cycle = random_cycles(1)
-    best = max(plane(cycle, normal, sum_k, product_k)[0] for normal in normals)
-    # Planes are .008 apart: beside a maximum values fall by the square.
-    assert best * (1.0 - 1e-12) <= float(criterion(cycle)[0]) <= best * (1.0 + 1e-3)
+    """Random cycles, components out of phase, and stress below lines, with many close maxima."""
+    turn = np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)[None, :, None]
+    mean, amplitude, phase = RNG.normal(size=(3, 6, 1, 4))
+    out_of_phase = mean + amplitude * np.sin(RNG.integers(1, 3, (6, 1, 4)) * turn + 9.0 * phase)
+    below_lines = line(0.3, [0.1, 0.5], points=15)
+    for cycles in (random_cycles(4, 5), random_cycles(4), out_of_phase, below_lines):
+        found = np.empty(cycles.shape[2])
+        fatigue.critical_plane(found, paths(cycles), sum_k, product_k)
+        searched = [find_critical_value(one, sum_k, product_k) for one in np.moveaxis(cycles, 2, 0)]
+        assert (found >= np.array(searched) * (1.0 - fatigue.ENOUGH)).all()
+        # The search ends .001 from a plane; where a maximum has a bend, values fall in proportion.
+        np.testing.assert_allclose(searched, found, rtol=2e-3)
 
 
 @compiled
@@ -180,35 +232,6 @@ def test_a_cycle_of_another_shape_is_refused(shape):
     for judge in JUDGES:
         with pytest.raises(ValueError, match=r"\(6, n, ...\)"):
             judge(np.zeros(shape))
-
-
-def many_cycles():
-    """Random ones, components out of phase, and those below lines: with many maxima close by."""
-    turn = np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)[None, :, None]
-    mean, amplitude, phase = RNG.normal(size=(3, 6, 1, 100))
-    yield mean + amplitude * np.sin(RNG.integers(1, 3, (6, 1, 100)) * turn + 9.0 * phase)
-    yield from (random_cycles(60, points) for points in (5, 40))
-    yield from (line(mu, np.linspace(0.01, 1.5, 12), points=161) for mu in (0.0, 0.1, 0.6))
-
-
-@compiled
-@pytest.mark.slow
-@pytest.mark.parametrize(("sum_k", "product_k"), [(0.0, 0.0), (1.0, 0.0), (0.0, 0.3)])
-def test_no_larger_plane_is_found_from_many_more(sum_k, product_k):
-    """Newton's steps from the best of 700 planes."""
-    number = np.arange(700) + 0.5
-    across, turn = np.sqrt(1.0 - (1.0 - number / 700) ** 2), np.pi * (1.0 + 5**0.5) * number
-    normals = np.stack((across * np.cos(turn), across * np.sin(turn), 1.0 - number / 700), axis=1)
-    for cycles in many_cycles():
-        found = np.empty(cycles.shape[2])
-        fatigue.critical_plane(found, paths(cycles), sum_k, product_k)
-        within = room(cycles.shape[1])
-        for path, value in zip(paths(cycles), found, strict=True):
-            given = path, sum_k, product_k, within
-            each = np.array([fatigue._plane(path, n, *given[1:])[0] for n in normals])
-            near = normals[each > 0.97 * each.max()]
-            best = max(fatigue._maximised(normal.copy(), *given) for normal in near)
-            assert value >= best * (1.0 - fatigue.ENOUGH)
 
 
 @pytest.mark.slow
