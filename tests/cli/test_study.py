@@ -169,7 +169,7 @@ def test_every_fault_of_a_study_is_told(call, folder):
         (["nowhere"], "is not the folder of a study"),
         (["done", "--figures", "b", "--quantity", "Qz"], "no quantity Qz"),
         (["done", "--figures", "b", "--at", "friction.mu=0.3"], "has no value 0.3"),
-        (["done", "--figures", "b", "--at", "friction.mu"], "no key and value"),
+        (["done", "--figures", "b", "--at", "friction.mu"], "table.key=value"),
         (["done", "--csv", "no/folder/a.csv"], "cannot be written"),
     ],
 )

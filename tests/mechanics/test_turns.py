@@ -22,7 +22,11 @@ def rolled(turns, revolutions):
 
 def test_bodies_of_equal_circumference_come_round_as_one_bit_for_bit():
     entering, leaving = np.random.default_rng(1).uniform(size=(2, 100))
-    for turns in (Turns.of(SHARE, 32.5, 32.5), Turns.of(SHARE, -32.5, 32.5), Turns.equal(SHARE)):
+    for turns in (
+        Turns.from_radii(SHARE, 32.5, 32.5),
+        Turns.from_radii(SHARE, -32.5, 32.5),
+        Turns.equal(SHARE),
+    ):
         assert turns.gain == 1.0
         np.testing.assert_array_equal(turns.next(entering, leaving), leaving)
         for body in "AB":
@@ -34,23 +38,28 @@ def test_bodies_of_equal_circumference_come_round_as_one_bit_for_bit():
 def test_each_body_keeps_its_share_of_the_passes_that_it_turned(radius_B):
     """Behind the last pass: of those before it as many as came round, and that pass."""
     ratio = 30.0 / radius_B
-    entering, leaving = rolled(Turns.of(SHARE, 30.0, radius_B), 11)
-    A, B = (Turns.of(SHARE, 30.0, radius_B).of_body(body, entering, leaving) for body in "AB")
+    entering, leaving = rolled(Turns.from_radii(SHARE, 30.0, radius_B), 11)
+    A, B = (
+        Turns.from_radii(SHARE, 30.0, radius_B).of_body(body, entering, leaving) for body in "AB"
+    )
     np.testing.assert_allclose(A, 0.3 * 11 * WORN, rtol=1e-12)  # rounding
     np.testing.assert_allclose(B, 0.7 * (10 * ratio + 1) * WORN, rtol=1e-12)
     np.testing.assert_allclose(A + B, leaving, rtol=1e-12)
 
 
 def test_the_turns_of_the_round_body_are_counted():
-    turns, swapped = Turns.of(SHARE, math.inf, 20.0), Turns.of({"A": 0.7, "B": 0.3}, 20.0, math.inf)
+    turns, swapped = (
+        Turns.from_radii(SHARE, math.inf, 20.0),
+        Turns.from_radii({"A": 0.7, "B": 0.3}, 20.0, math.inf),
+    )
     assert turns.per_count == {"A": 0.0, "B": 1.0}
     assert turns.gain == swapped.gain == pytest.approx(0.7, rel=1e-15)
 
 
 def test_swapped_bodies_gain_as_much_on_the_way():
     """Per distance rolled, of which a revolution of A takes 2 pi R_A."""
-    turns = Turns.of(SHARE, 30.0, 10.0)
-    swapped = Turns.of({"A": 0.7, "B": 0.3}, 10.0, 30.0)
+    turns = Turns.from_radii(SHARE, 30.0, 10.0)
+    swapped = Turns.from_radii({"A": 0.7, "B": 0.3}, 10.0, 30.0)
     assert turns.gain / 30.0 == pytest.approx(swapped.gain / 10.0, rel=1e-14)  # rounding
 
 

@@ -72,5 +72,5 @@ def test_courses_replace_the_value_at_rest_in_the_summary():
         )
         for name in ("traction-control", "fretting")
     }
-    assert "xi_x by its course" in rolling["traction-control"]
-    assert "Q_x by its course" in rolling["fretting"]
+    assert "xi_x as in [transient]" in rolling["traction-control"]
+    assert "Q_x as in [transient]" in rolling["fretting"]

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import tractive_sam as ts
-from tractive_sam.scene.starter_text import starter
+from tractive_sam.scene.commented_scene import commented_scene
 from tractive_sam.schema import Table, key_groups
 
 GROUPS = {name: group for group in key_groups(ts.Scene) for name in group.names}
@@ -44,7 +44,7 @@ def test_help_lists_the_keys():
 
 @pytest.mark.parametrize("name", ts.builtin_names())
 def test_a_file_to_start_from_is_the_same_scene_with_words(name):
-    text = starter(name)
+    text = commented_scene(name)
     assert ts.Scene.from_toml_text(text) == ts.Scene.builtin(name)
     for table in ("body.A", "load", "wear", "solver"):
         for key in GROUPS[table].keys:
@@ -53,7 +53,7 @@ def test_a_file_to_start_from_is_the_same_scene_with_words(name):
 
 def test_no_such_scene():
     with pytest.raises(ts.SceneError):
-        starter("nonsense")
+        commented_scene("nonsense")
 
 
 def tables():

@@ -124,7 +124,7 @@ def test_its_text_holds_the_blocks(loads):
     assert again.fingerprint() == scene.replace(duty=scene.duty).fingerprint()
     assert scene.replace(duty=scene.duty).load_history is None
     assert not scene.replace(load_history=None).duty
-    assert not scene.alone.duty
+    assert not scene.without_blocks.duty
     assert scene.blocks[0].load_history is None
     longer = scene.replace(**{"wear.revolutions": 2000})
     assert longer.duty == scene.duty

@@ -30,8 +30,8 @@ def test_a_transient_goes_along_its_distance_and_wears_on_the_way(start, rolls):
     assert (schedule.end, schedule.save) == (5, (0, 2, 5))
     assert (schedule.rolls, schedule.shifts, schedule.revolves) == (rolls, not rolls, False)
     assert schedule.courses == {"load.normal": (0.1, 0.4, 0.2)}
-    assert scene.heaviest.load.normal == 0.4
-    assert scene.heaviest.schedule.end == 0
+    assert scene.under_largest_load.load.normal == 0.4
+    assert scene.under_largest_load.schedule.end == 0
 
 
 @pytest.mark.parametrize(

@@ -77,7 +77,7 @@ def read_scene(name: str, settings: list[str] | None) -> "Scene":
 
     with warnings_told() as notes:
         try:
-            scene = _from_standard_input() if name == STANDARD_INPUT else Scene.named(name)
+            scene = _from_standard_input() if name == STANDARD_INPUT else Scene.from_name(name)
         except SceneError:
             _refuse_other_files(name)
             raise

@@ -32,10 +32,10 @@ def scenes(
 
 def _write(name: str) -> None:
     from tractive_sam.output_file import write_file
-    from tractive_sam.scene import starter
+    from tractive_sam.scene import commented_scene
 
     path = Path(f"{name}.toml")
     with bad_input_told():
-        text = starter(name)
+        text = commented_scene(name)
         write_file(path, text, exclusive=True)
     tell(path)

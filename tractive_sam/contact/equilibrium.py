@@ -102,7 +102,7 @@ def fitted_blocks(model: Model) -> tuple[Model, tuple[State, ...]]:
     contacts = _as_they_are(model)
     for _ in range(GROWTHS):
         # Beyond a measured gap from which the mesh was chosen there is nothing to grow into.
-        chosen = not model.scene.bounded and model.scene.hertz is not None
+        chosen = not model.scene.has_fixed_domain and model.scene.hertz is not None
         if all(one.status is not Status.OFF_GRID for one in contacts) or not chosen:
             break
         model = model.on(grown(model.grid))

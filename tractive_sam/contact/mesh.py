@@ -93,7 +93,7 @@ def choose_grid(
 def _usual_grid(scene: Scene, measured: Gap | None, finer: float) -> Grid:
     """Return the mesh of a scene by its contact, or by the extent of its gap."""
     wears, shifts_only = scene.wear is not None, scene.schedule.shifts
-    scene = scene.heaviest
+    scene = scene.under_largest_load
     length = elements = None
     if scene.grid is not None:
         length, elements = scene.grid.half_length, scene.grid.elements

@@ -152,7 +152,10 @@ def rough_maps(
     half_length : tuple of float
         Half lengths of the mesh, mm: that of the contact where the radii do not close.
     """
-    e_star, pressure = scene.material.plane_strain_modulus, _pressure(scene.heaviest, half_length)
+    e_star, pressure = (
+        scene.material.plane_strain_modulus,
+        _pressure(scene.under_largest_load, half_length),
+    )
     if measured is not None:
         yield "gap", Roughness(measured, e_star, pressure)
     if profiles:

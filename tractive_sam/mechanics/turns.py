@@ -33,7 +33,7 @@ class Turns:
         return cls(share, {"A": 1.0, "B": 1.0})
 
     @classmethod
-    def of(cls, share: Mapping[str, float], radius_A: float, radius_B: float) -> "Turns":
+    def from_radii(cls, share: Mapping[str, float], radius_A: float, radius_B: float) -> "Turns":
         """Rolling without slip: revolutions of A are counted or, where A is flat, of B.
 
         Parameters

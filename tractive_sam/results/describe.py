@@ -9,7 +9,7 @@ import numpy as np
 from tractive_sam.results.balance import SteadyBalance, balance_of
 from tractive_sam.results.quantity import BODIES, Quantity
 from tractive_sam.results.recorded import Recorded
-from tractive_sam.scene import describe_load, near_edge, pressure_notes
+from tractive_sam.scene import describe_load, edge_notes, pressure_notes
 
 DEPTH_OF_STRESS = 0.6
 """Depth of the largest stress over the smaller semi-axis: 0.48 of a circle, 0.79 of a line."""
@@ -108,7 +108,7 @@ def caveats(history: Recorded) -> dict[str, str]:
     }
     half = history["half_width_y"]
     widest = 2.0 * float(half[np.isfinite(half)].max(initial=0.0))
-    told["width"] = "; ".join(near_edge(history.scene, widest))
+    told["width"] = "; ".join(edge_notes(history.scene, widest))
     return {name: text for name, text in told.items() if text}
 
 

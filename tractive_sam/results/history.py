@@ -26,7 +26,7 @@ from tractive_sam.results.record import Record
 from tractive_sam.results.state import State
 from tractive_sam.results.status import Cost, Status
 from tractive_sam.results.stored_fields import BOUND, FIELDS, OUTSIDE, WARM, kept_fields
-from tractive_sam.scene import Scene, label
+from tractive_sam.scene import Scene, block_label
 
 if TYPE_CHECKING:
     import pandas
@@ -333,7 +333,7 @@ class History:
     @property
     def block_names(self) -> list[str]:
         """Names of the blocks of a duty cycle, in order; none of another history."""
-        return [label(self.scene, k) for k in range(len(self.scene.duty))]
+        return [block_label(self.scene, k) for k in range(len(self.scene.duty))]
 
     @property
     def planes(self) -> tuple[tuple[str, str], ...]:

@@ -403,7 +403,7 @@ class State:
     @property
     def creepage_found(self) -> tuple[float, float]:
         """Longitudinal and lateral creepage where a force is prescribed; nan where it is given."""
-        forced_x, forced_y = self.scene.forced
+        forced_x, forced_y = self.scene.has_prescribed_force
         return self.xi_x if forced_x else math.nan, self.xi_y if forced_y else math.nan
 
     @cached_property

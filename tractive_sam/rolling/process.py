@@ -314,7 +314,7 @@ class Process(ABC, Generic[AnyStep]):
             yield last
         while True:
             for step in process.advance(last):
-                if step.off_grid and not self.model.scene.bounded and growths < GROWTHS:
+                if step.off_grid and not self.model.scene.has_fixed_domain and growths < GROWTHS:
                     growths += 1
                     wider = grown(process.model.grid, step.contact.at_edge)
                     process, last = process.on(wider), last.on(wider)

@@ -21,7 +21,7 @@ from tractive_sam.rolling.adaptive import adaptive_passages
 from tractive_sam.rolling.damage import Damage
 from tractive_sam.rolling.passage import Passage, ProfilePoint, adopted, begun, next_passage, unworn
 from tractive_sam.rolling.process import Process, Recorder, StoredStep
-from tractive_sam.scene import Scene, Spectrum, label
+from tractive_sam.scene import Scene, Spectrum, block_label
 
 GROWING = 14
 """Jumps of adaptive stepping while the revolutions rolled grow e-fold (benchmarks/wear.py)."""
@@ -171,7 +171,7 @@ class DutyCycle(Revolutions):
         if step.converged or len(step.contacts) == 1:
             return place
         block = self.spectrum.places.index(step.contacts.index(step.contact))
-        return f"{place}{label(self.model.scene, block)}: "
+        return f"{place}{block_label(self.model.scene, block)}: "
 
 
 def _share_of_alike(spectrum: Spectrum) -> np.ndarray:

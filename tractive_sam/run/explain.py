@@ -125,7 +125,7 @@ def _model_of(scene: Scene) -> tuple[Model, Refined | None]:
         return model, None
     memory.check_solve(model)
     chosen = with_tolerances(scene)
-    found = refined(chosen.alone, measured)
+    found = refined(chosen.without_blocks, measured)
     return Model(chosen, measured, found.model.grid), found
 
 

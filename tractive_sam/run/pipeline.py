@@ -98,7 +98,7 @@ def solve(
     True
     """
     given.check_scene(scene)
-    scene = scene.alone
+    scene = scene.without_blocks
     model_of = given.model_of(laws, solver)
     measured = measured_gap(scene)
     model = model_of(scene, measured)

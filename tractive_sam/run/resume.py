@@ -213,7 +213,7 @@ def _on_grid_of(scene: Scene, measured: Gap | None, last: Step, path: str | Path
         grid = reaching(before, (*scene.grid.half_length, 0.5)[:2])
     else:
         grid = choose_grid(scene, measured)
-        if not scene.bounded:  # it may have grown
+        if not scene.has_fixed_domain:  # it may have grown
             grid = reaching(grid, before.half_length)
     if grid == before:
         return last

@@ -1,4 +1,4 @@
-"""The scene: what is asked, checked as a whole before anything is computed.
+"""The tables of a scene, and the checks of them before anything is computed.
 
 Tables and keys are those of a scene file; units mm, N, MPa, degrees, revolutions.
 """

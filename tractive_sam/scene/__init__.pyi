@@ -1,15 +1,16 @@
-"""What `scene` lets out, for `__init__.py` and for type checkers."""
+"""What `scene` exports, for `__init__.py` and for type checkers."""
 
 from .bodies import Bodies as Bodies
 from .bodies import Body as Body
 from .catalogue import builtin_names as builtin_names
+from .commented_scene import commented_scene as commented_scene
 from .describe import describe_load as describe_load
 from .duty import Block as Block
 from .duty import BlockCreepage as BlockCreepage
 from .duty import BlockFriction as BlockFriction
 from .duty import BlockLoad as BlockLoad
 from .duty import Spectrum as Spectrum
-from .duty import label as label
+from .duty import block_label as block_label
 from .fatigue import Fatigue as Fatigue
 from .fatigue import FatigueVolume as FatigueVolume
 from .friction import Friction as Friction
@@ -17,7 +18,7 @@ from .gap import ALONG as ALONG
 from .gap import LENGTHS as LENGTHS
 from .gap import TEXTS as TEXTS
 from .gap import Gap as Gap
-from .gap import files_anywhere as files_anywhere
+from .gap import allow_missing_files as allow_missing_files
 from .heat import Bulk as Bulk
 from .heat import Heat as Heat
 from .heat import Thermal as Thermal
@@ -25,14 +26,15 @@ from .load_history import Binned as Binned
 from .load_history import LoadHistory as LoadHistory
 from .load_history import blocks_of as blocks_of
 from .override import parse_settings as parse_settings
+from .parametric_files import FILE_KEYS as FILE_KEYS
+from .parametric_files import resolve_parametric_files as resolve_parametric_files
 from .plane import Plane as Plane
-from .plausibility import near_edge as near_edge
+from .plausibility import edge_notes as edge_notes
 from .plausibility import pressure_notes as pressure_notes
 from .process import ProcessTable as ProcessTable
 from .resolution import FewestElements as FewestElements
 from .scene import Scene as Scene
 from .schedule import Schedule as Schedule
-from .starter_text import starter as starter
 from .tables import MOST_ELEMENTS as MOST_ELEMENTS
 from .tables import Accuracy as Accuracy
 from .tables import Creepage as Creepage
@@ -46,8 +48,6 @@ from .transient import FrictionCourse as FrictionCourse
 from .transient import LoadCourse as LoadCourse
 from .transient import Profiles as Profiles
 from .transient import Transient as Transient
-from .varied import FILES as FILES
-from .varied import files_of_varied as files_of_varied
 from .wear import Wear as Wear
 from .wear_laws import BY_COEFFICIENT as BY_COEFFICIENT
 from .wear_laws import PER_INTENSITY as PER_INTENSITY

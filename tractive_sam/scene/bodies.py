@@ -1,4 +1,4 @@
-"""The two bodies: what they are made of and how they are curved."""
+"""The two bodies: elastic constants, radii and hardness."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from .tables import Load
 
 
 class Body(Table):
-    """One of the two bodies: elastic constants, radii of curvature and hardness.
+    """A body: elastic constants, radii of curvature and hardness.
 
     Examples
     --------
@@ -45,42 +45,41 @@ class Body(Table):
 
     young: Positive | None = entry("Young's modulus, MPa", default=None)
     shear: Positive | None = entry("shear modulus, MPa", default=None)
-    poisson: Real = entry("Poisson's ratio", "a number from 0 to 0.5", ge=0, le=0.5)
+    poisson: Real = entry("Poisson's ratio", ge=0, le=0.5)
     radius_x: Radius = entry("radius in the rolling direction, mm", "a number, or inf (flat)")
-    radius_y: Radius = entry("radius across it, mm", "a number, or inf (flat)")
+    radius_y: Radius = entry("radius in the lateral direction, mm", "a number, or inf (flat)")
     hardness: Positive = entry(
-        "hardness, in the unit of the other body's: only their ratio counts, the worn depth is "
-        "shared in inverse proportion; of both bodies or of none; MPa for the wear law jendel",
+        "hardness, in any unit: the bodies wear in inverse proportion to it; for both bodies or "
+        "for none; in MPa for the wear law jendel",
         default=1.0,
     )
     width: Positive | None = entry(
-        "width across the rolling direction, mm, half of it to either side of y = 0; edges are not "
-        "modelled, and a note tells where the contact comes near one",
+        "lateral width, mm, centred at y = 0; edges are not modelled, and a note is printed if the "
+        "contact is near an edge",
         default=None,
     )
     density: Positive = entry(
         "density, kg/m3, for the worn mass; by default steel's", default=7850.0
     )
-    thermal: Thermal | None = entry("what it conducts heat by", default=None)
+    thermal: Thermal | None = entry("thermal properties", default=None)
     checks: ClassVar[tuple[Check, ...]] = (exactly_one("young", "shear"),)
 
     @property
     def material(self) -> Material:
-        """The elastic constants."""
+        """Elastic constants."""
         if self.shear is not None:
             return Material(self.shear, self.poisson)
         return Material.from_young(self.young, self.poisson)
 
 
-def _hardness_of_both(entries: ValidEntries) -> Iterator[Fault]:
+def _check_hardness_of_both(entries: ValidEntries) -> Iterator[Fault]:
+    """Report the hardness of one body only."""
     given = [body for body in "AB" if f"{body}.hardness" in entries.given]
     if len(given) == 1:
         (other,) = set("AB") - set(given)
-        cure = (
-            "that of both bodies, or of none: only their ratio counts, which shares the worn depth"
-        )
-        hardness = entries[f"{given[0]}.hardness"]  # a faulty one is told as such
-        yield Fault(f"{other}.hardness", f"nothing, and {hardness:g} of body {given[0]}", cure)
+        cure = "a hardness for both bodies or for none: their ratio gives the shares in the wear"
+        hardness = entries[f"{given[0]}.hardness"]  # if valid; otherwise it has its own fault
+        yield Fault(f"{other}.hardness", f"nothing, and {hardness:g} for body {given[0]}", cure)
 
 
 class Bodies(Table):
@@ -97,7 +96,7 @@ class Bodies(Table):
 
     A: Body = entry("the upper body")
     B: Body = entry("the lower body")
-    checks: ClassVar[tuple[Check, ...]] = (_hardness_of_both,)
+    checks: ClassVar[tuple[Check, ...]] = (_check_hardness_of_both,)
 
     def describe(self, scene: Any) -> Iterator[Row]:
         """See `Table.describe`."""
@@ -112,17 +111,17 @@ class Bodies(Table):
 
     @property
     def materials(self) -> dict[str, Material]:
-        """The elastic constants of each body."""
+        """Elastic constants of each body."""
         return {"A": self.A.material, "B": self.B.material}
 
     @property
     def material(self) -> CombinedMaterial:
-        """The elastic constants of the pair."""
+        """Elastic constants of the pair."""
         return combine(self.A.material, self.B.material)
 
     @property
     def radii(self) -> tuple[float, float]:
-        """Combined radii in x and in y, mm: inf for flat, negative where bodies do not fit."""
+        """Combined radii in x and in y, mm: inf for flat, negative if the bodies do not fit."""
         return (
             combined_radius(self.A.radius_x, self.B.radius_x),
             combined_radius(self.A.radius_y, self.B.radius_y),
@@ -130,19 +129,19 @@ class Bodies(Table):
 
     @property
     def wear_share(self) -> dict[str, float]:
-        """Share of each body in the depth worn: inverse to its hardness (paper, eq. 34)."""
+        """Share of each body in the worn depth: inverse to its hardness (paper, eq. 34)."""
         total = self.A.hardness + self.B.hardness
         return {"A": self.B.hardness / total, "B": self.A.hardness / total}
 
     @property
     def infinitely_long(self) -> bool:
-        """Whether both have ``radius_y = inf``: without a [gap] they touch along a line."""
+        """Whether both bodies have ``radius_y = inf``: without a [gap] this is a line contact."""
         return self.A.radius_y == self.B.radius_y == math.inf
 
     def hertz(self, load: Load) -> HertzContact | HertzLine | None:
-        """The unworn contact under a load; None unless the radii close on each other.
+        """Return the Hertz contact under a load; None if the radii give no closed contact.
 
-        Of infinitely long bodies, that of a line, under a load per length.
+        Infinitely long bodies have a line contact under a load per length.
         """
         radius_x, radius_y = self.radii
         e_star = self.material.plane_strain_modulus
@@ -156,7 +155,7 @@ class Bodies(Table):
         return hertz(e_star, radius_x, radius_y, **given)
 
     def normal_load(self, load: Load) -> float | None:
-        """The normal load, N or N/mm, as given or of a given peak pressure; None of others."""
+        """Return the normal load, N or N/mm, given or from the pressure; None for an approach."""
         if load.pressure is None:
             return load.normal
         contact = self.hertz(load)

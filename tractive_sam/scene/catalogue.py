@@ -10,7 +10,7 @@ from tractive_sam.schema import Fault, SceneError, shorten, suggest_name
 
 
 def builtin_names() -> tuple[str, ...]:
-    """Names of the built-in scenes, in alphabetical order.
+    """Return the names of the built-in scenes, in alphabetical order.
 
     Examples
     --------
@@ -21,19 +21,19 @@ def builtin_names() -> tuple[str, ...]:
     return tuple(sorted(f.name.removesuffix(".toml") for f in files if f.name.endswith(".toml")))
 
 
-def names_file(name: str | PathLike[str]) -> bool:
-    """Whether a scene is asked for by the path of a file, be it there or not, or by its name."""
+def is_path(name: str | PathLike[str]) -> bool:
+    """Return whether a scene is given by the path of a file, existing or not, or by its name."""
     path = Path(name)
     return path.suffix == ".toml" or len(path.parts) > 1 or path.exists()
 
 
 def builtin_text(name: str) -> str:
-    """TOML text of a built-in scene.
+    """Return the TOML text of a built-in scene.
 
     Raises
     ------
     SceneError
-        If there is none of this name.
+        If there is no such scene.
     """
     names = builtin_names()
     if name not in names:

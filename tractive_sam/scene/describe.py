@@ -1,8 +1,4 @@
-"""Describe a scene: each table gives its rows, and summaries and reports are made from them.
-
-`Table.describe` is the convention: it returns the rows of a table that is given. Of a table that is
-absent, `Table.effect` names what is left out. The table of an array has `describe_array` as well.
-"""
+"""Summaries of a scene, made from the rows of its tables (`Table.describe`)."""
 
 from __future__ import annotations
 
@@ -18,30 +14,35 @@ from tractive_sam.schema import describe_tables
 def describe_load(
     scene: Any, keys: Iterable[str] = ("load", "wear", "load_history", "duty")
 ) -> dict[str, str]:
-    """Describe the load, the wear and the blocks of a scene: text by label, for reports of a run.
+    """Describe the load, the wear and the blocks of a scene, for the report of a run.
 
     Parameters
     ----------
     scene : Scene
         The scene.
     keys : iterable of str
-        Tables whose brief rows are returned.
+        Tables with the rows to return.
+
+    Returns
+    -------
+    dict of str to str
+        Text of the brief rows by their label.
     """
     rows = describe_tables(scene)
     return {row.label: row.text for key in keys for row in rows[key] if row.brief}
 
 
 def summarize(scene: Any) -> dict[str, str]:
-    """Describe a scene in a few lines: text by label; other tables are only named."""
-    found, others = {"title": scene.title or "none"}, []
+    """Return a short description of a scene: text by label; other tables are only named."""
+    summary, others = {"title": scene.title or "none"}, []
     for key, rows in describe_tables(scene).items():
         brief = {row.label: row.text for row in rows if row.brief}
-        found |= brief
+        summary |= brief
         if not brief and key in scene.model_fields_set and getattr(scene, key) is not None:
             others.append(f"[{key}]")
     if others:
-        found["other tables"] = ", ".join(sorted(others))
-    return found
+        summary["other tables"] = ", ".join(sorted(others))
+    return summary
 
 
 def format_summary(scene: Any) -> str:
@@ -50,24 +51,24 @@ def format_summary(scene: Any) -> str:
 
 
 def draw_summary(scene: Any) -> Html:
-    """Return the summary of a scene as a table for notebooks, beside its contact ellipse."""
+    """Return the summary of a scene as HTML for notebooks, with the contact ellipse."""
     return html_table(summarize(scene), _ellipse(scene.hertz))
 
 
 def format_pair(first: float, second: float) -> str:
-    """Return one number where both are equal, else both in parentheses."""
+    """Return one number if both are equal, else both in parentheses."""
     return f"{first:g}" if first == second else f"({first:g}, {second:g})"
 
 
 def _ellipse(hertz: Any, side: int = 190) -> Html:
-    """Return the unworn contact by Hertz as vectors, true to scale, x upwards.
+    """Return a drawing (SVG) of the Hertz contact ellipse, true to scale, x upwards.
 
     Parameters
     ----------
     hertz : HertzContact or HertzLine or None
-        The contact; nothing is drawn without one, nor of one that is infinitely long.
+        The contact; the result is empty for None and for a line contact.
     side : int
-        Side of the picture, pixels.
+        Side of the drawing, pixels.
     """
     if hertz is None or math.isinf(hertz.b):
         return Html()

@@ -1,11 +1,11 @@
-"""A duty cycle: blocks of load, creepage, friction and lateral place, repeated in their order."""
+"""Load spectrum: blocks of load, creepage, friction and lateral position, repeated in order."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from tractive_sam.schema import (
     Check,
@@ -24,12 +24,9 @@ from tractive_sam.schema import (
 from .describe import format_pair
 from .override import override
 
-if TYPE_CHECKING:
-    from .scene import Scene
-
 
 class BlockLoad(Table):
-    """What a block changes of [load]; one of the alternatives removes the others.
+    """Load of a block, in place of [load]; one of the alternatives removes the others.
 
     Examples
     --------
@@ -39,7 +36,7 @@ class BlockLoad(Table):
 
     normal: Positive | None = entry("normal load P, N; of a line contact N/mm", default=None)
     approach: Positive | None = entry(
-        "approach of the bodies, mm, from the first touch of the unworn ones", default=None
+        "approach of the bodies, mm, from the first touch of the unworn bodies", default=None
     )
     pressure: Positive | None = entry("peak contact pressure p0 by Hertz, MPa", default=None)
     force_x: Real | None = entry("prescribed force Q_x on body A, N or N/mm", default=None)
@@ -48,7 +45,7 @@ class BlockLoad(Table):
 
 
 class BlockCreepage(Table):
-    """What a block changes of [creepage].
+    """Creepage of a block, in place of [creepage].
 
     Examples
     --------
@@ -63,7 +60,7 @@ class BlockCreepage(Table):
 
 
 class BlockFriction(Table):
-    """What a block changes of [friction].
+    """Friction of a block, in place of [friction].
 
     Examples
     --------
@@ -72,34 +69,30 @@ class BlockFriction(Table):
     """
 
     mu: OptionalOrthotropicPositive = entry(
-        "friction coefficients along the axes e1, e2", "a number above 0, or a pair of them", None
+        "friction coefficients along the axes e1, e2", default=None
     )
-    angle: Real | None = entry(
-        "angle from x to e1, degrees", "a number from -360 to 360", None, ge=-360, le=360
-    )
+    angle: Real | None = entry("angle from x to e1, degrees", default=None, ge=-360, le=360)
 
 
 class Block(Table):
-    """A block of a duty cycle, [[duty]]: what it changes of the scene, and for how long.
+    """A block of a load spectrum, [[duty]]: its revolutions, and what it changes of the scene.
 
     Examples
     --------
     >>> heavy = ts.Block(revolutions=100, load={"normal": 450.0})
     >>> light = ts.Block(revolutions=900, creepage={"longitudinal": -0.001})
     >>> spectrum = discs.replace(duty=(heavy, light), **{"wear.revolutions": 5000})
-    >>> [one.normal_load for one in spectrum.blocks]
+    >>> [block.normal_load for block in spectrum.blocks]
     [450.0, 300.0]
     """
 
-    name: str = entry("what the block is called", "a text", "")
-    revolutions: int = entry(
-        "revolutions of the block in a cycle", "a whole number from 1 to 1e12", ge=1, le=10**12
-    )
-    load: BlockLoad = entry("what it changes of the load", default=BlockLoad())
-    creepage: BlockCreepage = entry("what it changes of the creepage", default=BlockCreepage())
-    friction: BlockFriction = entry("what it changes of friction", default=BlockFriction())
+    name: str = entry("name of the block", default="")
+    revolutions: int = entry("revolutions of the block in a cycle of the spectrum", ge=1, le=10**12)
+    load: BlockLoad = entry("load of the block", default=BlockLoad())
+    creepage: BlockCreepage = entry("creepage of the block", default=BlockCreepage())
+    friction: BlockFriction = entry("friction of the block", default=BlockFriction())
     shift_y: Real = entry(
-        "lateral place of the running band on both bodies, mm: contact and radii are centred there",
+        "lateral position of the running band on both bodies, mm; the radii are centred there",
         default=0.0,
     )
 
@@ -108,22 +101,22 @@ class Block(Table):
         """Yield a row for each of the first blocks of the array, as `Table.describe` does."""
         for k, block in enumerate(scene.duty[: SceneError.most_listed]):
             share = f"{block.revolutions} of {scene.spectrum.cycle} revolutions"
-            yield Row(label(scene, k), f"{share}: {block.describe_changes()}", brief=True)
+            yield Row(block_label(scene, k), f"{share}: {block.describe_changes()}", brief=True)
         if len(tables) > SceneError.most_listed:
             yield Row("other blocks", f"{len(tables) - SceneError.most_listed} more", brief=True)
 
     def describe_changes(self) -> str:
-        """Describe what it changes of the scene."""
+        """Describe the changes of the scene."""
         changes = [
             f"{key} = {format_pair(*value) if isinstance(value, tuple) else format(value, 'g')}"
             for key, value in self.changes.items()
         ]
         changes += [f"shift_y = {self.shift_y:g} mm"] if self.shift_y else []
-        return ", ".join(changes) or "as the other tables of the scene"
+        return ", ".join(changes) or "no changes of the scene"
 
     @property
     def changes(self) -> dict[str, Any]:
-        """What it changes of a scene, by dotted key."""
+        """Changes of the scene, by dotted key."""
         given = self.entries()
         return {
             f"{table}.{key}": value
@@ -134,40 +127,41 @@ class Block(Table):
 
 @dataclass(frozen=True)
 class Spectrum:
-    """The blocks of a scene, each different one once.
+    """Load spectrum of a scene, in which equal blocks are counted once.
 
     Attributes
     ----------
     scenes : tuple of Scene
-        Of the different ones.
+        Scenes of the different blocks.
     shifts : tuple of float
-        Their lateral places, mm.
+        Their lateral positions, mm.
     revolutions : tuple of int
-        What each is rolled in a cycle.
+        Revolutions of each different block in a cycle.
     places : tuple of int
-        Which of them each block of the scene is.
+        For each block of the scene its index among the different blocks.
     each : tuple of int
         Revolutions of each block of the scene.
     """
 
-    scenes: tuple[Scene, ...]
+    scenes: tuple[Any, ...]
     shifts: tuple[float, ...]
     revolutions: tuple[int, ...]
     places: tuple[int, ...]
     each: tuple[int, ...]
 
     @classmethod
-    def of(cls, blocks: tuple[Block, ...], scenes: tuple[Scene, ...]) -> Spectrum:
-        """The spectrum of blocks and their scenes."""
-        seen: dict[str, int] = {}
+    def from_blocks(cls, blocks: tuple[Block, ...], scenes: tuple[Any, ...]) -> Spectrum:
+        """Return the spectrum of blocks and their scenes."""
+        different: dict[str, int] = {}
         places = [
-            seen.setdefault(json.dumps([scene.fingerprint(), block.shift_y]), len(seen))
+            different.setdefault(json.dumps([scene.fingerprint(), block.shift_y]), len(different))
             for block, scene in zip(blocks, scenes, strict=True)
         ]
-        first = [places.index(k) for k in range(len(seen))]
+        first = [places.index(k) for k in range(len(different))]
         each = tuple(block.revolutions for block in blocks)
         counts = [
-            sum(n for n, k in zip(each, places, strict=True) if k == j) for j in range(len(seen))
+            sum(n for n, k in zip(each, places, strict=True) if k == j)
+            for j in range(len(different))
         ]
         shifts = tuple(blocks[k].shift_y for k in first)
         return cls(tuple(scenes[k] for k in first), shifts, tuple(counts), tuple(places), each)
@@ -178,22 +172,22 @@ class Spectrum:
         return sum(self.each)
 
     def block_at(self, revolution: int) -> int:
-        """Which of the different ones a revolution is of, counted from 1."""
-        left = (revolution - 1) % self.cycle
+        """Return the index of the different block of a revolution, counted from 1."""
+        remaining = (revolution - 1) % self.cycle
         for n, place in zip(self.each, self.places, strict=True):
-            if left < n:
+            if remaining < n:
                 return place
-            left -= n
+            remaining -= n
         raise AssertionError
 
 
-def block_scenes(scene: Scene) -> tuple[Scene, ...]:
-    """The scene of each block, which stands alone.
+def block_scenes(scene: Any) -> tuple[Any, ...]:
+    """Return a scene without [[duty]] for each block.
 
     Raises
     ------
     SceneError
-        With the faults of each, by its place in [[duty]].
+        With the faults of all blocks, by their places in [[duty]].
     """
     entries = scene.entries()
     for key in ("duty", "load_history"):
@@ -201,71 +195,90 @@ def block_scenes(scene: Scene) -> tuple[Scene, ...]:
     scenes, faults = [], []
     for k, block in enumerate(scene.duty):
         try:
-            scenes.append(type(scene)(**override(entries, _titled(scene, k) | block.changes)))
+            title = ", ".join(filter(None, (scene.title, block_label(scene, k))))
+            scenes.append(type(scene)(**override(entries, {"title": title} | block.changes)))
         except SceneError as error:
-            faults += [_of_block(fault, k, block) for fault in error.faults]
+            faults += [_block_fault(fault, k) for fault in error.faults]
     if faults:
         raise SceneError(faults)
     return tuple(scenes)
 
 
-def _titled(scene: Scene, k: int) -> dict[str, Any]:
-    return {"title": ", ".join(filter(None, (scene.title, label(scene, k))))}
-
-
-def label(scene: Scene, k: int) -> str:
-    """What a block is called."""
+def block_label(scene: Any, k: int) -> str:
+    """Return the name of a block, or its key."""
     return scene.duty[k].name or f"duty[{k}]"
 
 
-def _of_block(fault: Fault, k: int, block: Block) -> Fault:
-    """A fault of its scene as one of the block, where it is of what the block gives."""
+def _block_fault(fault: Fault, k: int) -> Fault:
+    """Return a fault of the scene of a block with the key of the block."""
     table = fault.key.split(".")[0]
     if table in ("load", "creepage", "friction"):
         return Fault(f"duty[{k}].{fault.key}", fault.given, fault.allowed)
     return Fault(f"duty[{k}]", f"{fault.key}: {fault.given}", fault.allowed)
 
 
-def _named_apart(blocks: tuple[Block, ...]) -> Iterator[Fault]:
-    seen: set[str] = set()
+def _check_block_names(blocks: tuple[Block, ...]) -> Iterator[Fault]:
+    """Report blocks with the name of another block."""
+    names: set[str] = set()
     for k, block in enumerate(blocks):
-        if block.name and block.name in seen:
+        if block.name and block.name in names:
             yield Fault(f"duty[{k}].name", block.name, "a name that no other block has")
-        seen.add(block.name)
+        names.add(block.name)
 
 
-def duty_fits(entries: ValidEntries) -> Iterator[Fault]:
-    """Check what the blocks need of the other tables."""
+def check_blocks(entries: ValidEntries) -> Iterator[Fault]:
+    """Report blocks that do not fit the other tables."""
     duty: tuple[Block, ...] = entries["duty"]
     if not duty:
         return
-    yield from _named_apart(duty)
+    yield from _check_block_names(duty)
     if entries["transient"] is not None:
-        yield Fault("duty", "with [transient]", "one of them: blocks are of steady rolling")
+        yield Fault(
+            "duty", "with [transient]", "[[duty]] or [transient]: blocks are steady rolling"
+        )
         return
     wear = entries["wear"]
     if wear is None:
-        yield Fault("duty", "without [wear]", "only with a [wear] table: blocks are rolled")
+        yield Fault("duty", "without [wear]", "a [wear] table with the revolutions to roll")
     elif (cycle := sum(block.revolutions for block in duty)) > wear.revolutions:
         given = f"a cycle of {cycle} revolutions"
-        yield Fault("duty", given, f"at most the {wear.revolutions} of wear.revolutions")
+        yield Fault("duty", given, f"at most {wear.revolutions} revolutions, as wear.revolutions")
     gap, line = entries["gap"], entries["body"].infinitely_long
     for k, block in enumerate(duty):
         if block.shift_y and (gap is not None or line):
-            what = "with a [gap], which is that of one place" if gap else "in a line contact"
-            yield Fault(f"duty[{k}].shift_y", f"{block.shift_y:g} {what}", "0, or radii in y")
+            reason = "with a [gap], which holds at one position" if gap else "in a line contact"
+            allowed = "0; a shift needs radii in y"
+            yield Fault(f"duty[{k}].shift_y", f"{block.shift_y:g} {reason}", allowed)
 
 
-def off_the_mesh(scene: Scene, scenes: tuple[Scene, ...]) -> Iterator[Fault]:
-    """Find blocks whose contact does not lie on the given mesh."""
+def cycle_notes(scene: Any, largest_error: float = 0.01) -> Iterator[str]:
+    """Yield a note for an incomplete last cycle, and for levels that change the frictional work.
+
+    Parameters
+    ----------
+    scene : Scene
+        A scene with [[duty]].
+    largest_error : float
+        Relative error of the work above which there is a note.
+    """
+    cycle, revolutions = scene.spectrum.cycle, scene.wear.revolutions
+    if revolutions % cycle:
+        yield f"duty: the last of {revolutions} / {cycle} cycles is incomplete"
+    error = scene.load_history.work_error if scene.load_history else None
+    if error is not None and error > largest_error:
+        change = f"the mean of load x creepage by {error:.1%}"
+        yield f"load_history: the levels change {change}; increase load_history.levels"
+
+
+def check_blocks_on_mesh(scene: Any, scenes: tuple[Any, ...]) -> Iterator[Fault]:
+    """Report blocks with a contact outside the given mesh."""
     given = None if scene.grid is None else scene.grid.half_length
     if given is None:
         return
-    half = given[-1]  # in a line contact, which has none in y, no block shifts
-    for k, (block, one) in enumerate(zip(scene.duty, scenes, strict=True)):
-        reach = abs(block.shift_y) + (0.0 if one.hertz is None else one.hertz.b)
+    half = given[-1]  # a line contact has no half length in y, and no shifts
+    for k, (block, block_scene) in enumerate(zip(scene.duty, scenes, strict=True)):
+        reach = abs(block.shift_y) + (0.0 if block_scene.hertz is None else block_scene.hertz.b)
         if block.shift_y and reach > half:
             cure = f"at most {half - reach + abs(block.shift_y):.4g}, or a wider grid.half_length"
-            yield Fault(
-                f"duty[{k}].shift_y", f"{block.shift_y:g}: off the mesh of +-{half:g}", cure
-            )
+            outside = f"{block.shift_y:g}: outside the mesh of +-{half:g}"
+            yield Fault(f"duty[{k}].shift_y", outside, cure)

@@ -1,4 +1,4 @@
-"""The [fatigue] table: what the cycles of stress do to the material."""
+"""The [fatigue] table: shakedown, fatigue criterion and Woehler curve of the material."""
 
 from __future__ import annotations
 
@@ -24,55 +24,58 @@ from tractive_sam.schema import (
     shorten,
 )
 
-from .tables import distinct
+from .tables import check_distinct
 
-SENSITIVITIES = {
+_SENSITIVITIES = {
     "dang-van": (1.5, "3 (tau_e/sigma_e - 1/2)"),
     "crossland": (3.0 - math.sqrt(3.0), "3 tau_e/sigma_e - sqrt 3"),
     "findley": (10.0, "k, sigma_e/tau_e = 2 / (1 + k/sqrt(1 + k²))"),
     "fatemi-socie": (10.0, "k"),
 }
-"""Of each criterion that has one: up to which sensitivity it is valid, and what that is. The first
-two have the fatigue limit in torsion reach that in bending there."""
+"""Upper bound and definition of the sensitivity, for each criterion with a sensitivity. At the
+bounds of the first two the fatigue limit in torsion equals that in bending."""
 
-MOST_EXPONENT = 100.0
-"""Of a Woehler line: with more, a per cent of the stress is a factor of e in the life."""
+_MOST_EXPONENT = 100.0
+"""Exponent of a Woehler curve for which 1 % of the stress changes the life by a factor of e."""
 
 
-def _something_asked(entries: ValidEntries) -> Iterator[Fault]:
+def _check_table_has_purpose(entries: ValidEntries) -> Iterator[Fault]:
+    """Report a table with neither a yield stress nor a limit."""
     if not entries.given & {"shear_yield", "yield_strength", "limit"}:
         cure = "shear_yield or yield_strength for shakedown, limit for utilisation and damage"
-        yield Fault("limit", "nothing, and no yield", cure)
+        yield Fault("limit", "nothing, and no yield stress", cure)
 
 
-def _sensitivity_of_the_criterion(entries: ValidEntries) -> Iterator[Fault]:
+def _check_sensitivity(entries: ValidEntries) -> Iterator[Fault]:
+    """Report a sensitivity that the criterion needs, does not have, or does not allow."""
     criterion, given = entries["criterion"], entries["sensitivity"]
     if isinstance(criterion, NamedLaw):
         return
-    if criterion not in SENSITIVITIES:
+    if criterion not in _SENSITIVITIES:
         if given is not None:
-            yield Fault("sensitivity", shorten(given), f'nothing: "{criterion}" has none')
+            yield Fault("sensitivity", shorten(given), f'nothing: "{criterion}" has no sensitivity')
         return
-    most, meaning = SENSITIVITIES[criterion]
-    allowed = f'from 0 to below {most:.4g} for "{criterion}" ({meaning})'
+    upper, meaning = _SENSITIVITIES[criterion]
+    allowed = f'from 0 to below {upper:.4g} for "{criterion}" ({meaning})'
     if given is None:
         if entries["limit"] is not None:
             yield Fault("sensitivity", "nothing", allowed)
-    elif given >= most:
+    elif given >= upper:
         yield Fault("sensitivity", shorten(given), allowed)
 
 
-def _yield_of_the_criterion(entries: ValidEntries) -> Iterator[Fault]:
+def _check_yield_of_criterion(entries: ValidEntries) -> Iterator[Fault]:
+    """Report a criterion that needs a yield stress, without one."""
     if entries["criterion"] != "fatemi-socie" or entries["limit"] is None:
         return
     if not entries.given & {"shear_yield", "yield_strength"}:
-        yield Fault("yield_strength", "nothing", 'a number above 0: "fatemi-socie" divides by it')
+        yield Fault("yield_strength", "nothing", 'a number above 0, which "fatemi-socie" needs')
 
 
 class FatigueVolume(Table):
-    """Life of the whole volume under stress, with the probability that all of it survives.
+    """Life of the stressed volume for a probability of survival (Weibull).
 
-    By Lundberg and Palmgren, or with a stress that does no harm by Ioannides and Harris; see
+    According to Lundberg and Palmgren, or with a stress limit to Ioannides and Harris; see
     `ts.VolumeLife`.
 
     Examples
@@ -82,46 +85,48 @@ class FatigueVolume(Table):
     """
 
     constant: float | None = entry(
-        "constant of the material, N, mm and cycles; without it there is no life",
-        "a number from 1e-100 to 1e100",
-        None,
+        "material constant, N, mm and cycles; without it no life is computed",
+        default=None,
         ge=1e-100,
         le=1e100,
     )
     survival: float = entry(
-        "probability that all of the volume survives the life",
-        "a number above 0 and below 1",
-        0.9,
+        "probability of survival of the complete volume",
+        default=0.9,
         gt=0.0,
         lt=1.0,
     )
-    slope: Positive | None = entry("slope of Weibull; by itself 10/9, of a line 9/8", default=None)
-    limit: NotNegative = entry("stress that does no harm, MPa", "a number of at least 0", 0.0)
+    slope: Positive | None = entry(
+        "Weibull slope; default 10/9, for a line contact 9/8", default=None
+    )
+    limit: NotNegative = entry("stress below which there is no damage, MPa", default=0.0)
     stress_exponent: Positive = entry(
-        "exponent of the stress", "a number above 0, at most 100", 31.0 / 3.0, le=MOST_EXPONENT
+        "exponent of the stress", default=31.0 / 3.0, le=_MOST_EXPONENT
     )
-    depth_exponent: NotNegative = entry(
-        "exponent of the depth", "a number from 0 to 10", 7.0 / 3.0, le=10.0
-    )
+    depth_exponent: NotNegative = entry("exponent of the depth", default=7.0 / 3.0, le=10.0)
 
 
-def _limit_of_the_volume(entries: ValidEntries) -> Iterator[Fault]:
+def _check_limit_of_volume(entries: ValidEntries) -> Iterator[Fault]:
+    """Report [fatigue.volume] without the limit of the criterion."""
     if entries["volume"] is not None and entries["limit"] is None:
-        yield Fault("limit", "nothing", "a number above 0: [fatigue.volume] takes the criterion")
+        yield Fault(
+            "limit",
+            "nothing",
+            "a number above 0: [fatigue.volume] needs the utilisation of the criterion",
+        )
 
 
 CriterionName = Literal["dang-van", "crossland", "findley", "fatemi-socie", "orthogonal-shear"]
 
 
 class Fatigue(LawTable):
-    """What rolling does to the material: shakedown, fatigue, and damage while it wears.
+    """Shakedown limits, fatigue criterion, and damage of the material while it wears.
 
-    With a yield stress there are the loads up to which the material can become elastic; with the
-    limit of a criterion there are its utilisation and, by a Woehler line, the damage. All stress
-    is elastic.
+    A yield stress gives the shakedown limits. The limit of a criterion gives its utilisation and,
+    with a Woehler curve, the damage. All stress is elastic.
 
-    A criterion of another package has its parameters as further keys. It takes the `yield_stress`
-    in tension from the scene if it has a parameter of this name.
+    Parameters of a criterion of another package are further keys. If it has a parameter
+    `yield_stress` (in tension), it is taken from the scene.
 
     Examples
     --------
@@ -144,30 +149,27 @@ class Fatigue(LawTable):
         None,
     )
     limit: Positive | None = entry(
-        "limit of the criterion, MPa: utilisation is the equivalent stress over it", default=None
+        "limit of the criterion, MPa: utilisation is the equivalent stress over this limit",
+        default=None,
     )
     cycles: Positive = entry("life at a utilisation of 1, cycles", default=1e7)
     exponent: Positive = entry(
-        "exponent of the Woehler line, life = cycles * utilisation ** -exponent",
-        f"a number above 0, at most {MOST_EXPONENT:g}",
-        10.0,
-        le=MOST_EXPONENT,
+        "exponent of the Woehler curve, life = cycles * utilisation ** -exponent",
+        default=10.0,
+        le=_MOST_EXPONENT,
     )
-    knee: bool = entry("whether life is infinite below a utilisation of 1", "true or false", False)
+    knee: bool = entry("whether life is infinite below a utilisation of 1", default=False)
     depth: Positive = entry("depth, in units of the semi-axis a", default=1.5)
-    elements: int = entry(
-        "points over the depth", "a whole number from 8 to 1e4", 24, ge=8, le=10**4
+    elements: int = entry("number of points over the depth", default=24, ge=8, le=10**4)
+    bodies: Annotated[tuple[Literal["A", "B"], ...], AfterValidator(check_distinct)] = entry(
+        "bodies whose fatigue is computed", default=("A", "B"), min_length=1
     )
-    bodies: Annotated[tuple[Literal["A", "B"], ...], AfterValidator(distinct)] = entry(
-        "bodies that are followed", 'a list of "A" and "B"', ("A", "B"), min_length=1
-    )
-    volume: FatigueVolume | None = entry("life of the whole volume under stress", default=None)
+    volume: FatigueVolume | None = entry("life of the stressed volume", default=None)
     tolerance: float = entry(
-        "share of the largest damage: a jump of the stepping that would miss more than 0.3 of it "
-        "is made shorter; what all miss together is the column damage_error, "
-        "with the effects of the order of blocks and of the points of stress paths",
-        "a number from 1e-6 to 1",
-        1e-2,
+        "error of the damage over the largest damage; the stepping shortens a jump with an error "
+        "above 0.3 of this tolerance; the column damage_error gives the error of all jumps, of the "
+        "order of blocks and of the points of stress paths",
+        default=1e-2,
         ge=1e-6,
         le=1.0,
     )
@@ -176,48 +178,48 @@ class Fatigue(LawTable):
     law_fields: ClassVar[tuple[str, ...]] = ("sensitivity",)
     checks: ClassVar[tuple[Check, ...]] = (
         not_both("shear_yield", "yield_strength"),
-        _something_asked,
-        _sensitivity_of_the_criterion,
-        _yield_of_the_criterion,
-        _limit_of_the_volume,
+        _check_table_has_purpose,
+        _check_sensitivity,
+        _check_yield_of_criterion,
+        _check_limit_of_volume,
     )
 
     def describe(self, scene: Any) -> Iterator[Row]:
         """See `Table.describe`."""
         k, hertz = self.shear_yield_stress, scene.hertz
-        shakedown = "left out: there is no shear_yield or yield_strength"
+        shakedown = "left out: neither shear_yield nor yield_strength is given"
         if k is not None:
             bounds = "certain by Melan (rho_xx and rho_yy), impossible by Koiter"
             shakedown = f"k = {k:.6g} MPa: {bounds}"
         yield Row("bodies", ", ".join(self.bodies))
         yield Row("shakedown", shakedown)
         if k is not None and hertz is not None:
-            ratio = f"{hertz.p0 / k:.3g} unworn; without friction a line shakes down up to 4"
+            ratio = f"{hertz.p0 / k:.3g} unworn; shakedown limit of a frictionless line contact: 4"
             yield Row("p0/k", ratio)
         if self.limit is None:
-            yield Row("utilisation and damage", "left out: there is no limit")
+            yield Row("utilisation and damage", "left out: limit is not given")
         else:
             life = f"{self.cycles:g} cycles at {self.limit:g} MPa, to the power -{self.exponent:g}"
             yield Row("life", f"{life}, infinite below" if self.knee else life)
         yield Row(
             "depths",
-            f"{self.elements} to {self.depth:g} a; between the surface and one element below it "
-            "stress changes with the root of the depth",
+            f"{self.elements} down to {self.depth:g} a; between the surface and the depth of one "
+            "element the stress changes with the square root of the depth",
         )
-        plastic = "above the shakedown limit the material yields, which is not modelled"
+        plastic = "yielding above the shakedown limit is not modelled"
         yield Row("stress", f"elastic: {plastic}")
-        yield Row("records", "every one; fields over (y, depth) with the fields that are stored")
+        yield Row("records", "all; fields over (y, depth) with the stored fields")
         missing = "bending, residual stress from manufacture, hardness over the depth"
-        yield Row("missing", missing)
+        yield Row("not included", missing)
 
     @property
     def yield_stress(self) -> float | None:
-        """Yield stress in tension, MPa, by whichever is given; None without."""
+        """Yield stress in tension, MPa, from either key; None if neither is given."""
         if self.yield_strength is not None:
             return self.yield_strength
         return None if self.shear_yield is None else math.sqrt(3.0) * self.shear_yield
 
     @property
     def shear_yield_stress(self) -> float | None:
-        """Yield stress in shear k, MPa, by whichever is given; None without."""
+        """Yield stress in shear k, MPa, from either key; None if neither is given."""
         return None if self.yield_stress is None else self.yield_stress / math.sqrt(3.0)

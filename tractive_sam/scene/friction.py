@@ -29,85 +29,91 @@ from tractive_sam.schema import (
 
 from .describe import format_pair
 
-MOST_ORTHOTROPIC = 100.0
-"""Ratio of the friction coefficients up to which contacts are known to be solved."""
 
-
-def _at_rest(friction: dict[str, Any]) -> tuple[float, float]:
-    """The coefficients at rest, where only they are given; without them mu is not known."""
+def _mu_at_rest(friction: dict[str, Any]) -> tuple[float, float]:
+    """Return the coefficients at rest as `mu`; raise a KeyError if they are not given."""
     if friction["static"] is None:
         raise KeyError("static")
     return friction["static"]
 
 
-def _axes_alike(entries: ValidEntries) -> Iterator[Fault]:
+def _check_ratio_of_coefficients(entries: ValidEntries, largest: float = 100.0) -> Iterator[Fault]:
+    """Report coefficients with a ratio above the largest one for which the solvers are tested."""
     mu = entries["mu"]
-    if max(mu) > MOST_ORTHOTROPIC * min(mu) * (1.0 + 1e-12):
-        allowed = f"one coefficient at most {MOST_ORTHOTROPIC:g} times the other"
+    if max(mu) > largest * min(mu) * (1.0 + 1e-12):
+        allowed = f"one coefficient at most {largest:g} times the other"
         yield Fault("mu", f"{mu[0]:g} and {mu[1]:g}", allowed)
 
 
-FALLING = ("kinetic", "half_speed")
-"""What a law that falls with the speed of sliding is given by."""
+_FALLING = ("kinetic", "half_speed")
+"""Keys of a law that falls with the sliding speed."""
 
-POLACH = ("A", "B")
-"""What Polach's may be given by in its place."""
+_POLACH = ("A", "B")
+"""Keys of Polach's law that may replace them."""
 
 
-def _warmer(pairs: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+def _check_temperatures_ascend(
+    pairs: tuple[tuple[float, float], ...],
+) -> tuple[tuple[float, float], ...]:
+    """Return the pairs; raise a ValueError unless their temperatures ascend."""
     if any(late[0] <= early[0] for early, late in pairwise(pairs)):
-        raise ValueError("pairs [temperature, factor] whose temperatures ascend")
+        raise ValueError("pairs [temperature, factor] with ascending temperatures")
     return pairs
 
 
-Factors = Annotated[tuple[tuple[Real, Positive], ...], AfterValidator(_warmer)]
+Factors = Annotated[tuple[tuple[Real, Positive], ...], AfterValidator(_check_temperatures_ascend)]
 
 
 def describe_factors(factors: tuple[tuple[float, float], ...] | None) -> str:
-    """Describe factors over the surface temperature by the first and the last; empty without."""
+    """Describe factors over the surface temperature by the first and the last; empty if None."""
     if factors is None:
         return ""
-    (cold, least), (hot, most) = factors[0], factors[-1]
-    ends = f"times {least:g} at {cold:g} degC to {most:g} at {hot:g} degC"
-    return f"; {ends} of the surface"
+    (cold, first), (hot, last) = factors[0], factors[-1]
+    ends = f"times {first:g} at {cold:g} degC to {last:g} at {hot:g} degC"
+    return f"; {ends} of surface temperature"
 
 
-def _law_is_given(entries: ValidEntries) -> Iterator[Fault]:
+def _check_parameters_of_law(entries: ValidEntries) -> Iterator[Fault]:
+    """Report parameters that a law needs or does not have."""
     law, given = entries["law"], entries.given
     if isinstance(law, NamedLaw):
         return
     if law == "constant":
-        idle = [key for key in ("static", *FALLING, *POLACH, "memory", "start") if key in given]
-        if idle:
-            cure = 'only with a law that falls: law = "exponential", "rational" or "polach"'
-            yield Fault(", ".join(idle), 'with law = "constant"', cure)
+        keys = ("static", *_FALLING, *_POLACH, "memory", "start")
+        if unused := [key for key in keys if key in given]:
+            cure = 'only with a falling law: law = "exponential", "rational" or "polach"'
+            yield Fault(", ".join(unused), 'with law = "constant"', cure)
         return
-    polach = [key for key in POLACH if key in given]
+    polach = [key for key in _POLACH if key in given]
     if polach and law != "polach":
-        yield Fault(", ".join(polach), f'with law = "{law}"', f"{' and '.join(FALLING)}")
+        yield Fault(", ".join(polach), f'with law = "{law}"', f"{' and '.join(_FALLING)}")
         return
-    if polach and given.intersection(FALLING):
-        told = f"together with {', '.join(key for key in FALLING if key in given)}"
-        yield Fault(", ".join(polach), told, f"{' and '.join(FALLING)}, or {' and '.join(POLACH)}")
+    if polach and given.intersection(_FALLING):
+        falling = f"with {', '.join(key for key in _FALLING if key in given)}"
+        allowed = f"{' and '.join(_FALLING)}, or {' and '.join(_POLACH)}"
+        yield Fault(", ".join(polach), falling, allowed)
         return
-    for key in POLACH if polach else FALLING:
+    for key in _POLACH if polach else _FALLING:
         if key not in given:
-            yield Fault(key, f'nothing, and law = "{law}"', "what the law falls to, and how fast")
+            allowed = f"{key}, which this law needs: it says to what friction falls, and how fast"
+            yield Fault(key, f'nothing, and law = "{law}"', allowed)
 
 
-def _kinetic_is_less(entries: ValidEntries) -> Iterator[Fault]:
+def _check_kinetic(entries: ValidEntries) -> Iterator[Fault]:
+    """Report kinetic coefficients that are larger than, or in another ratio than, those at rest."""
     mu, kinetic = entries["mu"], entries["kinetic"]
     if kinetic is None or entries["law"] == "constant":
         return
-    if any(less > more for less, more in zip(kinetic, mu, strict=True)):
-        allowed = f"at most the coefficient at rest, {_pair(mu)}"
-        yield Fault("kinetic", _pair(kinetic), allowed)
+    if any(low > high for low, high in zip(kinetic, mu, strict=True)):
+        allowed = f"at most the coefficient at rest, {_format_pair(mu)}"
+        yield Fault("kinetic", _format_pair(kinetic), allowed)
     elif not math.isclose(kinetic[0] * mu[1], kinetic[1] * mu[0], rel_tol=1e-9):
-        allowed = "a pair in the ratio of that at rest: one law scales both coefficients"
-        yield Fault("kinetic", _pair(kinetic), allowed)
+        allowed = "a pair in the ratio of the coefficients at rest: both fall by the same factor"
+        yield Fault("kinetic", _format_pair(kinetic), allowed)
 
 
-def _pair(mu: tuple[float, float]) -> str:
+def _format_pair(mu: tuple[float, float]) -> str:
+    """Return coefficients as in a scene file: one number if they are equal."""
     return f"{mu[0]:g}" if mu[0] == mu[1] else f"[{mu[0]:g}, {mu[1]:g}]"
 
 
@@ -115,13 +121,14 @@ FrictionName = Literal["constant", "exponential", "rational", "polach"]
 
 
 class Friction(LawTable):
-    """Orthotropic Coulomb friction; `angle` also turns the axes of the wear law.
+    """Friction: orthotropic Coulomb friction, constant or falling with the sliding speed.
 
-    Both coefficients may fall with the local speed of sliding s, in the same ratio:
-    kinetic + (static - kinetic) exp(-ln 2 s/half_speed), or .../(1 + s/half_speed).
+    With a falling law both coefficients fall by the same factor with the local sliding speed s:
+    kinetic + (static - kinetic) exp(-ln 2 s/half_speed), or .../(1 + s/half_speed). `angle` also
+    turns the axes of the wear law.
 
-    A law of another package has its parameters as further keys. It takes `mu`, `angle` in radians
-    and the rolling speed `speed` from the scene if it has parameters of these names.
+    Parameters of a law of another package are further keys. If it has parameters `mu`, `angle` (in
+    radians) or `speed` (rolling speed), they are taken from the scene.
 
     Examples
     --------
@@ -132,75 +139,68 @@ class Friction(LawTable):
     """
 
     static: OptionalOrthotropicPositive = entry(
-        "friction coefficients at rest, of a law that falls with sliding",
-        "a number above 0, or a pair of them",
-        None,
+        "friction coefficients at rest, for a falling law",
+        default=None,
     )
     mu: OrthotropicPositive = entry(
         "friction coefficients along the axes e1, e2",
-        "a number above 0, or a pair of them",
-        default_factory=_at_rest,
+        default_factory=_mu_at_rest,
     )
-    angle: Real = entry(
-        "angle from x to e1, degrees", "a number from -360 to 360", 0.0, ge=-360, le=360
-    )
+    angle: Real = entry("angle from x to e1, degrees", default=0.0, ge=-360, le=360)
     law: FrictionName | NamedLaw = entry(
-        "how friction falls with the local speed of sliding; all but the constant one need "
-        "creepage.speed; or a law of another package",
+        "friction law; all but the constant one fall with the local sliding speed and need "
+        "creepage.speed",
         allow_laws(get_args(FrictionName)),
         "constant",
     )
     kinetic: OptionalOrthotropicPositive = entry(
-        "friction coefficients at great speed",
-        "a number above 0, or a pair in the ratio of that at rest",
+        "friction coefficients at high sliding speed",
+        "a number above 0, or a pair in the ratio of the coefficients at rest",
         None,
     )
     half_speed: Positive | None = entry(
-        "speed of sliding at which half of the way to it is gone, mm/s", default=None
+        "sliding speed at which friction has fallen by half of the difference, mm/s", default=None
     )
     A: Real | None = entry(
-        "of Polach's law, in place of kinetic: what is left at great speed over that at rest",
-        "a number from 0 to 1",
-        None,
+        "friction at high speed over friction at rest, for Polach's law in place of kinetic",
+        default=None,
         ge=0,
         le=1,
     )
     B: Positive | None = entry(
-        "of Polach's law, in place of half_speed: its rate of decay, s/m", default=None
+        "rate of decay, s/m, for Polach's law in place of half_speed", default=None
     )
     memory: NotNegative = entry(
-        "distance slid over which the coefficients follow the speed, mm; 0: at once",
-        "a number of at least 0",
-        0.0,
+        "sliding distance over which the coefficients adapt to the speed, mm; 0: immediately",
+        default=0.0,
     )
     temperature: Factors | None = entry(
-        "factor on the coefficients over the surface temperature, degrees C, linear between the "
-        "pairs and constant beyond; needs [heat]",
+        "factor on the friction coefficients over the surface temperature, degrees C, linear "
+        "between the pairs and constant beyond; needs [heat]",
         "pairs [temperature, factor], the temperatures ascending, the factors above 0",
         None,
         min_length=1,
     )
-    strength: Positive | None = entry("shear strength that no traction exceeds, MPa", default=None)
-    layer: NotNegative = entry(
-        "shear compliance h/G3 of an interfacial layer, mm/MPa", "a number of at least 0", 0.0
+    strength: Positive | None = entry(
+        "shear strength: upper limit of the traction, MPa", default=None
     )
+    layer: NotNegative = entry("shear compliance h/G3 of an interfacial layer, mm/MPa", default=0.0)
     start: Literal["rest", "sliding"] = entry(
-        "where a falling law has several solutions: the one reached from friction at rest, or "
-        "that from friction at great speed",
-        '"rest" or "sliding"',
-        "rest",
+        "solution to compute where a falling law has several: reached from friction at rest, or "
+        "from friction at high sliding speed",
+        default="rest",
     )
     law_names: ClassVar[tuple[str, ...]] = get_args(FrictionName)
-    law_fields: ClassVar[tuple[str, ...]] = ("static", *FALLING, *POLACH, "memory", "strength")
+    law_fields: ClassVar[tuple[str, ...]] = ("static", *_FALLING, *_POLACH, "memory", "strength")
     checks: ClassVar[tuple[Check, ...]] = (
         exactly_one("mu", "static"),
-        _axes_alike,
-        _law_is_given,
-        _kinetic_is_less,
+        _check_ratio_of_coefficients,
+        _check_parameters_of_law,
+        _check_kinetic,
     )
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """See `Table.describe`: the law, and all that it depends on."""
+        """See `Table.describe`: the law and its dependences."""
         mu1, mu2 = self.mu
         text = f"isotropic, mu = {mu1:g}"
         if mu1 != mu2:
@@ -208,22 +208,23 @@ class Friction(LawTable):
         if self.share is not None:
             text += self._describe_fall(*self.share)
         if self.named_law:
-            text += f", by the law {self.named_law}"
+            text += f", with the law {self.named_law}"
         text += describe_factors(self.temperature)
         if self.strength is not None:
-            text += f"; no more than {self.strength:g} MPa"
+            text += f"; traction at most {self.strength:g} MPa"
         if self.layer:
-            text += f"; through a layer of h/G3 = {self.layer:.4g} mm/MPa"
+            text += f"; interfacial layer with h/G3 = {self.layer:.4g} mm/MPa"
         yield Row("friction", text, brief=True)
 
-    def _describe_fall(self, least: float, half: float) -> str:
+    def _describe_fall(self, least: float, half_speed: float) -> str:
         """Describe how friction falls with the sliding speed."""
         kinetic = format_pair(least * self.mu[0], least * self.mu[1])
-        slid = f", after {self.memory:g} mm of sliding" if self.memory else ""
-        first = "great speed" if self.start == "sliding" else "rest"
+        memory = f", over {self.memory:g} mm of sliding" if self.memory else ""
+        start = "high sliding speed" if self.start == "sliding" else "rest"
         return (
-            f" at rest, falls to {kinetic}, {self.law}, half of the difference at {half:g} mm/s of "
-            f"sliding{slid}; of several solutions the one reached from {first}"
+            f" at rest, falls to {kinetic} ({self.law}), by half of the difference at a sliding "
+            f"speed of {half_speed:g} mm/s{memory}; of several solutions the one reached from "
+            f"{start}"
         )
 
     @property
@@ -233,13 +234,13 @@ class Friction(LawTable):
 
     @property
     def varies(self) -> bool:
-        """Whether the coefficients are other than at rest anywhere."""
+        """Whether the coefficients depend on speed, temperature or a strength."""
         falls = self.share is not None
         return falls or self.strength is not None or self.temperature is not None
 
     @property
     def share(self) -> tuple[float, float] | None:
-        """Share left at great speed, and the half speed, mm/s; None of what does not fall."""
+        """Friction at high speed over that at rest, and the half speed, mm/s; None if constant."""
         if self.law == "constant" or self.named_law:
             return None
         if self.A is not None:

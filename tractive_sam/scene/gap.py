@@ -1,4 +1,4 @@
-"""The [gap] table: a measured or worn separation, or profile, added to the radii."""
+"""The [gap] table: a measured or worn separation or profile, added to the radii."""
 
 from __future__ import annotations
 
@@ -27,53 +27,54 @@ from tractive_sam.schema import (
 )
 
 TEXTS = (".csv", ".txt", ".dat", ".tsv", ".xyz", ".asc")
-SUFFIXES = (".h5", ".npy", ".npz", *TEXTS)
-"""Formats of a gap file."""
+"""Suffixes of gap files that are text."""
 
 LENGTHS = {"m": 1e3, "mm": 1.0, "um": 1e-3, "nm": 1e-6}
-"""Units of lengths, mm."""
+"""Units of length, in mm."""
 
 ALONG = 1e6
-"""Distance to either side, mm, over which a profile across the track is the same."""
+"""Half length in x, mm, over which a profile across the track is constant."""
 
 _ARRAYS = ("x", "y", "separation")
 
 
-_ANYWHERE = ContextVar("gap files need not be there", default=False)
+_MAY_BE_MISSING = ContextVar("gap files may be missing", default=False)
 
 
 @contextmanager
-def files_anywhere() -> Iterator[None]:
-    """Let scenes name gap files that are not there: those that were computed, and then moved."""
-    before = _ANYWHERE.set(True)
+def allow_missing_files() -> Iterator[None]:
+    """Accept gap files that do not exist, as in results whose gap file was moved."""
+    before = _MAY_BE_MISSING.set(True)
     try:
         yield
     finally:
-        _ANYWHERE.reset(before)
+        _MAY_BE_MISSING.reset(before)
 
 
-def named(path: Path, suffixes: tuple[str, ...]) -> Path:
-    """The absolute path of a file, which need not be there.
+def absolute_path(path: Path, suffixes: tuple[str, ...]) -> Path:
+    """Return the absolute path of a file, which may be missing.
 
     Raises
     ------
     ValueError
-        If it ends in no such suffix.
+        If the path has none of the suffixes.
     """
     if path.suffix not in suffixes:
         raise ValueError(f"a file ending in {', '.join(suffixes)}")
-    return path.absolute()  # scenes are written down and read again, in other folders as well
+    return path.absolute()  # a scene may be written to, and read from, another folder
 
 
-def _existing(path: Path) -> Path:
-    found = named(path, SUFFIXES)
-    # os.path.isfile, unlike Path.is_file, puts up with any text.
-    if not _ANYWHERE.get() and not os.path.isfile(found):
+def _check_file(path: Path) -> Path:
+    """Return the absolute path of a gap file; raise a ValueError if there is no such file."""
+    absolute = absolute_path(path, (".h5", ".npy", ".npz", *TEXTS))
+    # os.path.isfile, unlike Path.is_file, accepts any text.
+    if not _MAY_BE_MISSING.get() and not os.path.isfile(absolute):
         raise ValueError("an existing file")
-    return found
+    return absolute
 
 
-def _array(value: Any) -> NDArray[np.float64]:
+def _read_array(value: Any) -> NDArray[np.float64]:
+    """Return a read-only array of finite numbers; raise a ValueError for other values."""
     if np.ma.is_masked(value):
         raise ValueError("an array without masked points")
     try:
@@ -89,23 +90,26 @@ def _array(value: Any) -> NDArray[np.float64]:
     return array
 
 
-def _axis(array: NDArray[np.float64]) -> NDArray[np.float64]:
+def _check_axis(array: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the array; raise a ValueError unless it increases."""
     if array.ndim != 1 or array.size < 2 or not np.all(np.diff(array) >= SMALLEST):
         raise ValueError("at least 2 increasing numbers")
     return array
 
 
-def _either_file_or_arrays(entries: ValidEntries) -> Iterator[Fault]:
+def _check_source(entries: ValidEntries) -> Iterator[Fault]:
+    """Report a file together with arrays, and missing arrays."""
     given = [key for key in _ARRAYS if key in entries.given]
     if "file" in entries.given and given:
-        yield Fault("file", f"together with {', '.join(given)}", "a file or the arrays, not both")
+        yield Fault("file", f"with {', '.join(given)}", "a file or the arrays, not both")
     elif "file" not in entries.given:
         for key in _ARRAYS:
             if key not in given:
                 yield Fault(key, "nothing", "a file, or all of x, y and separation")
 
 
-def _fitting_shape(entries: ValidEntries) -> Iterator[Fault]:
+def _check_shape(entries: ValidEntries) -> Iterator[Fault]:
+    """Report a separation with another shape than x and y."""
     if not entries.given.issuperset(_ARRAYS):
         return
     x, y, separation = (entries[key] for key in _ARRAYS)
@@ -114,32 +118,34 @@ def _fitting_shape(entries: ValidEntries) -> Iterator[Fault]:
         yield Fault("separation", shape, f"the shape ({x.size}, {y.size}), a row for each x")
 
 
-def _heights_of_a_body(entries: ValidEntries) -> Iterator[Fault]:
+def _check_direction(entries: ValidEntries) -> Iterator[Fault]:
+    """Report the direction of heights without the body that has them."""
     if "positive" in entries.given and "body" not in entries.given:
-        cure = "gap.body as well: only heights of a body point out of it or into it"
+        cure = "nothing without gap.body: only heights of a body point outward or inward"
         yield Fault("positive", entries["positive"], cure)
 
 
-def _step_of_a_file(entries: ValidEntries) -> Iterator[Fault]:
+def _check_step(entries: ValidEntries) -> Iterator[Fault]:
+    """Report a spacing of points together with arrays."""
     if "step" in entries.given and "file" not in entries.given:
-        yield Fault("step", entries["step"], "a file that holds no x and y; arrays have theirs")
+        yield Fault("step", entries["step"], "a file; the arrays x and y give the spacing")
 
 
 _Unit = Literal["m", "mm", "um", "nm"]
 _UNITS = f"one of {', '.join(LENGTHS)}"
 
-_File = Annotated[FilePath, AfterValidator(_existing)]
-_Array = Annotated[np.ndarray, PlainValidator(_array)]
-_Axis = Annotated[_Array, AfterValidator(_axis)]
+_File = Annotated[FilePath, AfterValidator(_check_file)]
+_Array = Annotated[np.ndarray, PlainValidator(_read_array)]
+_Axis = Annotated[_Array, AfterValidator(_check_axis)]
 
 
 class Gap(Table):
     """A separation on a rectangular grid, or the heights of a body, from a file or as arrays.
 
-    `separation` has the shape (len(x), len(y)); without x it is a profile (len(y),), the same all
-    along the track. The arrays are read-only. Only the existence of
-    a file is checked here; a relative one is sought from the folder of the TOML file, or else from
-    the working folder, and absolute from then on. What a file may hold tells `store.read_gap`.
+    `separation` has the shape (len(x), len(y)); without x it is a profile (len(y),), constant along
+    the track. The arrays are read-only. A relative path starts from the folder of the TOML file, or
+    else from the working folder. Only the existence of the file is checked here; see
+    `store.read_gap` for its formats.
 
     Examples
     --------
@@ -149,44 +155,43 @@ class Gap(Table):
     True
     """
 
-    file: _File | None = entry("measured separation", "the path of a file", None)
+    file: _File | None = entry("file of the measured separation", default=None)
     x: _Axis | None = entry("x of the rows of separation, mm", "an array", None)
     y: _Axis | None = entry("y of the columns of separation, mm", "an array", None)
-    separation: _Array | None = entry("separation to add to the radii', mm", "an array", None)
+    separation: _Array | None = entry("separation added to that of the radii, mm", "an array", None)
     body: Literal["A", "B"] | None = entry(
-        "body whose heights are given in place of a separation", "A or B", None
+        "body, if its heights are given in place of a separation", default=None
     )
     positive: Literal["outward", "inward"] = entry(
-        "where positive heights point: out of the body (peaks) or into it (depths)",
-        "outward or inward",
-        "outward",
+        "direction of positive heights: out of the body (peaks) or into it (depths)",
+        default="outward",
     )
     unit: _Unit | None = entry(
-        "unit of the separation or the heights; else that in the file's header, or mm", _UNITS, None
+        "unit of the separation or the heights; default: that of the file header, or mm",
+        default=None,
     )
     length_unit: _Unit | None = entry(
-        "unit of x and y; else that in the file's header, or mm", _UNITS, None
+        "unit of x and y; default: that of the file header, or mm", default=None
     )
     step: PositivePair | None = entry(
-        "spacing of a matrix without x and y, in the unit of x and y; it is centred at 0",
-        "two numbers above 0",
-        None,
+        "spacing of a matrix without x and y, in the unit of x and y; the matrix is centred at 0",
+        default=None,
     )
     checks: ClassVar[tuple[Check, ...]] = (
-        _either_file_or_arrays,
-        _fitting_shape,
-        _heights_of_a_body,
-        _step_of_a_file,
+        _check_source,
+        _check_shape,
+        _check_direction,
+        _check_step,
     )
 
     def describe(self, scene: Any) -> Iterator[Row]:
         """See `Table.describe`."""
         source = self.file.name if self.file else "an array"
-        yield Row("separation", f"of the radii, and the measured one of [gap], {source}")
+        yield Row("separation", f"sum of that of the radii and that of [gap], {source}")
 
     @classmethod
     def unfold(cls, given: Mapping[Any, Any]) -> Mapping[Any, Any]:
-        """A profile across the track, without x, as the same all along it."""
+        """Return a profile across the track, given without x, as a separation constant in x."""
         profile = given.get("separation")
         row = isinstance(profile, list | tuple) and not any(map(np.ndim, profile))
         row = row or (isinstance(profile, np.ndarray) and profile.ndim == 1)
@@ -195,19 +200,24 @@ class Gap(Table):
         return {**given, "x": [-ALONG, ALONG], "separation": np.ma.array([profile, profile])}
 
     def in_mm(self, x: Any, y: Any, values: Any, units: tuple[str, str] = ("mm", "mm")) -> Any:
-        """x, y and separation in mm, of what was measured.
+        """Convert measured coordinates and values to mm.
 
         Parameters
         ----------
         x, y, values : ndarray
-            As measured, in the units of this table.
+            Coordinates, and separation or heights, in the units of this table.
         units : tuple of str
-            Of x and y, and of values, where this table has none.
+            Unit of x and y, and unit of the values, if this table has none.
+
+        Returns
+        -------
+        x, y, separation : ndarray
+            In mm.
         """
         length = LENGTHS[self.length_unit or units[0]]
         height = LENGTHS[self.unit or units[1]]
         if self.body is not None and self.positive == "outward":
-            height = -height  # what stands out of either body closes the gap
+            height = -height  # a peak of either body reduces the separation
         return length * x, length * y, height * values + 0.0
 
     def __eq__(self, other: object) -> bool:

@@ -1,4 +1,4 @@
-"""The [heat] table, and what the bodies conduct heat by."""
+"""The [heat] table, and the thermal properties of the bodies."""
 
 from __future__ import annotations
 
@@ -9,14 +9,9 @@ from tractive_sam.schema import Check, Fault, Positive, Real, Row, Table, ValidE
 
 ABSOLUTE_ZERO = -273.15
 
-_DEGREES = f"a number from {ABSOLUTE_ZERO}"
-
-LIKE_STEEL = (180e3, 230e3)
-"""Young's moduli, MPa, of bodies that are taken for steel where nothing else is said."""
-
 
 class Thermal(Table):
-    """What a body conducts heat by.
+    """Thermal properties of a body.
 
     Examples
     --------
@@ -46,11 +41,12 @@ class Bulk(Table):
     80.0
     """
 
-    A: Real = entry("bulk temperature of body A, degrees C", _DEGREES, 20.0, ge=ABSOLUTE_ZERO)
-    B: Real = entry("bulk temperature of body B, degrees C", _DEGREES, 20.0, ge=ABSOLUTE_ZERO)
+    A: Real = entry("bulk temperature of body A, degrees C", default=20.0, ge=ABSOLUTE_ZERO)
+    B: Real = entry("bulk temperature of body B, degrees C", default=20.0, ge=ABSOLUTE_ZERO)
 
 
-def _bulk_is_warm_enough(entries: ValidEntries) -> Iterator[Fault]:
+def _check_bulk(entries: ValidEntries) -> Iterator[Fault]:
+    """Report a bulk temperature below the absolute zero."""
     bulk = entries["bulk"]
     if not isinstance(bulk, Bulk) and bulk < ABSOLUTE_ZERO:
         yield Fault("bulk", f"{bulk:g}", f"at least {ABSOLUTE_ZERO}, in degrees C")
@@ -66,29 +62,29 @@ class Heat(Table):
     """
 
     bulk: Real | Bulk = entry(
-        "bulk temperature, degrees C, of both bodies or of each",
-        f"{_DEGREES}, or {{ A = ..., B = ... }}",
+        "bulk temperature, degrees C, for both bodies or for each",
+        f"a number of at least {ABSOLUTE_ZERO}, or {{ A = ..., B = ... }}",
         20.0,
     )
-    checks: ClassVar[tuple[Check, ...]] = (_bulk_is_warm_enough,)
+    checks: ClassVar[tuple[Check, ...]] = (_check_bulk,)
     effect: ClassVar[str] = "heat"
 
     def describe(self, scene: Any) -> Iterator[Row]:
         """See `Table.describe`."""
         bodies, bulk = scene.thermal, self.bulks
         for name, thermal in bodies.items():
-            given = "" if getattr(scene.body, name).thermal else " (steel, not given)"
+            given = "" if getattr(scene.body, name).thermal else " (steel, by default)"
             yield Row(
                 f"body {name}",
                 f"{thermal.conductivity:g} W/(m K), {thermal.diffusivity:.4g} mm2/s{given}, bulk "
                 f"{bulk[name]:g} degC",
             )
         equal = bodies["A"] == bodies["B"] and bulk["A"] == bulk["B"]
-        shared = "half to each body" if equal else "by equal temperatures in contact"
-        yield Row("shared", shared)
+        share = "half of the heat" if equal else "from equal surface temperatures in contact"
+        yield Row("share of each body", share)
         factors = scene.friction and scene.friction.temperature
-        coupled = "contact and temperature in turn" if factors else "no: the contact is solved once"
-        yield Row("friction depends on it", coupled)
+        coupled = "yes, iterated" if factors else "no: the contact is solved once"
+        yield Row("friction depends on temperature", coupled)
 
     @property
     def bulks(self) -> dict[str, float]:
@@ -97,67 +93,81 @@ class Heat(Table):
         return {"A": bulk.A, "B": bulk.B} if isinstance(bulk, Bulk) else dict.fromkeys("AB", bulk)
 
 
-def _thermal_of_both(entries: ValidEntries) -> Iterator[Fault]:
+def _check_thermal_of_both(entries: ValidEntries) -> Iterator[Fault]:
+    """Report thermal properties of one body only."""
     given = [body for body in "AB" if entries[f"body.{body}.thermal"] is not None]
     if len(given) == 1:
         (other,) = set("AB") - set(given)
-        cure = f"those of both bodies, or of none: that of {given[0]} is given"
+        cure = f"a table for both bodies or for none; body {given[0]} has one"
         yield Fault(f"body.{other}.thermal", "nothing", cure)
 
 
-def _heat_needs_speed(entries: ValidEntries) -> Iterator[Fault]:
+def _check_heat_has_speed(entries: ValidEntries) -> Iterator[Fault]:
+    """Report [heat] without the rolling speed."""
     if entries["heat"] is not None and entries["creepage.speed"] is None:
-        cure = "the rolling speed V, mm/s: [heat] is made by sliding, and carried away by rolling"
+        cure = "rolling speed V, mm/s, which [heat] needs"
         yield Fault("creepage.speed", "nothing", cure)
 
 
-def _heat_is_conducted(entries: ValidEntries) -> Iterator[Fault]:
+def _check_thermal_is_given(
+    entries: ValidEntries, steel: tuple[float, float] = (180e3, 230e3)
+) -> Iterator[Fault]:
+    """Report missing thermal properties of a body that is not steel.
+
+    Parameters
+    ----------
+    entries : ValidEntries
+        Entries of the scene.
+    steel : tuple of float
+        Range of Young's modulus, MPa, in which the default is steel.
+    """
     if entries["heat"] is None:
         return
-    for body in "AB":
-        one = entries[f"body.{body}"]
-        E = one.material.young
-        if one.thermal is None and not LIKE_STEEL[0] <= E <= LIKE_STEEL[1]:
+    for name in "AB":
+        body = entries[f"body.{name}"]
+        E = body.material.young
+        if body.thermal is None and not steel[0] <= E <= steel[1]:
             cure = (
-                "conductivity, density and heat_capacity; steel's are taken only of a Young's "
-                f"modulus from {LIKE_STEEL[0]:g} to {LIKE_STEEL[1]:g} MPa, and it is {E:g}"
+                "conductivity, density and heat_capacity; the default, steel, needs a Young's "
+                f"modulus from {steel[0]:g} to {steel[1]:g} MPa, and the body has {E:g} MPa"
             )
-            yield Fault(f"body.{body}.thermal", "nothing", cure)
+            yield Fault(f"body.{name}.thermal", "nothing", cure)
 
 
-def _temperature_needs_heat(entries: ValidEntries) -> Iterator[Fault]:
-    answering = [
+def _check_temperature_has_heat(entries: ValidEntries) -> Iterator[Fault]:
+    """Report laws that depend on the temperature, without [heat]."""
+    keys = [
         f"{table}.temperature"
         for table in ("friction", "wear")
         if entries[table] is not None and entries[f"{table}.temperature"] is not None
     ]
     if entries["heat"] is None:
-        cure = "only with a [heat] table, which gives the temperature"
-        yield from (Fault(key, "without [heat]", cure) for key in answering)
-    if "wear.temperature" in answering and entries["solver.method"] == "uzawa":
-        cure = "another solver.method: this one wears before the temperature is known"
+        cure = "a [heat] table, which gives the temperature"
+        yield from (Fault(key, "without [heat]", cure) for key in keys)
+    if "wear.temperature" in keys and entries["solver.method"] == "uzawa":
+        cure = 'solver.method = "auto", "newton" or "anderson"'
         yield Fault("wear.temperature", 'with solver.method = "uzawa"', cure)
 
 
-def _heat_of_transients(entries: ValidEntries) -> Iterator[Fault]:
-    """Refuse shifts, which take no time, and laws that a step does not take the temperature of."""
+def _check_heat_of_transient(entries: ValidEntries) -> Iterator[Fault]:
+    """Report [heat] with shifts, which take no time, and laws of a transient with temperature."""
     transient = entries["transient"]
     if transient is None or entries["heat"] is None:
         return
     if not transient.rolls:
-        cure = '"rest" or "steady": a shift takes no time, and how warm surfaces get depends on it'
-        yield Fault("transient.start", '"shift" together with [heat]', cure)
+        cure = '"rest" or "steady": temperature depends on time, and a shift takes no time'
+        yield Fault("transient.start", '"shift" with [heat]', cure)
     for table in ("friction", "wear"):
         if entries[table] is not None and entries[f"{table}.temperature"] is not None:
-            cure = "nothing: temperatures of a transient are computed, but do not act on its steps"
-            yield Fault(f"{table}.temperature", "together with [transient]", cure)
+            cure = "nothing: in a transient the laws do not depend on the temperature"
+            yield Fault(f"{table}.temperature", "with [transient]", cure)
 
 
 HEAT_CHECKS: tuple[Check, ...] = (
-    _thermal_of_both,
-    _heat_needs_speed,
-    _heat_is_conducted,
-    _temperature_needs_heat,
-    _heat_of_transients,
+    _check_thermal_of_both,
+    _check_heat_has_speed,
+    _check_thermal_is_given,
+    _check_temperature_has_heat,
+    _check_heat_of_transient,
 )
-"""What [heat] asks of the other tables."""
+"""Checks between [heat] and the other tables."""

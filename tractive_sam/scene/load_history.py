@@ -1,4 +1,4 @@
-"""A measured load history, and the blocks of a duty cycle that levels make of it."""
+"""A measured load history, and the blocks of a load spectrum that are made from it."""
 
 from __future__ import annotations
 
@@ -30,18 +30,12 @@ from tractive_sam.schema import (
 )
 
 from .duty import Block, BlockCreepage, BlockFriction, BlockLoad
-from .gap import named
+from .gap import absolute_path
 
 MOST_LEVELS = 1000
-"""Of a column."""
+"""Largest number of levels of a column."""
 
-MOST_REVOLUTIONS = 10**12
-"""Of a row."""
-
-DOUBTFUL = 0.01
-"""Error of the work that is worth a note."""
-
-BY_LEVELS = '"levels": every revolution wears by its own load, and ranges of load roll no distance'
+_BY_LEVELS = '"levels": wear depends on the load of every revolution, not on ranges of the load'
 
 _TABLES: dict[str, type[Table]] = {
     "load": BlockLoad,
@@ -49,33 +43,33 @@ _TABLES: dict[str, type[Table]] = {
     "friction": BlockFriction,
 }
 
-COLUMNS = {
+_COLUMNS = {
     **{key: f"{name}.{key}" for name, table in _TABLES.items() for key in table.model_fields},
     "shift_y": "shift_y",
     "revolutions": "revolutions",
 }
-"""Columns of a measured load history: the key of each in a block."""
+"""Key in a block for each column of a measured load history."""
 
-WORK_UNKNOWN = {"approach", "pressure", "force_x", "force_y"}
-"""Columns by which the normal load or the creepage is found only where the contact is solved."""
-
-_File = Annotated[FilePath, AfterValidator(lambda path: named(path, (".csv", ".txt")))]
+_File = Annotated[FilePath, AfterValidator(lambda path: absolute_path(path, (".csv", ".txt")))]
 
 
-def _found_together(entries: ValidEntries) -> Iterator[Fault]:
+def _check_results_of_binning(entries: ValidEntries) -> Iterator[Fault]:
+    """Report keys that are only written when the file is read."""
     given = entries.given & {"rows", "error", "work_error"}
     if given and not given >= {"rows", "error"}:
         first = min(given)
-        yield Fault(first, shorten(entries[first]), "nothing: it is written when the file is read")
+        yield Fault(
+            first, shorten(entries[first]), "nothing: the key is written when the file is read"
+        )
 
 
 class LoadHistory(Table):
     r"""A measured load history, [load_history]: its rows become the blocks of [[duty]].
 
     Each column is divided into levels of equal width between its extremes; revolutions in the same
-    level of every column become one block, with their mean. A relative file is sought from the
-    folder of the TOML file, or else from the working folder. What binning did is written beside it
-    when the file is read; a results file holds the blocks as well, and needs the file no more.
+    level of every column become one block, with their mean. A relative path starts from the folder
+    of the TOML file, or else from the working folder. The errors of the levels are written into the
+    table when the file is read. A results file contains the blocks, and does not need the file.
 
     Examples
     --------
@@ -84,46 +78,43 @@ class LoadHistory(Table):
     >>> _ = Path("loads.csv").write_text(rows)
     >>> table = {"file": "loads.csv", "levels": 2}
     >>> spectrum = discs.replace(load_history=table, **{"wear.revolutions": 2000})
-    >>> [(one.revolutions, round(one.load.normal, 1)) for one in spectrum.duty]
+    >>> [(block.revolutions, round(block.load.normal, 1)) for block in spectrum.duty]
     [(900, 304.4), (100, 450.0)]
     >>> spectrum.load_history.rows, round(spectrum.load_history.error["normal"], 4)
     (3, 0.0105)
     """
 
     file: _File = entry(
-        "CSV file, a line of names and then numbers: keys of [load], [creepage] and [friction] "
-        "such as normal and longitudinal, shift_y, and revolutions that each row stands for, "
-        "1 by default; in the units of a scene",
-        "the path of a file",
+        "CSV file: a line of column names, then numbers in the units of a scene; columns are keys "
+        "of [load], [creepage] and [friction] such as normal and longitudinal, shift_y, and "
+        "revolutions (number of revolutions of each row, default 1)",
     )
-    levels: Whole = entry(
-        "levels of each column", f"a whole number from 1 to {MOST_LEVELS}", 8, ge=1, le=MOST_LEVELS
-    )
-    binning: Literal["levels"] = entry("how rows become blocks", BY_LEVELS, "levels")
+    levels: Whole = entry("number of levels of each column", default=8, ge=1, le=MOST_LEVELS)
+    binning: Literal["levels"] = entry("method that makes blocks from rows", _BY_LEVELS, "levels")
     rows: int | None = entry(
-        "rows of the file", "not to be given: written when the file is read", None
+        "number of rows of the file", "not to be given: written when the file is read", None
     )
     error: dict[str, float] | None = entry(
-        "of each column, root mean square of what a revolution is off its block, over the largest "
-        "magnitude of the column",
+        "error of each column: root mean square of the difference of a revolution from its block, "
+        "over the largest magnitude of the column",
         "not to be given: written when the file is read",
         None,
     )
     work_error: float | None = entry(
-        "relative error of the mean of |load x creepage| over the revolutions, which Archard's law "
-        "wears by in full slip; unknown where columns give pressure, approach or forces",
+        "relative error of the mean of |load x creepage| over the revolutions, to which the wear "
+        "in full slip is proportional; unknown if columns give pressure, approach or forces",
         "not to be given: written when the file is read",
         None,
     )
-    checks: ClassVar[tuple[Check, ...]] = (_found_together,)
+    checks: ClassVar[tuple[Check, ...]] = (_check_results_of_binning,)
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """See `Table.describe`: the blocks made of the file, and their error."""
+        """See `Table.describe`: the blocks made from the file, and their errors."""
         binned = (self.error or {}).items()
         errors = ", ".join(f"{name} {error:.2%}" for name, error in binned if error)
         text = (
-            f"{self.rows} rows of {self.file.name} in {len(scene.duty)} blocks by {self.levels} "
-            "levels of each column; difference from the block, root mean square over the largest "
+            f"{self.rows} rows of {self.file.name} in {len(scene.duty)} blocks, {self.levels} "
+            "levels of each column; root mean square difference from the block over the largest "
             f"value: {errors or 'none'}"
         )
         work = "" if self.work_error is None else f"; load x creepage {self.work_error:.2%}"
@@ -135,24 +126,24 @@ class LoadHistory(Table):
 
 @dataclass(frozen=True)
 class Binned:
-    """A measured load history as blocks, and what binning did to it.
+    """Blocks made from a measured load history, and their errors.
 
     Attributes
     ----------
     blocks : tuple of Block
         The blocks, by ascending level of the first column that varies.
     error : mapping of str to float
-        By column, as of `LoadHistory`.
+        Error by column, see `LoadHistory`.
     work_error : float or None
-        As of `LoadHistory`.
+        Error of the work, see `LoadHistory`.
     rows : int
-        Rows that were measured.
+        Number of measured rows.
 
     Examples
     --------
     >>> measured = {"normal": [300.0, 310.0, 450.0, 440.0], "longitudinal": [-0.005] * 4}
     >>> binned = ts.blocks_of(measured, levels=2)
-    >>> [(one.revolutions, one.load.normal) for one in binned.blocks]
+    >>> [(block.revolutions, block.load.normal) for block in binned.blocks]
     [(2, 305.0), (2, 445.0)]
     >>> round(binned.error["normal"], 4)
     0.0111
@@ -164,41 +155,44 @@ class Binned:
     rows: int
 
 
-def with_blocks(tables: Mapping[Any, Any]) -> Mapping[Any, Any]:
-    """The tables of a scene, with the blocks of a load history that is not read yet.
+def add_blocks(tables: Mapping[Any, Any]) -> Mapping[Any, Any]:
+    """Return the tables of a scene with the blocks of its load history, if it is not read yet.
 
     Raises
     ------
     SceneError
-        With what is wrong with it.
+        With the faults of the load history.
     """
     given, blocks = tables.get("load_history"), tables.get("duty")
     if isinstance(blocks, Mapping):
-        cure = "a list of blocks, each begins with [[duty]]; a measured file is of [load_history]"
+        cure = (
+            "a list of blocks, each begins with [[duty]]; a measured file belongs to [load_history]"
+        )
         raise SceneError([Fault("duty", f"one table, {shorten(dict(blocks))}", cure)])
     if given is None:
         return tables
     try:
-        asked = given if isinstance(given, LoadHistory) else LoadHistory(**_table(given))
+        history = given if isinstance(given, LoadHistory) else LoadHistory(**_to_mapping(given))
         if blocks is not None:
-            if asked.rows is not None:
+            if history.rows is not None:
                 return tables
-            cure = "one of them: the rows of the history become the blocks"
-            raise SceneError([Fault("file", "together with [[duty]]", cure)])
-        binned = blocks_of(asked.file, asked.levels)
+            cure = "[load_history] or [[duty]]: the rows of the history become the blocks"
+            raise SceneError([Fault("file", "with [[duty]]", cure)])
+        binned = blocks_of(history.file, history.levels)
     except SceneError as error:
         faults = (
             replace(fault, key=fault.key.replace("measured", "file")) for fault in error.faults
         )
         raise SceneError(fault.under("load_history") for fault in faults) from None
-    found = {"rows": binned.rows, "error": dict(binned.error), "work_error": binned.work_error}
-    return {**tables, "load_history": asked.entries() | found, "duty": binned.blocks}
+    results = {"rows": binned.rows, "error": dict(binned.error), "work_error": binned.work_error}
+    return {**tables, "load_history": history.entries() | results, "duty": binned.blocks}
 
 
-def _table(given: Any) -> Mapping[Any, Any]:
+def _to_mapping(given: Any) -> Mapping[Any, Any]:
+    """Return the entries of the table; raise a SceneError for a value that is no table."""
     if isinstance(given, Mapping):
         return given
-    raise SceneError([Fault("file", shorten(given), "a table with a file, and levels")])
+    raise SceneError([Fault("file", shorten(given), "a table with the keys file and levels")])
 
 
 def blocks_of(
@@ -206,28 +200,33 @@ def blocks_of(
     levels: int = 8,
     binning: str = "levels",
 ) -> Binned:
-    """Make blocks of a measured load history, by levels.
+    """Make blocks from a measured load history.
 
-    Each column is divided into levels of equal width between its extremes; revolutions that lie in
-    the same level of every column become one block, with their mean. What each revolution was
-    counts, not the order of them: wear goes by every revolution, and a cycle is to wear little.
+    Each column is divided into levels of equal width between its extremes; revolutions in the same
+    level of every column become one block, with their mean. The order of the revolutions is lost:
+    a cycle must wear little.
 
     Parameters
     ----------
     measured : path-like, or mapping of str to array_like
         A CSV file whose first line names its columns, or the columns: keys of [load], [creepage]
-        and [friction] such as "normal" and "longitudinal", "shift_y", and "revolutions" that each
-        row stands for, one by default. In the units of a scene.
+        and [friction] such as "normal" and "longitudinal", "shift_y", and "revolutions" (number of
+        revolutions of each row, default 1). In the units of a scene.
     levels : int
-        Levels of each column.
+        Number of levels of each column.
     binning : str
-        "levels". Rainflow counts ranges between turning points of a load, which are what fatigue
-        goes by; wear goes by the distance rolled at each load, and a range has none.
+        "levels". Rainflow counting, as for fatigue, gives ranges of the load; wear depends on the
+        distance rolled at each load, which a range does not have.
+
+    Returns
+    -------
+    Binned
+        The blocks and their errors.
 
     Raises
     ------
     SceneError
-        With what is wrong with the table; the key is that of the column.
+        With the faults of the table; the key is the name of the column.
 
     Examples
     --------
@@ -240,13 +239,13 @@ def blocks_of(
         allowed = f"a whole number from 1 to {MOST_LEVELS}"
         raise SceneError([Fault("levels", shorten(levels), allowed)])
     if binning != "levels":
-        raise SceneError([Fault("binning", shorten(binning), BY_LEVELS)])
+        raise SceneError([Fault("binning", shorten(binning), _BY_LEVELS)])
     columns = _columns(measured)
     rows = next(iter(columns.values())).size
-    given = columns.pop("revolutions", np.ones(rows))
-    wrong = given[(given < 1) | (given > MOST_REVOLUTIONS) | (given % 1 != 0)]
+    given, most_revolutions = columns.pop("revolutions", np.ones(rows)), 10**12
+    wrong = given[(given < 1) | (given > most_revolutions) | (given % 1 != 0)]
     if wrong.size:
-        allowed = f"whole numbers from 1 to {MOST_REVOLUTIONS:.0e} in every row"
+        allowed = f"whole numbers from 1 to {most_revolutions:.0e} in every row"
         raise SceneError([Fault("revolutions", f"{wrong[0]}", allowed)])
     counts = given.astype(int)
     bins = np.stack([_levels(values, levels) for values in columns.values()], axis=1)
@@ -267,15 +266,16 @@ def blocks_of(
 
 
 def _block(values: dict[str, float], revolutions: int) -> Block:
+    """Return the block of the mean values of the columns."""
     tables: dict[str, Any] = {"revolutions": revolutions}
     for name, value in values.items():
-        table, _, key = COLUMNS[name].rpartition(".")
+        table, _, key = _COLUMNS[name].rpartition(".")
         (tables.setdefault(table, {}) if table else tables)[key] = value
     return Block(**tables)
 
 
 def _levels(values: np.ndarray, levels: int) -> np.ndarray:
-    """The level of each value, from 0."""
+    """Return the level of each value, counted from 0."""
     low, high = values.min(), values.max()
     if high == low:
         return np.zeros(values.size, int)
@@ -288,14 +288,20 @@ def _work_error(
     place: np.ndarray,
     counts: np.ndarray,
 ) -> float | None:
-    """Of the mean product of load and creepage; None where they are not what is given."""
-    if WORK_UNKNOWN & columns.keys():
+    """Return the relative error of the mean of load x creepage.
+
+    Returns
+    -------
+    float or None
+        None if columns give quantities from which load and creepage are known only by a solution.
+    """
+    if {"approach", "pressure", "force_x", "force_y"} & columns.keys():
         return None
 
-    def work(of: Mapping[str, np.ndarray]) -> np.ndarray:
-        load = of.get("normal", np.ones(1))
-        creepage = np.hypot(of.get("longitudinal", np.zeros(1)), of.get("lateral", np.zeros(1)))
-        return load * (creepage if {"longitudinal", "lateral"} & of.keys() else 1.0)
+    def work(of_rows: Mapping[str, np.ndarray]) -> np.ndarray:
+        load, none = of_rows.get("normal", np.ones(1)), np.zeros(1)
+        creepage = np.hypot(of_rows.get("longitudinal", none), of_rows.get("lateral", none))
+        return load * (creepage if {"longitudinal", "lateral"} & of_rows.keys() else 1.0)
 
     each = np.broadcast_to(work(columns), counts.shape)
     binned = np.broadcast_to(work({k: v[place] for k, v in means.items()}), counts.shape)
@@ -304,49 +310,52 @@ def _work_error(
 
 
 def _columns(measured: str | PathLike[str] | Mapping[str, ArrayLike]) -> dict[str, np.ndarray]:
-    """The columns of a table, all of one length and finite."""
+    """Return the columns of a table; raise a SceneError unless they are finite and equally long."""
     given = measured if isinstance(measured, Mapping) else _read(Path(measured))
-    unknown = [name for name in given if name not in COLUMNS]
+    unknown = [name for name in given if name not in _COLUMNS]
     if unknown:
-        raise SceneError([Fault(n, "a column", suggest_name(n, COLUMNS)) for n in unknown])
+        raise SceneError([Fault(n, "a column", suggest_name(n, _COLUMNS)) for n in unknown])
     try:
         columns = {name: np.asarray(values, float).ravel() for name, values in given.items()}
     except (ValueError, TypeError):
         raise SceneError([Fault("columns", "no numbers", "numbers in every row")]) from None
-    lengths = {one.size for one in columns.values()}
-    finite = all(np.isfinite(one).all() for one in columns.values())
+    lengths = {values.size for values in columns.values()}
+    finite = all(np.isfinite(values).all() for values in columns.values())
     if len(lengths) != 1 or lengths == {0} or not finite or not columns.keys() - {"revolutions"}:
-        allowed = "at least one column besides revolutions, of finite numbers, all equally long"
+        allowed = "at least one column besides revolutions, with finite numbers, all equally long"
         raise SceneError([Fault("columns", f"{len(columns)} of {sorted(lengths)} rows", allowed)])
     return columns
 
 
 def _read(path: Path, most: int = 2**29) -> dict[str, list[float]]:
-    """Read a CSV file with a line of names; it may have so many bytes, some 20 million rows."""
+    """Read a CSV file of at most `most` bytes (about 20 million rows): columns by name."""
     try:
         text = input_file.read_text(path, most, "utf-8-sig")
         lines = [(n, row) for n, row in enumerate(csv.reader(StringIO(text)), 1) if row]
     except (OSError, ValueError, csv.Error):
-        allowed = "an existing CSV file that can be read: a line of names, then numbers"
+        allowed = "an existing CSV file: a line of column names, then numbers"
         raise SceneError([Fault("measured", shorten(str(path)), allowed)]) from None
     (_, names), *rows = lines or [(0, [])]
-    numbers = [_numbers(names, row) or [] for _, row in rows]
-    wrong = [line for line, found in zip(lines[1:], numbers, strict=True) if not found]
+    numbers = [_read_numbers(names, row) or [] for _, row in rows]
+    wrong = [line for line, values in zip(lines[1:], numbers, strict=True) if not values]
     if not rows or wrong or ";" in "".join(names):
         n, row = (wrong or lines or [(1, ["nothing"])])[0]
-        allowed = "a line of names, then as many numbers in each; commas between, decimal points"
+        allowed = (
+            "a line of column names, then as many numbers in each line, separated by commas, with "
+        )
+        allowed += "decimal points"
         given = f"{path.name}, line {n}: {shorten(','.join(row))}"
         raise SceneError([Fault("measured", given, allowed)])
     names = [name.strip() for name in names]
-    twice = {name: None for name in names if names.count(name) > 1}
-    if twice:
-        given = f"{path.name} with two columns {', '.join(map(shorten, twice))}"
+    repeated = {name: None for name in names if names.count(name) > 1}
+    if repeated:
+        given = f"{path.name} with two columns {', '.join(map(shorten, repeated))}"
         raise SceneError([Fault("measured", given, "each column once")])
     return {name: [row[k] for row in numbers] for k, name in enumerate(names)}
 
 
-def _numbers(names: list[str], row: list[str]) -> list[float] | None:
-    """The numbers of a line, one for each name; None where it has others."""
+def _read_numbers(names: list[str], row: list[str]) -> list[float] | None:
+    """Return the numbers of a line, one for each name; None if it has other entries."""
     try:
         return [float(text) for _, text in zip(names, row, strict=True)]
     except ValueError:

@@ -1,4 +1,4 @@
-"""Changes to a scene by dotted key."""
+"""Change the tables of a scene by dotted key."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ def parse_settings(settings: Iterable[str]) -> dict[str, Any]:
     Raises
     ------
     SceneError
-        With a fault for each setting that has no such form.
+        With a fault for each setting of another form.
     """
     pairs = [(text, *text.partition("=")) for text in settings]
     faults = [
-        Fault(shorten(text), "no key and value", "table.key=value")
+        Fault(shorten(text), "no key or no value", "table.key=value")
         for text, key, equals, _ in pairs
         if not (equals and key.strip())
     ]
@@ -45,19 +45,18 @@ def override(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str,
     Parameters
     ----------
     tables : mapping
-        Nested tables; left as they are.
+        Nested tables; they are not changed.
     changes : mapping
-        New values by dotted key, as ``load.normal`` or ``duty[0].load.normal``. A missing table
-        is made; None removes an entry. Setting one of
-        two alternatives (young/shear, normal/approach, creepage/traction, gap file/arrays, load
-        history/blocks) removes the other, unless that is set as well; a wear law removes the
-        coefficients of another one. If fewer revolutions are asked for than are to be saved, those
-        beyond are left out of `wear.save` and the last one is added.
+        New values by dotted key, as ``load.normal`` or ``duty[0].load.normal``. Missing tables are
+        added; None removes an entry. Setting one of two alternatives (young/shear, normal/approach,
+        creepage/force, gap file/arrays, load history/blocks) removes the other, unless it is set as
+        well. A wear law removes the coefficients of another law. If `wear.revolutions` becomes less
+        than a value of `wear.save`, such values are removed and the last revolution is added.
 
     Raises
     ------
     SceneError
-        If a key leads through an entry that is no table, or to a place that a list has not.
+        If a key leads through an entry that is no table, or to a place that a list does not have.
     """
     result = copy_tables(tables)
     faults = [fault for key, value in changes.items() for fault in set_key(result, key, value)]
@@ -83,9 +82,10 @@ def override(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str,
 
 
 def _shorten_save(tables: dict[str, Any]) -> None:
+    """Remove the stored revolutions beyond the last one."""
     match tables:
         case {"wear": {"revolutions": last, "save": (list() | tuple()) as save} as wear}:
-            # what is no valid number is left to the checks of the scene
-            whole = all(type(n) is int for n in (last, *save))
-            if whole and 1 <= last < max(save, default=0):
+            # The checks of the scene report values that are no whole numbers.
+            are_whole = all(type(n) is int for n in (last, *save))
+            if are_whole and 1 <= last < max(save, default=0):
                 wear["save"] = sorted({n for n in save if n < last} | {last})

@@ -1,16 +1,10 @@
-"""The planes on which subsurface stress is wanted."""
+"""Planes on which the subsurface stress is computed."""
 
 from __future__ import annotations
 
 import re
 from dataclasses import dataclass
 from typing import Literal
-
-_GRAMMAR = re.compile(
-    r"(?P<axis>[xyz])\s*=\s*(?P<number>[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?)\s*(?P<unit>[ab]?)",
-    re.ASCII,
-)
-_ALLOWED = 'planes like "y=0", "x=-0.3" (mm), "y=0.75a" or "z=0.5b" (semi-axes of the contact)'
 
 
 @dataclass(frozen=True)
@@ -24,7 +18,7 @@ class Plane:
     number : float
         The position; mm, or multiples of `unit`.
     unit : "", "a" or "b"
-        Nothing for mm, or the semi-axis of the unworn contact in x or in y.
+        Empty for mm, or the semi-axis of the unworn contact in x or in y.
     """
 
     axis: Literal["x", "y", "z"]
@@ -33,28 +27,31 @@ class Plane:
 
     @classmethod
     def parse(cls, text: object) -> Plane:
-        """Read ``<axis>=<number>[a|b]``; a plane is returned as it is.
+        """Read ``<axis>=<number>[a|b]``; a plane is returned unchanged.
 
         Raises
         ------
         ValueError
-            If the text is no such plane, or lies above the surface (z < 0).
+            If the text has another form, or the plane is above the surface (z < 0).
         """
         if isinstance(text, Plane):
             return text
-        found = _GRAMMAR.fullmatch(text.strip()) if isinstance(text, str) else None
-        if not found:
-            raise ValueError(_ALLOWED)
-        number = float(found["number"]) + 0.0  # no negative zero
-        if found["axis"] == "z" and number < 0:
-            raise ValueError("a depth z of 0 or more")
+        number_form = r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?"
+        form = rf"(?P<axis>[xyz])\s*=\s*(?P<number>{number_form})\s*(?P<unit>[ab]?)"
+        parts = re.fullmatch(form, text.strip(), re.ASCII) if isinstance(text, str) else None
+        if not parts:
+            examples = '"y=0", "x=-0.3" (mm), "y=0.75a" or "z=0.5b" (semi-axes of the contact)'
+            raise ValueError(f"planes like {examples}")
+        number = float(parts["number"]) + 0.0  # no negative zero
+        if parts["axis"] == "z" and number < 0:
+            raise ValueError("a depth z of at least 0")
         if abs(number) > 1e30:
             raise ValueError("a plane at a finite distance")
-        # The grammar lets no other words pass.
-        return cls(found["axis"], number, found["unit"])  # type: ignore[arg-type]
+        # The form allows no other names.
+        return cls(parts["axis"], number, parts["unit"])  # type: ignore[arg-type]
 
     def value_in(self, a: float, b: float) -> float:
-        """Position of the plane in mm, for a contact with the semi-axes a, b in mm."""
+        """Return the position of the plane in mm, for a contact with the semi-axes a, b in mm."""
         return self.number * {"": 1.0, "a": a, "b": b}[self.unit]
 
     def __str__(self) -> str:

@@ -1,4 +1,4 @@
-"""The [process] table: a process of another package, by which the records of a scene follow."""
+"""The [process] table: a process of another package."""
 
 from __future__ import annotations
 
@@ -19,10 +19,12 @@ from tractive_sam.schema import (
     entry,
 )
 
-from .transient import OF_REVOLUTIONS, rising
+from .schedule import NamedSchedule, Schedule
+from .transient import REVOLUTION_KEYS, check_ascending
 
 
-def _saved_within(entries: ValidEntries) -> Iterator[Fault]:
+def _check_save(entries: ValidEntries) -> Iterator[Fault]:
+    """Report stored values of the coordinate beyond its end."""
     save, end = entries["save"], entries["end"]
     if save and save[-1] > end:
         yield Fault("save", str(list(save)), f"values of the coordinate up to end, {end:g}")
@@ -41,34 +43,41 @@ class ProcessTable(LawTable):
     """
 
     name: NamedLaw = entry("the process", allow_laws(()))
-    end: Real = entry("last value of its coordinate", "a number of at least 0", ge=0)
-    save: Annotated[tuple[Real, ...], AfterValidator(rising)] = entry(
+    end: Real = entry("last value of its coordinate", ge=0)
+    save: Annotated[tuple[Real, ...], AfterValidator(check_ascending)] = entry(
         "values of its coordinate at which fields are stored",
         "ascending numbers up to end",
         default_factory=lambda given: tuple(sorted({0.0, given["end"]})),
     )
     law_key: ClassVar[str] = "name"
-    checks: ClassVar[tuple[Check, ...]] = (_saved_within,)
+    checks: ClassVar[tuple[Check, ...]] = (_check_save,)
+
+    @property
+    def schedule(self) -> Schedule:
+        """Schedule of the process."""
+        return NamedSchedule(self.end, self.save)
 
     def describe(self, scene: Any) -> Iterator[Row]:
         """See `Table.describe`."""
         yield Row("name", str(self.name))
         yield Row(
-            "end", f"{self.end:g}; fields stored at {', '.join(f'{at:g}' for at in self.save)}"
+            "end",
+            f"{self.end:g}; fields stored at {', '.join(f'{place:g}' for place in self.save)}",
         )
 
 
-def _process_is_alone(entries: ValidEntries) -> Iterator[Fault]:
+def _check_process_excludes(entries: ValidEntries) -> Iterator[Fault]:
+    """Report tables and keys that [process] excludes."""
     if entries["process"] is None:
         return
     for table in ("transient", "duty", "accuracy"):
         if entries[table]:
-            yield Fault("process", f"together with [{table}]", "one of both")
-    for key in OF_REVOLUTIONS:
+            yield Fault("process", f"with [{table}]", f"[process] or [{table}], not both")
+    for key in REVOLUTION_KEYS:
         if f"wear.{key}" in entries.given:
-            cure = "nothing: process.end says how long it wears"
-            yield Fault(f"wear.{key}", "together with [process]", cure)
+            cure = "nothing: the process wears up to process.end"
+            yield Fault(f"wear.{key}", "with [process]", cure)
 
 
-PROCESS_CHECKS: tuple[Check, ...] = (_process_is_alone,)
+PROCESS_CHECKS: tuple[Check, ...] = (_check_process_excludes,)
 """Checks between [process] and the other tables."""

@@ -1,10 +1,10 @@
-"""Numbers of a scene, and of what is computed, that have a plausible range."""
+"""Values of a scene and of a result that have a plausible range."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -14,22 +14,19 @@ from .bodies import Bodies
 from .tables import Load
 from .wear_laws import PER_INTENSITY
 
-if TYPE_CHECKING:
-    from .scene import Scene
-
 
 @dataclass(frozen=True)
 class Reading:
-    """A number that a rule judges.
+    """A value that a rule judges.
 
     Attributes
     ----------
     key : str
-        Where it is in the scene.
+        Key of the value in the scene.
     value : float
-        The number, in the unit of its rule.
+        The value, in the unit of its rule.
     details : mapping of str to object
-        What else the note of the rule prints.
+        Further values that the note of the rule prints.
     """
 
     key: str
@@ -39,18 +36,18 @@ class Reading:
 
 @dataclass(frozen=True)
 class Pair:
-    """Two bodies and their contact by Hertz.
+    """Two bodies and their Hertz contact.
 
     Attributes
     ----------
     bodies : Bodies
         The bodies.
     hertz : HertzContact or HertzLine or None
-        Their contact; None where the radii do not close.
+        Their contact; None if the radii give no closed contact.
     key : str
-        Key of the entry that presses them.
+        Key of the load.
     rough : bool
-        Whether a [gap] is added to the radii, so that the pressure is not that of Hertz.
+        Whether a [gap] is added to the radii, so that the pressure differs from that of Hertz.
     """
 
     bodies: Bodies
@@ -64,33 +61,39 @@ class Pair:
         return cls(bodies, bodies.hertz(load), f"load.{load.given_key}")
 
     @classmethod
-    def from_scene(cls, scene: Scene) -> Pair:
+    def from_scene(cls, scene: Any) -> Pair:
         """Return the bodies of a scene, under the largest load of its [transient]."""
         hertz, key = scene.hertz, f"load.{scene.load.given_key}"
         courses = scene.schedule.courses
         for name in ("normal", "approach"):
             largest = max(courses.get(f"load.{name}", (0.0,)))
             if largest > 0.0 and hertz is not None:
-                heaviest = type(scene.load)(**{name: largest})
-                hertz, key = scene.body.hertz(heaviest), f"transient.load.{name}"
+                load = type(scene.load)(**{name: largest})
+                hertz, key = scene.body.hertz(load), f"transient.load.{name}"
         return cls(scene.body, hertz, key, scene.gap is not None)
 
 
 @dataclass(frozen=True)
 class Peak:
-    """The largest pressure that was computed, MPa, with its place in words."""
+    """The largest computed pressure, MPa, its place as text, and the materials of the bodies."""
 
     pressure: float
     place: str
     materials: Mapping[str, Material]
 
 
-def read_moduli(least_poisson: float, most_poisson: float) -> Callable[[Pair], Iterator[Reading]]:
-    """Return a reader of Young's moduli, MPa, of bodies with a Poisson's ratio in a range."""
+def read_moduli(lower: float, upper: float) -> Callable[[Pair], Iterator[Reading]]:
+    """Return a reader of Young's moduli, MPa, for bodies with a Poisson's ratio in a range.
+
+    Parameters
+    ----------
+    lower, upper : float
+        Range of Poisson's ratio; the upper bound is excluded.
+    """
 
     def read(pair: Pair) -> Iterator[Reading]:
         for name, material in pair.bodies.materials.items():
-            if least_poisson <= material.poisson < most_poisson:
+            if lower <= material.poisson < upper:
                 yield Reading(f"body.{name}", material.young)
 
     return read
@@ -116,24 +119,21 @@ def read_hertz_pressure(pair: Pair) -> Iterator[Reading]:
         yield Reading(pair.key, pair.hertz.p0)
 
 
-def _metals(materials: Mapping[str, Material], softest: float = 4e4) -> bool:
-    """Whether both are as stiff as metals: magnesium, the softest of the usual ones, has 45 GPa."""
+def _are_metals(materials: Mapping[str, Material], softest: float = 4e4) -> bool:
+    """Return whether both bodies are as stiff as metals; magnesium, a soft one, has 4.5e4 MPa."""
     return all(material.young >= softest for material in materials.values())
-
-
-_MEANT = {
-    "load.pressure": "the key is in MPa: is it in GPa? 1 GPa is 1000",
-    "load.approach": "the key is in mm: is it in m?",
-    "transient.load.approach": "the key is in mm: is it in m?",
-}
 
 
 def read_pressure_of_metals(pair: Pair) -> Iterator[Reading]:
     """Yield the peak pressure by Hertz between metals, MPa."""
-    # With a gap the pressure is that of its summits, and known once the contact is solved.
-    if pair.hertz is not None and not pair.rough and _metals(pair.bodies.materials):
-        force = "the key is in N (N/mm of a line contact): is it in kN? Are the radii in mm?"
-        yield Reading(pair.key, pair.hertz.p0, {"meant": _MEANT.get(pair.key, force)})
+    # With a gap the pressure is known when the contact is solved.
+    if pair.hertz is not None and not pair.rough and _are_metals(pair.bodies.materials):
+        meant = "is the load in N (N/mm for a line contact), not in kN, and are the radii in mm?"
+        if pair.key == "load.pressure":
+            meant = "is the pressure in MPa, not in GPa? 1 GPa is 1000 MPa"
+        elif pair.key.endswith("approach"):
+            meant = "is the approach in mm, not in m?"
+        yield Reading(pair.key, pair.hertz.p0, {"meant": meant})
 
 
 def read_computed_pressure(peak: Peak) -> Iterator[Reading]:
@@ -143,7 +143,7 @@ def read_computed_pressure(peak: Peak) -> Iterator[Reading]:
 
 def read_computed_pressure_of_metals(peak: Peak) -> Iterator[Reading]:
     """Yield the largest computed pressure between metals, MPa; none without contact."""
-    if peak.pressure > 0.0 and _metals(peak.materials):
+    if peak.pressure > 0.0 and _are_metals(peak.materials):
         yield Reading("p_max", peak.pressure, {"place": peak.place})
 
 
@@ -154,7 +154,7 @@ def read_shakedown_ratio(scene: Any) -> Iterator[Reading]:
         yield Reading("fatigue", p0 / scene.fatigue.shear_yield_stress, {"p0": p0})
 
 
-def read_creepages(scene: Scene) -> Iterator[Reading]:
+def read_creepages(scene: Any) -> Iterator[Reading]:
     """Yield the magnitudes of both creepages."""
     for key in ("longitudinal", "lateral"):
         given = getattr(scene.creepage, key)
@@ -168,7 +168,7 @@ def read_friction(scene: Any) -> Iterator[Reading]:
 
 
 def read_wear_rate(scene: Any) -> Iterator[Reading]:
-    """Yield wear per frictional work, made dimensionless with E*."""
+    """Yield the wear per frictional work times E*, dimensionless."""
     mu = (1.0, 1.0) if scene.friction is None else scene.friction.mu
     i = max(np.multiply(scene.wear.per_work(mu) or 0.0, mu))
     e_star = scene.material.plane_strain_modulus
@@ -176,7 +176,7 @@ def read_wear_rate(scene: Any) -> Iterator[Reading]:
 
 
 def read_wear_coefficients(scene: Any) -> Iterator[Reading]:
-    """Yield the specific wear rates that are given, mm3/(N m)."""
+    """Yield the given specific wear rates, mm3/(N m)."""
     wear = scene.wear
     if wear.intensity is not None:
         for i in dict.fromkeys(wear.intensity):
@@ -189,14 +189,14 @@ def read_wear_coefficients(scene: Any) -> Iterator[Reading]:
             yield Reading(f"wear.coefficient.{body}", k, {"given": ""})
 
 
-def read_widths(scene: Scene) -> Iterator[Reading]:
-    """Yield the width of the unworn contact over that of each body which has one."""
+def read_widths(scene: Any) -> Iterator[Reading]:
+    """Yield the width of the unworn contact over the width of each body."""
     if isinstance(scene.hertz, HertzContact):
         yield from read_width_ratios(scene, 2.0 * scene.hertz.b)
 
 
-def read_width_ratios(scene: Scene, width: float) -> Iterator[Reading]:
-    """Yield the width of a contact, mm, over that of each body which has one."""
+def read_width_ratios(scene: Any, width: float) -> Iterator[Reading]:
+    """Yield the width of a contact, mm, over the width of each body; none for bodies without."""
     for name, body in (("A", scene.body.A), ("B", scene.body.B)):
         if body.width is not None:
             details = {"width": width, "name": name, "body": body.width}

@@ -1,4 +1,4 @@
-"""How many elements a contact needs."""
+"""Smallest number of elements that resolves a contact."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from .tables import Mesh
 
 @dataclass(frozen=True)
 class FewestElements:
-    """Fewest elements across a contact.
+    """Smallest number of elements across a contact.
 
     Attributes
     ----------
     contact : int
-        To have a contact at all: of one or two elements the extent and the pressure are those of
-        the mesh, and no element has neighbours in contact on both sides.
+        For the contact itself: with one or two elements its extent and its pressure depend on the
+        mesh only, and no element has neighbours in contact on both sides.
     slip : int
-        To have a stick and a slip area.
+        For a stick and a slip area.
     """
 
     contact: int = 3
@@ -29,7 +29,7 @@ class FewestElements:
 
 
 def warn_if_coarse(grid: Mesh, contact: HertzContact | HertzLine, margin: float = 1.15) -> None:
-    """Warn, once for all directions, of a grid too coarse to resolve the contact.
+    """Warn of a grid that is too coarse to resolve the contact, once for all directions.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def warn_if_coarse(grid: Mesh, contact: HertzContact | HertzLine, margin: float 
     contact : HertzContact or HertzLine
         The unworn contact on it.
     margin : float
-        Half length to advise over the semi-axis: that of a mesh which is chosen.
+        Advised half length over the semi-axis, as for a chosen mesh.
     """
     if grid.elements is None:
         return
@@ -50,11 +50,11 @@ def warn_if_coarse(grid: Mesh, contact: HertzContact | HertzLine, margin: float 
     if min(across) >= FewestElements.slip:
         return
     if min(across) < FewestElements.contact:
-        found = " x ".join(f"{count:.2g}" for count in across)
+        covered = " x ".join(f"{count:.2g}" for count in across)
         advised = ", ".join(f"{margin * semi_axis:.3g}" for semi_axis in semi_axes)
         warn(
-            f"grid.elements: {given} do not resolve the contact, which covers {found} of them by "
-            "Hertz; check the units of [load] and the radii, or use grid.half_length = "
+            f"grid.elements: {given} do not resolve the Hertz contact, which covers {covered} of "
+            "them; check the units of [load] and of the radii, or use grid.half_length = "
             f"[{advised}]"
         )
         return

@@ -1,4 +1,4 @@
-"""The scene: all that is asked of a computation."""
+"""The scene: all settings of a computation."""
 
 from __future__ import annotations
 
@@ -26,20 +26,20 @@ from tractive_sam.schema import (
 
 from . import describe
 from .bodies import Bodies
-from .catalogue import builtin_text, names_file
+from .catalogue import builtin_text, is_path
 from .checks import SCENE_CHECKS, warn_if_large, warn_if_unequal
 from .contact_type import LineContact, PointContact
-from .duty import Block, Spectrum, block_scenes, off_the_mesh
+from .duty import Block, Spectrum, block_scenes, check_blocks_on_mesh, cycle_notes
 from .fatigue import Fatigue
 from .friction import Friction
 from .gap import Gap
 from .heat import STEEL, Heat, Thermal
-from .load_history import DOUBTFUL, LoadHistory, with_blocks
+from .load_history import LoadHistory, add_blocks
 from .override import override, parse_settings
 from .plausibility import scene_notes
 from .process import ProcessTable
 from .resolution import warn_if_coarse
-from .schedule import Schedule, schedule_of
+from .schedule import Schedule
 from .tables import (
     Accuracy,
     Creepage,
@@ -54,10 +54,10 @@ from .wear import Wear
 
 
 class Scene(Document):
-    """Two bodies, what presses and moves them, and what is to be computed.
+    """Two bodies, their load and motion, and the quantities to compute.
 
-    Built from keywords, from TOML, or from a built-in scene; immutable. Tables may be given as
-    objects or as dictionaries.
+    A scene is built from keywords, from TOML, or from a built-in scene, and cannot be changed.
+    Tables may be given as objects or as dictionaries.
 
     Raises
     ------
@@ -67,9 +67,9 @@ class Scene(Document):
     Warns
     -----
     SceneWarning
-        If the grid is too coarse for the contact, the contact large against the radii, bodies that
-        wear come round unequally often without ``wear.turns = "each"``, or an entry looks as if it
-        was meant in another unit, or forgotten.
+        If the grid is too coarse for the contact, if the contact is large compared with the radii,
+        if bodies that wear do not turn equally often and ``wear.turns = "each"`` is not given, or
+        if a value is probably in another unit or missing.
 
     Examples
     --------
@@ -78,7 +78,7 @@ class Scene(Document):
     0.752
     """
 
-    title: str = entry("title", "a text", "")
+    title: str = entry("title", default="")
     body: Bodies = entry("the two bodies")
     load: Load = entry("the load")
     creepage: Creepage = entry("the creepages", default=Creepage())
@@ -86,12 +86,12 @@ class Scene(Document):
     friction: Friction | None = entry("the friction law", default=None)
     wear: Wear | None = entry("the wear law", default=None)
     grid: Mesh | None = entry("the grid", default=None)
-    accuracy: Accuracy | None = entry("the accuracy that chooses the grid", default=None)
-    gap: Gap | None = entry("the additional separation", default=None)
+    accuracy: Accuracy | None = entry("the requested accuracy", default=None)
+    gap: Gap | None = entry("the separation added to the radii", default=None)
     heat: Heat | None = entry("the flash temperature", default=None)
     subsurface: Subsurface | None = entry("the subsurface stress", default=None)
     fatigue: Fatigue | None = entry("the fatigue of the material", default=None)
-    transient: Transient | None = entry("what changes over the distance rolled", default=None)
+    transient: Transient | None = entry("changes over the rolling distance", default=None)
     process: ProcessTable | None = entry("a process of another package", default=None)
     duty: tuple[Block, ...] = entry(
         "blocks of a duty cycle", "at least one block, [[duty]]", (), min_length=1
@@ -101,8 +101,9 @@ class Scene(Document):
     checks: ClassVar[tuple[Check, ...]] = SCENE_CHECKS
     internal: ClassVar[frozenset[str]] = frozenset(
         (
-            *("alone", "bounded", "contact_type", "finds_creepage", "forced", "has"),
-            *("heaviest", "named", "schedule", "spectrum"),
+            *("contact_type", "finds_creepage", "from_name", "has", "has_fixed_domain"),
+            *("has_prescribed_force", "schedule", "spectrum", "under_largest_load"),
+            *("without_blocks",),
         )
     )
 
@@ -123,32 +124,26 @@ class Scene(Document):
 
     @classmethod
     def unfold(cls, given: Mapping[Any, Any]) -> Mapping[Any, Any]:
-        """With the blocks of a load history."""
-        return with_blocks(given)
+        """Return the tables with the blocks of a load history."""
+        return add_blocks(given)
 
     def _check_blocks(self) -> None:
-        """Raise the faults of the blocks, and tell what is doubtful of them alone."""
-        with warnings.catch_warnings(record=True) as notes:
+        """Raise the faults of the blocks, and issue the warnings that concern only them."""
+        with warnings.catch_warnings(record=True) as raised:
             warnings.simplefilter("always")
-            faults = [*off_the_mesh(self, self.blocks)]
+            faults = [*check_blocks_on_mesh(self, self.blocks)]
         if faults:
             raise SceneError(faults)
-        own = set(scene_notes(self))
-        for told in dict.fromkeys(str(note.message) for note in notes):
-            if told not in own and not told.startswith("wear"):
-                warn(f"duty: {told}", PlausibilityWarning)
-        cycle, revolutions = self.spectrum.cycle, self.wear.revolutions
-        if revolutions % cycle:
-            told = f"duty: the last of {revolutions} / {cycle} cycles is not whole"
-            warn(told, PlausibilityWarning)
-        if self.load_history and (self.load_history.work_error or 0.0) > DOUBTFUL:
-            off = f"the mean of load x creepage by {self.load_history.work_error:.1%}"
-            told = f"load_history: its levels change {off}; raise load_history.levels"
-            warn(told, PlausibilityWarning)
+        notes = set(scene_notes(self))
+        for message in dict.fromkeys(str(warning.message) for warning in raised):
+            if message not in notes and not message.startswith("wear"):
+                warn(f"duty: {message}", PlausibilityWarning)
+        for note in cycle_notes(self):
+            warn(note, PlausibilityWarning)
 
     @property
     def blocks(self) -> tuple[Scene, ...]:
-        """The scene of each block of [[duty]], in order; of a scene without, itself."""
+        """The scene of each block of [[duty]], in order; without [[duty]] the scene itself."""
         return self._blocks if self.duty else (self,)
 
     @cached_property
@@ -156,25 +151,25 @@ class Scene(Document):
         return block_scenes(self)
 
     @property
-    def alone(self) -> Scene:
-        """Itself without [[duty]]."""
+    def without_blocks(self) -> Scene:
+        """The scene without [[duty]]."""
         return self.replace(duty=None, load_history=None) if self.duty else self
 
     @cached_property
     def spectrum(self) -> Spectrum | None:
-        """Its different blocks; None without [[duty]]."""
-        return Spectrum.of(self.duty, self.blocks) if self.duty else None
+        """The different blocks of [[duty]]; None without [[duty]]."""
+        return Spectrum.from_blocks(self.duty, self.blocks) if self.duty else None
 
     @classmethod
-    def named(cls, name: str) -> Scene:
-        """Read a scene file, or build a built-in scene: what a command or a study is given.
+    def from_name(cls, name: str) -> Scene:
+        """Read a scene file or a built-in scene, given by its path or its name.
 
         Raises
         ------
         SceneError
-            If there is none, or if it is not valid.
+            If there is no such scene, or if it is not valid.
         """
-        return cls.from_toml(name) if names_file(name) else cls.builtin(name)
+        return cls.from_toml(name) if is_path(name) else cls.builtin(name)
 
     @classmethod
     def builtin(cls, name: str) -> Scene:
@@ -183,7 +178,7 @@ class Scene(Document):
         Raises
         ------
         SceneError
-            If there is none of this name.
+            If there is no such scene.
         """
         return cls.from_toml_text(builtin_text(name))
 
@@ -194,9 +189,9 @@ class Scene(Document):
         return describe.draw_summary(self)
 
     def fingerprint(self) -> str:
-        """Hash of all that is asked, defaults included: the same for the same scene.
+        """Return a hash of all settings with defaults: equal for equal scenes.
 
-        The title does not count, and of a gap file its name.
+        The title has no influence. A gap file is represented by its name.
         """
         settings = self.settings()
         settings.pop("title")
@@ -207,7 +202,7 @@ class Scene(Document):
     def replace(self, **changes: Any) -> Scene:
         """Return a new scene with entries changed by dotted key: ``**{"load.normal": 200.0}``.
 
-        Whole tables may be given, too. See `override` for what else follows from a change.
+        Tables may be given as well. A change may remove other keys, see `override`.
 
         Raises
         ------
@@ -234,7 +229,7 @@ class Scene(Document):
 
     @property
     def thermal(self) -> dict[str, Thermal]:
-        """What the bodies "A" and "B" conduct heat by: steel's where nothing is given."""
+        """Thermal properties of the bodies "A" and "B"; the default is steel."""
         return {name: getattr(self.body, name).thermal or STEEL for name in "AB"}
 
     @property
@@ -244,53 +239,54 @@ class Scene(Document):
 
     @property
     def normal_load(self) -> float | None:
-        """Normal load, N, or N/mm of a line contact; None where the approach is given."""
+        """Normal load, N, or N/mm for a line contact; None if the approach is given."""
         return self.body.normal_load(self.load)
 
     @property
     def wear_share(self) -> dict[str, float]:
-        """Share of each body in the depth worn: by its own coefficient, or by hardness."""
-        own = None if self.wear is None else self.wear.share
-        return self.body.wear_share if own is None else own
+        """Share of each body in the worn depth: from its coefficient, or from its hardness."""
+        share = None if self.wear is None else self.wear.share
+        return self.body.wear_share if share is None else share
 
     @property
     def turns(self) -> Turns:
-        """How often each body comes round in a revolution that [wear] and [fatigue] count."""
+        """Turns of each body in a revolution that [wear] and [fatigue] count."""
         if self.wear is not None and self.wear.turns == "equal":
             return Turns.equal(self.wear_share)
-        return Turns.of(self.wear_share, self.body.A.radius_x, self.body.B.radius_x)
+        return Turns.from_radii(self.wear_share, self.body.A.radius_x, self.body.B.radius_x)
 
     @property
-    def heaviest(self) -> Scene:
-        """The scene under the largest load of a [transient]: it tells the size of the contact."""
-        return self.schedule.heaviest(self)
+    def under_largest_load(self) -> Scene:
+        """The scene under the largest load of a [transient], which gives the contact size."""
+        return self.schedule.under_largest_load(self)
 
     @property
-    def forced(self) -> tuple[bool, bool]:
-        """Which of the tangential forces (Q_x, Q_y) are prescribed, in place of creepages."""
-        courses = self.schedule.courses
-        return tuple(
-            getattr(self.load, key) is not None or f"load.{key}" in courses
-            for key in ("force_x", "force_y")
+    def has_prescribed_force(self) -> tuple[bool, bool]:
+        """Whether the tangential forces Q_x and Q_y are prescribed in place of creepages."""
+        load, courses = self.load, self.schedule.courses
+        return (
+            load.force_x is not None or "load.force_x" in courses,
+            load.force_y is not None or "load.force_y" in courses,
         )
 
     @property
     def finds_creepage(self) -> bool:
-        """Whether a tangential force is prescribed in any block, whose creepage is found."""
-        return any(any(block.forced) for block in self.blocks)
+        """Whether a block prescribes a tangential force, for which the creepage is computed."""
+        return any(any(block.has_prescribed_force) for block in self.blocks)
 
     @property
-    def bounded(self) -> bool:
-        """Whether [grid] gives the domain; else it is chosen, and grows with the contact."""
+    def has_fixed_domain(self) -> bool:
+        """Whether [grid] gives the domain; otherwise it is chosen, and grows with the contact."""
         return self.grid is not None and self.grid.half_length is not None
 
     @cached_property
     def schedule(self) -> Schedule:
-        """Along which coordinate it is solved, to which end, and where fields are stored."""
-        return schedule_of(self)
+        """Coordinate along which the scene is solved, its end, and where fields are stored."""
+        tables = (self.process, self.transient, self.wear)
+        return next((table.schedule for table in tables if table is not None), Schedule())
 
     def has(self, key: str) -> bool:
-        """Whether a table or entry of a dotted key is given, or a property of it holds."""
+        """Return whether a table or an entry is given, or a property is true, by dotted key."""
         value: Any = self
         for name in key.split("."):
             value = getattr(value, name, None)
@@ -300,9 +296,9 @@ class Scene(Document):
 
     @property
     def line(self) -> bool:
-        """Whether it is a line contact: plane strain, forces per length, N/mm.
+        """Whether this is a line contact: plane strain, forces per length, N/mm.
 
-        So it is where both bodies have ``radius_y = inf`` and no [gap] gives the contact a width.
+        Both bodies have ``radius_y = inf``, and there is no [gap] that limits the contact width.
         """
         return self.body.infinitely_long and self.gap is None
 
@@ -313,14 +309,14 @@ class Scene(Document):
 
     @property
     def force_unit(self) -> str:
-        """Unit of forces: "N", of a line contact "N/mm"."""
+        """Unit of forces: "N", for a line contact "N/mm"."""
         return self.contact_type.unit("N")
 
     @property
     def hertz(self) -> HertzContact | HertzLine | None:
-        """The Hertz contact of the radii, without any gap; None unless they close.
+        """Hertz contact of the radii, without a gap; None if the radii give no closed contact.
 
-        They have to close in x and y, but for a line contact.
+        The combined curvature must be positive in x and, except for a line contact, in y.
         """
         if self.body.infinitely_long and self.gap is not None:
             return None
@@ -328,21 +324,21 @@ class Scene(Document):
 
     @classmethod
     def resolve_files(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
-        """The tables, with relative files in them sought from a folder."""
+        """Return the tables with relative paths in them starting from a folder."""
         for name in ("gap", "load_history"):
             match tables.get(name):
                 case {"file": str(file)}:
                     tables[name]["file"] = str(folder / file)
         match tables:
             case {"transient": {"profile": dict(profiles)}}:
-                for one in profiles.values():
-                    if isinstance(one, dict) and isinstance(one.get("file"), str):
-                        one["file"] = str(folder / one["file"])
+                for profile in profiles.values():
+                    if isinstance(profile, dict) and isinstance(profile.get("file"), str):
+                        profile["file"] = str(folder / profile["file"])
         return tables
 
 
 def _canonical(value: Any) -> Any:
-    """What equal settings have in common, as JSON knows it."""
+    """Return a value of JSON types that is equal for equal settings."""
     match value:
         case dict():
             return {key: _canonical(item) for key, item in value.items()}

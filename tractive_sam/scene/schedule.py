@@ -1,38 +1,34 @@
-"""When a scene is solved: along which coordinate, to which end, and where fields are stored.
+"""Schedule of a scene: the coordinate, its end, and the values at which fields are stored.
 
-A scene without [wear] is one contact. [wear] is rolled revolution by revolution, and a [transient]
-step by step over a distance, or over a parameter where the bodies only shift.
+A scene without [wear] is a single contact. [wear] is rolled revolution by revolution, and a
+[transient] step by step over a distance, or over a parameter if the bodies only shift.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar
+from typing import Any, ClassVar
 
 from .gap import Gap
-
-if TYPE_CHECKING:
-    from .scene import Scene
-    from .transient import Transient
 
 
 @dataclass(frozen=True)
 class Schedule:
-    """The schedule of one contact of unworn bodies, and what all schedules have in common.
+    """Schedule of a single contact, and the base class of all schedules.
 
     Attributes
     ----------
     end : float
         Last value of the coordinate.
     save : tuple of float
-        Its values at which fields are stored.
+        Values of the coordinate at which fields are stored.
     adaptive : bool
-        Whether jumps over many revolutions are as long as their error allows.
+        Whether a jump over many revolutions is as long as its error allows.
     courses : mapping of str to tuple of float
-        What changes, by dotted keys: values at the knots.
+        Values at the knots, by the dotted key that changes.
     profiles : mapping of str to Gap
-        Those that are fixed to the bodies and travel with them, by the names of their tables.
+        Profiles that are fixed to the bodies and move with them, by the names of their tables.
     """
 
     end: float = 0
@@ -55,70 +51,51 @@ class Schedule:
     """Beginning of a message about a record, with its place; empty of the only one."""
 
     def __contains__(self, place: float) -> bool:
-        """Whether fields are stored there."""
+        """Return whether fields are stored at a value of the coordinate."""
         return place in self.save
 
     @property
     def stops(self) -> tuple[float, ...]:
-        """Values of the coordinate at which a step has to end, ascending."""
+        """Values of the coordinate at which a step must end, ascending."""
         return tuple(sorted({*self.save, self.end}))
 
-    def heaviest(self, scene: Scene) -> Scene:
-        """Return the scene under its largest load, which gives the size of the contact."""
+    def under_largest_load(self, scene: Any) -> Any:
+        """Return the scene under its largest load, which gives the contact size."""
         return scene
 
 
 class Revolutions(Schedule):
-    """The schedule of a scene with [wear]."""
+    """Schedule of a scene with [wear]."""
 
     message_start = "revolution {}: "
 
 
 class Distance(Schedule):
-    """The schedule of a [transient] that rolls."""
+    """Schedule of a [transient] that rolls."""
 
     save_key, end_key = "transient.save", "transient.distance"
     revolves = False
     message_start = "after {:g} mm: "
 
-    def heaviest(self, scene: Scene) -> Scene:
-        """See `Schedule.heaviest`."""
-        loads = {key: max(self.courses.get(key, (0.0,))) for key in _LOADS}
-        heavy = {key: value for key, value in loads.items() if value > 0.0}
-        return scene.replace(transient=None, wear=None, **heavy)
-
-
-_LOADS = ("load.normal", "load.approach")
+    def under_largest_load(self, scene: Any) -> Any:
+        """See `Schedule.under_largest_load`."""
+        loads = {
+            key: max(self.courses.get(key, (0.0,))) for key in ("load.normal", "load.approach")
+        }
+        largest = {key: value for key, value in loads.items() if value > 0.0}
+        return scene.replace(transient=None, wear=None, **largest)
 
 
 class Shifts(Distance):
-    """The schedule of a [transient] whose bodies shift, over a parameter."""
+    """Schedule of a [transient] in which the bodies shift, over a parameter."""
 
     rolls, shifts = False, True
     message_start = "after {:g} of the parameter: "
 
 
 class NamedSchedule(Schedule):
-    """The schedule of a process of another package."""
+    """Schedule of a process of another package."""
 
     save_key, end_key = "process.save", "process.end"
     revolves = False
     message_start = "at {:g}: "
-
-
-def schedule_of(scene: Scene) -> Schedule:
-    """Return the schedule that the tables of a scene ask for."""
-    if scene.process is not None:
-        return NamedSchedule(scene.process.end, scene.process.save)
-    if scene.transient is not None:
-        return _of_transient(scene.transient)
-    if scene.wear is not None:
-        wear = scene.wear
-        return Revolutions(wear.revolutions, wear.save, wear.stepping == "adaptive")
-    return Schedule()
-
-
-def _of_transient(table: Transient) -> Schedule:
-    kind = Distance if table.rolls else Shifts
-    profiles = table.profile.given
-    return kind(table.distance[-1], table.save, courses=table.courses, profiles=profiles)

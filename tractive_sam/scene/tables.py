@@ -33,15 +33,15 @@ from .plane import Plane
 Item = TypeVar("Item")
 
 
-def distinct(items: tuple[Item, ...]) -> tuple[Item, ...]:
-    """See that no item is there twice."""
+def check_distinct(items: tuple[Item, ...]) -> tuple[Item, ...]:
+    """Return the items; raise a ValueError if an item occurs twice."""
     if len(set(items)) < len(items):
         raise ValueError("each item once")
     return items
 
 
 class Load(Table):
-    """What presses the bodies together, and tangential forces prescribed in place of creepages.
+    """Load that presses the bodies together, and tangential forces in place of creepages.
 
     All forces of a line contact (both bodies with ``radius_y = inf``) are per length, N/mm.
 
@@ -53,7 +53,7 @@ class Load(Table):
 
     normal: Positive | None = entry("normal load P, N; of a line contact N/mm", default=None)
     approach: Positive | None = entry(
-        "approach of the bodies, mm, from the first touch of the unworn ones", default=None
+        "approach of the bodies, mm, from the first touch of the unworn bodies", default=None
     )
     pressure: Positive | None = entry(
         "peak contact pressure p0 of the unworn bodies by Hertz, MPa, from which the load follows",
@@ -65,30 +65,30 @@ class Load(Table):
     renamed_keys: ClassVar[Mapping[str, str]] = {"traction_x": "force_x", "traction_y": "force_y"}
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """See `Table.describe`: the load and the peak pressure, whichever of them is given."""
+        """See `Table.describe`: the load and the peak pressure."""
         hertz, unit = scene.hertz, scene.force_unit
         key, value = self.given_key, getattr(self, self.given_key)
-        name, of = {"normal": ("P", unit), "approach": ("approach", "mm")}.get(
+        name, unit_of_key = {"normal": ("P", unit), "approach": ("approach", "mm")}.get(
             key, ("p0", "MPa by Hertz, unworn")
         )
-        text = f"{name} = {value:g} {of}"
+        text = f"{name} = {value:g} {unit_of_key}"
         if hertz is None:
             yield Row("load", text, brief=True)
             return
-        found = [f"P = {hertz.load:.6g} {unit}", f"p0 = {hertz.p0:.6g} MPa by Hertz, unworn"]
-        rest = " and ".join(part for part in found if not part.startswith(f"{name} "))
+        computed = [f"P = {hertz.load:.6g} {unit}", f"p0 = {hertz.p0:.6g} MPa by Hertz, unworn"]
+        rest = " and ".join(part for part in computed if not part.startswith(f"{name} "))
         yield Row("load", f"{text}: {rest}", brief=True)
         yield Row("unworn contact (Hertz)", hertz.describe())
 
     @property
     def given_key(self) -> str:
-        """Key of the entry that presses the bodies: normal, approach or pressure."""
+        """Key that gives the load: normal, approach or pressure."""
         given = (key for key in ("pressure", "approach") if getattr(self, key) is not None)
         return next(given, "normal")
 
 
 class Creepage(Table):
-    """The rigid creepages; a negative longitudinal one drives body A.
+    """Creepages of the rigid bodies; a negative longitudinal creepage drives body A.
 
     Examples
     --------
@@ -100,11 +100,12 @@ class Creepage(Table):
     lateral: Real = entry("lateral creepage xi_y", default=0.0)
     spin: Real = entry("spin creepage phi, 1/mm", default=0.0)
     speed: Positive | None = entry(
-        "rolling speed V, mm/s, for what depends on the sliding speed", default=None
+        "rolling speed V, mm/s; needed by [heat] and by laws that depend on the sliding speed",
+        default=None,
     )
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """See `Table.describe`: what is not zero, and forces prescribed in place of creepages."""
+        """See `Table.describe`: creepages other than zero, and forces prescribed in their place."""
         load, courses, unit = scene.load, scene.schedule.courses, scene.force_unit
         drives = {
             "load.force_x": ("Q_x", load.force_x, f" {unit} (creepage found)"),
@@ -114,7 +115,7 @@ class Creepage(Table):
             "creepage.spin": ("spin", self.spin or None, " /mm"),
         }
         parts = [
-            f"{name} by its course" if key in courses else f"{name} = {value:g}{unit}"
+            f"{name} as in [transient]" if key in courses else f"{name} = {value:g}{unit}"
             for key, (name, value, unit) in drives.items()
             if value is not None or key in courses
         ]
@@ -128,39 +129,47 @@ _OneOrTwo = Annotated[
 
 
 MOST_ELEMENTS = 5 * 10**7
-"""Elements of a grid: more would take some hundred GiB."""
+"""Largest number of elements of a grid: more would need several hundred GiB."""
 
 
-def _fits_a_machine(entries: ValidEntries) -> Iterator[Fault]:
+def _check_number_of_elements(entries: ValidEntries) -> Iterator[Fault]:
+    """Report a grid that no machine has the memory for."""
     elements = entries["elements"]
     if elements is not None and math.prod(elements) > MOST_ELEMENTS:
         yield Fault("elements", str(elements), f"at most {MOST_ELEMENTS:.0e} elements in all")
 
 
-LONGEST = 1e6
-"""Side of an element over the other: in a longer one the influence coefficients lose all digits."""
+def _check_shape_of_elements(entries: ValidEntries, longest: float = 1e6) -> Iterator[Fault]:
+    """Report elements so long that their influence coefficients lose all digits.
 
-
-def _no_needles(entries: ValidEntries) -> Iterator[Fault]:
+    Parameters
+    ----------
+    entries : ValidEntries
+        Entries of [grid].
+    longest : float
+        Largest ratio of the sides of an element.
+    """
     half_length, elements = entries["half_length"] or (), entries["elements"] or ()
     if len(half_length) == len(elements) == 2:
         dx, dy = (length / n for length, n in zip(half_length, elements, strict=True))
-        if not 1.0 / LONGEST <= dx / dy <= LONGEST:
+        if not 1.0 / longest <= dx / dy <= longest:
             given = f"elements of {2 * dx:.3g} x {2 * dy:.3g} mm"
-            yield Fault("half_length", given, f"elements at most {LONGEST:g} times as long as wide")
+            yield Fault("half_length", given, f"elements at most {longest:g} times as long as wide")
 
 
-def _not_nothing(entries: ValidEntries) -> Iterator[Fault]:
+def _check_grid_is_not_empty(entries: ValidEntries) -> Iterator[Fault]:
+    """Report a [grid] without keys."""
     if entries["half_length"] is None and entries["elements"] is None:
-        yield Fault("half_length", "nothing", "it, elements or both; or no [grid]")
+        yield Fault("half_length", "nothing", "half_length, elements or both; or remove [grid]")
 
 
 class Mesh(Table):
     """The [grid] table: a rectangle of equal elements around the origin.
 
-    A line contact has one number in place of each pair, that in x. Without `half_length` the domain
-    is that of a scene without [grid]; it grows with the contact, by elements of the same size.
-    Without `elements` they are as large as those of such a scene, or a little smaller.
+    For a line contact each pair is one number, the value in x. Without `half_length` the domain is
+    chosen from the contact, as in a scene without [grid]; it grows with the contact, by elements of
+    the same size. Without `elements` the element size is chosen from the contact, or is a little
+    smaller.
 
     Examples
     --------
@@ -178,22 +187,26 @@ class Mesh(Table):
         "a pair of whole numbers from 3 to 1e6",
         None,
     )
-    checks: ClassVar[tuple[Check, ...]] = (_not_nothing, _fits_a_machine, _no_needles)
+    checks: ClassVar[tuple[Check, ...]] = (
+        _check_grid_is_not_empty,
+        _check_number_of_elements,
+        _check_shape_of_elements,
+    )
 
     @property
     def origin(self) -> str:
-        """Which part of the mesh is given."""
+        """Describe which part of the mesh the scene gives."""
         if self.half_length is None:
             return "given, the domain chosen from the contact"
         return "given" if self.elements else "chosen from the contact, the domain given"
 
 
 class Accuracy(Table):
-    """An accuracy in place of a mesh: the mesh and all tolerances follow from it.
+    """Requested accuracy, from which the mesh and all tolerances follow.
 
-    The mesh is refined until the error bars of the forces and of the moment, of the largest
-    pressure of the unworn bodies and of the depth of wear are within the tolerance. The largest
-    stress has a bar of its own, which may be wider.
+    The mesh is refined until the error bars of the forces, of the moment, of the largest pressure
+    of the unworn bodies and of the wear depth are within the tolerance. The largest stress has a
+    separate error bar, which may be wider.
 
     Examples
     --------
@@ -201,11 +214,9 @@ class Accuracy(Table):
     300000
     """
 
-    tolerance: Real = entry(
-        "error of the results, relative", "a number from 1e-5 to 0.1", 1e-3, ge=1e-5, le=0.1
-    )
+    tolerance: Real = entry("error of the results, relative", default=1e-3, ge=1e-5, le=0.1)
     elements: int = entry(
-        "most elements of a mesh", "a whole number from 1000 to 5e7", 300_000, ge=1000, le=5 * 10**7
+        "largest number of elements of the mesh", default=300_000, ge=1000, le=5 * 10**7
     )
 
     def describe(self, scene: Any) -> Iterator[Row]:
@@ -213,13 +224,13 @@ class Accuracy(Table):
         yield Row(
             "requested",
             f"{self.tolerance:g}, relative: the mesh is refined until the error bars are within "
-            "it; with [wear] further, where two coarser meshes that are rolled before show the "
-            "need",
+            "this tolerance; with [wear] two coarser meshes are rolled first, and show whether it "
+            "must be refined further",
         )
 
 
 class Subsurface(Table):
-    """Where the stress below the surface is computed.
+    """Planes, depths and bodies for which the subsurface stress is computed.
 
     Examples
     --------
@@ -228,14 +239,14 @@ class Subsurface(Table):
     """
 
     planes: Annotated[
-        tuple[Annotated[Plane, PlainValidator(Plane.parse)], ...], AfterValidator(distinct)
-    ] = entry("planes of the stress", 'a list of planes like "y=0.75a"', min_length=1)
-    depth: Positive = entry("depth, in units of the semi-axis a", default=1.5)
-    elements: int = entry(
-        "points over the depth", "a whole number from 2 to 1e6", 64, ge=2, le=10**6
+        tuple[Annotated[Plane, PlainValidator(Plane.parse)], ...], AfterValidator(check_distinct)
+    ] = entry(
+        "planes on which the stress is computed", 'a list of planes like "y=0.75a"', min_length=1
     )
-    bodies: Annotated[tuple[Literal["A", "B"], ...], AfterValidator(distinct)] = entry(
-        "bodies whose stress is computed", 'a list of "A" and "B"', ("A", "B"), min_length=1
+    depth: Positive = entry("depth, in units of the semi-axis a", default=1.5)
+    elements: int = entry("number of points over the depth", default=64, ge=2, le=10**6)
+    bodies: Annotated[tuple[Literal["A", "B"], ...], AfterValidator(check_distinct)] = entry(
+        "bodies whose stress is computed", default=("A", "B"), min_length=1
     )
     effect: ClassVar[str] = "stress"
 
@@ -245,15 +256,15 @@ class Subsurface(Table):
         deepest = f"{self.depth:g} a" if hertz is None else f"{self.depth * hertz.a:.4g} mm"
         yield Row("bodies", ", ".join(self.bodies))
         yield Row("planes", f"{', '.join(map(str, self.planes))}, with the stored fields")
-        yield Row("depths", f"{self.elements} to {deepest}, closer towards the surface")
+        yield Row("depths", f"{self.elements} down to {deepest}, denser towards the surface")
 
 
 class ElasticBodies(LawTable):
     """The [elasticity] table: homogeneous half-spaces, or a law of another package.
 
-    Such a law has its parameters as further keys. It takes the materials `A` and `B` of the bodies
-    from the scene if it has parameters of these names. Hertz's contact, from which the mesh and the
-    units follow, is that of homogeneous bodies.
+    Parameters of a law of another package are further keys. If it has parameters `A` and `B`, they
+    are the materials of the bodies. The mesh and the units follow from the Hertz contact of
+    homogeneous bodies.
 
     Examples
     --------
@@ -262,7 +273,7 @@ class ElasticBodies(LawTable):
     """
 
     law: Literal["half-spaces"] | NamedLaw = entry(
-        "how the surfaces of the bodies displace under tractions",
+        "elastic law: how tractions displace the surfaces of the bodies",
         allow_laws(("half-spaces",)),
         "half-spaces",
     )
@@ -275,7 +286,7 @@ class ElasticBodies(LawTable):
 
 
 class Solver(Table):
-    """How the contact problem is solved.
+    """Methods and tolerance of the solution of the contact problem.
 
     Examples
     --------
@@ -284,17 +295,12 @@ class Solver(Table):
     """
 
     method: Literal["auto", "uzawa", "anderson", "newton"] = entry(
-        "iteration of the tangential problem", '"auto", "uzawa", "anderson" or "newton"', "auto"
+        'method for the tangential problem; "uzawa" is the method of the paper', default="auto"
     )
     slip: Literal["auto", "upwind"] = entry(
-        "discretisation of the slip: to second order, or the paper's, to first",
-        '"auto" (second order) or "upwind" (the paper\'s)',
-        "auto",
+        'discretisation of the slip: "auto" of second order, "upwind" of first order (the paper)',
+        default="auto",
     )
     tolerance: Real = entry(
-        "relative tolerance of the contact conditions",
-        "a number from 1e-13 to 1e-2",
-        1e-8,
-        ge=1e-13,
-        le=1e-2,
+        "relative tolerance of the contact conditions", default=1e-8, ge=1e-13, le=1e-2
     )

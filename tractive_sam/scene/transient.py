@@ -1,7 +1,7 @@
-"""The [transient] table: what changes over the distance rolled, and how it is stepped through.
+"""The [transient] table: changes over the rolling distance, and the steps.
 
-Courses are lists of values at the knots of the distance, linear between them; two equal knots are a
-jump. They stand for keys of other tables, by their dotted names.
+A course is a list of values of a key at the knots of the distance, linear between them. Two equal
+knots are a jump.
 """
 
 from __future__ import annotations
@@ -16,32 +16,35 @@ from pydantic import AfterValidator, Field
 from tractive_sam.schema import Check, Fault, Positive, Real, Row, Table, ValidEntries, entry
 
 from .gap import Gap
+from .schedule import Distance, Schedule, Shifts
+from .wear_laws import BY_COEFFICIENT
 
 
-def _ascending(places: tuple[float, ...]) -> tuple[float, ...]:
+def _check_knots(places: tuple[float, ...]) -> tuple[float, ...]:
+    """Return the knots; raise a ValueError if they descend, or if three are equal."""
     if any(late < early for early, late in pairwise(places)):
-        raise ValueError("numbers that do not fall; two equal ones are a jump")
+        raise ValueError("ascending numbers; two equal numbers are a jump")
     if any(first == last for first, _, last in zip(places, places[1:], places[2:], strict=False)):
-        raise ValueError("each number at most twice: two equal ones are a jump")
+        raise ValueError("each number at most twice: two equal numbers are a jump")
     return places
 
 
-def rising(places: tuple[float, ...]) -> tuple[float, ...]:
-    """Return places that ascend; raise a ValueError otherwise."""
+def check_ascending(places: tuple[float, ...]) -> tuple[float, ...]:
+    """Return the numbers; raise a ValueError unless they ascend."""
     if any(late <= early for early, late in pairwise(places)):
         raise ValueError("ascending numbers")
     return places
 
 
 NotBelowZero = Annotated[Real, Field(ge=0)]
-Knots = Annotated[tuple[NotBelowZero, ...], AfterValidator(_ascending)]
-Saved = Annotated[tuple[NotBelowZero, ...], AfterValidator(rising)]
+Knots = Annotated[tuple[NotBelowZero, ...], AfterValidator(_check_knots)]
+Saved = Annotated[tuple[NotBelowZero, ...], AfterValidator(check_ascending)]
 Course = tuple[Real, ...]
 PositiveCourse = tuple[Positive, ...]
 
 
 def course(meaning: str, allowed: str = "a list of numbers, one for each knot") -> Any:
-    """Define a field for a course."""
+    """Define the field of a course."""
     return entry(meaning, allowed, None)
 
 
@@ -56,18 +59,18 @@ class LoadCourse(Table):
 
     normal: PositiveCourse | None = course(
         "normal load P, N or N/mm",
-        "a list of numbers above 0, one for each knot; load.approach lets bodies part",
+        "a list of numbers above 0, one for each knot; for separated bodies use load.approach",
     )
     approach: Course | None = course(
-        "approach of the bodies, mm, from the first touch of the unworn ones without travelling "
-        "profiles; bodies without these are apart up to 0"
+        "approach of the bodies, mm, from the first touch of the unworn bodies without moving "
+        "profiles; at 0 or below bodies without profiles are separated"
     )
     force_x: Course | None = course("prescribed tangential force Q_x on body A, N or N/mm")
     force_y: Course | None = course("prescribed tangential force Q_y on body A, N or N/mm")
 
 
 class CreepageCourse(Table):
-    """Courses of keys of [creepage]; of `start = "shift"` the shifts themselves.
+    """Courses of keys of [creepage]; with `start = "shift"` courses of the shifts.
 
     Examples
     --------
@@ -76,13 +79,13 @@ class CreepageCourse(Table):
     """
 
     longitudinal: Course | None = course(
-        'longitudinal creepage xi_x; of start = "shift" the shift of A over B in x, mm'
+        'longitudinal creepage xi_x; with start = "shift" the shift of A over B in x, mm'
     )
     lateral: Course | None = course(
-        'lateral creepage xi_y; of start = "shift" the shift of A over B in y, mm'
+        'lateral creepage xi_y; with start = "shift" the shift of A over B in y, mm'
     )
     spin: Course | None = course(
-        'spin creepage phi, 1/mm; of start = "shift" the turn of A over B, radians'
+        'spin creepage phi, 1/mm; with start = "shift" the rotation of A over B, radians'
     )
 
 
@@ -96,16 +99,16 @@ class FrictionCourse(Table):
     """
 
     mu: PositiveCourse | None = course(
-        "friction coefficient mu1; mu2 changes in the same proportion",
+        "friction coefficient mu1; mu2 changes by the same factor",
         "a list of numbers above 0, one for each knot",
     )
 
 
 class Profiles(Table):
-    """Profiles that are fixed to a body and travel through the contact with it.
+    """Profiles that are fixed to a body and move through the contact with it.
 
-    As [gap]: what is added to the separation, so that a bump is negative. The place x of a profile
-    is in the middle of the contact when the distance x has been rolled.
+    As in [gap] they are added to the separation: a bump is negative. The point x of a profile is at
+    the centre of the contact at the rolling distance x.
 
     Examples
     --------
@@ -114,20 +117,21 @@ class Profiles(Table):
     True
     """
 
-    A: Gap | None = entry("of the upper body", default=None)
-    B: Gap | None = entry("of the lower body", default=None)
+    A: Gap | None = entry("profile of the upper body", default=None)
+    B: Gap | None = entry("profile of the lower body", default=None)
 
     @property
     def given(self) -> dict[str, Gap]:
-        """Those that there are, by the names of their tables."""
-        found = {f"transient.profile.{body}": getattr(self, body) for body in "AB"}
-        return {table: one for table, one in found.items() if one is not None}
+        """The given profiles, by the names of their tables."""
+        profiles = {f"transient.profile.{body}": getattr(self, body) for body in "AB"}
+        return {table: profile for table, profile in profiles.items() if profile is not None}
 
 
-def _of_the_knots(entries: ValidEntries) -> Iterator[Fault]:
+def _check_courses(entries: ValidEntries) -> Iterator[Fault]:
+    """Report courses with another number of values than knots, and a distance of 0."""
     knots = entries["distance"]
     if knots[0] == knots[-1]:
-        yield Fault("distance", str(list(knots)), "knots that go on from the first one")
+        yield Fault("distance", str(list(knots)), "a last knot above the first one")
     for table, kind in (
         ("load", LoadCourse),
         ("creepage", CreepageCourse),
@@ -140,7 +144,8 @@ def _of_the_knots(entries: ValidEntries) -> Iterator[Fault]:
                 yield Fault(f"{table}.{key}", given, "one value for each knot of distance")
 
 
-def _saved_on_the_way(entries: ValidEntries) -> Iterator[Fault]:
+def _check_save(entries: ValidEntries) -> Iterator[Fault]:
+    """Report stored distances outside the knots."""
     knots, save = entries["distance"], entries["save"]
     if save and not knots[0] <= save[0] <= save[-1] <= knots[-1]:
         cure = f"distances from the first knot to the last, {knots[0]:g} to {knots[-1]:g}"
@@ -148,10 +153,10 @@ def _saved_on_the_way(entries: ValidEntries) -> Iterator[Fault]:
 
 
 class Transient(Table):
-    """What changes over the distance rolled.
+    """Courses of load, creepage and friction over the rolling distance, and the steps.
 
-    Quantities change linearly between the knots; what has no course stays as its own table says.
-    With ``start = "shift"`` nothing rolls: the distance is a mere parameter, and creepages are the
+    Values change linearly between the knots; keys without a course keep their values. With
+    ``start = "shift"`` the bodies do not roll: the distance is a parameter, and creepages are the
     shifts of A over B since the bodies were pressed together.
 
     Examples
@@ -160,32 +165,32 @@ class Transient(Table):
     'rest'
     """
 
-    distance: Knots = entry("knots, distance rolled, mm", "numbers that do not fall", min_length=2)
+    distance: Knots = entry(
+        "knots: rolling distances, mm",
+        "ascending numbers; two equal numbers are a jump",
+        min_length=2,
+    )
     load: LoadCourse = entry("courses of the load", default=LoadCourse())
     creepage: CreepageCourse = entry("courses of the creepages", default=CreepageCourse())
     friction: FrictionCourse = entry("courses of the friction", default=FrictionCourse())
-    profile: Profiles = entry("profiles that travel through the contact", default=Profiles())
+    profile: Profiles = entry("profiles that move through the contact", default=Profiles())
     start: Literal["rest", "steady", "shift"] = entry(
-        "what the bodies did before: they were only pressed together, or they rolled steadily as "
-        "the first knot says; or they are not to roll but to shift",
-        '"rest", "steady" or "shift"',
-        "rest",
+        "state before the first knot: pressed together without rolling (rest), or steady rolling; "
+        "with shift the bodies do not roll but shift",
+        default="rest",
     )
     step: Positive | None = entry(
-        "longest step, mm; by default one element, of shifts a tenth of the way between two knots, "
-        "and of adaptive steps a quarter of the contact",
+        "longest step, mm; default: one element, for shifts a tenth of the distance between two "
+        "knots, for adaptive steps a quarter of the contact length",
         default=None,
     )
     stepping: Literal["even", "adaptive"] = entry(
-        "whether steps are equally long but for the last one to a knot, or as long as their error "
-        "allows",
-        '"even" or "adaptive"',
-        "even",
+        "steps of equal length (even), shorter before a knot, or as long as their error allows",
+        default="even",
     )
     tolerance: Real = entry(
-        "error of an adaptive step, relative: that of the tractions",
-        "a number above 0, at most 0.1",
-        1e-3,
+        "relative error of the tractions in an adaptive step",
+        default=1e-3,
         gt=0,
         le=0.1,
     )
@@ -194,17 +199,17 @@ class Transient(Table):
         "ascending numbers from the first knot to the last",
         default_factory=lambda given: tuple(sorted({*given["distance"]})),
     )
-    checks: ClassVar[tuple[Check, ...]] = (_of_the_knots, _saved_on_the_way)
+    checks: ClassVar[tuple[Check, ...]] = (_check_courses, _check_save)
 
     @classmethod
     def unfold(cls, given: Mapping[Any, Any]) -> Mapping[Any, Any]:
-        """Keys with a dot in them, as in ``"creepage.longitudinal"``, as tables."""
+        """Return keys with a dot, such as ``"creepage.longitudinal"``, as tables."""
         tables: dict[Any, Any] = {}
         for key, value in given.items():
             table, dot, name = str(key).partition(".")
             if not dot:
-                more = isinstance(value, Mapping) and isinstance(tables.get(key), dict)
-                tables[key] = {**value, **tables[key]} if more else value
+                merge = isinstance(value, Mapping) and isinstance(tables.get(key), dict)
+                tables[key] = {**value, **tables[key]} if merge else value
                 continue
             inner = tables.get(table, {})
             if isinstance(inner, Table):
@@ -215,32 +220,42 @@ class Transient(Table):
     def describe(self, scene: Any) -> Iterator[Row]:
         """See `Table.describe`."""
         start = {
-            "rest": "the bodies pressed together, without traction",
+            "rest": "bodies pressed together, without traction",
             "steady": "steady rolling with the values of the first knot",
-            "shift": "the bodies pressed together; they do not roll but shift, by the courses of "
+            "shift": "bodies pressed together; they do not roll but shift, by the courses of "
             "[creepage] in mm and radians",
         }
         unit = "mm" if self.rolls else "of the parameter"
-        longest = "one element" if self.rolls else "a tenth of a stretch"
-        steps = f"of {longest if self.step is None else f'{self.step:g} {unit}'}, shorter to a knot"
+        longest = "one element" if self.rolls else "a tenth of the distance between two knots"
+        length = longest if self.step is None else f"{self.step:g} {unit}"
+        steps = f"of {length}, shorter before a knot"
         if self.stepping == "adaptive":
-            steps = f"as long as the tractions are extrapolated to {self.tolerance:g}"
+            steps = (
+                f"as long as the error of the extrapolated tractions is below {self.tolerance:g}"
+            )
         yield Row("starts from", start[self.start])
         yield Row("distance", f"from {self.distance[0]:g} to {self.distance[-1]:g} {unit}")
-        courses = ", ".join(self.courses) or "none: the values of the other tables remain"
+        courses = ", ".join(self.courses) or "none: the values of the other tables hold"
         yield Row("courses", courses)
-        yield Row("steps", f"{steps}; each from the two before")
+        yield Row("steps", f"{steps}; each step starts from the two before")
         yield Row("fields stored at", ", ".join(f"{place:g}" for place in self.save))
 
     @property
+    def schedule(self) -> Schedule:
+        """Schedule of the courses."""
+        kind = Distance if self.rolls else Shifts
+        profiles = self.profile.given
+        return kind(self.distance[-1], self.save, courses=self.courses, profiles=profiles)
+
+    @property
     def rolls(self) -> bool:
-        """Whether the bodies roll, or only shift."""
+        """Whether the bodies roll; otherwise they shift."""
         return self.start != "shift"
 
     @property
     def jumps(self) -> list[tuple[float, str]]:
-        """Knots at which loads, forces or friction jump, mm, and the keys that do."""
-        found = []
+        """Knots at which loads, forces or friction jump, mm, with the keys that jump."""
+        jumps = []
         for k, (first, last) in enumerate(pairwise(self.distance)):
             keys = [
                 key
@@ -248,12 +263,12 @@ class Transient(Table):
                 if values[k] != values[k + 1] and not key.startswith("creepage.")
             ]
             if first == last and keys:
-                found.append((first, ", ".join(keys)))
-        return found
+                jumps.append((first, ", ".join(keys)))
+        return jumps
 
     @property
     def courses(self) -> dict[str, tuple[float, ...]]:
-        """The courses by the dotted keys they stand for."""
+        """The courses, by the dotted keys whose values they give."""
         tables = {"load": self.load, "creepage": self.creepage, "friction": self.friction}
         return {
             f"{name}.{key}": values
@@ -262,32 +277,36 @@ class Transient(Table):
         }
 
 
-def _transient_needs_friction(entries: ValidEntries) -> Iterator[Fault]:
+def _check_transient_has_friction(entries: ValidEntries) -> Iterator[Fault]:
+    """Report a transient without friction."""
     if entries["transient"] is not None and entries["friction"] is None:
-        yield Fault("transient", "without friction", "only with a [friction] table")
+        yield Fault("transient", "without friction", "a [friction] table, which a transient needs")
 
 
-def _transient_is_alone(entries: ValidEntries) -> Iterator[Fault]:
+def _check_transient_excludes(entries: ValidEntries) -> Iterator[Fault]:
+    """Report tables and keys that [transient] excludes."""
     if entries["transient"] is None:
         return
     if entries["accuracy"] is not None:
-        cure = "a [grid] in place of it: the error bars are those of steady states"
+        cure = "a [grid] in place of [accuracy], whose error bars hold for steady states only"
         yield Fault("transient", "together with [accuracy]", cure)
     if entries["friction"] is not None and entries["friction.layer"]:
-        given = f"{entries['friction.layer']:g}, together with [transient]"
-        yield Fault("friction.layer", given, "no layer: that of a transient is not modelled")
+        given = f"{entries['friction.layer']:g}, with [transient]"
+        yield Fault(
+            "friction.layer", given, "0: an interfacial layer is not modelled in a transient"
+        )
     if entries["solver.method"] in ("uzawa", "anderson"):
         given = f'solver.method = "{entries["solver.method"]}"'
         yield Fault("solver.method", given, '"auto" or "newton" with [transient]')
 
 
-def _sliding_has_a_speed(entries: ValidEntries) -> Iterator[Fault]:
-    """Refuse shifts with friction that falls with the speed of sliding: they take no time."""
+def _check_sliding_speed_exists(entries: ValidEntries) -> Iterator[Fault]:
+    """Report falling friction at shifts, jumps and loads at rest, which have no sliding speed."""
     transient, friction = entries["transient"], entries["friction"]
     if transient is None or friction is None or friction.share is None:
         return
-    falls = f'together with friction.law = "{friction.law}"'
-    why = "it depends on the speed of sliding, and a shift has none"
+    falls = f'with friction.law = "{friction.law}"'
+    why = "the law depends on the sliding speed, and a shift or a jump has no speed"
     if not transient.rolls:
         yield Fault("transient.start", f'"shift" {falls}', f'"rest" or "steady": {why}')
         return
@@ -301,18 +320,16 @@ def _sliding_has_a_speed(entries: ValidEntries) -> Iterator[Fault]:
             cure = f'0 at the first knot, or transient.start = "steady": {why}'
             yield Fault(key, f"{first:g} at the start from rest {falls}", cure)
     if friction.memory and friction.strength is not None:
-        cure = "one of both: the strength hides what the memory of a transient continues from"
-        yield Fault("friction.strength", "together with friction.memory and [transient]", cure)
+        cure = "nothing: a transient with friction.memory cannot have a strength"
+        yield Fault("friction.strength", "with friction.memory and [transient]", cure)
 
 
-OF_REVOLUTIONS = ("revolutions", "save", "stepping", "turns", "tolerance")
-"""Keys of [wear] that a transient has no use for."""
-
-LINEAR = ("archard", "energy")
-"""Wear laws by which twice the slip wears twice as deep, whatever way is rolled."""
+REVOLUTION_KEYS = ("revolutions", "save", "stepping", "turns", "tolerance")
+"""Keys of [wear] that only apply to revolutions."""
 
 
-def _wears_over_the_distance(entries: ValidEntries) -> Iterator[Fault]:
+def _check_wear_of_transient(entries: ValidEntries) -> Iterator[Fault]:
+    """Report keys and laws of [wear] that do not fit a transient, and missing revolutions."""
     transient, wear = entries["transient"], entries["wear"]
     if wear is None:
         return
@@ -320,64 +337,67 @@ def _wears_over_the_distance(entries: ValidEntries) -> Iterator[Fault]:
         return
     if transient is None:
         if "wear.revolutions" not in entries.given:
-            cure = (
-                "how many, a whole number from 1; or a [transient], which wears over its distance"
-            )
+            cure = "a whole number from 1, or a [transient] with a distance over which it wears"
             yield Fault("wear.revolutions", "nothing", cure)
         return
-    for key in OF_REVOLUTIONS:
+    for key in REVOLUTION_KEYS:
         if f"wear.{key}" in entries.given:
-            cure = "nothing: it wears over the distance of the courses"
-            yield Fault(f"wear.{key}", "together with [transient]", cure)
+            cure = "nothing: the wear accumulates over transient.distance"
+            yield Fault(f"wear.{key}", "with [transient]", cure)
     laws = set() if wear.named_law else set(wear.laws.values())
-    for law in sorted({law for law in laws if law and law not in LINEAR}):
+    for law in sorted(law for law in laws if law and law not in BY_COEFFICIENT):
         if not transient.rolls:
-            cure = "archard or energy: others go by the distance rolled, and shifts have none"
+            cure = (
+                "archard or energy: other laws depend on the rolling distance, and shifts have none"
+            )
         elif law == "brr" or (law != "jendel" and wear.by == "contact"):
-            cure = "a law of each element: T-gamma of the whole contact tells steady rolling only"
+            cure = 'a law with by = "element": T-gamma of the contact holds for steady rolling only'
         else:
             continue
-        yield Fault("wear.law", f"{law} together with [transient]", cure)
+        yield Fault("wear.law", f"{law} with [transient]", cure)
     radii = (abs(entries[f"body.{name}.radius_x"]) for name in "AB")
-    turn, way = 2.0 * math.pi * min(radii), transient.distance[-1] - transient.distance[0]
-    if transient.rolls and way > turn:
-        cure = f"at most {turn:.5g} mm: a body that has turned would meet what it has worn"
-        yield Fault("transient.distance", f"{way:g} mm together with [wear]", cure)
+    turn = 2.0 * math.pi * min(radii)
+    distance = transient.distance[-1] - transient.distance[0]
+    if transient.rolls and distance > turn:
+        cure = f"at most {turn:.5g} mm, one turn: after it worn material returns to the contact"
+        yield Fault("transient.distance", f"{distance:g} mm with [wear]", cure)
 
 
-def _courses_of_what_is_asked(entries: ValidEntries) -> Iterator[Fault]:
+def _check_keys_of_courses(entries: ValidEntries) -> Iterator[Fault]:
+    """Report courses of loads without the key itself, and of a creepage with its force."""
     if entries["transient"] is None:
         return
     for key in ("normal", "approach"):
         if entries[f"transient.load.{key}"] is not None and entries[f"load.{key}"] is None:
-            cure = f"load.{key} itself as well: it tells the mesh and the units"
+            cure = f"load.{key} as well: the mesh and the units follow from it"
             yield Fault(f"transient.load.{key}", f"a course, and no load.{key}", cure)
     for force, creepage in (("force_x", "longitudinal"), ("force_y", "lateral")):
         forced = [k for k in (f"load.{force}", f"transient.load.{force}") if entries[k] is not None]
         crept = f"transient.creepage.{creepage}"
         if forced and entries[crept] is not None:
-            yield Fault(crept, f"together with {forced[-1]}", "one of both: a force or a creepage")
+            yield Fault(crept, f"with {forced[-1]}", "a force or a creepage, not both")
         if f"transient.load.{force}" in forced and f"creepage.{creepage}" in entries.given:
-            given = f"together with transient.load.{force}"
-            yield Fault(f"creepage.{creepage}", given, "one of both: a force or a creepage")
+            given = f"with transient.load.{force}"
+            yield Fault(f"creepage.{creepage}", given, "a force or a creepage, not both")
 
 
-def _steps_within_the_contact(entries: ValidEntries) -> Iterator[Fault]:
+def _check_step_length(entries: ValidEntries) -> Iterator[Fault]:
+    """Report steps longer than the contact."""
     transient, hertz = entries["transient"], entries["body"].hertz(entries["load"])
     if transient is None or not transient.rolls or transient.step is None or hertz is None:
         return
-    most = 2.0 * hertz.a
-    if entries["gap"] is None and transient.step > most and math.isfinite(most):
-        cure = f"at most {most:.4g} mm: in a longer step all material leaves the contact"
+    length = 2.0 * hertz.a
+    if entries["gap"] is None and transient.step > length and math.isfinite(length):
+        cure = f"at most {length:.4g} mm: in a longer step all material leaves the contact"
         yield Fault("transient.step", f"{transient.step:g}", cure)
 
 
 TRANSIENT_CHECKS: tuple[Check, ...] = (
-    _transient_needs_friction,
-    _transient_is_alone,
-    _sliding_has_a_speed,
-    _wears_over_the_distance,
-    _courses_of_what_is_asked,
-    _steps_within_the_contact,
+    _check_transient_has_friction,
+    _check_transient_excludes,
+    _check_sliding_speed_exists,
+    _check_wear_of_transient,
+    _check_keys_of_courses,
+    _check_step_length,
 )
 """Checks between [transient] and the other tables."""

@@ -24,10 +24,11 @@ from tractive_sam.schema import (
 
 from .describe import format_pair
 from .friction import Factors, describe_factors
+from .schedule import Revolutions, Schedule
 from .wear_laws import (
     ALL_LAWS,
     BY_COEFFICIENT,
-    OF_SETS,
+    COEFFICIENT_SETS,
     PER_INTENSITY,
     Coefficients,
     LawName,
@@ -40,23 +41,28 @@ from .wear_laws import (
 )
 
 
-def _saved_within(entries: ValidEntries) -> Iterator[Fault]:
+def _check_save(entries: ValidEntries) -> Iterator[Fault]:
+    """Report stored revolutions beyond the last one."""
     save, last = entries["save"], entries["revolutions"]
     if save[-1] > last:
         yield Fault("save", str(save[-1]), f"at most {last}, the number of revolutions")
 
 
-def _ascending(save: tuple[int, ...]) -> tuple[int, ...]:
+def _check_ascending(save: tuple[int, ...]) -> tuple[int, ...]:
+    """Return the revolutions; raise a ValueError unless they ascend."""
     if any(late <= early for early, late in pairwise(save)):
         raise ValueError("ascending whole numbers")
     return save
 
 
 class Wear(LawTable):
-    """Wear over many revolutions or a [transient], by Archard's law or by others.
+    """Wear: the law, its coefficients, and the revolutions to roll.
 
-    A law of another package has its parameters as further keys. It takes `mu`, `angle` in radians
-    and the rolling speed `speed` from the scene if it has parameters of these names.
+    The law is Archard's, or one based on frictional work or on measured regimes. With a [transient]
+    the bodies wear over its rolling distance.
+
+    Parameters of a law of another package are further keys. If it has parameters `mu`, `angle` (in
+    radians) or `speed` (rolling speed), they are taken from the scene.
 
     Examples
     --------
@@ -69,64 +75,64 @@ class Wear(LawTable):
     """
 
     law: LawName | WearLaws | NamedLaw = entry(
-        "wear law: by pressure and slip, by frictional work, or by measured regimes; or a law of "
-        "another package",
+        "wear law: archard (pressure and slip), energy (frictional work), or usfd, brr and jendel "
+        "(measured regimes)",
         f"{ALL_LAWS}, {{ table = [[W, rate], ...] }}, {{ A = ..., B = ... }}, {allow_laws(())}",
         "archard",
     )
     set: str | Sets | None = entry(
-        "named set of coefficients of a measured law",
+        "name of the set of coefficients of a measured law",
         "a name, or { A = ..., B = ... }",
         None,
     )
     by: Literal["element", "contact"] = entry(
-        "whether a law of T-gamma/A is taken by each element, or by the whole contact",
-        '"element" or "contact"',
-        "element",
+        "area of a law of T-gamma/A: each element, or the complete contact",
+        default="element",
     )
     intensity: OptionalOrthotropicNotNegative = entry(
-        "wear intensities along the axes e1, e2, of both bodies together, 1/MPa",
-        "a number of at least 0, or a pair of them",
-        None,
+        "wear intensities along the axes e1, e2, sum of both bodies, 1/MPa",
+        default=None,
     )
     coefficient: SpecificWearRate = entry(
-        "specific wear rates k along the axes e1, e2, mm3/(N m), or of the energy law, in mm3/J of "
-        "the work along each axis; of both bodies together, or of each on its own",
+        "specific wear rates k along the axes e1, e2, mm3/(N m); for the energy law mm3/J of the "
+        "work along each axis; sum of both bodies, or a value for each body",
         "a number of at least 0, a pair of them, or { A = ..., B = ... }",
         None,
     )
     revolutions: Whole = entry(
-        "number of revolutions of body A, of B where A is flat; none with [transient]",
-        "a whole number from 1 to 1e12, which only a scene with [transient] may leave out",
+        "number of revolutions of body A, or of B if A is flat; not with [transient]",
+        "a whole number from 1 to 1e12; required without [transient]",
         0,
         ge=1,
         le=10**12,
     )
-    save: Annotated[tuple[Annotated[Whole, Field(ge=0)], ...], AfterValidator(_ascending)] = entry(
-        "revolutions whose fields are stored",
-        "ascending whole numbers from 0",
-        default_factory=lambda wear: tuple(sorted({0, wear["revolutions"]})),
-        min_length=1,
+    save: Annotated[tuple[Annotated[Whole, Field(ge=0)], ...], AfterValidator(_check_ascending)] = (
+        entry(
+            "revolutions whose fields are stored",
+            "ascending whole numbers from 0",
+            default_factory=lambda wear: tuple(sorted({0, wear["revolutions"]})),
+            min_length=1,
+        )
     )
     temperature: Factors | None = entry(
-        "factor on the wear over the surface temperature, degrees C, linear between the pairs and "
-        "constant beyond; needs [heat]",
+        "factor on the wear depth over the surface temperature, degrees C, linear between the "
+        "pairs and constant beyond; needs [heat]",
         "pairs [temperature, factor], the temperatures ascending, the factors above 0",
         None,
         min_length=1,
     )
     stepping: Literal["adaptive", "every-revolution"] = entry(
-        "stepping through the revolutions", '"adaptive" or "every-revolution"', "adaptive"
+        "stepping: adaptive jumps over many revolutions, or every revolution", default="adaptive"
     )
     turns: Literal["each", "equal"] = entry(
-        "whether each body meets its wear again at its own turns, or both at those of A",
+        "when worn material returns to the contact: after a turn of its body, or after a turn of A "
+        "for both bodies",
         '"each" or "equal" (the paper\'s, for bodies of equal circumference)',
         "each",
     )
     tolerance: Real = entry(
-        "error of the adaptive stepping, relative to the wear depth",
-        "a number above 0, at most 0.1",
-        1e-3,
+        "error of the adaptive stepping over the wear depth",
+        default=1e-3,
         gt=0,
         le=0.1,
     )
@@ -135,10 +141,15 @@ class Wear(LawTable):
     checks: ClassVar[tuple[Check, ...]] = (
         check_coefficients,
         check_sets,
-        _saved_within,
+        _check_save,
     )
 
     effect: ClassVar[str] = "wear"
+
+    @property
+    def schedule(self) -> Schedule:
+        """Schedule of the revolutions."""
+        return Revolutions(self.revolutions, self.save, self.stepping == "adaptive")
 
     def describe(self, scene: Any) -> Iterator[Row]:
         """See `Table.describe`: coefficients, law, revolutions, and the share of each body."""
@@ -150,26 +161,26 @@ class Wear(LawTable):
         yield from self._describe_course(scene)
         yield Row("density", _describe_densities(scene.body), brief=True)
         if scene.solver.slip == "upwind":
-            yield Row("slip", "the paper's upwind difference: frictional work comes out too small")
+            yield Row("slip", "the upwind difference of the paper: frictional work is too small")
 
     def _describe_course(self, scene: Any) -> Iterator[Row]:
         """Yield the rows about revolutions, or about the distance of a [transient]."""
         if not self.revolutions:
-            place = "the material" if scene.schedule.rolls else "its place, as nothing rolls,"
-            yield Row("depth", f"stays with {place} and is part of the gap of the next step")
+            place = "material" if scene.schedule.rolls else "place, as nothing rolls"
+            yield Row("depth", f"remains at its {place}, and is part of the gap of the next step")
             return
         stepping = "one by one"
         if self.stepping == "adaptive":
             stepping = (
-                f"in adaptive jumps, with an error of {self.tolerance:g} of the wear depth, and "
-                "their contacts to a residual of no more"
+                f"in adaptive jumps, with an error of {self.tolerance:g} of the wear depth; "
+                "the residual of their contacts is at most the same"
             )
         yield Row("revolutions", f"{self.revolutions}, {stepping}")
         yield Row("fields stored at", ", ".join(map(str, self.save)))
         yield Row("turns", self._describe_turns(scene.turns.per_count), brief=True)
 
     def _describe_rates(self) -> str:
-        """Describe the coefficients, and whether they are of both bodies together."""
+        """Describe the coefficients, and whether they apply to both bodies together."""
         if self.named_law:
             return str(self.named_law)
         if not self.together:
@@ -182,85 +193,86 @@ class Wear(LawTable):
         if self.law == "archard":
             both = f"i = {format_pair(i1, i2)} /MPa, {both}"
         if isinstance(k, Coefficients):
-            return f"k = {k.A:g} {unit} of body A and {k.B:g} of B; of both together {both}"
-        return f"{both}, of both bodies together"
+            return f"k = {k.A:g} {unit} for body A and {k.B:g} for B; sum of both bodies {both}"
+        return f"{both}, sum of both bodies"
 
     def _describe_body(self, body: str) -> str:
         """Describe the law of one body."""
         law, chosen = self.laws[body], self.sets[body]
         if law in BY_COEFFICIENT:
             k = f"k = {getattr(self.coefficient, body):g}"
-            return f"Holm-Archard, {k} mm3/(N m)" if law == "archard" else f"by work, {k} mm3/J"
+            return f"Archard, {k} mm3/(N m)" if law == "archard" else f"energy, {k} mm3/J"
         if law == "table":
             return f"T-gamma/A of each {self.by}, a table of {len(self.law.table)} points"
         if law is None:
             return "does not wear"
-        inputs = {"usfd": f"T-gamma/A of each {self.by}", "brr": "T-gamma of each contact"}
-        sets = OF_SETS[law]
+        inputs = {"usfd": f"T-gamma/A of each {self.by}", "brr": "T-gamma of the contact"}
+        sets = COEFFICIENT_SETS[law]
         source = sets[chosen][1] if law == "jendel" else sets[chosen].source
         return f"{inputs.get(law, 'sliding speed and p/H')}, {chosen}: {source}"
 
     def _describe_law(self, slip: str) -> str:
-        """Describe the quantity that the wear law uses, with a discretisation of the slip."""
+        """Describe the quantity on which the wear law depends, for a discretisation of the slip."""
         if self.named_law:
             return "from another package"
         if self.law == "energy":
-            return "by the work of friction"
+            return "energy: depth proportional to the frictional work"
         if self.law == "archard":
-            inputs = "pressure and slip" if slip == "upwind" else "the work of friction"
-            return f"Holm-Archard by {inputs}"
-        return "each body has a law"
+            inputs = "pressure and slip" if slip == "upwind" else "frictional work"
+            return f"Archard, from {inputs}"
+        return "a separate law for each body"
 
     def _describe_share(self, scene: Any) -> str:
         """Describe the share of each body in the worn depth, and its reason."""
         if not self.together:
-            return "of each body by its law"
+            return "computed for each body from its law"
         share, bodies = scene.wear_share, scene.body
-        reason = "no hardness is given"
+        reason = "equal, as no hardness is given"
         if self.share is not None:
-            reason = "by their coefficients"
+            reason = "from their coefficients"
         elif "hardness" in bodies.A.model_fields_set:
-            reason = f"inverse to their hardness, {bodies.A.hardness:g} and {bodies.B.hardness:g}"
+            reason = f"inverse to the hardness, {bodies.A.hardness:g} and {bodies.B.hardness:g}"
         return f"{share['A']:.3g} from body A, {share['B']:.3g} from B: {reason}"
 
     def _describe_turns(self, turns: Mapping[str, float]) -> str:
-        """Describe which revolutions N counts, and how often each body meets its wear again."""
+        """Describe which revolutions N counts, and when worn material returns to the contact."""
         if self.turns == "equal":
-            return "equal: N counts the revolutions of body A; both return to the contact in each"
+            return "equal: N counts the revolutions of body A; both bodies turn once in each"
         counted, other = "AB" if turns["A"] else "BA"
         count = f"N counts the revolutions of body {counted}"
         if turns[other] == 0.0:
             return (
-                f"{count}; {other} is flat and never returns to the contact: it enters unworn, and "
+                f"{count}; {other} is flat and passes the contact only once: it enters unworn, and "
                 "its depth is that of a single pass"
             )
         return (
-            f"{count}; {other} turns {turns[other]:.6g} times in each. Each body meets its own "
-            "wear again, averaged over the phase; slip is not counted"
+            f"{count}; {other} turns {turns[other]:.6g} times in each. Worn material returns after "
+            "a turn of its body, averaged over the phase; slip is not counted"
         )
 
     @property
     def laws(self) -> dict[str, str | None]:
-        """Name of the law of each body; None of one that does not wear."""
+        """Name of the law of each body; None for a body that does not wear."""
         return laws_of_bodies(self.law)
 
     @property
     def together(self) -> bool:
-        """Whether one law wears both bodies together, each by its share."""
+        """Whether one law gives the depth of both bodies, which they share."""
         return self.law in BY_COEFFICIENT or self.named_law is not None
 
     @property
     def sets(self) -> dict[str, str | None]:
-        """Name of the set of coefficients of each body, where its law has sets."""
-        found = {}
+        """Name of the set of coefficients of each body; None if its law has no sets."""
+        names: dict[str, str | None] = {}
         for body, law in self.laws.items():
-            given = self.set if isinstance(self.set, str | None) else getattr(self.set, body)
-            found[body] = (given or next(iter(OF_SETS[law]))) if law in OF_SETS else None
-        return found
+            name = getattr(self.set, body) if isinstance(self.set, Sets) else self.set
+            sets = COEFFICIENT_SETS.get(law or "")
+            names[body] = None if sets is None else name or next(iter(sets))
+        return names
 
     @property
     def intensities(self) -> tuple[float, float]:
-        """Wear intensities (i1, i2) of both bodies together, 1/MPa, by whichever key is given."""
+        """Wear intensities (i1, i2), sum of both bodies, 1/MPa, from intensity or coefficient."""
         if self.intensity is not None:
             return self.intensity
         k = self.coefficient
@@ -269,7 +281,7 @@ class Wear(LawTable):
         return (k[0] / PER_INTENSITY, k[1] / PER_INTENSITY)
 
     def per_work(self, mu: tuple[float, float]) -> tuple[float, float] | None:
-        """Depth worn over frictional work per area along the axes, 1/MPa; None of other laws."""
+        """Return depth over frictional work per area along the axes, 1/MPa; None for other laws."""
         if self.law not in BY_COEFFICIENT:
             return None
         i = self.intensities
@@ -277,7 +289,7 @@ class Wear(LawTable):
 
     @property
     def share(self) -> dict[str, float] | None:
-        """Share of each body in the depth worn; None where only hardness tells it."""
+        """Share of each body in the worn depth; None if it follows from the hardness."""
         k = self.coefficient
         if not (isinstance(k, Coefficients) and self.together):
             return None
@@ -290,6 +302,6 @@ def _describe_densities(bodies: Any) -> str:
     densities = []
     for name in "AB":
         body = getattr(bodies, name)
-        given = "" if "density" in body.model_fields_set else " (of steel, not given)"
+        given = "" if "density" in body.model_fields_set else " (steel, by default)"
         densities.append(f"{name} {body.density:g} kg/m3{given}")
     return ", ".join(densities)

@@ -1,4 +1,4 @@
-"""Wear laws that a scene names: their coefficients, points and published sets."""
+"""Wear laws of a scene: their coefficients, points and published sets of coefficients."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ PER_INTENSITY = 1e3
 
 
 class Coefficients(Table):
-    """Specific wear rate of each body on its own, in place of one number for both together.
+    """Specific wear rate of each body, in place of the sum of both bodies.
 
     Examples
     --------
@@ -34,12 +34,8 @@ class Coefficients(Table):
     0.003
     """
 
-    A: NotNegative | None = entry(
-        "specific wear rate k of body A, mm3/(N m)", "a number of at least 0", None
-    )
-    B: NotNegative | None = entry(
-        "specific wear rate k of body B, mm3/(N m)", "a number of at least 0", None
-    )
+    A: NotNegative | None = entry("specific wear rate k of body A, mm3/(N m)", default=None)
+    B: NotNegative | None = entry("specific wear rate k of body B, mm3/(N m)", default=None)
 
 
 if TYPE_CHECKING:
@@ -55,34 +51,36 @@ LawName = Literal["archard", "energy", "usfd", "brr", "jendel"]
 LawOrTable = Literal[LawName, "table"]
 ALL_LAWS = '"archard", "energy", "usfd", "brr" or "jendel"'
 
-OF_SETS: dict[str, Mapping[str, Any]] = {"usfd": USFD, "brr": BRR, "jendel": JENDEL}
-"""Published sets of coefficients by the law that they are of; the first one is the default."""
+COEFFICIENT_SETS: dict[str, Mapping[str, Any]] = {"usfd": USFD, "brr": BRR, "jendel": JENDEL}
+"""Published sets of coefficients by the name of their law; the first set is the default."""
 
 BY_COEFFICIENT = ("archard", "energy")
-"""Laws whose coefficient the scene gives."""
+"""Laws for which the scene gives the coefficients."""
 
 
-def _rising(points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+def _check_points(points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+    """Return the points of a law; raise a ValueError unless W ascends, without wear at W = 0."""
     works = [work for work, _ in points]
     if not any(works) or any(late <= early for early, late in pairwise(works)):
         raise ValueError("pairs [W, rate] with ascending W")
     if works[0] == 0.0 and points[0][1]:
-        raise ValueError("no rate at W = 0: what does not slip does not wear")
+        raise ValueError("a rate of 0 at W = 0: without slip there is no wear")
     return points
 
 
-def _laws_of_what(entries: ValidEntries) -> Iterator[Fault]:
+def _check_table_is_used(entries: ValidEntries) -> Iterator[Fault]:
+    """Report laws of the bodies without the table that they name, and an unused table."""
     table, bodies = entries["table"], (entries["A"], entries["B"])
     if table is None and bodies == (None, None):
         yield Fault("table", "nothing", "a table, or laws A and B of the bodies")
     if "table" in bodies and table is None:
-        yield Fault("table", "nothing", "points of the law, as a body goes by them")
+        yield Fault("table", "nothing", 'points of the law, as a body has the law "table"')
     if table is not None and any(bodies) and "table" not in bodies:
-        yield Fault("table", "no body that goes by it", 'A = "table", B = "table", or no table')
+        yield Fault("table", "a table that no body uses", 'A = "table", B = "table", or no table')
 
 
 class WearLaws(Table):
-    """A wear law of one's own as points, or laws of each body on its own.
+    """A user-defined wear law given by points, or a separate law for each body.
 
     Examples
     --------
@@ -92,25 +90,21 @@ class WearLaws(Table):
     """
 
     table: (
-        Annotated[tuple[tuple[NotNegative, NotNegative], ...], AfterValidator(_rising)] | None
+        Annotated[tuple[tuple[NotNegative, NotNegative], ...], AfterValidator(_check_points)] | None
     ) = entry(
-        "mass worn over frictional work: W = T-gamma/A, N/mm2, and rate, ug/(m mm2) of each body; "
-        "straight from the origin through the points, and on beyond the last",
+        "wear rate over frictional work: pairs of W = T-gamma/A, N/mm2, and rate, ug/(m mm2) of "
+        "each body; linear from the origin through the points, and extrapolated beyond the last",
         "a list of pairs [W, rate] with ascending W",
         None,
         min_length=1,
     )
-    A: LawOrTable | None = entry(
-        "law of body A; without one it does not wear", f'{ALL_LAWS}, or "table"', None
-    )
-    B: LawOrTable | None = entry(
-        "law of body B; without one it does not wear", f'{ALL_LAWS}, or "table"', None
-    )
-    checks: ClassVar[tuple[Check, ...]] = (_laws_of_what,)
+    A: LawOrTable | None = entry("law of body A; without a law it does not wear", default=None)
+    B: LawOrTable | None = entry("law of body B; without a law it does not wear", default=None)
+    checks: ClassVar[tuple[Check, ...]] = (_check_table_is_used,)
 
 
 class Sets(Table):
-    """Named sets of coefficients of each body on its own.
+    """Name of the set of coefficients for each body.
 
     Examples
     --------
@@ -123,7 +117,7 @@ class Sets(Table):
 
 
 def laws_of_bodies(law: str | WearLaws | NamedLaw) -> dict[str, str | None]:
-    """Return the name of the law of each body; None of one that does not wear."""
+    """Return the name of the law of each body; None for a body that does not wear."""
     if not isinstance(law, WearLaws):
         return {"A": str(law), "B": str(law)}
     both = "table" if law.A is None and law.B is None else None
@@ -131,53 +125,55 @@ def laws_of_bodies(law: str | WearLaws | NamedLaw) -> dict[str, str | None]:
 
 
 def check_coefficients(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield faults of the coefficients that the wear laws need, or do not take."""
+    """Report coefficients that are missing, or that the wear laws do not use."""
     if isinstance(entries["law"], NamedLaw):
         return
     laws = laws_of_bodies(entries["law"])
-    taking = [body for body, name in laws.items() if name in BY_COEFFICIENT]
-    either = entries.given & {"intensity", "coefficient"}
+    users = [body for body, name in laws.items() if name in BY_COEFFICIENT]
+    given = entries.given & {"intensity", "coefficient"}
     together = entries["law"] in BY_COEFFICIENT
-    if not taking:
-        for key in sorted(either):
+    if not users:
+        for key in sorted(given):
             yield Fault(
-                key, f"with the law {entries['law']!r}", "nothing: its coefficients are known"
+                key, f"with the law {entries['law']!r}", "nothing: its coefficients are published"
             )
         return
     if entries["law"] == "archard":
         yield from exactly_one("intensity", "coefficient")(entries)
-    elif "intensity" in either:
-        cure = "coefficient: mm3/J of the energy law, or { A = ..., B = ... } of each body"
+    elif "intensity" in given:
+        cure = "coefficient: mm3/J for the energy law, or { A = ..., B = ... } for each body"
         yield Fault("intensity", "not with this law", cure)
-    elif "coefficient" not in either:
-        yield Fault("coefficient", "nothing", "that of the bodies whose law takes one")
-    if "coefficient" not in either:
+    elif "coefficient" not in given:
+        yield Fault(
+            "coefficient", "nothing", "a coefficient for each body with the law archard or energy"
+        )
+    if "coefficient" not in given:
         return
     k = entries["coefficient"]
     if not isinstance(k, Coefficients):
         if not together and k is not None:
-            listed = ", ".join(f"{body} = ..." for body in taking)
-            yield Fault("coefficient", str(k), f"that of each body: {{ {listed} }}")
+            listed = ", ".join(f"{body} = ..." for body in users)
+            yield Fault("coefficient", str(k), f"a coefficient for each body: {{ {listed} }}")
         return
     for body, name in laws.items():
         value = getattr(k, body)
-        if body in taking and value is None:
-            yield Fault(f"coefficient.{body}", "nothing", f"that of its law, {name}")
-        if body not in taking and value is not None:
-            yield Fault(f"coefficient.{body}", str(value), "nothing: its law takes none")
+        if body in users and value is None:
+            yield Fault(f"coefficient.{body}", "nothing", f"the coefficient of its law, {name}")
+        if body not in users and value is not None:
+            yield Fault(f"coefficient.{body}", str(value), "nothing: its law has no coefficient")
 
 
 def check_sets(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield faults of the names of sets of coefficients."""
+    """Report names of sets of coefficients that do not exist."""
     laws, given = laws_of_bodies(entries["law"]), entries["set"]
     for body in "AB" if given is not None else ():
         name = given if isinstance(given, str) else getattr(given, body)
-        sets = OF_SETS.get(laws[body] or "", {})
+        sets = COEFFICIENT_SETS.get(laws[body] or "", {})
         if name is not None and name not in sets and not (isinstance(given, str) and not sets):
             key = "set" if isinstance(given, str) else f"set.{body}"
             allowed = f"one of {', '.join(sets)}" if sets else "nothing: its law has no sets"
             yield Fault(key, repr(name), allowed)
             if isinstance(given, str):
                 return
-    if isinstance(given, str) and not any(laws[body] in OF_SETS for body in "AB"):
-        yield Fault("set", repr(given), f"only with one of {', '.join(OF_SETS)}")
+    if isinstance(given, str) and not any(laws[body] in COEFFICIENT_SETS for body in "AB"):
+        yield Fault("set", repr(given), f"only with one of {', '.join(COEFFICIENT_SETS)}")

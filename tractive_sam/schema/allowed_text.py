@@ -27,15 +27,15 @@ def describe_allowed(kind: Any, constraints: Iterable[Any] = ()) -> str:
     Parameters
     ----------
     kind : type
-        A number, a text, a bool, a path, names (`Literal`), or a pair of numbers; alone, annotated
-        or optional.
+        A number, a text, a bool, a path, names (`Literal`), a list of names, or a pair of numbers;
+        also annotated or optional.
     constraints : iterable
         Metadata of the field: bounds and validators.
 
     Returns
     -------
     str
-        Such as "a number above 0"; empty for other types, whose fields need a text of their own.
+        Such as "a number above 0"; empty for other types, which need a separate text.
     """
     if get_origin(kind) is Annotated:
         inner, *outer = get_args(kind)
@@ -46,14 +46,17 @@ def describe_allowed(kind: Any, constraints: Iterable[Any] = ()) -> str:
     if get_origin(kind) is Literal:
         return list_names(get_args(kind))
     if get_origin(kind) is tuple:
-        item = describe_allowed(get_args(kind)[0])
+        item, *others = get_args(kind)
+        if others == [...]:
+            names = get_args(item) if get_origin(item) is Literal else ()
+            return f"a list of {list_names(names, 'and')}" if names else ""
+        item = describe_allowed(item)
         one_for_both = any(
             isinstance(check, BeforeValidator) and check.func is number_to_pair
             for check in constraints
         )
-        if get_args(kind)[1:] == (...,) or not item:
-            return ""
-        return f"{item}, or a pair of them" if one_for_both else f"a pair: each {item}"
+        pair = f"a pair of {item.removeprefix('a ').replace('number', 'numbers')}"
+        return f"{item}, or a pair of them" if one_for_both else pair
     bounds = _bounds(constraints)
     return f"{_WORDS.get(kind, '')}{_describe_bounds(bounds)}" if kind in _WORDS else ""
 

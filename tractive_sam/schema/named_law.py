@@ -139,7 +139,7 @@ def build_law(
     law : NamedLaw
         Its name and parameters.
     base : type
-        The class of which the law must be a subclass.
+        Base class that the law must have.
     provided : mapping, optional
         Values of other keys of the scene, given to the class if it has parameters of these names.
 

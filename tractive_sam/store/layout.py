@@ -54,7 +54,7 @@ from tractive_sam.results import (
     of_role,
 )
 from tractive_sam.results import columns as columns_of
-from tractive_sam.scene import Plane, Scene, label
+from tractive_sam.scene import Plane, Scene, block_label
 from tractive_sam.store.texts import create_text, set_text, text_of
 from tractive_sam.store.versions import versions
 
@@ -130,7 +130,7 @@ def create(
     }
     history = file.create_group("history")
     _create_history(history, grid, certain)
-    if names := [label(scene, k) for k in range(len(scene.duty))]:
+    if names := [block_label(scene, k) for k in range(len(scene.duty))]:
         _labels(history, "block", names, "block of the duty cycle")
     kept = {name: one for name, one in kept_fields(scene).items() if one is not BOUND}
     _create_fields(file.create_group("fields"), grid, history, coordinate, kept)

@@ -29,7 +29,7 @@ from tractive_sam.results import (
     load_laws,
     of_role,
 )
-from tractive_sam.scene import Scene, files_anywhere
+from tractive_sam.scene import Scene, allow_missing_files
 from tractive_sam.schema import SceneError, SceneWarning
 from tractive_sam.store import former, layout
 from tractive_sam.store.errors import ResultsError
@@ -206,7 +206,7 @@ def _scene(file: Results) -> Scene:
         raise file.damaged("scene: the text is not as it was written")
     try:
         with (
-            files_anywhere(),
+            allow_missing_files(),
             warnings.catch_warnings(),
         ):  # of a mesh too coarse, say: its user was warned then
             warnings.simplefilter("ignore", SceneWarning)  # its user was warned then

@@ -96,10 +96,8 @@ class Values(Table):
     )
     start: Real | None = entry("first value of a range", default=None)
     stop: Real | None = entry("last value of a range", default=None)
-    number: int | None = entry(
-        "number of values of a range", "a whole number from 2 to 1e6", None, ge=2, le=MOST
-    )
-    spacing: Spacing = entry("spacing of a range", _SPACING, "linear")
+    number: int | None = entry("number of values of a range", default=None, ge=2, le=MOST)
+    spacing: Spacing = entry("spacing of a range", default="linear")
     checks: ClassVar[tuple[Check, ...]] = (_one_way_to_give_values, _logarithm_exists, _apart)
 
     def column(self) -> tuple[Any, ...]:
@@ -177,7 +175,7 @@ class Bounds(Table):
     key: Key = entry("the entry that varies", _KEY)
     start: Real = entry("one end of the interval")
     stop: Real = entry("the other end of the interval")
-    spacing: Spacing = entry("in what it is uniform", _SPACING, "linear")
+    spacing: Spacing = entry("in what it is uniform", default="linear")
     checks: ClassVar[tuple[Check, ...]] = (_logarithm_exists, _apart)
 
 
@@ -193,11 +191,11 @@ class Latin(Table):
     True
     """
 
-    number: int = entry("number of samples", "a whole number from 1 to 1e6", ge=1, le=MOST)
+    number: int = entry("number of samples", ge=1, le=MOST)
     variable: tuple[Bounds, ...] = entry(
         "entries and intervals", "a list of at least one table", min_length=1
     )
-    seed: int = entry("seed of the samples", "a whole number from 0", 0, ge=0)
+    seed: int = entry("seed of the samples", default=0, ge=0)
     checks: ClassVar[tuple[Check, ...]] = (_each_variable_once,)
 
     def dimension(self) -> Dimension:

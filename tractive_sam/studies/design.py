@@ -10,7 +10,13 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, ClassVar, Literal
 
-from tractive_sam.scene import FILES, Scene, builtin_names, files_of_varied, parse_settings
+from tractive_sam.scene import (
+    FILE_KEYS,
+    Scene,
+    builtin_names,
+    parse_settings,
+    resolve_parametric_files,
+)
 from tractive_sam.schema import (
     Check,
     Document,
@@ -119,14 +125,13 @@ class Study(Document):
     ((3, 4), 12)
     """
 
-    title: str = entry("title", "a text", "")
+    title: str = entry("title", default="")
     scene: Scene = entry("the scene", "a built-in name, a scene file, or the tables of a scene")
     axis: tuple[Axis, ...] = entry("the axes", "a list of tables", ())
     latin: Latin | None = entry("the Latin hypercube", default=None)
     keep: Literal["all", "scalars"] = entry(
         "what is kept of each case: a results file, or the numbers of its last record",
-        '"all" or "scalars"',
-        "all",
+        default="all",
     )
     checks: ClassVar[tuple[Check, ...]] = (
         _something_varies,
@@ -178,7 +183,7 @@ class Study(Document):
         match tables:
             case {"set": list(settings)}:
                 tables["set"] = [_setting_from(folder, one) for one in settings]
-        return files_of_varied(folder, tables)
+        return resolve_parametric_files(folder, tables)
 
     @property
     def dimensions(self) -> tuple[Dimension, ...]:
@@ -211,7 +216,7 @@ def is_study(path: str | PathLike[str]) -> bool:
 
 def _setting_from(folder: Path, setting: Any) -> Any:
     """A setting like ``gap.file=profile.csv`` with its file sought from a folder."""
-    if not isinstance(setting, str) or setting.partition("=")[0].strip() not in FILES:
+    if not isinstance(setting, str) or setting.partition("=")[0].strip() not in FILE_KEYS:
         return setting
     ((key, file),) = parse_settings([setting]).items()
     return f"{key}={folder / str(file)}"
@@ -264,4 +269,4 @@ def _named(scene: Scene | Mapping[str, Any] | str) -> Scene:
         return scene
     if not isinstance(scene, str):
         return Scene(**scene)
-    return Scene.named(scene)
+    return Scene.from_name(scene)

@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field
 
 from tractive_sam.lookup import CONTACT, RATIO
-from tractive_sam.scene import Scene, files_of_varied
+from tractive_sam.scene import Scene, resolve_parametric_files
 from tractive_sam.schema import Check, Document, Fault, SceneError, ValidEntries, entry, shorten
 from tractive_sam.tables.axis import TableAxis
 from tractive_sam.tables.contacts import Contacts, unit_scene
@@ -133,7 +133,7 @@ class TableDesign(Document):
     ('angle',)
     """
 
-    title: str = entry("title", "a text", "")
+    title: str = entry("title", default="")
     scene: Scene | None = entry(
         "the scene whose contact it is, instead of any contact of Hertz of alike bodies",
         "a built-in name, a scene file, or the tables of a scene",
@@ -150,23 +150,19 @@ class TableDesign(Document):
     )
     tolerance: float = entry(
         "error bar and error of interpolation of forces over mu P",
-        "a number from 1e-3 to 0.2",
-        0.01,
+        default=0.01,
         ge=1e-3,
         le=0.2,
     )
     elements: int = entry(
         "elements across a contact to begin with",
-        "a whole number from 15 to 101",
-        21,
+        default=21,
         ge=15,
         le=101,
     )
-    finest: int = entry(
-        "elements across a contact at most", "a whole number from 15 to 401", 101, ge=15, le=401
-    )
-    most: int = entry("nodes at most", "a whole number from 300 to 1e6", 50_000, ge=300, le=10**6)
-    seed: int = entry("seed of the points that are held out", "a whole number from 0", 0, ge=0)
+    finest: int = entry("elements across a contact at most", default=101, ge=15, le=401)
+    most: int = entry("nodes at most", default=50_000, ge=300, le=10**6)
+    seed: int = entry("seed of the points that are held out", default=0, ge=0)
     checks: ClassVar[tuple[Check, ...]] = (
         _finest_is_fine,
         _of_a_scene_or_of_any,
@@ -179,7 +175,7 @@ class TableDesign(Document):
     def __init__(self, /, **given: Any) -> None:
         if isinstance(given.get("scene"), str):
             try:
-                given["scene"] = Scene.named(given["scene"])
+                given["scene"] = Scene.from_name(given["scene"])
             except SceneError as error:
                 raise TableError(_in_design(error)) from None
         super().__init__(**given)
@@ -195,7 +191,7 @@ class TableDesign(Document):
     @classmethod
     def resolve_files(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
         """The tables, with relative files in them sought from a folder."""
-        return files_of_varied(folder, tables)
+        return resolve_parametric_files(folder, tables)
 
     @property
     def names(self) -> tuple[str, ...]:

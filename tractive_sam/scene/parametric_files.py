@@ -1,4 +1,4 @@
-"""Documents that vary a scene along axes, studies and tables: where their files are sought."""
+"""Files of documents that vary a scene along axes: studies and tables of creep forces."""
 
 from __future__ import annotations
 
@@ -8,31 +8,31 @@ from typing import Any
 
 from .scene import Scene
 
-FILES = (
+FILE_KEYS = (
     "gap.file",
     "load_history.file",
     "transient.profile.A.file",
     "transient.profile.B.file",
 )
-"""Keys of files that a scene names."""
+"""Keys of a scene that name a file."""
 
 
-def files_of_varied(folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
-    """The tables of a varied scene, with relative files in them sought from a folder."""
+def resolve_parametric_files(folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
+    """Return the tables of a study with relative paths in them starting from a folder."""
     match tables:
         case {"scene": str(name)} if (folder / name).is_file():
             tables["scene"] = str(folder / name)
         case {"scene": dict(scene)}:
             Scene.resolve_files(folder, scene)
-    for one in _tables_with_values(tables.get("axis")):
-        match one:
-            case {"key": str(key), "values": list() | tuple() as files} if key in FILES:
-                one["values"] = [str(folder / str(file)) for file in files]
+    for axis in _axes_with_zipped(tables.get("axis")):
+        match axis:
+            case {"key": str(key), "values": list() | tuple() as files} if key in FILE_KEYS:
+                axis["values"] = [str(folder / str(file)) for file in files]
     return tables
 
 
-def _tables_with_values(axes: Any) -> Iterator[Any]:
-    """The axes and what is zipped with them, as far as they are tables."""
+def _axes_with_zipped(axes: Any) -> Iterator[Any]:
+    """Yield the axes and the entries zipped with them."""
     for axis in axes if isinstance(axes, list | tuple) else ():
         yield axis
         match axis:
