@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from hashlib import sha256
 from html import escape
 from string import Template
@@ -57,21 +57,6 @@ def fill(template: str, /, **content: Content) -> Html:
     """
     found = {name: as_html(one) for name, one in content.items()}
     return Html(Template(template).substitute(found))
-
-
-def html_table(rows: Mapping[str, str], picture: Html = Html()) -> Html:  # noqa: B008 - immutable
-    """Return lines of (what, value) as a table of HTML, beside a picture."""
-    line = (
-        '<tr><th style="text-align:left;vertical-align:top;padding-right:1em">$what</th>'
-        '<td style="text-align:left">$value</td></tr>'
-    )
-    lines = (fill(line, what=what, value=plain(value)) for what, value in rows.items())
-    table = fill("<table>$lines</table>", lines=lines)
-    if not picture:
-        return table
-    style = "display:flex;flex-wrap:wrap;gap:1em;align-items:flex-start"
-    beside = '<div style="$style">$table<div>$picture</div></div>'
-    return fill(beside, style=style, table=table, picture=picture)
 
 
 def policy(

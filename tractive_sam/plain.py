@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
 
 _COMMANDS = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f"  # of terminals; the tab and the end of a line do no harm
@@ -23,13 +22,6 @@ def plain(text: str, most: int | None = MOST) -> str:
     if most is not None and len(text) > most:
         text = f"{text[: most - 1]}…"
     return _COMMANDS.sub("\ufffd", text)
-
-
-def text_table(head: str, rows: Mapping[str, str]) -> str:
-    """A heading and lines of (what, told)."""
-    named = {plain(what): plain(told) for what, told in rows.items()}
-    width = max(map(len, named), default=0)
-    return "\n".join([head, *(f"  {what:{width}}  {told}" for what, told in named.items())])
 
 
 def csv_cell(value: object) -> object:

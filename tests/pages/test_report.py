@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
-from tractive_sam.pages import arrays, charts, data, text
+from tractive_sam.description import format_unit, html_symbol
+from tractive_sam.pages import arrays, charts, data
 from tractive_sam.results import Grid
 
 DISCS = ("grid.half_length=[0.35, 0.7]", "grid.elements=[21, 31]", "wear.revolutions=20")
@@ -41,14 +42,14 @@ def unpacked(packed):
     ],
 )
 def test_symbols(math, html):
-    assert text.symbol(math) == html
+    assert html_symbol(math) == html
 
 
 @pytest.mark.parametrize(
     ("unit", "shown"), [("mm3", "mm³"), ("1", ""), ("1/mm", "1/mm"), ("N mm", "N mm")]
 )
 def test_units(unit, shown):
-    assert text.unit(unit) == shown
+    assert format_unit(unit) == shown
 
 
 def test_arrays_come_back():

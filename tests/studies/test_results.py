@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from tests.studies.conftest import CREEPAGE, MU, small
+from tractive_sam.description import format_setting
 from tractive_sam.run.pipeline import roll
 from tractive_sam.scene import Scene
 from tractive_sam.schema import PlausibilityWarning
 from tractive_sam.store import ResultsError, results_writer
 from tractive_sam.studies import Study, cases, figures, open_study, save_figures, study
-from tractive_sam.studies.case import told_value
 from tractive_sam.studies.figures import _short, _texts, _variable
 from tractive_sam.studies.folder import Folder
 from tractive_sam.studies.task import Outcome
@@ -252,9 +252,9 @@ def test_axes_of_courses_and_blocks_are_named_in_a_line():
 
 def test_blocks_of_a_duty_cycle_as_values_of_an_axis_are_told_by_name_and_revolutions():
     duty = [{"name": "curve", "revolutions": 7, "creepage.spin": 1e-4}, {"revolutions": 3}]
-    assert told_value(tuple(duty)) == "(curve 7, duty[1] 3)"
-    assert told_value(1.0 / 3.0) == "0.333333"
-    assert len(told_value(tuple(range(100)))) <= 50
+    assert format_setting(tuple(duty)) == "(curve 7, duty[1] 3)"
+    assert format_setting(1.0 / 3.0) == "0.333333"
+    assert len(format_setting(tuple(range(100)))) <= 50
     assert _texts(((1, 2), (3, 4))) == ["(1, 2)", "(3, 4)"]
     many = [(*range(100), end) for end in (1, 2)]  # cut short, they differ by their places
     assert len(set(_texts(many))) == 2

@@ -104,8 +104,8 @@ def _standing(results: "StudyResults") -> str:
 def _table(results: "StudyResults") -> Table:
     """The cases, one a row."""
     from tractive_sam.cli.tables import course
+    from tractive_sam.description import format_setting
     from tractive_sam.results import columns
-    from tractive_sam.studies import told_value
 
     keys = [key for one in results.study.dimensions for key in one.columns]
     scene = results.study.scene
@@ -119,7 +119,7 @@ def _table(results: "StudyResults") -> Table:
     for _, heading, _, _ in shown:
         table.add_column(heading, justify="right", no_wrap=True)
     for row in results.rows:
-        changes = [told_value(row.case.changes[key]) for key in keys]
+        changes = [format_setting(row.case.changes[key]) for key in keys]
         numbers = [
             format(_of_kind(row.last[name] * factor, form), form) if name in row.last else ""
             for name, _, factor, form in shown

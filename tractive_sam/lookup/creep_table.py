@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tractive_sam.description import Description
 from tractive_sam.lookup.coordinates import CONTACT, NAMES, RATIO, SPIN, Coordinates
-from tractive_sam.lookup.describe import Sections, describe_table
+from tractive_sam.lookup.describe import describe_table
 from tractive_sam.lookup.hermite import Hermite, cell_of
 from tractive_sam.lookup.table_checks import faults_of_table
-from tractive_sam.markup import fill, html_table
-from tractive_sam.plain import plain, text_table
+from tractive_sam.markup import fill
+from tractive_sam.plain import plain
 
 MARGIN = 1e-9
 """Of a coordinate outside a table that rounding alone may have brought there."""
@@ -143,14 +144,10 @@ class CreepTable:
             raise ValueError("; ".join(faults))
 
     def __repr__(self) -> str:
-        sections = (text_table(title, dict(rows)) for title, rows in self.sections.items())
-        return "\n\n".join((plain(f"CreepTable {self.title}".rstrip()), *sections))
+        return f"{plain(f'CreepTable {self.title}'.rstrip())}\n\n{self.description!r}"
 
     def _repr_html_(self) -> str:
-        sections = (
-            fill("<b>$title</b>$rows", title=title, rows=html_table(dict(rows)))
-            for title, rows in self.sections.items()
-        )
+        sections = self.description._repr_html_()
         return fill("<p><b>$title</b></p>$sections", title=self.title, sections=sections)
 
     @property
@@ -159,8 +156,13 @@ class CreepTable:
         return str(self.about.get("title", ""))
 
     @property
-    def sections(self) -> Sections:
-        """Description: rows of (what, answer) by the title of their section."""
+    def sections(self) -> dict[str, list[tuple[str, str]]]:
+        """Rows of label and text, by the title of their section."""
+        return {section.title: section.rows for section in self.description}
+
+    @property
+    def description(self) -> Description:
+        """What the table contains, its errors, and how it is called."""
         axes = dict(zip((*self.names, *NAMES), self.law.axes, strict=True))
         return describe_table(axes, self.about, self.apart, self.whole, self.contact)
 

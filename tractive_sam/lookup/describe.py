@@ -1,17 +1,15 @@
-"""The description of a table of creep forces, in sections of (what, answer)."""
+"""The description of a table of creep forces."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 
+from tractive_sam.description import Description, Section
 from tractive_sam.lookup.coordinates import CONTACT, NAMES, RATIO
-
-Sections: TypeAlias = dict[str, list[tuple[str, str]]]
-"""Rows of (what, answer) by the title of their section."""
 
 ANY = "any contact of Hertz of alike bodies, with isotropic friction"
 QUARTER = "a quarter of them; the others follow from it by two symmetries"
@@ -23,7 +21,7 @@ def describe_table(
     apart: Sequence[str],
     whole: bool,
     contact: Mapping[str, float] | None,
-) -> Sections:
+) -> Description:
     """Describe what a table contains, its errors, and how it is called.
 
     Parameters
@@ -42,16 +40,17 @@ def describe_table(
     varying = [one for one in axes if one not in (RATIO, *NAMES) and len(axes[one]) > 1]
     arguments = [f"{one}=..." for one in (*(() if contact else CONTACT), *varying)]
     call = f"table({', '.join(('xi_x', 'xi_y', 'spin', *arguments))})"
-    return {
-        "Table of creep forces": describe_range(contact, whole),
-        "Nodes": [*nodes, ("in all", str(total))],
-        "Errors": _describe_errors(about),
-        "Made by": made,
-        "Use": [
-            ("in Python", f"table = ts.open_table(FILE); {call}"),
-            ("elsewhere", "tractive-sam table FILE, with --header, --fmu, --text or --figure"),
-        ],
-    }
+    use = [
+        ("in Python", f"table = ts.open_table(FILE); {call}"),
+        ("elsewhere", "tractive-sam table FILE, with --header, --fmu, --text or --figure"),
+    ]
+    return Description((
+        Section("Table of creep forces", describe_range(contact, whole)),
+        Section("Nodes", [*nodes, ("in all", str(total))]),
+        Section("Errors", _describe_errors(about)),
+        Section("Made by", made),
+        Section("Use", use),
+    ))  # fmt: skip
 
 
 def describe_range(contact: Mapping[str, float] | None, whole: bool) -> list[tuple[str, str]]:

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from tractive_sam.description import format_unit, html_symbol
 from tractive_sam.markup import Html, as_html, fill
-from tractive_sam.pages import text
 from tractive_sam.pages.arrays import packed
 from tractive_sam.results import BODIES, COORDINATE, LABELS, PREFIX, History, Quantity
 
@@ -105,10 +105,10 @@ def _title(one: Quantity) -> str:
 
 def _chart(history: History, title: str, group: list[Quantity]) -> dict[str, Any]:
     """One chart: its title, the label of its axis, its lines, and whether it is set aside."""
-    units = [text.unit(one.unit) for one in group]
+    units = [format_unit(one.unit) for one in group]
     label = as_html(", ".join(dict.fromkeys(filter(None, units))))
     names = {_of_cycle(history, one).name for one in group}
-    if len(names) == 1 and (symbol := text.symbol(group[0].symbol)):
+    if len(names) == 1 and (symbol := html_symbol(group[0].symbol)):
         label = fill("$symbol ($label)", symbol=symbol, label=label) if label else symbol
     return {
         "title": as_html(title),
@@ -131,7 +131,7 @@ def _lines(history: History, one: Quantity, several: int) -> Iterator[dict[str, 
             continue
         if one.name.removeprefix(PREFIX).endswith("_at") and jumps(known):
             continue
-        name = text.symbol(one.symbol) or as_html(one.name)
+        name = html_symbol(one.symbol) or as_html(one.name)
         kind = one.role.removeprefix("stress_") if one.role.startswith("stress_") else ""
         named = [as_html(f"body {k}" if k in BODIES else k) for k in place]
         if PREFIX + one.name in history.columns:

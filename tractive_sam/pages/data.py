@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from tractive_sam import interrupt
+from tractive_sam.description import format_unit, html_symbol
 from tractive_sam.markup import as_html
-from tractive_sam.pages import text
 from tractive_sam.pages.arrays import packed
 from tractive_sam.pages.charts import charts
 from tractive_sam.plain import plain
@@ -47,8 +47,8 @@ def of_history(history: History) -> dict[str, Any]:
         "line": history.grid.directions == 1,
         "along": {
             "name": as_html(along.label or along.name),
-            "symbol": text.symbol(along.symbol) or as_html(along.name),
-            "unit": as_html(text.unit(along.unit)),
+            "symbol": html_symbol(along.symbol) or as_html(along.name),
+            "unit": as_html(format_unit(along.unit)),
         },
         "places": [
             as_html(format(at, along.format) + name) for at in saved.tolist() for name, _ in blocks
@@ -282,7 +282,7 @@ def _numbers(history: History, row: int) -> list[Mapping[str, str]]:
         {
             "name": plain(name),
             "value": plain(value),
-            "unit": plain(text.unit(one.unit)),
+            "unit": plain(format_unit(one.unit)),
             "about": plain(one.long_name),
         }
         for name, value, one in numbers(history, row)

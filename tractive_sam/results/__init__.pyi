@@ -12,7 +12,6 @@ from .cycle import cycle_record as cycle_record
 from .describe import balances as balances
 from .describe import caveats as caveats
 from .describe import describe_history as describe_history
-from .describe import number as number
 from .describe import numbers as numbers
 from .fatigue import BodyFatigue as BodyFatigue
 from .grid import Grid as Grid

@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from tractive_sam.description import format_number
 from tractive_sam.results.balance import SteadyBalance, balance_of
 from tractive_sam.results.quantity import BODIES, Quantity
 from tractive_sam.results.recorded import Recorded
@@ -18,29 +19,20 @@ CLOSED = 5e-3
 """Error of the energy balance that is not reported."""
 
 
-def number(value: float, error_bar: float = 0.0) -> str:
-    """A number with its error bar, in as many digits as that leaves."""
-    if math.isinf(error_bar):
-        return f"{value:.4g}, without a limit on finer meshes"
-    if error_bar > 1e-12 * abs(value):  # less is rounding
-        # As many digits as the error bar has, which is told to two.
-        decimals = max(0, 1 - math.floor(math.log10(error_bar)))
-        if abs(value) >= 1e-3:
-            return f"{value:.{decimals}f} ± {error_bar:.{decimals}f}"
-        return f"{value:.4g} ± {error_bar:.2g}"
-    return f"{value:.0f}" if float(value).is_integer() and abs(value) < 1e9 else f"{value:.4g}"
-
-
 def numbers(history: Recorded, row: int) -> Iterator[tuple[str, str, Quantity]]:
     """What a record tells in numbers: name, number with error bar, and quantity."""
     for name, one in history.of_dims().items():
         if not (name.endswith("_error") or np.isnan(history[name]).all()):
-            yield name, number(history[name][row], error_bar(history, name, row)), one
+            yield name, format_number(history[name][row], error_bar(history, name, row)), one
     for name, one in history.of_dims("body").items():
         for body in one.bodies(history.scene) if not name.endswith("_error") else ():
             k = BODIES.index(body)
             value, bar = history[name][row, k], error_bar(history, name, row, k)
-            yield f"{name} {body}", number(value, bar) if math.isfinite(value) else "none", one
+            yield (
+                f"{name} {body}",
+                format_number(value, bar) if math.isfinite(value) else "none",
+                one,
+            )
 
 
 def error_bar(history: Recorded, name: str, row: int, *body: int) -> float:

@@ -3,7 +3,8 @@
 from collections.abc import Mapping
 from typing import Any
 
-from tractive_sam.markup import Html, html_table
+from tractive_sam.description import html_table
+from tractive_sam.markup import Html
 
 
 def html_with_figure(

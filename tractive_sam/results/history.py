@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar
 
 import numpy as np
 
+from tractive_sam.description import text_table
 from tractive_sam.extras import importing_extra
 from tractive_sam.mechanics import Frame
-from tractive_sam.plain import text_table
 from tractive_sam.results.balance import balance_of
 from tractive_sam.results.column_table import PARTS, STRESSES, columns
 from tractive_sam.results.cycle import PREFIX

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tractive_sam.description import text_table
 from tractive_sam.mechanics import Frame
-from tractive_sam.plain import text_table
 from tractive_sam.results.edges import covered, extent
 from tractive_sam.results.figure_table import html_with_figure
 from tractive_sam.results.grid import Grid, widened

@@ -1,14 +1,13 @@
 """What a scene will have modelled, what is left out and why, and what it will take."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
 
 from tractive_sam.contact import Model, rough_maps
+from tractive_sam.description import Description, Row, Section, format_duration
 from tractive_sam.operators import available
-from tractive_sam.plain import text_table
 from tractive_sam.rolling import process_type
 from tractive_sam.run import memory
 from tractive_sam.run.accuracy.levels import with_tolerances
@@ -22,7 +21,7 @@ from tractive_sam.run.model_rows import (
     describe_refinement,
 )
 from tractive_sam.scene import Scene
-from tractive_sam.schema import Row, describe_tables
+from tractive_sam.schema import describe_tables
 
 # Typical work at a tolerance of 1e-8, in applications with all that goes with them: of a new
 # contact on nested meshes, of a revolution or a step, which starts from the one before
@@ -43,24 +42,7 @@ TIMED = 2**18
 """Most elements of a mesh whose transforms are timed."""
 
 
-@dataclass(frozen=True)
-class Section:
-    """A heading and its rows of (what, answer)."""
-
-    title: str
-    rows: list[tuple[str, str]]
-
-
-class Explanation(tuple[Section, ...]):
-    """Sections, which print themselves as `tractive-sam explain` does."""
-
-    __slots__ = ()
-
-    def __repr__(self) -> str:
-        return "\n\n".join(text_table(one.title, dict(one.rows)) for one in self)
-
-
-def explain(scene: Scene) -> Explanation:
+def explain(scene: Scene) -> Description:
     """Say what will be modelled, on which mesh, and estimate memory and time.
 
     The time is estimated from transforms measured on this machine.
@@ -93,7 +75,7 @@ def explain(scene: Scene) -> Explanation:
     sections = {title: [row for key in keys for row in described[key]] for title, keys in SECTIONS}
     if model.measured is not None:
         warn_of_gap(model)
-    return Explanation(
+    return Description(
         Section(title, [(row.label, row.text) for row in rows])
         for title, rows in sections.items()
         if rows
@@ -144,7 +126,7 @@ def _work(model: Model) -> Iterator[Row]:
     count = applications(model)
     seconds = seconds_per_application(model) * count
     transforms = f"{count} elastic responses by Fourier transforms"
-    yield Row("time", f"about {duration(seconds)}, for {transforms}")
+    yield Row("time", f"about {format_duration(seconds)}, for {transforms}")
     yield from _resolving(model, seconds)
 
 
@@ -155,7 +137,7 @@ def _resolving(model: Model, seconds: float) -> Iterator[Row]:
         if any(one.unresolved(grid)):
             elements = one.resolving(grid).elements
             more = np.prod(elements, dtype=float) / np.prod(grid.elements)
-            time = duration(seconds * work(elements) / work(grid.elements))
+            time = format_duration(seconds * work(elements) / work(grid.elements))
             room = f"{memory.of_contact(model) * more / 2**20:.0f} MiB"
             finer = " x ".join(map(str, elements))
             yield Row(f"to resolve {table}", f"{finer} elements, about {room} and {time}")
@@ -222,14 +204,3 @@ def _timed(shape: tuple[int, int]) -> tuple[int, int]:
     share = np.sqrt(min(1.0, TIMED / np.prod(shape, dtype=float)))
     nx, ny = (min(n, max(3, round(share * n))) for n in shape)
     return min(nx, max(3, TIMED // ny)), min(ny, max(3, TIMED // nx))
-
-
-def duration(seconds: float) -> str:
-    """A time in words."""
-    if seconds < 1.0:
-        return "a second or less"
-    if seconds < 120.0:
-        return f"{seconds:.0f} s"
-    if seconds < 7200.0:
-        return f"{seconds / 60:.0f} min"
-    return f"{seconds / 3600:.1f} h"

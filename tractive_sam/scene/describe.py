@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
-from tractive_sam.markup import Html, as_html, html_table
-from tractive_sam.plain import text_table
+from tractive_sam.description import html_table, text_table
+from tractive_sam.markup import Html, as_html
 from tractive_sam.schema import describe_tables
 
 

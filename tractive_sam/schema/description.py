@@ -6,27 +6,9 @@ where a table is absent. The table of an array has `describe_array` in addition.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
-
-@dataclass(frozen=True)
-class Row:
-    """One line of a description.
-
-    Attributes
-    ----------
-    label : str
-        What is described.
-    text : str
-        Its description, with numbers and units.
-    brief : bool
-        Whether the summary of a scene and the report of a run print it.
-    """
-
-    label: str
-    text: str
-    brief: bool = False
+from tractive_sam.description import Row
 
 
 def describe_tables(document: Any) -> dict[str, list[Row]]:

@@ -8,7 +8,6 @@ from .axis import Latin as Latin
 from .axis import Values as Values
 from .case import Case as Case
 from .case import cases as cases
-from .case import told_value as told_value
 from .cluster import SchedulerLostError as SchedulerLostError
 from .cluster import check_installed as check_installed
 from .cluster import computed as computed

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -12,14 +12,11 @@ from typing import Any
 import numpy as np
 
 from tractive_sam import interrupt
-from tractive_sam.plain import plain
+from tractive_sam.description import format_setting
 from tractive_sam.scene import Gap, Scene
 from tractive_sam.schema import Fault, SceneError
 from tractive_sam.store import FORMAT_VERSION, GapError, read_gap, versions
 from tractive_sam.studies.design import Study, StudyError
-
-LONGEST = 50
-"""Characters of a list as a value of an axis."""
 
 DIGEST = 16
 """Hexadecimal digits of the hash of a scene."""
@@ -63,7 +60,7 @@ class Case:
         return f"{self.number:05d}-{self.digest}"
 
     def __str__(self) -> str:
-        told = ", ".join(f"{key} = {told_value(value)}" for key, value in self.changes.items())
+        told = ", ".join(f"{key} = {format_setting(value)}" for key, value in self.changes.items())
         return f"case {self.number} ({told})"
 
 
@@ -148,26 +145,6 @@ def _contents(gap: Gap, file: Path, table: str) -> bytes:
     """Hash of the file of a measured gap, which is read to see that it can be."""
     read_gap(gap, table)
     return hashlib.sha256(file.read_bytes()).digest()
-
-
-def told_value(value: Any) -> str:
-    """A value of an axis in few words; of a duty cycle names and revolutions of the blocks.
-
-    Examples
-    --------
-    >>> from tractive_sam.studies import told_value
-    >>> told_value(({"name": "curve", "revolutions": 7}, {"revolutions": 3}))
-    '(curve 7, duty[1] 3)'
-    """
-    if isinstance(value, float):
-        return f"{value:.6g}"
-    if not isinstance(value, tuple | list):
-        return str(value)
-    if value and all(isinstance(one, Mapping) and "revolutions" in one for one in value):
-        names = [one.get("name") or f"duty[{k}]" for k, one in enumerate(value)]
-        value = [f"{name} {one['revolutions']}" for name, one in zip(names, value, strict=True)]
-        return plain(f"({', '.join(value)})", LONGEST)
-    return plain(str(value), LONGEST)
 
 
 def title_of(key: str) -> str:

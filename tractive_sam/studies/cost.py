@@ -6,12 +6,13 @@ from functools import cache
 import numpy as np
 
 from tractive_sam.contact import Model
+from tractive_sam.description import Section, format_duration, format_setting
 from tractive_sam.operators import available
 from tractive_sam.results import FIELDS, STRESS, columns
 from tractive_sam.run import explain, memory
 from tractive_sam.schema import Fault
 from tractive_sam.store import read_gap
-from tractive_sam.studies.case import Case, cases, told_value
+from tractive_sam.studies.case import Case, cases
 from tractive_sam.studies.design import Study, StudyError
 
 EMPTY_FILE = 2e5
@@ -27,7 +28,7 @@ UZAWA = 20.0
 """Applications of Uzawa's method over those of the default one, roughly: it orders the cases."""
 
 
-def explain_study(study: Study, workers: int) -> list[explain.Section]:
+def explain_study(study: Study, workers: int) -> list[Section]:
     """Say what a study is made of, and estimate the time and the room that it takes.
 
     Parameters
@@ -60,10 +61,10 @@ def explain_study(study: Study, workers: int) -> list[explain.Section]:
     volume = sum(map(_bytes, models)) if files else OF_A_LINE * len(found)
     room = f"about {max(map(memory.of_scene, models)) / 2**20:.0f} MiB"
     whole = max(seconds.sum() / workers, seconds.max())
-    duration = explain.duration
+    duration = format_duration
     return [
-        explain.Section("Cases", [*_axes(study), ("in all", f"{len(found)} cases")]),
-        explain.Section(
+        Section("Cases", [*_axes(study), ("in all", f"{len(found)} cases")]),
+        Section(
             "Work",
             [
                 ("a case", " to ".join(dict.fromkeys(map(duration, (min(seconds), max(seconds)))))),
@@ -109,9 +110,9 @@ def _axes(study: Study) -> list[tuple[str, str]]:
     rows = []
     for one in study.dimensions:
         for key, column in one.columns.items():
-            told = ", ".join(map(told_value, column[:3]))
+            told = ", ".join(map(format_setting, column[:3]))
             if len(column) > 3:
-                told += f" ... {told_value(column[-1])}"
+                told += f" ... {format_setting(column[-1])}"
             rows.append((key, f"{len(column)} values: {told}"))
     return rows
 

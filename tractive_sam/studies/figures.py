@@ -10,12 +10,13 @@ from typing import Any, Protocol
 import numpy as np
 
 from tractive_sam import interrupt
+from tractive_sam.description import format_setting
 from tractive_sam.output_file import make_folder
 from tractive_sam.plot import DPI, Figure, Variable, study_curves, study_map, study_samples
 from tractive_sam.results import COLUMNS, Quantity, by_name
 from tractive_sam.scene import Scene
 from tractive_sam.studies.axis import SAMPLE
-from tractive_sam.studies.case import title_of, told_value
+from tractive_sam.studies.case import title_of
 from tractive_sam.studies.design import Study
 
 DRAWN = ("Qx_over_P", "Qy_over_P", "Mz", "p_max", "stick_fraction", "wear_max")
@@ -215,7 +216,7 @@ def _variable(columns: Mapping[str, tuple], scene: Scene, key: str | None = None
 
 def _texts(column: tuple) -> list[str]:
     """Values in words, with their places where they would read the same."""
-    texts = [told_value(one) for one in column]
+    texts = [format_setting(one) for one in column]
     return [f"{k}: {one}" if texts.count(one) > 1 else one for k, one in enumerate(texts)]
 
 

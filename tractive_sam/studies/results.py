@@ -15,10 +15,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tractive_sam import interrupt
+from tractive_sam.description import html_table, text_table
 from tractive_sam.extras import importing_extra
-from tractive_sam.markup import Html, html_table
+from tractive_sam.markup import Html
 from tractive_sam.output_file import write_file
-from tractive_sam.plain import csv_cell, text_table
+from tractive_sam.plain import csv_cell
 from tractive_sam.results import BODIES, COLUMNS, History, Quantity, by_name
 from tractive_sam.schema import SceneWarning
 from tractive_sam.store import ResultsError, is_written, open_history, write_netcdf

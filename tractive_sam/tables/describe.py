@@ -1,12 +1,12 @@
-"""What a table is, and what a design asks for, in words."""
+"""Describe tables of creep forces and their designs, as text and for JSON."""
 
 from __future__ import annotations
 
 from os import PathLike
 from typing import Any
 
+from tractive_sam.description import Description, Section
 from tractive_sam.lookup import NAMES, CreepTable, describe_axis, describe_range
-from tractive_sam.run import explain
 from tractive_sam.scene import Scene
 from tractive_sam.schema import SceneError
 from tractive_sam.studies import Axis, Study
@@ -15,26 +15,25 @@ from tractive_sam.tables.design import TableDesign
 
 
 def is_design(path: str | PathLike[str]) -> bool:
-    """Whether a file is TOML with what only the design of a table has.
+    """Return whether a file is TOML with keys that only the design of a table has.
 
-    One of a scene and axes alone may be a study as well, and is not told as a design.
+    A file with a scene and axes alone may be a study as well, and is not regarded as a design.
     """
     try:
         tables = TableDesign.read_tables(path)
     except SceneError:
         return False
-    own = TableDesign.model_fields.keys() - Study.model_fields.keys() - Scene.model_fields.keys()
-    of_axis = TableAxis.model_fields.keys() - Axis.model_fields.keys()
-    axes = [one for one in _listed(tables.get("axis")) if isinstance(one, dict)]
-    return bool(own & tables.keys()) or any(of_axis & one.keys() for one in axes)
+    keys = TableDesign.model_fields.keys() - Study.model_fields.keys() - Scene.model_fields.keys()
+    axis_keys = TableAxis.model_fields.keys() - Axis.model_fields.keys()
+    axes = tables.get("axis")
+    axes = axes if isinstance(axes, list) else []
+    return bool(keys & tables.keys()) or any(
+        isinstance(axis, dict) and axis_keys & axis.keys() for axis in axes
+    )
 
 
-def _listed(value: Any) -> list:
-    return value if isinstance(value, list) else []
-
-
-def explain_table(table: CreepTable) -> explain.Explanation:
-    """Say what a table holds, how good it is, and how it is called.
+def explain_table(table: CreepTable) -> Description:
+    """Describe what a table contains, its errors, and how it is called.
 
     Examples
     --------
@@ -43,11 +42,11 @@ def explain_table(table: CreepTable) -> explain.Explanation:
     >>> [section.title for section in explain_table(ts.open_table("steel"))]
     ['Table of creep forces', 'Nodes', 'Errors', 'Made by', 'Use']
     """
-    return explain.Explanation(explain.Section(*section) for section in table.sections.items())
+    return table.description
 
 
-def explain_design(design: TableDesign) -> explain.Explanation:
-    """Say what table a design asks for.
+def explain_design(design: TableDesign) -> Description:
+    """Describe the table that a design requests.
 
     Examples
     --------
@@ -60,22 +59,20 @@ def explain_design(design: TableDesign) -> explain.Explanation:
     contacts = describe_range(design.contact, not all(design.symmetries))
     axes = zip(design.names, design.first_nodes, strict=True)
     nodes = [describe_axis(name, nodes, name in design.apart) for name, nodes in axes]
-    mesh = f"{design.elements} across, {design.finest} where its error bar is too wide"
-    return explain.Explanation((
-        explain.Section("Table of creep forces", contacts),
-        explain.Section("Nodes to begin with", [*nodes, ("at most", str(design.most))]),
-        explain.Section(
-            "Contacts", [("tolerance", f"{design.tolerance:g} of mu P"), ("elements", mesh)]
-        ),
-        explain.Section("Make it", [("by", "tractive-sam table FILE.toml -o FILE.nc")]),
+    mesh = f"{design.elements} across, up to {design.finest} until the error bar is small enough"
+    return Description((
+        Section("Table of creep forces", contacts),
+        Section("Nodes to begin with", [*nodes, ("at most", str(design.most))]),
+        Section("Contacts", [("tolerance", f"{design.tolerance:g} of mu P"), ("elements", mesh)]),
+        Section("Make it", [("by", "tractive-sam table FILE.toml -o FILE.nc")]),
     ))  # fmt: skip
 
 
 def table_as_dict(table: CreepTable) -> dict[str, Any]:
-    """What a table tells of itself, as JSON holds it."""
+    """Return the description of a table, its axes and interpolation errors, as for JSON."""
     names = (*table.names, *NAMES)
-    told = {k: v for k, v in table.about.items() if isinstance(v, str | int | float)}
-    return told | {
+    about = {k: v for k, v in table.about.items() if isinstance(v, str | int | float)}
+    return about | {
         "nodes": table.nodes,
         "axes": {name: nodes.tolist() for name, nodes in zip(names, table.law.axes, strict=True)},
         "between": {

@@ -1,0 +1,233 @@
+"""Format numbers, units and symbols, and describe things in rows, alike for every output.
+
+Terminals, notebooks, figures, pages and messages use these functions. What is described is a
+`Description`: sections of rows, each a label and a text. This package knows no physics: whoever
+computes something describes it.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from tractive_sam.markup import Html, as_html, fill
+from tractive_sam.plain import plain
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of a description.
+
+    Attributes
+    ----------
+    label : str
+        What is described.
+    text : str
+        Its description, with numbers and units.
+    brief : bool
+        Whether the summary of a scene and the report of a run print it.
+    """
+
+    label: str
+    text: str
+    brief: bool = False
+
+
+@dataclass(frozen=True)
+class Section:
+    """A heading and its rows, pairs of label and text."""
+
+    title: str
+    rows: list[tuple[str, str]]
+
+
+class Description(tuple[Section, ...]):
+    """Sections that print themselves: as text, and as tables in a notebook."""
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        return "\n\n".join(text_table(section.title, dict(section.rows)) for section in self)
+
+    def _repr_html_(self) -> Html:
+        template = "<b>$title</b>$rows"
+        return as_html(
+            fill(template, title=section.title, rows=html_table(dict(section.rows)))
+            for section in self
+        )
+
+
+class Labelled(Protocol):
+    """A quantity as formatting sees it; see `results.Quantity` for the meaning of its members."""
+
+    @property
+    def name(self) -> str:
+        """Name in files and in Python."""
+
+    @property
+    def unit(self) -> str:
+        """Unit, "1" for none."""
+
+    @property
+    def symbol(self) -> str:
+        """Symbol as math text, empty for none."""
+
+    @property
+    def format(self) -> str:
+        """Format specification of its numbers."""
+
+
+def format_number(value: float, error_bar: float = 0.0) -> str:
+    """Return a number with its error bar, in the digits that the error bar leaves.
+
+    Examples
+    --------
+    >>> from tractive_sam.description import format_number
+    >>> format_number(77.3512), format_number(77.3512, 0.0123), format_number(300.0)
+    ('77.35', '77.351 ± 0.012', '300')
+    """
+    if math.isinf(error_bar):
+        return f"{value:.4g}, without a limit on finer meshes"
+    if error_bar > 1e-12 * abs(value):  # smaller ones are rounding errors
+        # As many digits as the error bar has, which is printed with two.
+        decimals = max(0, 1 - math.floor(math.log10(error_bar)))
+        if abs(value) >= 1e-3:
+            return f"{value:.{decimals}f} ± {error_bar:.{decimals}f}"
+        return f"{value:.4g} ± {error_bar:.2g}"
+    return f"{value:.0f}" if float(value).is_integer() and abs(value) < 1e9 else f"{value:.4g}"
+
+
+def format_duration(seconds: float) -> str:
+    """Return a time in seconds, minutes or hours.
+
+    Examples
+    --------
+    >>> from tractive_sam.description import format_duration
+    >>> format_duration(0.3), format_duration(600.0)
+    ('a second or less', '10 min')
+    """
+    if seconds < 1.0:
+        return "a second or less"
+    if seconds < 120.0:
+        return f"{seconds:.0f} s"
+    if seconds < 7200.0:
+        return f"{seconds / 60:.0f} min"
+    return f"{seconds / 3600:.1f} h"
+
+
+def format_setting(value: Any, most: int = 50) -> str:
+    """Return the value of a scene key in few words; of a duty cycle its blocks and revolutions.
+
+    Parameters
+    ----------
+    value : object
+        A number, a text, or a list of them or of blocks.
+    most : int
+        Most characters of a list.
+
+    Examples
+    --------
+    >>> from tractive_sam.description import format_setting
+    >>> format_setting(({"name": "curve", "revolutions": 7}, {"revolutions": 3}))
+    '(curve 7, duty[1] 3)'
+    """
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if not isinstance(value, tuple | list):
+        return str(value)
+    if value and all(isinstance(item, Mapping) and "revolutions" in item for item in value):
+        names = [item.get("name") or f"duty[{k}]" for k, item in enumerate(value)]
+        blocks = zip(names, value, strict=True)
+        value = ", ".join(f"{name} {item['revolutions']}" for name, item in blocks)
+        return plain(f"({value})", most)
+    return plain(str(value), most)
+
+
+def format_unit(unit: str) -> str:
+    """Return a unit with raised powers; empty for the unit "1".
+
+    Examples
+    --------
+    >>> from tractive_sam.description import format_unit
+    >>> format_unit("mm3"), format_unit("1")
+    ('mm³', '')
+    """
+    raised = re.sub(r"(?<=[a-z])([23])(?!\d)", lambda found: "²³"[int(found[1]) - 2], unit)
+    return "" if unit == "1" else raised
+
+
+def format_with_unit(text: str, unit: str) -> str:
+    """Return a text, followed by a unit in parentheses if there is one."""
+    return f"{text} ({format_unit(unit)})" if format_unit(unit) else text
+
+
+def math_symbol(quantity: Labelled) -> str:
+    """Return the symbol of a quantity, or else its name, as math text without dollar signs."""
+    name = quantity.name.replace("_", r"\_")
+    return quantity.symbol or rf"\mathrm{{{name}}}"
+
+
+def math_label(quantity: Labelled) -> str:
+    """Return the symbol and unit of a quantity as math text."""
+    return format_with_unit(f"${math_symbol(quantity)}$", quantity.unit)
+
+
+def math_value(quantity: Labelled, value: float) -> str:
+    """Return the symbol of a quantity, a value and the unit as math text, such as "$N = 50$"."""
+    unit = f" {quantity.unit}" if format_unit(quantity.unit) else ""
+    return f"${math_symbol(quantity)} = {value:{quantity.format}}${unit}"
+
+
+def html_symbol(symbol: str) -> Html:
+    """Return math text as HTML; empty if it has more than letters, signs and indices."""
+    names = [
+        "alpha",
+        "beta",
+        "gamma",
+        "delta",
+        "varepsilon",
+        "theta",
+        "lambda",
+        "mu",
+        "xi",
+        "sigma",
+        "tau",
+        "phi",
+        "varphi",
+        "omega",
+        "Delta",
+        "Phi",
+        "Omega",
+    ]
+    signs = dict(zip(names, "αβγδεθλµξστφφωΔΦΩ", strict=True))
+    flat = re.sub(r"\\(?:mathrm|text)\{([^{}]*)\}", r"\1", symbol)
+    flat = re.sub(r"\\([A-Za-z]+)\s*", lambda found: signs.get(found[1], found[0]), flat)
+    text: str = as_html(flat.replace(r"\,", "\u2009"))
+    for sign, tag in (("_", "sub"), (r"\^", "sup")):
+        text = re.sub(rf"{sign}(?:\{{([^{{}}]*)\}}|(\w+|\S))", rf"<{tag}>\1\2</{tag}>", text)
+    return Html("" if re.search(r"[\\{}$]", text) else text)
+
+
+def text_table(heading: str, rows: Mapping[str, str] | Iterable[tuple[str, str]]) -> str:
+    """Return a heading and aligned lines of label and text."""
+    safe = {plain(label): plain(text) for label, text in dict(rows).items()}
+    width = max(map(len, safe), default=0)
+    return "\n".join([heading, *(f"  {label:{width}}  {text}" for label, text in safe.items())])
+
+
+def html_table(rows: Mapping[str, str], picture: Html = Html()) -> Html:  # noqa: B008 - immutable
+    """Return rows of label and text as a table of HTML, next to a picture if there is one."""
+    line = (
+        '<tr><th style="text-align:left;vertical-align:top;padding-right:1em">$label</th>'
+        '<td style="text-align:left">$text</td></tr>'
+    )
+    lines = (fill(line, label=label, text=plain(text)) for label, text in rows.items())
+    table = fill("<table>$lines</table>", lines=lines)
+    if not picture:
+        return table
+    style = "display:flex;flex-wrap:wrap;gap:1em;align-items:flex-start"
+    both = '<div style="$style">$table<div>$picture</div></div>'
+    return fill(both, style=style, table=table, picture=picture)
