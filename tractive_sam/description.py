@@ -183,25 +183,12 @@ def math_value(quantity: Labelled, value: float) -> str:
 
 def html_symbol(symbol: str) -> Html:
     """Return math text as HTML; empty if it has more than letters, signs and indices."""
-    names = [
-        "alpha",
-        "beta",
-        "gamma",
-        "delta",
-        "varepsilon",
-        "theta",
-        "lambda",
-        "mu",
-        "xi",
-        "sigma",
-        "tau",
-        "phi",
-        "varphi",
-        "omega",
-        "Delta",
-        "Phi",
-        "Omega",
-    ]
+    # fmt: off
+    names = (
+        "alpha", "beta", "gamma", "delta", "varepsilon", "theta", "lambda", "mu", "xi", "sigma",
+        "tau", "phi", "varphi", "omega", "Delta", "Phi", "Omega",
+    )
+    # fmt: on
     signs = dict(zip(names, "αβγδεθλµξστφφωΔΦΩ", strict=True))
     flat = re.sub(r"\\(?:mathrm|text)\{([^{}]*)\}", r"\1", symbol)
     flat = re.sub(r"\\([A-Za-z]+)\s*", lambda found: signs.get(found[1], found[0]), flat)
