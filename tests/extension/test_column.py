@@ -80,7 +80,7 @@ def test_it_is_shown(written, path):
 
 def test_it_is_drawn(written):
     kept = ts.roll(DISCS, columns=[MEAN])
-    figure = ts.plot.compared({"file": written, "memory": kept}, "p_mean")
+    figure = ts.plot.compare({"file": written, "memory": kept}, "p_mean")
     figure.savefig(io.BytesIO(), dpi=40)
     (axes,) = figure.axes
     np.testing.assert_array_equal(axes.lines[0].get_ydata(), written["p_mean"])

@@ -62,12 +62,12 @@ def history(path):
 
 
 def test_it_is_among_the_figures_of_a_history_that_has_its_column(history):
-    found = {one.name: one for one in ts.plot.figures_of(history)}
+    found = {one.name: one for one in ts.plot.list_figures(history)}
     assert set(found) >= OWN
     assert found["mean-pressure"].caption == "Mean contact pressure, over the course."
     (line,) = found["mean-pressure"].draw().axes[0].lines
     np.testing.assert_array_equal(line.get_ydata(), history["p_mean"])
-    plain = {one.name for one in ts.plot.figures_of(ts.roll(DISCS))}
+    plain = {one.name for one in ts.plot.list_figures(ts.roll(DISCS))}
     assert plain == set(found) - OWN
 
 
@@ -81,10 +81,10 @@ def test_a_call_where_it_does_not_apply_says_what_is_needed():
 def test_each_block_of_a_duty_cycle_has_it():
     blocks = ({"revolutions": 1}, {"revolutions": 1, "load": {"normal": 300.0}})
     cycle = ts.roll(DISCS.replace(duty=blocks), columns=[MEAN])
-    assert "mean-pressure" not in {one.name for one in ts.plot.figures_of(cycle)}
+    assert "mean-pressure" not in {one.name for one in ts.plot.list_figures(cycle)}
     (line,) = mean_pressure(cycle.block(1)).axes[0].lines
     np.testing.assert_array_equal(line.get_ydata(), cycle["block_p_mean"][:, 1])
-    assert "mean-pressure" in {one.name for one in ts.plot.figures_of(cycle.block(1))}
+    assert "mean-pressure" in {one.name for one in ts.plot.list_figures(cycle.block(1))}
 
 
 def test_the_report_shows_it(history, tmp_path):

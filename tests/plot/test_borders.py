@@ -9,7 +9,7 @@ import pytest
 import tractive_sam as ts
 from tractive_sam import plot
 from tractive_sam.plot.figure import Figure
-from tractive_sam.plot.style import WIDTH, set_title, styled
+from tractive_sam.plot.style import LOOK, apply_style, set_title
 
 ROUND = ("grid.elements=[15, 15]", "grid.half_length=[4.08, 4.08]")
 WEAR = ("wear.coefficient=1e-4", "wear.revolutions=4", "wear.save=[0, 4]")
@@ -38,10 +38,10 @@ def test_no_figure_of_a_history_touches_its_border(kind, tmp_path):
     assert not [path.stem for path in paths if touches_border(path)]
 
 
-@styled
+@apply_style
 def axes_up_to(top):
     """Draw empty axes as those of forces over revolutions, with an upper limit in y."""
-    figure = Figure(figsize=(WIDTH, 0.66 * WIDTH))
+    figure = Figure(figsize=(LOOK.width, 0.66 * LOOK.width))
     axes = figure.add_subplot(xlim=(0, 15000), ylim=(0.057, top))
     axes.set(xlabel="revolutions $N$", ylabel="force / normal load")
     axes.xaxis.set_major_formatter("{x:,.0f}")

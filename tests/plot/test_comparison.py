@@ -10,7 +10,7 @@ from tractive_sam import plot
 def test_histories_and_a_reference_in_the_same_axes():
     history = strips.history()
     N = history["revolution"]
-    figure = plot.compared({"one": history, "two": history}, "wear_max", {"model": (N, N * 1e-6)})
+    figure = plot.compare({"one": history, "two": history}, "wear_max", {"model": (N, N * 1e-6)})
     figure.savefig(io.BytesIO(), dpi=40)
     (axes,) = figure.axes
     assert [line.get_label() for line in axes.lines] == ["one", "two", "model"]
@@ -20,7 +20,7 @@ def test_histories_and_a_reference_in_the_same_axes():
 
 
 def test_numbers_without_a_unit_have_none():
-    (axes,) = plot.compared({"one": strips.history()}, "Qx_over_P").axes
+    (axes,) = plot.compare({"one": strips.history()}, "Qx_over_P").axes
     assert "(" not in axes.get_ylabel()
 
 
@@ -29,4 +29,4 @@ def test_numbers_without_a_unit_have_none():
 )
 def test_what_cannot_be_drawn_is_told(histories, name):
     with pytest.raises(ValueError, match=r"name|history"):
-        plot.compared(histories, name)
+        plot.compare(histories, name)

@@ -80,9 +80,9 @@ def test_a_block_that_is_not_there_is_told_before_any_figure(spectrum, tmp_path)
 
 
 def test_many_blocks_have_colours_of_their_own():
-    lines = list(style.COLOURS)
-    assert style.colours(6) == [to_rgb(one) for one in lines]
-    assert len(set(style.colours(30))) == 30
+    lines = list(style.LOOK.lines)
+    assert style.line_colours(6) == [to_rgb(one) for one in lines]
+    assert len(set(style.line_colours(30))) == 30
     duty = [{"revolutions": 1, "load": {"normal": 300.0 + k}} for k in range(14)]
     history = ts.roll(DISCS.with_set(["wear.revolutions=14"]).replace(duty=duty))
     figure = plot.block_shares(history)

@@ -125,7 +125,7 @@ def test_the_limit_is_marked_in_line_contacts():
     axes, found = figure.axes[0], history.fatigue("A")
     (contour,) = [one for one in axes.collections if hasattr(one, "levels")]
     marked = np.unique(np.concatenate([path.vertices[:, 1] for path in contour.get_paths()]))
-    depths = found.depth / plot.Scale.of_history(history).length
+    depths = found.depth / plot.Scale.from_history(history).length
     # Drawn by interpolation in the root of the depth, read here in the depth itself: the limit lies
     # between two of 12 depths, over which the utilisation changes by some tenths.
     at_limit = np.interp(marked, depths, found.utilisation[0])

@@ -13,7 +13,6 @@ from PIL import Image
 import tractive_sam as ts
 from tests.plot import strip_theory as strips
 from tractive_sam import plot
-from tractive_sam.plot.frame import NARROWEST
 
 OF_A_STATE = (
     plot.pressure,
@@ -111,15 +110,23 @@ def test_a_measured_profile_is_drawn_on_its_body():
     np.testing.assert_allclose(upper - lower, 1e3 * (known + crowns + measured), rtol=1e-9)
 
 
+def inside(axis):
+    """Which ticks of an axis are within its limits."""
+    low, high = axis.get_view_interval()
+    return (axis.get_majorticklocs() >= low) & (axis.get_majorticklocs() <= high)
+
+
 def test_a_slender_contact_is_stretched_and_says_so():
     flank = {"body.A.radius_x": 9.0, "body.A.radius_y": 2500.0, "subsurface": None, "wear": None}
     given = {"grid": {"elements": [15, 31]}, "body.B.radius_y": np.inf}
     contact = ts.solve(ts.Scene.builtin("twin-discs-isotropic").replace(**flank, **given))
     figure = drawn(plot.traction(contact))
-    (place,) = (axes.get_position() for axes in figure.axes[:1])
+    axes = figure.axes[0]
+    place = axes.get_position()
     width, height = figure.get_size_inches() * place.size
-    assert width == pytest.approx(NARROWEST, rel=1e-9)
+    assert width == pytest.approx(0.85, rel=1e-9)  # inches, as MapFrame.from_sides has it
     assert height < 6.0
+    assert all(np.count_nonzero(inside(axis)) >= 3 for axis in (axes.xaxis, axes.yaxis))
     assert "stretched" in figure.get_suptitle()
     told = figure.get_suptitle().replace("\n", " ")
     assert "leading edge" in told  # there is no room for it at the axis
@@ -248,7 +255,7 @@ def test_a_line_contact_has_functions_of_x_and_no_other_contact_has():
 
 
 def test_units_are_millimetres_and_megapascals():
-    state = plot.Drawn.of(strips.history(), 10)
+    state = plot.ContactView.from_source(strips.history(), 10)
     with plot.units("si-mm"):
         figure = drawn(plot.pressure(strips.history(), 10))
     axes, bar = figure.axes

@@ -42,12 +42,12 @@ def test_pressures_of_the_stored_revolutions(history):
 
 
 def test_numbers_are_labelled_per_length(history):
-    (axes,) = drawn(plot.compared({"one": history}, "Qx")).axes
+    (axes,) = drawn(plot.compare({"one": history}, "Qx")).axes
     assert axes.get_ylabel().endswith("per length (N/mm)")
     both = {"line": history, "other": strips.history()}
-    assert plot.compared(both, "Qx_over_P").axes
+    assert plot.compare(both, "Qx_over_P").axes
     with pytest.raises(ValueError, match="Qx"):
-        plot.compared(both, "Qx")
+        plot.compare(both, "Qx")
 
 
 @pytest.mark.slow

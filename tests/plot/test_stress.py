@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from tests.scenes import steady
 from tractive_sam import plot
 from tractive_sam.plot import stress
-from tractive_sam.plot.plane_maxima import stress_maxima
+from tractive_sam.plot.stress_maxima import stress_maxima
 from tractive_sam.results.history import History
 from tractive_sam.results.record import Record
 from tractive_sam.subsurface import stress_maximum, stress_on_plane, stress_on_planes
@@ -105,7 +105,7 @@ def test_other_quantities(contact, quantity):
     low, high = figure.axes[0].collections[0].get_clim()
     assert low == (0.0 if quantity == "max_shear" else -high)
     # The shear traction is given; stresses along the surface depend on the mesh.
-    assert (plot.stress.NOTE in told(figure)) == (quantity != "xz")
+    assert (plot.stress.SURFACE_NOTE in told(figure)) == (quantity != "xz")
 
 
 def test_stress_on_a_plane_is_drawn_as_it_is(contact):
@@ -113,7 +113,7 @@ def test_stress_on_a_plane_is_drawn_as_it_is(contact):
     figure = drawn(plot.von_mises(stress))
     assert figure.axes[0].get_xlabel() == "$y$ (mm)"
     assert figure.axes[1].get_ylabel() == r"$\sigma_\mathrm{vM}$ (MPa)"
-    scaled = drawn(plot.von_mises(stress, scale=plot.Scale.of_contact(contact)))
+    scaled = drawn(plot.von_mises(stress, scale=plot.Scale.from_contact(contact)))
     assert scaled.axes[0].get_title(loc="left") == "body B, $x = 0.5\\,a_0$"
     drawn(plot.von_mises_sections(stress_on_planes(contact, ["y=0.3"], ["A", "B"])))
 

@@ -43,4 +43,4 @@ def test_other_creepages_are_told_alike():
 def test_courses_of_creepage_keep_their_words():
     course = plot.Variable("creepage.longitudinal", np.array(["0 to -0.001", "0 to -0.002"]))
     assert course.label == r"$\xi_x$"
-    assert course.told == ["0 to -0.001", "0 to -0.002"]
+    assert course.texts == ["0 to -0.001", "0 to -0.002"]

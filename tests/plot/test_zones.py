@@ -5,8 +5,8 @@ import pytest
 from matplotlib.figure import Figure
 
 from tests.plot import strip_theory as strips
-from tractive_sam.plot import Drawn
-from tractive_sam.plot.zones import contact_edge, continued, stick_edge, stick_level
+from tractive_sam.plot import ContactView
+from tractive_sam.plot.zones import draw_contact_edge, draw_stick_edge, extend_outwards, stick_level
 
 
 @pytest.fixture
@@ -16,16 +16,16 @@ def axes():
 
 def test_edge_of_a_hertz_contact_is_smooth(axes):
     """Within a sixth of an element, though elements are in contact whole or not at all."""
-    state = Drawn.of(strips.contact())
-    x, y = contact_edge(axes, state).vertices.T
+    state = ContactView.from_source(strips.contact())
+    x, y = draw_contact_edge(axes, state).vertices.T
     distance = np.hypot(x, y * strips.HERTZ.a / strips.HERTZ.b) - 1
     assert len(x) > 40
     assert np.abs(distance).max() < 0.17 * (strips.X[1] - strips.X[0]) / strips.HERTZ.a
 
 
 def test_edge_of_a_contact_as_wide_as_the_mesh_is_closed(axes):
-    state = Drawn.of(strips.contact(pressure=np.full((31, 33), 5.0)))
-    path = contact_edge(axes, state)
+    state = ContactView.from_source(strips.contact(pressure=np.full((31, 33), 5.0)))
+    path = draw_contact_edge(axes, state)
     dx = strips.X[1] - strips.X[0]
     np.testing.assert_allclose(path.vertices[0], path.vertices[-1])
     # a constant pressure ends midway between the elements
@@ -42,8 +42,8 @@ def test_what_sticks_at_its_very_bound_has_no_reserve():
 
 
 def test_edge_of_stick(axes):
-    state = Drawn.of(strips.contact())
-    stick_edge(axes, state, contact_edge(axes, state))
+    state = ContactView.from_source(strips.contact())
+    draw_stick_edge(axes, state, draw_contact_edge(axes, state))
     x, y = np.concatenate([path.vertices for path in axes.collections[-1].get_paths()]).T
     inside = np.abs(y) < 1.0
     expected = 2 * strips.SLIPPING / strips.HERTZ.a - np.sqrt(1 - (y[inside] / 1.6) ** 2)
@@ -52,14 +52,14 @@ def test_edge_of_stick(axes):
 
 
 def test_no_edge_of_stick_where_all_slips(axes):
-    state = Drawn.of(
+    state = ContactView.from_source(
         strips.contact(traction=0.3 * np.stack((strips.pressure(), 0 * strips.pressure())))
     )
-    contact = contact_edge(axes, state)
-    stick_edge(axes, state, contact)
+    contact = draw_contact_edge(axes, state)
+    draw_stick_edge(axes, state, contact)
     assert len(axes.collections) == 1
 
 
 def test_continued():
     values = np.array([[1.0, 2.0, 0.0], [3.0, 4.0, 0.0]])
-    np.testing.assert_array_equal(continued(values, values > 0)[:, 2], [2.0, 4.0])
+    np.testing.assert_array_equal(extend_outwards(values, values > 0)[:, 2], [2.0, 4.0])

@@ -107,10 +107,10 @@ def test_it_is_shown(path):
 
 @pytest.mark.slow
 def test_it_is_drawn(history, tmp_path):
-    (axes,) = plot.compared({"one": history}, "p_max").axes
+    (axes,) = plot.compare({"one": history}, "p_max").axes
     np.testing.assert_array_equal(axes.lines[0].get_xdata(), history["distance"])
     assert axes.get_xlabel() == "distance $s$ (mm)"
-    assert plot.Drawn.of(history, 0.3).caption.endswith("s\u00a0=\u00a00.3\u00a0mm")
+    assert plot.ContactView.from_source(history, 0.3).caption.endswith("s\u00a0=\u00a00.3\u00a0mm")
     assert plot.pressure(history, distance=0.3).axes
     (legend,) = plot.wear_profiles(history).legends
     assert [text.get_text() for text in legend.get_texts()] == ["0.1", "0.3"]
@@ -121,7 +121,7 @@ def test_it_is_drawn(history, tmp_path):
 def test_histories_along_several_coordinates_are_not_compared(history):
     revolving = ts.History.of_records([with_stress(make_record(1, True))], STRESSED, mesh())
     with pytest.raises(ValueError, match=r"distance.*revolution"):
-        plot.compared({"one": history, "two": revolving}, "p_max")
+        plot.compare({"one": history, "two": revolving}, "p_max")
 
 
 def test_it_is_an_xarray_along_it(history):

@@ -13,7 +13,14 @@ from tractive_sam.markup import as_html
 from tractive_sam.pages.arrays import packed
 from tractive_sam.pages.charts import charts
 from tractive_sam.plain import plain
-from tractive_sam.plot import Drawn, Scale, chosen, continued, edge_level, stick_level
+from tractive_sam.plot import (
+    ContactView,
+    Scale,
+    edge_level,
+    extend_outwards,
+    select_evenly,
+    stick_level,
+)
 from tractive_sam.results import COMPONENTS, Grid, History, PlaneStress, numbers, widened
 
 MOST_SAVED = 40
@@ -33,12 +40,12 @@ PROFILES = ("wear_profile_A", "wear_profile_B", "wear_profile")
 
 def of_history(history: History) -> dict[str, Any]:
     """All that the page draws, and what is left out of it."""
-    saved = chosen(history.saved, MOST_SAVED)
+    saved = select_evenly(history.saved, MOST_SAVED)
     blocks = _blocks(history)
     states = []
     for at in saved:
         interrupt.heed()
-        states += [Drawn.of(block, at) for _, block in blocks]
+        states += [ContactView.from_source(block, at) for _, block in blocks]
     surface = _Window.around(states, BESIDE, MOST_NUMBERS / (10 * max(len(states), 1)))
     along = history.coordinate
     rows = [int(np.flatnonzero(history[along.name] == at)[-1]) for at in saved]
@@ -89,7 +96,7 @@ def _blocks(history: History) -> list[tuple[str, History]]:
 
 
 def _scale(history: History) -> dict[str, Any]:
-    scale = Scale.of_history(history)
+    scale = Scale.from_history(history)
     known = {"a": scale.a, "b": scale.b, "p": scale.p}
     return {name: value if np.isfinite(value) else None for name, value in known.items()} | {
         "hertz": scale.hertz
@@ -105,7 +112,7 @@ class _Window:
     every: int
 
     @classmethod
-    def around(cls, states: Sequence[Drawn], beside: float, most: float) -> "_Window | None":
+    def around(cls, states: Sequence[ContactView], beside: float, most: float) -> "_Window | None":
         """Window with at most so many elements; None where nothing touches."""
         if not states:
             return None
@@ -123,12 +130,12 @@ class _Window:
         x, y = (slice(side.start, side.stop, self.every) for side in (self.x, self.y))
         return np.swapaxes(values[..., x, y], -1, -2)
 
-    def axes(self, state: Drawn) -> tuple[np.ndarray, np.ndarray]:
+    def axes(self, state: ContactView) -> tuple[np.ndarray, np.ndarray]:
         """Centres of the elements, mm."""
         y = _on_bodies({"y": state.y}, "y")
         return state.x[self.x][:: self.every], y[self.y][:: self.every]
 
-    def fields(self, states: Sequence[Drawn]) -> dict[str, Any]:
+    def fields(self, states: Sequence[ContactView]) -> dict[str, Any]:
         """Fields of all records, shape (records, y, x)."""
         x, y = self.axes(states[0])
         rows: dict[str, list[np.ndarray]] = {}
@@ -140,7 +147,7 @@ class _Window:
             "x": packed(x),
             "y": packed(y),
             "fields": fields,
-            "bounds": states[0].bounds,
+            "bounds": states[0].bound_ratios,
             "isotropic": states[0].isotropic,
             "frictionless": states[0].contact.frame is None,
             "worn": bool(any(state.contact.wear.any() for state in states)),
@@ -156,7 +163,7 @@ def _side(touched: np.ndarray, beside: float) -> slice:
     return slice(max(0, inside[0] - more), min(touched.size, inside[-1] + more + 1))
 
 
-def _surface(state: Drawn) -> Iterator[tuple[str, np.ndarray]]:
+def _surface(state: ContactView) -> Iterator[tuple[str, np.ndarray]]:
     """Fields of a contact by their names on the page."""
     contact = state.contact
     yield "pressure", contact.pressure
@@ -164,13 +171,13 @@ def _surface(state: Drawn) -> Iterator[tuple[str, np.ndarray]]:
     yield "py", contact.traction[1]
     yield "used", contact.utilisation
     # Slip and wear do not vanish at the edge, where maps are cut off: they are to go on there.
-    yield "sx", continued(contact.slip[0], contact.touching)
-    yield "sy", continued(contact.slip[1], contact.touching)
-    yield "wear", continued(1e3 * contact.wear, contact.touching)
+    yield "sx", extend_outwards(contact.slip[0], contact.touching)
+    yield "sy", extend_outwards(contact.slip[1], contact.touching)
+    yield "wear", extend_outwards(1e3 * contact.wear, contact.touching)
     yield "sliding", contact.sliding.astype(float)
     if contact.friction_varies:
         pressure = np.where(contact.touching, contact.pressure, 1.0)
-        yield "friction", continued(contact.utilisation / pressure, contact.touching)
+        yield "friction", extend_outwards(contact.utilisation / pressure, contact.touching)
     for body, temperature in (contact.heat.temperature if contact.heat else {}).items():
         yield f"temperature_{body}", temperature
     if contact.grid.directions > 1:
@@ -178,12 +185,12 @@ def _surface(state: Drawn) -> Iterator[tuple[str, np.ndarray]]:
         yield "stick", _stick(state)
 
 
-def _stick(state: Drawn) -> np.ndarray:
+def _stick(state: ContactView) -> np.ndarray:
     """Zero at the boundary between stick and slip; nan where there is none."""
     stick = state.contact.touching & ~state.slip_zone
     if not stick.any() or not state.slip_zone.any():
         return np.full(stick.shape, np.nan)
-    return continued(stick_level(state, stick), state.contact.touching)
+    return extend_outwards(stick_level(state, stick), state.contact.touching)
 
 
 def _of_one(values: np.ndarray) -> np.ndarray:
@@ -206,7 +213,7 @@ def _profiles(history: History, rows: Sequence[int]) -> dict[str, Any] | None:
 
 
 def _stress(
-    blocks: Sequence[History], saved: np.ndarray, states: Sequence[Drawn]
+    blocks: Sequence[History], saved: np.ndarray, states: Sequence[ContactView]
 ) -> list[dict[str, Any]]:
     """Stress on every stored plane, by component, shape (records, second axis, first axis).
 
@@ -268,7 +275,7 @@ def _on_bodies(axes: Mapping[str, np.ndarray], name: str) -> np.ndarray:
     return places - 0.5 * (places[0] + places[-1]) if name == "y" else places
 
 
-def _side_of(name: str, states: Sequence[Drawn], size: int) -> slice:
+def _side_of(name: str, states: Sequence[ContactView], size: int) -> slice:
     if name == "depth":
         return slice(0, size)
     touching = np.any([state.contact.touching for state in states], axis=0)

@@ -14,7 +14,7 @@ from tractive_sam.extras import importing_extra
 from tractive_sam.markup import Html, fill, policy
 from tractive_sam.output_file import write_file
 from tractive_sam.pages.data import of_history
-from tractive_sam.plot import figures_of
+from tractive_sam.plot import list_figures
 from tractive_sam.results import History, describe_history
 from tractive_sam.scene import Scene
 
@@ -132,10 +132,10 @@ def _plotly() -> tuple[str, dict[str, Any]]:
 def _pictures(history: History) -> Html:
     """Return a section of the figures that the script does not draw, each with its caption."""
     cards, drawn = [], DRAWN_BY_SCRIPT.split()
-    for drawing in figures_of(history):
+    for drawing in list_figures(history):
         if drawing.entry.name not in drawn:
             interrupt.heed()
-            image = drawing.draw().in_html(PICTURE)
+            image = drawing.draw().to_html(PICTURE)
             cards.append(fill(_CARD, caption=drawing.caption, image=image))
     return fill(_SECTION, cards=cards) if cards else Html()
 

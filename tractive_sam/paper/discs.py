@@ -219,7 +219,7 @@ def _compared(histories: Histories) -> Iterator[Picture]:
     ):
         yield Picture(
             f"figs-09-14-{name.replace('_', '-')}",
-            plot.compared(named, name),
+            plot.compare(named, name),
             f"Figs. 9-14. {what} over the revolutions.",
         )
 

@@ -41,12 +41,12 @@ def find(work: Work) -> Iterator[Finding]:
     N = np.arange(course.depth.size)
     yield Picture(
         "fig-15",
-        plot.compared({"computed": history}, "wear_max", {"GIWM": (N, course.depth)}),
+        plot.compare({"computed": history}, "wear_max", {"GIWM": (N, course.depth)}),
         "Fig. 15. Largest depth worn off both discs together.",
     )
     yield Picture(
         "fig-15-half-width",
-        plot.compared({"computed": history}, "half_width_y", {"GIWM": (N, course.b)}),
+        plot.compare({"computed": history}, "half_width_y", {"GIWM": (N, course.b)}),
         "Table 1. Half width across the rolling direction, as both have it.",
     )
 

@@ -1,10 +1,23 @@
-"""Figures as the field draws them; the only room that draws.
+"""Figures of contacts, histories, studies and tables.
 
-Every function returns a matplotlib `Figure` that belongs to no window and no global state, but for
-`save_all` and `animate`, which write files.
+Every function returns a matplotlib `Figure` that belongs to no window and no global state. Only
+`save_all` and `animate` write files.
 """
 
 import lazy_loader
 
+from tractive_sam.deprecation import with_renamed
+
 # Names, listed in __init__.pyi, are looked up when first used.
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__ = with_renamed(
+    __name__,
+    __getattr__,
+    {
+        "Drawn": "ContactView",
+        "chosen": "select_evenly",
+        "compared": "compare",
+        "continued": "extend_outwards",
+        "figures_of": "list_figures",
+    },
+)

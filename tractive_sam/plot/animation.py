@@ -1,4 +1,4 @@
-"""The contact and the track it wears, moving over the stored revolutions."""
+"""An animation of the contact and the track that it wears, over the stored records."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -11,39 +11,29 @@ from PIL import Image
 
 from tractive_sam import interrupt
 from tractive_sam.output_file import write_file
-from tractive_sam.plot.conditions import WIDE
-from tractive_sam.plot.drawn import Drawn, chosen
+from tractive_sam.plot.contact_map import ContactMap, MapLayout, add_axes, new_map_figure
+from tractive_sam.plot.contact_view import ContactView, select_evenly
 from tractive_sam.plot.figure import Figure
-from tractive_sam.plot.frame import Frame
-from tractive_sam.plot.map import BOTTOM, LEFT, RIGHT, Map, paper, placed
-from tractive_sam.plot.style import BLUE, MICRON, PRESSURE, WIDTH, styled
-from tractive_sam.plot.transient import SHIFTS, traction_picture
+from tractive_sam.plot.map_frame import MapFrame
+from tractive_sam.plot.needs import WIDE
+from tractive_sam.plot.style import LOOK, MICRON, apply_style
 from tractive_sam.results import History
 
-MOST = 100
-"""Pictures of an animation, which are in memory together; of more revolutions some are left out."""
 
-TRACK = 1.6
-"""Width of the axes of the profile, inches."""
-
-RESOLUTION = 110
-"""Dots per inch."""
-
-
-@styled
+@apply_style
 def animate(history: History, path: str | Path, rate: float = 2.0) -> Path:
-    """Draw the pressure and the profile worn so far at the stored revolutions, as a moving GIF.
+    """Draw the pressure and the worn profile at the stored revolutions, as an animated GIF.
 
-    Of a [transient] the traction and the edge of stick at the stored distances.
+    For a [transient] it shows the traction and the edge of stick at the stored distances.
 
     Parameters
     ----------
     history : History
-        What to draw; its fields are read one revolution after another.
+        History to draw; its fields are read record by record.
     path : path-like
-        Where to; a name that ends in ".gif".
+        File to write; a name that ends in ".gif".
     rate : float
-        Revolutions shown in a second.
+        Records per second.
 
     Returns
     -------
@@ -53,8 +43,8 @@ def animate(history: History, path: str | Path, rate: float = 2.0) -> Path:
     Raises
     ------
     ValueError
-        If the name has another ending, fewer than two revolutions were stored, or it is a line
-        contact, of which there is no map.
+        If the name has another ending, fewer than two records are stored, or the bodies touch
+        along a line, which has no map.
 
     Examples
     --------
@@ -71,66 +61,82 @@ def animate(history: History, path: str | Path, rate: float = 2.0) -> Path:
             f"{len(history.saved)}: list more in {history.scene.schedule.save_key}"
         )
     envelope = _envelope(history)
-    frame = Frame.around(envelope, width=0.6 * WIDTH)
-    beside, draw = TRACK, _picture
-    if {*SHIFTS} <= {*history.columns}:  # the edge of stick moves as the bodies shift
-        beside, draw = 0.0, traction_picture
-    figure = paper(LEFT + frame.width + RIGHT + beside + 0.2, frame, f"{history.title}\n")
+    frame = MapFrame.from_contacts(envelope, width=0.6 * LOOK.width)
+    # In a history in steps the edge of stick moves while A is shifted over B.
+    track, draw = (0.0, _draw_traction) if "shift_x" in history.columns else (1.6, _draw_wear)
+    layout = MapLayout.current()
+    width = layout.row_width(frame, 1) + track + 0.2
+    figure = new_map_figure(width, frame, history.title, positions=True)
     pictures = []
     # Once saved, a figure without a layout takes that of the settings.
-    unplaced = mpl.rc_context({"figure.constrained_layout.use": False})
-    with unplaced:
-        for state in _states(history):
-            draw(figure, frame, state, envelope)
-            pictures.append(_drawn(figure))
+    with mpl.rc_context({"figure.constrained_layout.use": False}):
+        for view in _views(history):
+            for axes in list(figure.axes):
+                axes.remove()
+            chart = ContactMap(figure, layout.left, view, frame)
+            chart.axes.set_title(view.position, loc="center")
+            draw(chart, envelope)
+            pictures.append(_rasterize(figure))
     memory, duration = BytesIO(), int(1000 / rate)
-    pictures[0].save(
-        memory, "gif", save_all=True, append_images=pictures[1:], duration=duration, loop=0
-    )
+    first, *others = pictures
+    first.save(memory, "gif", save_all=True, append_images=others, duration=duration, loop=0)
     return write_file(path, memory.getbuffer())
 
 
-def _drawn(figure: Figure) -> Image.Image:
-    """Return the figure in dots."""
+def _rasterize(figure: Figure, dpi: int = 110) -> Image.Image:
+    """Return the figure as pixels."""
     memory = BytesIO()
-    figure.savefig(memory, format="png", dpi=RESOLUTION)
+    figure.savefig(memory, format="png", dpi=dpi)
     return Image.open(memory).convert("RGB")
 
 
-def _states(history: History) -> Iterator[Drawn]:
-    for at in chosen(history.saved, MOST):
+def _views(history: History, most: int = 100) -> Iterator[ContactView]:
+    """Yield the stored contacts; of many records some are omitted, as all pictures need memory."""
+    for at in select_evenly(history.saved, most):
         interrupt.heed()
-        yield Drawn.of(history, at)
+        yield ContactView.from_source(history, at)
 
 
-def _envelope(history: History) -> Drawn:
-    """The peak contact pressure and depth that each element sees at any of the revolutions."""
-    states = _states(history)
-    envelope = next(states)
-    for state in states:
-        pressure = np.maximum(envelope.contact.pressure, state.contact.pressure)
-        wear = np.maximum(envelope.contact.wear, state.contact.wear)
+def _envelope(history: History) -> ContactView:
+    """Return a contact with the largest pressure and wear of each element in any record."""
+    views = _views(history)
+    envelope = next(views)
+    for view in views:
+        pressure = np.maximum(envelope.contact.pressure, view.contact.pressure)
+        wear = np.maximum(envelope.contact.wear, view.contact.wear)
         contact = replace(envelope.contact, pressure=pressure, wear=wear)
         envelope = replace(envelope, contact=contact)
     return envelope
 
 
-def _picture(figure: Figure, frame: Frame, state: Drawn, envelope: Drawn) -> None:
-    """One picture in place of what was drawn before."""
-    for axes in list(figure.axes):
-        axes.remove()
-    chart = Map(figure, LEFT, state, frame)
-    chart.axes.set_title(state.place, loc="center")
-    p = state.scale.pressure
+def _draw_wear(chart: ContactMap, envelope: ContactView) -> None:
+    """Draw the pressure, and the worn profile next to it."""
+    view, frame, layout = chart.view, chart.frame, MapLayout.current()
+    p = view.scale.pressure
     highest = envelope.contact.pressure.max() / p
-    mesh = chart.fill(state.contact.pressure / p, cmap=PRESSURE, vmin=0.0, vmax=highest)
-    chart.colour_bar(mesh, f"contact pressure {state.scale.of_pressure('p_n')}")
-    track = placed(figure, LEFT + frame.width + RIGHT, BOTTOM, TRACK, frame.height)
-    track.plot(MICRON * state.contact.wear[0], state.y_over_a, color=BLUE)
-    track.set(
-        xlim=(0.0, 1.05 * MICRON * envelope.contact.wear.max() or 1.0),
-        ylim=(frame.bottom, frame.top),
-    )
+    mesh = chart.fill(view.contact.pressure / p, cmap=LOOK.pressure, vmin=0.0, vmax=highest)
+    chart.add_colour_bar(mesh, f"contact pressure {view.scale.pressure_label('p_n')}")
+    right = layout.left + frame.width + layout.right
+    track = add_axes(chart.figure, right, layout.bottom, 1.6, frame.height)
+    track.plot(MICRON * view.contact.wear[0], view.y_over_a, color=LOOK.blue)
+    deepest = 1.05 * MICRON * envelope.contact.wear.max() or 1.0
+    track.set(xlim=(0.0, deepest), ylim=(frame.bottom, frame.top))
     track.set_xlabel(r"$w$ ($\mathrm{\mu m}$)")
     track.yaxis.set_major_locator(chart.axes.yaxis.get_major_locator())
     track.tick_params(labelleft=False)
+
+
+def _draw_traction(chart: ContactMap, envelope: ContactView) -> None:
+    """Draw the traction and the moving edge of stick.
+
+    The colours end at the largest contact pressure of all records: no traction is larger.
+    """
+    view = chart.view
+    p = view.scale.pressure
+    highest = envelope.contact.pressure.max() / p
+    mesh = chart.fill(view.contact.utilisation / p, cmap=LOOK.traction, vmin=0.0, vmax=highest)
+    if view.contact.touching.any():
+        chart.draw_stick_edge()
+        chart.draw_arrows(view.contact.traction, view.contact.touching, color="white")
+    symbol = r"|p_t|/\mu" if view.isotropic else r"\|p_t\|_\mu"
+    chart.add_colour_bar(mesh, f"traction over friction {view.scale.pressure_label(symbol)}")

@@ -1,4 +1,4 @@
-"""Transmitted force against creepage, as eq. (40) makes it dimensionless."""
+"""Creep force over creepage: scaled curves, and curves with their maxima."""
 
 from __future__ import annotations
 
@@ -9,32 +9,34 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tractive_sam.plot.figure import Figure
-from tractive_sam.plot.style import GREY, WIDTH, styled
+from tractive_sam.plot.style import LOOK, apply_style, new_axes
 from tractive_sam.reference import kalker_simplified, vermeulen_johnson
 
 MARKERS = "so^Dv"
+"""Markers of computed points, in their order."""
 
 Points = tuple[ArrayLike, ArrayLike]
+"""Abscissae and ordinates of points."""
 
 
-@styled
+@apply_style
 def creep_force_curve(
     computed: Mapping[str, Points],
     reference: Mapping[str, Points] | None = None,
     *,
     theory: bool = True,
 ) -> Figure:
-    """Creep-force curve of a circular contact.
+    """Draw the creep-force curve of a circular contact, scaled by eq. (40) of the paper.
 
     Parameters
     ----------
     computed : mapping of str to pair of array_like
-        Name of a series, its creep parameters (`reference.creep_parameter`) and its forces
-        Q/(mu P).
+        Creep parameters (`reference.creep_parameter`) and forces Q/(mu P), by the label of a
+        series.
     reference : mapping of str to pair of array_like, optional
-        Points of other programs or of measurements, alike.
+        Points of other programs or of measurements.
     theory : bool
-        Whether to draw Vermeulen & Johnson's and Kalker's simplified curve.
+        Whether to draw the curves of Vermeulen & Johnson and of Kalker's simplified theory.
 
     Examples
     --------
@@ -42,18 +44,55 @@ def creep_force_curve(
     <Figure size ...>
     """
     reference = reference or {}
-    figure = Figure(figsize=(WIDTH, 0.72 * WIDTH))
-    axes = figure.add_subplot()
+    figure, axes = new_axes(1.0, 0.72)
     for marker, (name, (xi, force)) in zip(cycle(MARKERS), computed.items(), strict=False):
         axes.plot(xi, force, marker, label=name, markerfacecolor="none", markeredgewidth=1.2)
     for marker, (name, (xi, force)) in zip(cycle("x+*"), reference.items(), strict=False):
-        axes.plot(xi, force, marker, label=name, color=GREY)
+        axes.plot(xi, force, marker, label=name, color=LOOK.grey)
     if theory:
-        ends = [np.max(xi) for xi, _ in (*computed.values(), *reference.values())]
-        xi = np.linspace(0.0, max(1.0, *ends), 201)
-        axes.plot(xi, vermeulen_johnson(xi), "--", color=GREY, label="Vermeulen & Johnson (1964)")
-        axes.plot(xi, kalker_simplified(xi), "-", color=GREY, label="Kalker (1967), simplified")
+        ends = [float(np.max(xi)) for xi, _ in (*computed.values(), *reference.values())]
+        xi, grey = np.linspace(0.0, max(1.0, *ends), 201), LOOK.grey
+        axes.plot(xi, vermeulen_johnson(xi), "--", color=grey, label="Vermeulen & Johnson (1964)")
+        axes.plot(xi, kalker_simplified(xi), "-", color=grey, label="Kalker (1967), simplified")
     axes.set(xlabel=r"$-\xi_x\,16\,G a_0^2\,/\,3\mu P(4-3\nu)$", ylabel=r"$Q/(\mu P)$")
     axes.set_xlim(left=0.0)
+    axes.legend(loc="lower right")
+    return figure
+
+
+@apply_style
+def traction_curve(computed: Mapping[str, Points], printed: Points | None = None) -> Figure:
+    """Draw force over load against creepage, with the maximum of each curve.
+
+    Parameters
+    ----------
+    computed : mapping of str to pair of array_like
+        Creepages and Q_x/P, by the label of a curve.
+    printed : pair of array_like, optional
+        Points of another program.
+
+    Examples
+    --------
+    >>> curve = ([0.0, 0.01, 0.016, 0.05], [0.0, 0.301, 0.312, 0.285])
+    >>> plot.traction_curve({"falling": curve})
+    <Figure size ...>
+    """
+    figure, axes = new_axes(1.0, 0.72)
+    highest = 0.0
+    for marker, (name, (xi, force)) in zip(cycle(MARKERS), computed.items(), strict=False):
+        percent, ratio = 100.0 * np.asarray(xi), np.asarray(force)
+        (line,) = axes.plot(percent, ratio, marker + "-", ms=3, label=name)
+        top = int(np.argmax(ratio))
+        highest = max(highest, float(ratio[top]))
+        if ratio[top] > 1.001 * ratio[-1]:
+            label = f"top {ratio[top]:.3f} at {percent[top]:.2g} %"
+            look = {"textcoords": "offset points", "color": line.get_color()}
+            axes.annotate(label, (percent[top], ratio[top]), (8, -34), **look)
+    if printed is not None:
+        style = {"color": LOOK.grey, "mec": LOOK.vermillion, "label": "CONTACT 25.1, printed"}
+        axes.plot(100.0 * np.asarray(printed[0]), np.asarray(printed[1]), "x", ms=6, **style)
+    axes.set(xlabel=r"creepage $|\xi_x|$ (%)", ylabel=r"$Q_x/P$")
+    axes.set_xlim(left=0.0)
+    axes.set_ylim(bottom=0.0, top=1.12 * highest)
     axes.legend(loc="lower right")
     return figure

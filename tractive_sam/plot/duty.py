@@ -1,4 +1,6 @@
-"""Duty cycles and wear laws: what each block wore, and in which regime."""
+"""Duty cycles and wear laws: the wear of each block, and its regime."""
+
+from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
@@ -6,44 +8,34 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from tractive_sam import mechanics  # its laws load the compiler when first used
-from tractive_sam.plot.conditions import Need
 from tractive_sam.plot.figure import Figure
-from tractive_sam.plot.profiles import across
+from tractive_sam.plot.needs import Need
+from tractive_sam.plot.profiles import lateral_axes
 from tractive_sam.plot.registry import history_figure
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.style import (
-    GREY,
+    LOOK,
     MICRON,
-    WIDTH,
-    along,
-    colours,
-    set_title,
-    told,
-    told_of,
+    format_title,
+    history_title,
+    label_course,
+    line_colours,
+    new_axes,
 )
-from tractive_sam.results import PARTS, SHARE, History, State
+from tractive_sam.results import BODIES, PARTS, SHARE, History, State
 
 if TYPE_CHECKING:
     from tractive_sam.contact import Laws
     from tractive_sam.mechanics import WearLaw
 
-PER_DEPTH = 1e3
-"""µg/(m mm²) of a body of 1 kg/m³ that wears as deep as it is rolled."""
-
-ENTRIES = 12
-"""Names of blocks beside a figure, one below the other."""
-
-DECADES = 4.0
-"""Decades of frictional work that a map of regimes shows below its largest."""
-
-_OF_BLOCKS = (PARTS.name, SHARE.name)
+_BLOCK_COLUMNS = (PARTS.name, SHARE.name)
 
 _WORN = Need(lambda history: history[PARTS.name].any(), "wear, and there is none")
 
 
-@history_figure("worn-by-block", columns=_OF_BLOCKS, needs=[_WORN], cure="[[duty]]")
+@history_figure("worn-by-block", columns=_BLOCK_COLUMNS, needs=[_WORN], cure="[[duty]]")
 def worn_by_block(history: History) -> Figure:
-    """Wear depth across the track at the end, as the blocks of a duty cycle made it.
+    """Wear depth across the track at the end, divided among the blocks of a duty cycle.
 
     Raises
     ------
@@ -56,9 +48,9 @@ def worn_by_block(history: History) -> Figure:
     >>> plot.worn_by_block(ts.roll(spectrum))
     <Figure size ...>
     """
-    figure, axes = across(history, "wear of both bodies by block")
-    axes.set_prop_cycle(color=colours(len(history.block_names)))
-    y, depth = history.y / Scale.of_history(history).across, np.zeros(len(history.y))
+    figure, axes = lateral_axes(history, "wear of both bodies by block")
+    axes.set_prop_cycle(color=line_colours(len(history.block_names)))
+    y, depth = history.y / Scale.from_history(history).across, np.zeros(len(history.y))
     parts = history[PARTS.name][-1].sum(axis=1)
     for name, part in zip(history.block_names, parts, strict=True):
         below = depth + MICRON * part
@@ -67,11 +59,11 @@ def worn_by_block(history: History) -> Figure:
     axes.plot(y, depth, color="black", linewidth=0.8)
     axes.invert_yaxis()
     axes.set(xlim=(y.min(), y.max()), ylabel=r"wear depth $w$ ($\mathrm{\mu m}$)")
-    _legend(figure)
+    _add_legend(figure)
     return figure
 
 
-@history_figure("block-shares", columns=_OF_BLOCKS, needs=[_WORN], cure="[[duty]]")
+@history_figure("block-shares", columns=_BLOCK_COLUMNS, needs=[_WORN], cure="[[duty]]")
 def block_shares(history: History) -> Figure:
     """Share of each block of a duty cycle in the worn section, over the revolutions.
 
@@ -86,41 +78,40 @@ def block_shares(history: History) -> Figure:
     >>> plot.block_shares(ts.roll(spectrum))
     <Figure size ...>
     """
-    figure = Figure(figsize=(1.25 * WIDTH, 0.66 * WIDTH))
-    axes = figure.add_subplot()
+    figure, axes = new_axes(
+        title=history_title(history, "wear of both bodies by block"), width=1.25
+    )
     worn = history["block_share"].sum(axis=1) > 0.0
     places, shares = history[history.coordinate.name][worn], history["block_share"][worn]
-    names = history.block_names
-    along(axes, history)
-    axes.set_prop_cycle(color=colours(len(names)))
-    axes.stackplot(places, 100.0 * shares.T, labels=names, alpha=0.8)
+    label_course(axes, history)
+    axes.set_prop_cycle(color=line_colours(len(history.block_names)))
+    axes.stackplot(places, 100.0 * shares.T, labels=history.block_names, alpha=0.8)
     axes.set(ylim=(0.0, 100.0), ylabel="share of the worn section (%)")
-    set_title(figure, told_of(history, "wear of both bodies by block"))
-    _legend(figure)
+    _add_legend(figure)
     return figure
 
 
-def _by_laws(history: History) -> bool:
-    """Whether the scene's laws of wear differ between bodies or blocks, or have regimes."""
+def _has_wear_regimes(history: History) -> bool:
+    """Return whether the wear laws of the scene depend on the body, the block or the work."""
     scene = history.scene
     if "wear" in history.law_records or not scene.has("wear") or not history["wear_profile"].any():
         return False
     return bool(history.block_names) or not scene.has("wear.together")
 
 
-@history_figure("wear-regimes", shown=_by_laws)
-def wear_regimes(source: History | State, laws: "Laws | None" = None) -> Figure:
+@history_figure("wear-regimes", shown=_has_wear_regimes)
+def wear_regimes(source: History | State, laws: Laws | None = None) -> Figure:
     """Rate of wear of the elements over their frictional work, T-gamma/A.
 
-    Of a history the last stored contact, of a duty cycle those of all blocks. A dot is an element
-    that wears, at its own work; a line the law, where it has regimes by work.
+    A history shows its last stored contact, a duty cycle that of each block. A dot is an element
+    that wears; a line is the law, if it has regimes of work.
 
     Parameters
     ----------
     source : History or State
-        What was solved.
+        History or contact with wear.
     laws : Laws, optional
-        What it was rolled with, where those are not the scene's.
+        Laws of the computation, if they are not those of the scene.
 
     Raises
     ------
@@ -133,44 +124,47 @@ def wear_regimes(source: History | State, laws: "Laws | None" = None) -> Figure:
     >>> plot.wear_regimes(contact)
     <Figure size ...>
     """
-    figure = Figure(figsize=(1.25 * WIDTH, 0.8 * WIDTH))
-    axes = figure.add_subplot()
-    contacts = _contacts(source)
-    axes.set_prop_cycle(color=colours(2 * len(contacts)))
-    most = max(float(_work(one).max()) for one in contacts.values())
-    drawn = [_dots(axes, name, one, laws, most) for name, one in contacts.items()]
+    title = format_title(source.scene.title, "wear of each body over the work of each element")
+    figure, axes = new_axes(1.25, 0.8, title)
+    contacts = _last_contacts(source)
+    axes.set_prop_cycle(color=line_colours(2 * len(contacts)))
+    highest = max(float(_frictional_work(contact).max()) for contact in contacts.values())
+    # Four decades of work, and beyond the largest one.
+    limits = 1e-4 * highest, 2.0 * highest
+    drawn = [
+        _draw_elements(axes, name, contact, laws, limits[0]) for name, contact in contacts.items()
+    ]
     if not any(drawn):
         raise ValueError("nothing to draw: no element wears")
-    axes.set(xscale="log", yscale="log", xlim=(most * 10.0**-DECADES, 2.0 * most))
-    _laws_of(axes, next(iter(contacts.values())), laws, most)
+    axes.set(xscale="log", yscale="log", xlim=limits)
+    _draw_laws(axes, next(iter(contacts.values())), laws, limits)
     axes.set_xlabel(r"frictional work $T\gamma/A$ (N/mm$^2$)")
     axes.set_ylabel(r"wear rate ($\mathrm{\mu g}$/(m mm$^2$))")
-    scene = source.scene
-    set_title(figure, told(scene.title, "wear of each body over the work of each element"))
-    _legend(figure)
+    _add_legend(figure)
     return figure
 
 
-def _legend(figure: Figure) -> None:
-    """Name the blocks beside the axes, in as many columns as they need."""
-    names = sum(len(axes.get_legend_handles_labels()[1]) for axes in figure.axes)
-    columns = -(-names // ENTRIES)
-    width, height = figure.get_size_inches()
+def _add_legend(figure: Figure, rows: int = 12) -> None:
+    """Add a legend next to the axes, in as many columns as its entries need."""
+    entries = sum(len(axes.get_legend_handles_labels()[1]) for axes in figure.axes)
+    columns = -(-entries // rows)
+    width, height = figure.get_size_inches().tolist()
     legend = figure.legend(loc="outside right center", ncols=columns, columnspacing=1.0)
-    if columns > 1:  # of room of their own
-        own = legend.get_window_extent().width / figure.dpi
-        figure.set_size_inches(width + own * (1.0 - 1.0 / columns), height)
+    if columns > 1:  # the figure becomes wider
+        legend_width = legend.get_window_extent().width / figure.dpi
+        figure.set_size_inches(width + legend_width * (1.0 - 1.0 / columns), height)
 
 
-def _contacts(source: History | State) -> dict[str, State]:
+def _last_contacts(source: History | State) -> dict[str, State]:
+    """Return the last stored contact of each block by its name; of others under an empty name."""
     if isinstance(source, State):
         return {"": source}
     blocks = {name: source.block(k) for k, name in enumerate(source.block_names)}
-    return {name: one.state() for name, one in (blocks or {"": source}).items()}
+    return {name: history.state() for name, history in (blocks or {"": source}).items()}
 
 
-def _wear_law(contact: State, laws: "Laws | None", *, warm: bool) -> "WearLaw | None":
-    """The law of wear, as it is in the contact where that is warm, or as it is without heat."""
+def _wear_law(contact: State, laws: Laws | None, *, warm: bool) -> WearLaw | None:
+    """Return the law of wear, at the temperature of the contact or as it is without heat."""
     # Loads compilers, which no other figure needs.
     from tractive_sam.contact import Laws, Model, wear_law_in  # noqa: PLC0415
 
@@ -179,59 +173,57 @@ def _wear_law(contact: State, laws: "Laws | None", *, warm: bool) -> "WearLaw | 
     return wear_law_in(model, contact) if warm else model.wear_law
 
 
-def _of_bodies(contact: State, laws: "Laws | None") -> dict[str, np.ndarray]:
-    """Wear rate of the elements of each body, µg/(m mm²)."""
+def _wear_rates(contact: State, laws: Laws | None) -> dict[str, np.ndarray]:
+    """Return the wear rate of the elements of each body, µg/(m mm²), shape (n_x, n_y)."""
     law = _wear_law(contact, laws, warm=True)
     fields = contact.pressure, contact.traction, contact.slip
     if law is None or not contact.touching.any():
         return {}
     if isinstance(law, mechanics.EachBody):
-        own = {body: getattr(law, body) for body in "AB"}
-        rates = {body: one.rate(*fields) for body, one in own.items() if one is not None}
+        separate = {body: getattr(law, body) for body in BODIES}
+        rates = {body: part.rate(*fields) for body, part in separate.items() if part is not None}
     else:
         share, of_bodies = contact.scene.wear_share, law.shares(*fields)
         if of_bodies is not None:
-            share = dict(zip("AB", of_bodies, strict=True))
-        rates = {body: share[body] * law.rate(*fields) for body in "AB"}
-    return {
-        body: PER_DEPTH * getattr(contact.scene.body, body).density * rate
-        for body, rate in rates.items()
-    }
+            share = dict(zip(BODIES, of_bodies, strict=True))
+        rates = {body: share[body] * law.rate(*fields) for body in BODIES}
+    # 1e3 µg/(m mm²) for 1 kg/m³ and a depth equal to the sliding distance.
+    density = {body: getattr(contact.scene.body, body).density for body in rates}
+    return {body: 1e3 * density[body] * rate for body, rate in rates.items()}
 
 
-def _work(contact: State) -> np.ndarray:
-    """Frictional work of the elements over their area, N/mm²."""
+def _frictional_work(contact: State) -> np.ndarray:
+    """Return the frictional work of the elements over their area, N/mm², shape (n_x, n_y)."""
     return np.maximum(-(contact.traction * contact.slip).sum(axis=0), 0.0)
 
 
-def _dots(axes: Axes, name: str, contact: State, laws: "Laws | None", most: float) -> bool:
-    """Draw the elements of a contact, those with hardly any work aside; whether there are any."""
-    work, rates = _work(contact), _of_bodies(contact, laws)
+def _draw_elements(axes: Axes, name: str, contact: State, laws: Laws | None, lowest: float) -> bool:
+    """Draw the elements of a contact with more than the lowest work; return whether any wears."""
+    work, rates = _frictional_work(contact), _wear_rates(contact, laws)
     alike = len(rates) == 2 and np.allclose(rates["A"], rates["B"], rtol=1e-9)
     drawn = False
     for body, marker in (("A", "o"), ("B", "^")):
         rate = rates.get(body, np.zeros_like(work))
-        wears = (rate > 0.0) & (work > most * 10.0**-DECADES)
+        wears = (rate > 0.0) & (work > lowest)
         if wears.any() and not (alike and body == "B"):
-            bodies = "A and B" if alike else body
-            named = ", ".join(filter(None, (name, bodies)))
-            axes.plot(work[wears], rate[wears], marker, markersize=3, alpha=0.6, label=named)
+            label = ", ".join(filter(None, (name, "A and B" if alike else body)))
+            axes.plot(work[wears], rate[wears], marker, markersize=3, alpha=0.6, label=label)
             drawn = True
     return drawn
 
 
-def _laws_of(axes: Axes, contact: State, laws: "Laws | None", most: float) -> None:
-    """Draw the regimes of the bodies' laws by work, and where they begin."""
+def _draw_laws(axes: Axes, contact: State, laws: Laws | None, limits: tuple[float, float]) -> None:
+    """Draw the laws of the bodies that have regimes of work, and where these begin."""
     law, wear = _wear_law(contact, laws, warm=False), contact.scene.wear
-    name = "law, without heat" if wear is not None and wear.temperature else "law"
-    seen: list[object] = []
-    for body in "AB":
+    label = "law, without heat" if wear is not None and wear.temperature else "law"
+    drawn: list[object] = []
+    for body in BODIES:
         regimes = getattr(getattr(law, body, None), "regimes", None)
-        if regimes is None or getattr(getattr(law, body), "element_area", None) or regimes in seen:
+        if regimes is None or getattr(getattr(law, body), "element_area", None) or regimes in drawn:
             continue
-        seen.append(regimes)
-        work = np.geomspace(most * 10.0**-DECADES, 2.0 * most, 400)
-        axes.plot(work, regimes(work)[0], color=GREY, linewidth=1.0, zorder=0, label=name)
+        drawn.append(regimes)
+        work = np.geomspace(*limits, 400)
+        axes.plot(work, regimes(work)[0], color=LOOK.grey, linewidth=1.0, zorder=0, label=label)
         for start in regimes.starts[1:]:
-            if start < 2.0 * most:
-                axes.axvline(start, color=GREY, linewidth=0.6, linestyle=":", zorder=0)
+            if start < limits[1]:
+                axes.axvline(start, color=LOOK.grey, linewidth=0.6, linestyle=":", zorder=0)

@@ -1,22 +1,19 @@
-"""Maps side by side, one for each stored revolution."""
+"""Maps side by side, one for each stored record."""
 
 from collections.abc import Callable
 
 import numpy as np
 
-from tractive_sam.plot.conditions import WIDE, in_pictures, worn_in_pictures
-from tractive_sam.plot.drawn import Drawn, chosen
+from tractive_sam.plot.contact_map import ContactMap
+from tractive_sam.plot.contact_view import ContactView, select_evenly
 from tractive_sam.plot.figure import Figure
-from tractive_sam.plot.map import Map
+from tractive_sam.plot.needs import WIDE, has_contacts, has_worn_contacts
 from tractive_sam.plot.registry import history_figure
-from tractive_sam.plot.style import MICRON, PRESSURE, SLIP, WEAR
+from tractive_sam.plot.style import LOOK, MICRON
 from tractive_sam.results import History
 
-MOST = 6
-"""Maps of a figure; of more revolutions some are left out."""
 
-
-@history_figure("pressure-over-{coordinate}", needs=[WIDE], shown=in_pictures)
+@history_figure("pressure-over-{coordinate}", needs=[WIDE], shown=has_contacts)
 def pressure_over_revolutions(history: History) -> Figure:
     """Pressure p_n/p_0 at the stored revolutions.
 
@@ -25,10 +22,19 @@ def pressure_over_revolutions(history: History) -> Figure:
     >>> plot.pressure_over_revolutions(history)
     <Figure size ...>
     """
-    return _maps(history, _pressure, "contact pressure", "p_n", PRESSURE, Map.fill)
+
+    def pressure(view: ContactView) -> np.ndarray:
+        return view.contact.pressure / view.scale.pressure
+
+    charts, highest = _map_row(history, "contact pressure", pressure)
+    for chart in charts:
+        mesh = chart.fill(pressure(chart.view), cmap=LOOK.pressure, vmin=0.0, vmax=highest)
+    label = f"contact pressure {chart.view.scale.pressure_label('p_n')}"
+    chart.add_colour_bar(mesh, label)
+    return chart.figure
 
 
-@history_figure("slip-over-{coordinate}", needs=[WIDE], shown=in_pictures)
+@history_figure("slip-over-{coordinate}", needs=[WIDE], shown=has_contacts)
 def slip_over_revolutions(history: History) -> Figure:
     """Slip |s|/V at the stored revolutions, of shifts |s| in the step, with the edge of stick.
 
@@ -37,15 +43,26 @@ def slip_over_revolutions(history: History) -> Figure:
     >>> plot.slip_over_revolutions(history)
     <Figure size ...>
     """
+
+    def slip(view: ContactView) -> np.ndarray:
+        return np.hypot(*view.contact.slip)
+
     shifts = history.scene.schedule.shifts
-    told = ("slip of the step", "$|s|$ (mm)") if shifts else ("slip over speed", "$|s|/V$")
-    return _maps(history, _slip, *told, SLIP, Map.fill_up_to_edge, True)
+    quantity, symbol = (
+        ("slip of the step", "$|s|$ (mm)") if shifts else ("slip over speed", "$|s|/V$")
+    )
+    charts, highest = _map_row(history, quantity, slip)
+    for chart in charts:
+        mesh = chart.fill_up_to_edge(slip(chart.view), cmap=LOOK.slip, vmin=0.0, vmax=highest)
+        chart.draw_stick_edge()
+    chart.add_colour_bar(mesh, f"{quantity} {symbol}")
+    return chart.figure
 
 
 @history_figure(
     "wear-over-{coordinate}",
     needs=[WIDE],
-    shown=lambda history: worn_in_pictures(history) and in_pictures(history),
+    shown=lambda history: has_worn_contacts(history) and has_contacts(history),
 )
 def wear_over_revolutions(history: History) -> Figure:
     """Wear depth of both bodies together, in the contact, at the stored revolutions.
@@ -55,38 +72,22 @@ def wear_over_revolutions(history: History) -> Figure:
     >>> plot.wear_over_revolutions(history)
     <Figure size ...>
     """
-    return _maps(history, _wear, "wear depth", r"$w$ ($\mathrm{\mu m}$)", WEAR, Map.fill_up_to_edge)
 
+    def wear(view: ContactView) -> np.ndarray:
+        return MICRON * view.contact.wear
 
-def _maps(
-    history: History,
-    values: Callable[[Drawn], np.ndarray],
-    told: str,
-    symbol: str,
-    colours: str,
-    fill: Callable,
-    stick: bool = False,
-) -> Figure:
-    states = [Drawn.of(history, at) for at in chosen(history.saved, MOST)]
-    states = [state for state in states if state.contact.touching.any()] or states
-    figure, charts = Map.row(states, told)
-    highest = max(values(state)[state.contact.touching].max() for state in states)
+    charts, highest = _map_row(history, "wear depth", wear)
     for chart in charts:
-        mesh = fill(chart, values(chart.state), cmap=colours, vmin=0.0, vmax=highest)
-        if stick:
-            chart.stick_edge(colors="white", linewidths=1.2, linestyles="--")
-    label = symbol if "$" in symbol else states[0].scale.of_pressure(symbol)
-    charts[-1].colour_bar(mesh, f"{told} {label}")
-    return figure
+        mesh = chart.fill_up_to_edge(wear(chart.view), cmap=LOOK.wear, vmin=0.0, vmax=highest)
+    chart.add_colour_bar(mesh, r"wear depth $w$ ($\mathrm{\mu m}$)")
+    return chart.figure
 
 
-def _pressure(state: Drawn) -> np.ndarray:
-    return state.contact.pressure / state.scale.pressure
-
-
-def _slip(state: Drawn) -> np.ndarray:
-    return np.hypot(*state.contact.slip)
-
-
-def _wear(state: Drawn) -> np.ndarray:
-    return MICRON * state.contact.wear
+def _map_row(
+    history: History, quantity: str, values: Callable[[ContactView], np.ndarray], most: int = 6
+) -> tuple[list[ContactMap], float]:
+    """Return maps of the stored contacts, at most that many, and the largest value in them."""
+    views = [ContactView.from_source(history, at) for at in select_evenly(history.saved, most)]
+    views = [view for view in views if view.contact.touching.any()] or views
+    _, charts = ContactMap.row(views, quantity)
+    return charts, float(max(values(view)[view.contact.touching].max() for view in views))

@@ -1,30 +1,28 @@
-"""What rolling does to the material: shakedown, utilisation, damage, and wear against fatigue."""
+"""Fatigue of the material: shakedown, utilisation, damage, and wear against fatigue."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 
-from tractive_sam.plot.conditions import WIDE, Need, in_course
-from tractive_sam.plot.courses import COLOURS
-from tractive_sam.plot.drawn import chosen
+from tractive_sam.description import math_value
+from tractive_sam.plot.contact_map import share_y_axis
+from tractive_sam.plot.contact_view import select_evenly
 from tractive_sam.plot.figure import Figure
+from tractive_sam.plot.history_curves import draw_column
+from tractive_sam.plot.needs import WIDE, Need, has_course
 from tractive_sam.plot.registry import history_figure
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.style import (
-    BLUE,
-    GREY,
+    LOOK,
     MICRON,
-    ORANGE,
-    STRESS,
-    VERMILLION,
-    WEAR,
-    WIDTH,
-    along,
-    place,
+    history_title,
+    label_course,
+    new_axes,
+    new_figure,
     set_title,
-    told_of,
 )
 from tractive_sam.results import BODIES, BodyFatigue, History
 
@@ -44,17 +42,8 @@ LINE_CONTACT = np.array(
         (0.60, 1.521, 2.209, 1.583),
     ]
 )
-"""Of a line contact in full slip with nu = 0.3, by von Mises: friction, p0/k at first yield, and
-that up to which shakedown is certain inside and at the surface; of its closed form."""
-
-PANELS = 4
-"""Maps of a figure; of more revolutions some are left out."""
-
-DECADES = 6.0
-"""Of damage that are shown."""
-
-FINE = 120
-"""Depths at which a utilisation is drawn."""
+"""A line contact in full slip with nu = 0.3, by von Mises, from its closed form: friction, p0/k at
+first yield, and p0/k up to which shakedown is certain inside and at the surface."""
 
 _COMPUTED = Need(
     lambda history: any(name in history.columns for name in _COURSES),
@@ -64,20 +53,22 @@ _COMPUTED = Need(
 _WEARS = Need(lambda history: "worn_volume" in history.columns, "wear: add [wear] to the scene")
 
 
-def _of_bodies(history: History) -> list[dict[str, str]]:
+def _each_body(history: History) -> list[dict[str, str]]:
+    """Return the arguments of figures of each body with a stress cycle."""
     return [{"body": body} for body in history.cycles]
 
 
-def _damaged(history: History) -> list[dict[str, str]]:
+def _each_damaged_body(history: History) -> list[dict[str, str]]:
+    """Return the arguments of figures of each body with damage."""
     return [{"body": b} for b in history.cycles if history.fatigue(b).damage_max[0] > 0.0]
 
 
 @history_figure("shakedown-map", columns=["shakedown_lower"], cure="fatigue.shear_yield")
 def shakedown_map(history: History) -> Figure:
-    """The place of a roll on the shakedown map, with its own bounds beside those of a line contact.
+    """Place of the contact on the shakedown map, and its limits next to those of a line contact.
 
-    Peak contact pressure over k, and tangential over normal force. Triangles are where the last
-    record's own stress puts the bounds, all tractions grown alike.
+    Peak contact pressure over k, and tangential over normal force. Triangles are the limits
+    computed from the stress of the last record, for tractions that increase in proportion.
 
     Raises
     ------
@@ -90,159 +81,175 @@ def shakedown_map(history: History) -> Figure:
     >>> plot.shakedown_map(ts.roll(tired))
     <Figure size ...>
     """
-    fatigue = history.scene.fatigue
-    k = fatigue.shear_yield_stress
-    figure = Figure(figsize=(1.15 * WIDTH, 0.85 * WIDTH))
-    axes = figure.add_subplot()
+    k = history.scene.fatigue.shear_yield_stress
+    figure, axes = new_axes(1.15, 0.85, history_title(history, f"shakedown; k = {k:.4g} MPa"))
     mu, first, inside, surface = LINE_CONTACT.T
-    axes.plot(mu, first, color=GREY, linestyle=":", label="first yield, line contact")
-    axes.plot(mu, np.minimum(inside, surface), color=GREY, label="certain, line contact")
+    axes.plot(mu, first, color=LOOK.grey, linestyle=":", label="first yield, line contact")
+    axes.plot(mu, np.minimum(inside, surface), color=LOOK.grey, label="certain, line contact")
     label = r"$1/\mu$, plane Tresca at the surface"
     classic = np.linspace(1.0 / 8.0, mu[-1], 200)
-    axes.plot(classic, 1.0 / classic, color=GREY, linestyle="--", label=label)
+    axes.plot(classic, 1.0 / classic, color=LOOK.grey, linestyle="--", label=label)
     force = np.hypot(history["Qx_over_P"], history["Qy_over_P"])
     load = history["p_max"] / k
     axes.plot(force, load, color="black", linewidth=0.8)
-    for row, (fill, name) in {0: ("white", "first"), len(history) - 1: ("black", "last")}.items():
-        told = f"{name} record" if len(history) > 1 else "this contact"
-        axes.plot(force[row], load[row], "o", color="black", markerfacecolor=fill, label=told)
-    for column, marker, told in (
-        ("shakedown_lower", "^", "certain up to"),
-        ("shakedown_upper", "v", "impossible above"),
-    ):
-        for body in fatigue.bodies:
-            factor = history[column][-1, BODIES.index(body)]
-            look = {"color": COLOURS[body], "marker": marker, "linestyle": "none"}
-            axes.plot(force[-1], factor * load[-1], label=f"{told}, {body}", **look)
+    records = {len(history) - 1: ("last record" if has_course(history) else "this contact", 4.5)}
+    if has_course(history):
+        records = {0: ("first record", 8.0)} | records
+    for row, (label, size) in records.items():  # the first one encloses the last one
+        look = {"markersize": size, "markerfacecolor": "none" if size > 5.0 else "black"}
+        axes.plot(force[row], load[row], "o", color="black", label=label, **look)
+    _draw_limits(axes, history, force[-1], load[-1])
     highest = np.nanmax([*load, *(history["shakedown_upper"][-1] * load[-1]), 4.2])
     axes.set(xlim=(0.0, max(0.6, 1.1 * force.max())), ylim=(0.0, 1.1 * highest))
     axes.set_xlabel("tangential force / normal load")
     axes.set_ylabel(r"$p_\mathrm{max}/k$")
     figure.legend(loc="outside right center")
-    set_title(figure, told_of(history, f"shakedown; k = {k:.4g} MPa"))
     return figure
 
 
-@history_figure("utilisation-{body}", columns=["damage"], cure="fatigue.limit", each=_of_bodies)
+def _draw_limits(axes: Axes, history: History, force: float, load: float) -> None:
+    """Draw the limits of shakedown of both bodies; open triangles of B enclose those of A."""
+    limits = (
+        ("shakedown_lower", "^", "certain up to"),
+        ("shakedown_upper", "v", "impossible above"),
+    )
+    for column, marker, label in limits:
+        for k, body in _fatigue_bodies(history):
+            color = LOOK.bodies[body]
+            look = {"color": color, "markersize": 4.5} if body == "A" else {
+                "color": color, "markersize": 9.0, "markerfacecolor": "none"
+            }  # fmt: skip
+            limit = history[column][-1, k] * load
+            axes.plot(force, limit, marker, linestyle="none", label=f"{label}, {body}", **look)
+
+
+@history_figure("utilisation-{body}", columns=["damage"], cure="fatigue.limit", each=_each_body)
 def utilisation(history: History, body: str = "A", at: float | None = None, **named) -> Figure:
-    """Utilisation of a body over its section, below the surface as it is.
+    """Utilisation of a body over its section, below its present surface.
 
     Parameters
     ----------
     history : History
-        Of a scene with the limit of a criterion.
+        History of a scene with a fatigue limit.
     body : "A" or "B"
         The body.
     at : float, optional
-        As of `History.field`; the last by default.
+        One of the saved values, as for `History.field`; the last by default.
 
     Raises
     ------
     LookupError
-        If it was not kept.
+        If the record was not stored.
     ValueError
         If there is no limit.
 
     Examples
     --------
-    >>> asked = {"limit": 250.0, "sensitivity": 0.3, "bodies": ["A"]}
-    >>> tired = ts.roll(discs.replace(subsurface=None, fatigue=asked))
+    >>> limit = {"limit": 250.0, "sensitivity": 0.3, "bodies": ["A"]}
+    >>> tired = ts.roll(discs.replace(subsurface=None, fatigue=limit))
     >>> plot.utilisation(tired, "A")
     <Figure size ...>
     """
-    found, scale = history.fatigue(body, at, **named), Scale.of_history(history)
-    told = place(history.coordinate, history.saved[history.row_of(at, **named)])
-    figure, (axes,) = _sections(history, f"utilisation of body {body}, {told}", 1)
-    # Between its depths it goes with their root.
-    depth = found.depth[-1] * np.linspace(0.0, 1.0, FINE) ** 2
-    roots = np.sqrt(depth), np.sqrt(found.depth)
-    values = np.stack([np.interp(*roots, row) for row in found.utilisation])
-    where = _across(axes, found, scale), depth / scale.length
-    mesh = _fill(axes, *where, values, cmap=STRESS)
-    top = found.largest()
+    fatigue, scale = history.fatigue(body, at, **named), Scale.from_history(history)
+    position = math_value(history.coordinate, history.saved[history.row_of(at, **named)])
+    figure, (axes,) = _new_sections(history, f"utilisation of body {body}, {position}", 1)
+    # Between its depths it is interpolated over their root, at 120 depths.
+    depth = fatigue.depth[-1] * np.linspace(0.0, 1.0, 120) ** 2
+    roots = np.sqrt(depth), np.sqrt(fatigue.depth)
+    values = np.stack([np.interp(*roots, row) for row in fatigue.utilisation])
+    y, z = _set_section(axes, fatigue, scale), depth / scale.length
+    mesh = _draw_values(axes, y, z, values, cmap=LOOK.stress)
+    top = fatigue.largest()
     axes.plot(top.at[1] / scale.across, top.at[2] / scale.length, "o", **_MARK)
     if values.max() > 1.0 > values.min():
-        level = np.broadcast_to(values.T, (depth.size, where[0].size))
-        axes.contour(*where, level, levels=[1.0], colors="white", linewidths=1.0)
+        level = np.broadcast_to(values.T, (depth.size, y.size))
+        axes.contour(y, z, level, levels=[1.0], colors="white", linewidths=1.0)
     figure.colorbar(mesh, ax=axes, label="equivalent stress / limit")
-    _note(figure, history, body)
+    _add_shakedown_note(figure, history, body)
     return figure
 
 
-@history_figure("damage-{body}", columns=["damage"], cure="fatigue.limit", each=_damaged)
-def damage(history: History, body: str = "A") -> Figure:
+@history_figure("damage-{body}", columns=["damage"], cure="fatigue.limit", each=_each_damaged_body)
+def damage(history: History, body: str = "A", *, most: int = 4, decades: float = 6.0) -> Figure:
     """Damage of a body in its material, below the unworn surface, at the stored revolutions.
 
-    With the worn surface: what is above it is gone. The scale is logarithmic.
+    A line is the worn surface: the material above it is removed. The scale is logarithmic.
+
+    Parameters
+    ----------
+    history : History
+        History of a scene with a fatigue limit.
+    body : "A" or "B"
+        The body.
+    most : int
+        Most panels; of more records some are omitted.
+    decades : float
+        Decades of damage that the colours show.
 
     Raises
     ------
     LookupError
-        If it was not kept.
+        If no record was stored.
     ValueError
         If there is no limit, or no damage.
 
     Examples
     --------
-    >>> asked = {"limit": 250.0, "sensitivity": 0.3, "bodies": ["A"]}
-    >>> tired = ts.roll(discs.replace(subsurface=None, fatigue=asked))
+    >>> limit = {"limit": 250.0, "sensitivity": 0.3, "bodies": ["A"]}
+    >>> tired = ts.roll(discs.replace(subsurface=None, fatigue=limit))
     >>> plot.damage(tired, "A")
     <Figure size ...>
     """
-    scale = Scale.of_history(history)
+    scale = Scale.from_history(history)
     places = [at for at in history.saved.tolist() if history.fatigue(body, at).damage_max[0] > 0.0]
     if not places:
-        raise ValueError("nothing to draw: nothing has been rolled, and no damage is done")
-    places = chosen(np.array(places), PANELS).tolist()
-    bodies = [history.fatigue(body, at) for at in places]
-    figure, charts = _sections(history, f"damage of body {body}, log scale", len(places))
-    highest = np.log10(max(one.damage_max[0] for one in bodies))
-    for axes, one, at in zip(charts, bodies, places, strict=True):
-        left = one.zeta >= one.worn[:, None]
-        shown = np.log10(np.maximum(one.damage, 10.0 ** (highest - 2.0 * DECADES)))
-        shown = np.where(left, shown, np.nan)
-        y = _across(axes, one, scale)
-        look = {"cmap": WEAR, "vmin": highest - DECADES, "vmax": highest}
-        mesh = _fill(axes, y, one.zeta / scale.length, shown, **look)
-        worn = np.broadcast_to(one.worn / scale.length, y.shape)
-        axes.plot(y, worn, color=VERMILLION, linewidth=1.2)
-        _, top = one.damage_max
+        raise ValueError("nothing to draw: without revolutions there is no damage")
+    places = select_evenly(np.array(places), most).tolist()
+    records = [history.fatigue(body, at) for at in places]
+    figure, charts = _new_sections(history, f"damage of body {body}, log scale", len(places))
+    highest = np.log10(max(fatigue.damage_max[0] for fatigue in records))
+    for axes, fatigue, at in zip(charts, records, places, strict=True):
+        remains = fatigue.zeta >= fatigue.worn[:, None]
+        values = np.log10(np.maximum(fatigue.damage, 10.0 ** (highest - 2.0 * decades)))
+        y = _set_section(axes, fatigue, scale)
+        look = {"cmap": LOOK.wear, "vmin": highest - decades, "vmax": highest}
+        depth = fatigue.zeta / scale.length
+        mesh = _draw_values(axes, y, depth, np.where(remains, values, np.nan), **look)
+        worn = np.broadcast_to(fatigue.worn / scale.length, y.shape)
+        axes.plot(y, worn, color=LOOK.vermillion, linewidth=1.2)
+        _, top = fatigue.damage_max
         axes.plot(top[1] / scale.across, top[2] / scale.length, "o", **_MARK)
-        axes.set_title(place(history.coordinate, at))
-    for axes in charts[1:]:
-        axes.set_ylabel("")
-        axes.tick_params(labelleft=False)
+        axes.set_title(math_value(history.coordinate, at))
+    share_y_axis(charts)
     figure.colorbar(mesh, ax=charts, label=r"$\log_{10} D$", extend="min")
-    _note(figure, history, body)
+    _add_shakedown_note(figure, history, body)
     return figure
 
 
-@history_figure("fatigue-course", needs=[_COMPUTED], shown=in_course)
+@history_figure("fatigue-course", needs=[_COMPUTED], shown=has_course)
 def fatigue_course(history: History) -> Figure:
     """Largest damage of each body, and load factors of shakedown, over the course.
-
-    Whichever of both there is.
 
     Raises
     ------
     ValueError
-        If there is neither.
+        If the history has neither.
 
     Examples
     --------
-    >>> asked = {"limit": 250.0, "sensitivity": 0.3, "bodies": ["A"]}
-    >>> tired = ts.roll(discs.replace(subsurface=None, fatigue=asked))
+    >>> limit = {"limit": 250.0, "sensitivity": 0.3, "bodies": ["A"]}
+    >>> tired = ts.roll(discs.replace(subsurface=None, fatigue=limit))
     >>> plot.fatigue_course(tired)
     <Figure size ...>
     """
     draws = [draw for name, draw in _COURSES.items() if name in history.columns]
-    figure = Figure(figsize=(WIDTH, 0.5 * WIDTH * len(draws) + 0.4))
+    figure = new_figure(1.0, 0.5 * len(draws) + 0.08)
     panels = figure.subplots(len(draws), sharex=True, squeeze=False)[:, 0]
     for axes, draw in zip(panels, draws, strict=True):
         draw(axes, history)
-        axes.legend(loc="best", fontsize=9, ncols=2)
-    along(panels[-1], history)
-    set_title(figure, told_of(history, "fatigue of each body"))
+        axes.legend(loc="best", fontsize="small", ncols=2)
+    label_course(panels[-1], history)
+    set_title(figure, history_title(history, "fatigue of each body"))
     return figure
 
 
@@ -251,12 +258,12 @@ def fatigue_course(history: History) -> Figure:
     columns=["damage"],
     cure="fatigue.limit",
     needs=[WIDE, _WEARS],
-    each=_of_bodies,
+    each=_each_body,
 )
 def wear_against_fatigue(history: History, body: str = "A") -> Figure:
-    """Wear of a revolution across the track, and the wear that balances fatigue.
+    """Wear of a revolution across the track, and the wear rate that balances fatigue.
 
-    Where wear is slower, cracks start. By the last record.
+    Where wear is slower, cracks initiate. Both follow from the last record.
 
     Raises
     ------
@@ -265,139 +272,141 @@ def wear_against_fatigue(history: History, body: str = "A") -> Figure:
 
     Examples
     --------
-    >>> asked = {"limit": 250.0, "sensitivity": 0.3, "bodies": ["A"]}
-    >>> tired = ts.roll(discs.replace(subsurface=None, fatigue=asked))
+    >>> limit = {"limit": 250.0, "sensitivity": 0.3, "bodies": ["A"]}
+    >>> tired = ts.roll(discs.replace(subsurface=None, fatigue=limit))
     >>> plot.wear_against_fatigue(tired, "A")
     <Figure size ...>
     """
-    rate = _wear_rate(history, body)
-    balance = history[f"balancing_wear_{body}"][_solved(history)[-1]]
-    scale = Scale.of_history(history)
-    figure = Figure(figsize=(1.1 * WIDTH, 0.7 * WIDTH))
-    axes = figure.add_subplot()
-    y, nano = history.y / scale.across, 1e3 * MICRON
-    axes.semilogy(y, _positive(nano * rate), color=BLUE, label="wear")
-    axes.semilogy(y, _positive(nano * balance), color=VERMILLION, label="balances fatigue")
-    highest = nano * max(np.nanmax(rate), np.nanmax(balance))
+    nano, scale = 1e3 * MICRON, Scale.from_history(history)
+    rate = nano * _wear_rate(history, body)
+    balance = nano * history[f"balancing_wear_{body}"][_solved_rows(history)[-1]]
+    title = history_title(history, f"wear and fatigue of body {body}", scale.note)
+    figure, axes = new_axes(1.1, 0.7, title)
+    y = history.y / scale.across
+    worn, balancing = (np.where(values > 0.0, values, np.nan) for values in (rate, balance))
+    axes.semilogy(y, worn, color=LOOK.blue, label="wear")
+    axes.semilogy(y, balancing, color=LOOK.vermillion, label="balances fatigue")
+    highest = max(np.nanmax(rate), np.nanmax(balance))
     axes.set_ylim(1e-4 * highest, 3.0 * highest)
-    seen = (rate > 0.0) | (balance > 1e-4 * balance.max())
-    if seen.any():
-        reach = 1.1 * np.abs(y[seen]).max()
+    visible = (rate > 0.0) | (balance > 1e-4 * balance.max())
+    if visible.any():
+        reach = 1.1 * np.abs(y[visible]).max()
         axes.set_xlim(-reach, reach)
-    slower = (rate < balance) & (nano * balance > 1e-4 * highest)
-    axes.fill_between(
-        y, _positive(nano * rate), nano * balance, where=slower, color=ORANGE, alpha=0.3
-    )
-    axes.set_xlabel(scale.of_length("y", across=True))
+    slower = (rate < balance) & (balance > 1e-4 * highest)
+    axes.fill_between(y, worn, balance, where=slower, color=LOOK.orange, alpha=0.3)
+    axes.set_xlabel(scale.length_label("y", across=True))
     axes.set_ylabel("depth per revolution (nm)")
     axes.legend(loc="best")
-    set_title(figure, told_of(history, f"wear and fatigue of body {body}", scale.told))
     return figure
 
 
-_MARK = {"markerfacecolor": "white", "markeredgecolor": "black", "markersize": 5.5, "zorder": 5}
+_MARK: dict[str, Any] = {
+    "markerfacecolor": "white", "markeredgecolor": "black", "markersize": 5.5, "zorder": 5
+}  # fmt: skip
 
 
-def _note(figure: Figure, history: History, body: str) -> None:
-    """Tell of stress that the material cannot see."""
+def _add_shakedown_note(figure: Figure, history: History, body: str) -> None:
+    """Add a note if the stress exceeds the shakedown limit, as elastic stress is not real there."""
     if "shakedown_lower" not in history.columns:
         return
     if np.nanmin(history["shakedown_lower"][:, BODIES.index(body)]) < 1.0:
-        text = "Above the shakedown limit: elastic stress is not what the material sees."
-        figure.supxlabel(text, fontsize=9)
+        text = "Above the shakedown limit the stress in the material is not elastic."
+        figure.supxlabel(text, fontsize="small")
 
 
 def _wear_rate(history: History, body: str) -> np.ndarray:
-    """Depth that a revolution wears off a body by the last two records, mm."""
-    rows = _solved(history)
+    """Return the worn depth per revolution by the last two records, mm, shape (n_y,)."""
+    rows = _solved_rows(history)
     depth, N = history[f"wear_profile_{body}"][rows], history[history.coordinate.name][rows]
     if len(N) < 2:
         return np.zeros(history.y.size)
     return np.maximum(depth[-1] - depth[-2], 0.0) / (N[-1] - N[-2])
 
 
-def _solved(history: History) -> np.ndarray:
-    """Rows of the records whose contact was solved: a last one that was not has no damage."""
+def _solved_rows(history: History) -> np.ndarray:
+    """Return the rows of the records with a solved contact: an unsolved last one has no damage."""
     return np.flatnonzero(history["converged"])
 
 
-def _positive(values: np.ndarray) -> np.ndarray:
-    return np.where(values > 0.0, values, np.nan)
-
-
-def _sections(history: History, told: str, count: int) -> tuple[Figure, list[Axes]]:
-    """Panels over (y, depth) side by side."""
-    figure = Figure(figsize=((0.75 + 0.45 * count) * WIDTH, 0.75 * WIDTH))
+def _new_sections(history: History, quantity: str, count: int) -> tuple[Figure, list[Axes]]:
+    """Return a figure and its panels over (y, depth) side by side."""
+    figure = new_figure(0.75 + 0.45 * count, 0.75)
     charts = list(figure.subplots(1, count, squeeze=False, sharey=True)[0])
-    scale = Scale.of_history(history)
-    charts[0].set_ylabel("depth " + scale.of_length("z"))
-    set_title(figure, told_of(history, told, scale.told))
+    scale = Scale.from_history(history)
+    charts[0].set_ylabel("depth " + scale.length_label("z"))
+    set_title(figure, history_title(history, quantity, scale.note))
     return figure, charts
 
 
-def _fill(axes: Axes, y: np.ndarray, depth: np.ndarray, values: np.ndarray, **look) -> QuadMesh:
-    """Colour values of shape (n_y, depths), or (1, depths) where they are equal at all y."""
-    look["shading"] = "gouraud" if np.isfinite(values).all() else "nearest"
+def _draw_values(
+    axes: Axes, y: np.ndarray, depth: np.ndarray, values: np.ndarray, **style: Any
+) -> QuadMesh:
+    """Colour values of shape (n_y, depths), or (1, depths) if they are equal at all y."""
+    style["shading"] = "gouraud" if np.isfinite(values).all() else "nearest"
     values = np.broadcast_to(values.T, (depth.size, y.size))
-    return axes.pcolormesh(y, depth, values, rasterized=True, **look)
+    return axes.pcolormesh(y, depth, values, rasterized=True, **style)
 
 
-def _across(axes: Axes, one: BodyFatigue, scale: Scale) -> np.ndarray:
-    """Show the stressed part of the section, depth downwards, and return y on its axis.
+def _set_section(axes: Axes, fatigue: BodyFatigue, scale: Scale) -> np.ndarray:
+    """Set axes to the stressed part of the section, depth downwards, and return y on its axis.
 
     A line contact is equal at all y: its section has two places.
     """
-    axes.set_ylim(one.depth[-1] / scale.length, 0.0)
-    if one.y.size == 1:
+    axes.set_ylim(fatigue.depth[-1] / scale.length, 0.0)
+    if fatigue.y.size == 1:
         axes.set_xlabel("line contact")
         axes.tick_params(labelbottom=False, bottom=False)
         return np.array([-0.5, 0.5])
-    stressed = one.utilisation.max(axis=1) > 0.05 * one.utilisation.max()
-    reach = min(1.15 * np.abs(one.y[stressed]).max(), one.y[-1]) / scale.across
+    stressed = fatigue.utilisation.max(axis=1) > 0.05 * fatigue.utilisation.max()
+    reach = min(1.15 * np.abs(fatigue.y[stressed]).max(), fatigue.y[-1]) / scale.across
     axes.set_xlim(-reach, reach)
-    axes.set_xlabel(scale.of_length("y", across=True))
-    return one.y / scale.across
+    axes.set_xlabel(scale.length_label("y", across=True))
+    return fatigue.y / scale.across
 
 
-def _damage_course(axes: Axes, history: History) -> None:
-    N, highest = history[history.coordinate.name], np.nanmax(history["damage"])
-    for k, body in _bodies(history):
-        axes.plot(N, history["damage"][:, k], color=COLOURS[body], label=f"body {body}")
-        started = history["initiation"][-1, k]
-        if np.isfinite(started):
-            axes.axvline(started, color=COLOURS[body], linestyle=":", linewidth=1.0)
+def _draw_damage(axes: Axes, history: History) -> None:
+    """Draw the largest damage of each body, and the revolution of crack initiation."""
+    highest = np.nanmax(history["damage"])
+    for k, body in _fatigue_bodies(history):
+        draw_column(axes, history, "damage", body, color=LOOK.bodies[body], label=f"body {body}")
+        initiation = history["initiation"][-1, k]
+        if np.isfinite(initiation):
+            axes.axvline(initiation, color=LOOK.bodies[body], linestyle=":", linewidth=1.0)
     if highest > 0.3:
-        axes.axhline(1.0, color=GREY, linewidth=0.8)
+        axes.axhline(1.0, color=LOOK.grey, linewidth=0.8)
     axes.set_ylim(bottom=0.0)
     axes.set_ylabel("largest damage $D$")
 
 
-def _utilisation_course(axes: Axes, history: History) -> None:
-    _each(axes, history, lambda kind: f"utilisation_{kind}")
+def _draw_utilisation(axes: Axes, history: History) -> None:
+    """Draw the utilisation of each body, inside and at its surface."""
+    _draw_kinds(axes, history, "utilisation")
     axes.set_ylabel("utilisation")
 
 
-def _shakedown_course(axes: Axes, history: History) -> None:
-    _each(axes, history, lambda kind: f"shakedown_{kind}")
-    axes.axhline(1.0, color=GREY, linewidth=0.8)
+def _draw_shakedown(axes: Axes, history: History) -> None:
+    """Draw the load factor up to which shakedown is certain, inside and at the surface."""
+    _draw_kinds(axes, history, "shakedown")
+    axes.axhline(1.0, color=LOOK.grey, linewidth=0.8)
     axes.set_ylabel("certain up to (load factor)")
 
 
 _COURSES: dict[str, Callable[[Axes, History], None]] = {
-    "damage": _damage_course,
-    "utilisation": _utilisation_course,
-    "shakedown_lower": _shakedown_course,
+    "damage": _draw_damage,
+    "utilisation": _draw_utilisation,
+    "shakedown_lower": _draw_shakedown,
 }
 
 
-def _each(axes: Axes, history: History, column: Callable[[str], str]) -> None:
-    N = history[history.coordinate.name]
+def _draw_kinds(axes: Axes, history: History, name: str) -> None:
+    """Draw the columns of a quantity inside and at the surface of each body."""
     for kind, style in (("interior", "-"), ("surface", "--")):
-        for k, body in _bodies(history):
-            look = {"color": COLOURS[body], "linestyle": style, "label": f"{body}, {kind}"}
-            axes.plot(N, history[column(kind)][:, k], **look)
+        for _, body in _fatigue_bodies(history):
+            look = {"color": LOOK.bodies[body], "linestyle": style, "label": f"{body}, {kind}"}
+            draw_column(axes, history, f"{name}_{kind}", body, **look)
     axes.set_ylim(bottom=0.0)
 
 
-def _bodies(history: History) -> list[tuple[int, str]]:
+def _fatigue_bodies(history: History) -> list[tuple[int, str]]:
+    """Return the index and the name of each body of [fatigue]."""
     return [(BODIES.index(body), body) for body in history.scene.fatigue.bodies]

@@ -1,24 +1,24 @@
-"""Figures of one state: pressure, traction, stick and slip, wear.
+"""Figures of one contact: pressure, traction, stick and slip, wear.
 
-Each is called with a `Drawn`, a solved `State`, or a `History` and one of its `saved` values, also
-by the name of its coordinate, ``revolution=2`` (the last by default). Line contacts have functions
-of x in place of the maps of pressure and traction.
+Each function takes a `ContactView`, a solved `State`, or a `History` and one of its `saved` values,
+also by the name of its coordinate: ``revolution=2`` (the last by default). For line contacts,
+functions of x replace the maps of pressure and traction.
 """
 
 import numpy as np
 from matplotlib.patches import Patch
 
-from tractive_sam.plot.conditions import WIDE, driven
-from tractive_sam.plot.drawn import Drawn
+from tractive_sam.plot.contact_map import ContactMap
+from tractive_sam.plot.contact_view import ContactView
 from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.line_contact import line_pressure, line_traction
-from tractive_sam.plot.map import Map
+from tractive_sam.plot.needs import WIDE, has_traction
 from tractive_sam.plot.registry import contact_figure
-from tractive_sam.plot.style import MICRON, ORANGE, PRESSURE, SKY, TRACTION, WEAR
+from tractive_sam.plot.style import LOOK, MICRON
 
 
 @contact_figure("pressure", line=line_pressure)
-def pressure(state: Drawn) -> Figure:
+def pressure(view: ContactView) -> Figure:
     """Map of the pressure.
 
     Examples
@@ -26,62 +26,57 @@ def pressure(state: Drawn) -> Figure:
     >>> plot.pressure(contact)
     <Figure size ...>
     """
-    figure, chart = Map.single(state, "contact pressure")
-    mesh = chart.fill(state.contact.pressure / state.scale.pressure, cmap=PRESSURE, vmin=0.0)
-    chart.colour_bar(mesh, f"contact pressure {state.scale.of_pressure('p_n')}")
+    figure, chart = ContactMap.single(view, "contact pressure")
+    mesh = chart.fill(view.contact.pressure / view.scale.pressure, cmap=LOOK.pressure, vmin=0.0)
+    chart.add_colour_bar(mesh, f"contact pressure {view.scale.pressure_label('p_n')}")
     return figure
 
 
-@contact_figure("traction", line=line_traction, shown=driven)
-def traction(state: Drawn) -> Figure:
+@contact_figure("traction", line=line_traction, shown=has_traction)
+def traction(view: ContactView) -> Figure:
     """Map of the traction ||p_t||_mu on body A, its directions, and the edge of stick.
 
-    Where friction is isotropic that is |p_t|/mu.
+    With isotropic friction this is |p_t|/mu.
 
     Examples
     --------
     >>> plot.traction(contact)
     <Figure size ...>
     """
-    figure, chart = Map.single(state, "traction on A, dashed: end of stick")
-    mesh = chart.fill(state.contact.utilisation / state.scale.pressure, cmap=TRACTION, vmin=0.0)
-    chart.stick_edge(colors="white", linewidths=1.2, linestyles="--")
-    chart.arrows(state.contact.traction, state.contact.touching, color="white")
-    symbol = r"|p_t|/\mu" if state.isotropic else r"\|p_t\|_\mu"
-    chart.colour_bar(mesh, f"traction over friction {state.scale.of_pressure(symbol)}")
+    figure, chart = ContactMap.single(view, "traction on A, dashed: end of stick")
+    mesh = chart.fill(view.contact.utilisation / view.scale.pressure, cmap=LOOK.traction, vmin=0.0)
+    chart.draw_stick_edge()
+    chart.draw_arrows(view.contact.traction, view.contact.touching, color="white")
+    symbol = r"|p_t|/\mu" if view.isotropic else r"\|p_t\|_\mu"
+    chart.add_colour_bar(mesh, f"traction over friction {view.scale.pressure_label(symbol)}")
     return figure
 
 
-@contact_figure("stick-slip", needs=[WIDE], shown=driven)
-def stick_slip_map(state: Drawn) -> Figure:
+@contact_figure("stick-slip", needs=[WIDE], shown=has_traction)
+def stick_slip_map(view: ContactView) -> Figure:
     """Map of the zones of stick and slip, and the directions of the slip of A over B.
 
-    The shares are those of all elements; the steps of the leading edge, which slip where friction
-    can carry next to nothing, are coloured as the zone behind them.
+    The percentages count all elements. The steps of the leading edge, which slip because the
+    traction bound nearly vanishes there, have the colour of the zone behind them.
 
     Examples
     --------
     >>> plot.stick_slip_map(history, revolution=0)
     <Figure size ...>
     """
-    figure, chart = Map.single(state, "stick, and slip of A over B")
-    chart.fill_zones(SKY, ORANGE)
-    chart.arrows(state.contact.slip, state.slip_zone, color="black")
-    sliding = np.count_nonzero(state.contact.sliding) / np.count_nonzero(state.contact.touching)
-    chart.axes.legend(
-        handles=[
-            Patch(color=SKY, label=f"stick, {1 - sliding:.0%}"),
-            Patch(color=ORANGE, label=f"slip, {sliding:.0%}"),
-        ],
-        loc="upper left",
-        bbox_to_anchor=(1.0, 1.02),
-        handlelength=1.0,
-    )
+    figure, chart = ContactMap.single(view, "stick, and slip of A over B")
+    chart.fill_zones(LOOK.sky, LOOK.orange)
+    chart.draw_arrows(view.contact.slip, view.slip_zone, color="black")
+    sliding = np.count_nonzero(view.contact.sliding) / np.count_nonzero(view.contact.touching)
+    stick = Patch(color=LOOK.sky, label=f"stick, {1 - sliding:.0%}")
+    slip = Patch(color=LOOK.orange, label=f"slip, {sliding:.0%}")
+    place = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.02)}
+    chart.axes.legend(handles=[stick, slip], handlelength=1.0, **place)
     return figure
 
 
-@contact_figure("wear", needs=[WIDE], shown=lambda state: bool(state.contact.wear.any()))
-def wear_map(state: Drawn) -> Figure:
+@contact_figure("wear", needs=[WIDE], shown=lambda view: bool(view.contact.wear.any()))
+def wear_map(view: ContactView) -> Figure:
     """Map of the wear depth of both bodies together, in the contact.
 
     Examples
@@ -89,7 +84,7 @@ def wear_map(state: Drawn) -> Figure:
     >>> plot.wear_map(history)
     <Figure size ...>
     """
-    figure, chart = Map.single(state, "wear of both bodies together")
-    mesh = chart.fill_up_to_edge(MICRON * state.contact.wear, cmap=WEAR)
-    chart.colour_bar(mesh, r"wear depth $w$ ($\mathrm{\mu m}$)")
+    figure, chart = ContactMap.single(view, "wear of both bodies together")
+    mesh = chart.fill_up_to_edge(MICRON * view.contact.wear, cmap=LOOK.wear)
+    chart.add_colour_bar(mesh, r"wear depth $w$ ($\mathrm{\mu m}$)")
     return figure

@@ -1,10 +1,10 @@
-"""The figure that every drawing returns: of no window, and seen by itself in a notebook."""
+"""The figure that every function returns: without a window, and displayed once by a notebook."""
 
 from base64 import b64encode
 from io import BytesIO
 from os import PathLike
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 import matplotlib.figure
 import numpy as np
@@ -14,9 +14,6 @@ from matplotlib.text import Text
 from tractive_sam.markup import Html, fill
 from tractive_sam.output_file import write_file
 from tractive_sam.plain import plain
-
-SHARP = 2
-"""Dots of a picture in a notebook over the pixels that it takes there: as many as screens have."""
 
 
 class InsideLayout(ConstrainedLayoutEngine):
@@ -28,46 +25,53 @@ class InsideLayout(ConstrainedLayoutEngine):
     """
 
     def execute(self, fig: matplotlib.figure.Figure) -> None:
-        """Lay out a figure, a second time where anything is outside of its padding."""
+        """Lay out a figure, a second time if anything is outside of its padding."""
         self.set(rect=(0.0, 0.0, 1.0, 1.0))
         super().execute(fig)
-        drawn, size = fig.get_tightbbox(), fig.get_size_inches()
+        box, size = fig.get_tightbbox(), fig.get_size_inches()
         pads = np.array([self.get()["w_pad"], self.get()["h_pad"]])
-        low, high = (np.maximum(pads - space, 0.0) for space in (drawn.min, size - drawn.max))
+        low, high = (np.maximum(pads - space, 0.0) for space in (box.min, size - box.max))
         if low.any() or high.any():
-            self.set(rect=(*low / size, *(size - low - high) / size))
+            left, bottom = low / size
+            width, height = (size - low - high) / size
+            self.set(rect=(left, bottom, width, height))
             super().execute(fig)
 
 
 class Figure(matplotlib.figure.Figure):
-    """A figure that a notebook shows as the value of a cell, once, whatever it was told before.
+    """A figure that a notebook displays once, as the value of a cell.
 
     It belongs to no window and no list of figures, so nothing else draws it there. By default its
     layout leaves all labels inside.
 
+    Parameters
+    ----------
+    *args, **options
+        As for `matplotlib.figure.Figure`.
+
     Examples
     --------
-    >>> drawn = plot.Figure(figsize=(4.0, 3.0))
-    >>> drawn.add_subplot().plot(history["revolution"], history["p_max"])
+    >>> figure = plot.Figure(figsize=(4.0, 3.0))
+    >>> figure.add_subplot().plot(history["revolution"], history["p_max"])
     [<matplotlib.lines.Line2D object at ...>]
     """
 
-    def __init__(self, *args, **options) -> None:
+    def __init__(self, *args: Any, **options: Any) -> None:
         if options.get("layout") is None:
             options["layout"] = InsideLayout()
         super().__init__(*args, **options)
 
-    def savefig(self, fname: str | PathLike[str] | IO, **options) -> None:
+    def savefig(self, fname: str | PathLike[str] | IO, **options: Any) -> None:
         """Save the figure, in a file as a whole; arguments are those of matplotlib.
 
         Raises
         ------
         OutputError
-            If the file cannot be written; one that was there before is unchanged.
+            If the file cannot be written; an earlier one is unchanged.
         """
         for text in self.findobj(Text):  # fonts have no signs for control characters
-            if text.get_text() != (shown := plain(text.get_text(), None).replace("\t", " ")):
-                text.set_text(shown)
+            if text.get_text() != (safe := plain(text.get_text(), None).replace("\t", " ")):
+                text.set_text(safe)
         if not isinstance(fname, str | PathLike):
             super().savefig(fname, **options)
             return
@@ -81,18 +85,18 @@ class Figure(matplotlib.figure.Figure):
         write_file(path, memory.getbuffer())
 
     def _repr_png_(self) -> tuple[bytes, dict[str, float]]:
-        """The picture, and its size on the page."""
+        """Return the picture, and its size on the page."""
         width, height = (float(round(side * self.dpi)) for side in self.get_size_inches())
         return self._png(self.dpi), {"width": width, "height": height}
 
-    def in_html(self, width: float) -> Html:
-        """The picture as an image of a page, that many pixels wide."""
+    def to_html(self, width: float) -> Html:
+        """Return the figure as an image of a page, with its width in pixels."""
         encoded = b64encode(self._png(width / self.get_figwidth())).decode()
         image = '<img alt="figure" src="data:image/png;base64,$encoded" width="$width">'
         return fill(image, encoded=encoded, width=f"{width:.0f}")
 
-    def _png(self, dpi: float) -> bytes:
-        """The picture, of `SHARP` dots for one of so many an inch."""
+    def _png(self, dpi: float, sharpness: float = 2.0) -> bytes:
+        """Return the picture with more dots than pixels, as many as sharp screens have."""
         memory = BytesIO()
-        self.savefig(memory, format="png", dpi=SHARP * dpi)
+        self.savefig(memory, format="png", dpi=sharpness * dpi)
         return memory.getvalue()

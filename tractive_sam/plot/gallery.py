@@ -8,19 +8,23 @@ from pathlib import Path
 
 from tractive_sam import interrupt
 from tractive_sam.output_file import make_folder
-from tractive_sam.plot.conditions import touching_records
-from tractive_sam.plot.drawn import Drawn
-from tractive_sam.plot.registry import OF_CONTACTS, OF_HISTORIES, Drawing, register_own
-from tractive_sam.plot.scale import units as drawn_in
+from tractive_sam.plot.contact_view import ContactView
+from tractive_sam.plot.figure import Figure
+from tractive_sam.plot.measured import Measurements
+from tractive_sam.plot.needs import touching_records
+from tractive_sam.plot.options import change_options
+from tractive_sam.plot.registry import (
+    CONTACT_FIGURES,
+    HISTORY_FIGURES,
+    Drawing,
+    register_package_figures,
+)
 from tractive_sam.results import History
 
 FORMATS = ("png", "pdf", "svg")
 
 DPI = 200
 """Dots per inch of figures that are written."""
-
-GROUP = "tractive_sam.figures"
-"""Entry points of installed packages: modules that register figures when they are imported."""
 
 
 def save_all(
@@ -31,18 +35,21 @@ def save_all(
     units: str = "hertz",
     dpi: float | None = None,
     blocks: Iterable[int | str] = (),
+    titles: bool = True,
+    width: float | None = None,
+    measured: Measurements | None = None,
 ) -> list[Path]:
-    """Draw every figure that a history has something to show in.
+    """Draw every figure that applies to a history and is not empty.
 
-    Figures of one state are drawn for the first and the last stored revolution at which the bodies
-    touch, which their names then end in.
+    Figures of one contact are drawn for the first and the last stored record in which the bodies
+    touch; their names end in its revolution.
 
     Parameters
     ----------
     history : History
-        What to draw.
+        History to draw.
     directory : path-like
-        Where to; made if it does not exist.
+        Folder of the figures; it is created if it does not exist.
     format : str
         One of `FORMATS`.
     units : str
@@ -50,13 +57,21 @@ def save_all(
     dpi : float, optional
         Dots per inch of PNG; by default 200.
     blocks : iterable of int or str
-        Blocks of a duty cycle to draw as well, by place or name: into folders block-0, ... of their
-        places, but for the figures that are the same of all blocks.
+        Blocks of a duty cycle to draw as well, by index or name: into folders block-0, ... of their
+        indices, except for figures that do not depend on the block.
+    titles : bool
+        Whether figures have titles.
+    width : float, optional
+        Width of every figure, mm, such as a column of a journal.
+    measured : Measurements, optional
+        Measured points, which are drawn with the columns that have their names.
 
     Raises
     ------
     LookupError
-        If there is no such block.
+        If a block does not exist.
+    ValueError
+        If measured columns are unknown, or the units.
 
     Returns
     -------
@@ -71,51 +86,65 @@ def save_all(
     """
     directory = Path(directory)
     chosen = {history.place_of(block): history.block(block) for block in blocks}
-    make_folder(directory)
+    if measured is not None:
+        measured.check(history)
     paths = []
-    with drawn_in(units):
-        drawings = {one.name: one for one in figures_of(history)}
+    with change_options(units=units, titles=titles, measured=measured):
+        make_folder(directory)
+        drawings = {drawing.name: drawing for drawing in list_figures(history)}
         for k, block in chosen.items():
-            own = (one for one in figures_of(block) if one.name not in drawings)
-            drawings |= {f"block-{k}/{one.name}": one for one in own}
+            extra = [drawing for drawing in list_figures(block) if drawing.name not in drawings]
+            drawings |= {f"block-{k}/{drawing.name}": drawing for drawing in extra}
         for name, drawing in drawings.items():
             interrupt.heed()
             paths.append(directory / f"{name}.{format}")
             make_folder(paths[-1].parent)
-            drawing.draw().savefig(paths[-1], dpi=dpi or DPI)
+            _draw_in_width(drawing, width).savefig(paths[-1], dpi=dpi or DPI)
     return paths
 
 
-def figures_of(history: History) -> list[Drawing]:
-    """List the figures that a history has, with captions, without drawing them.
+def _draw_in_width(drawing: Drawing, width: float | None) -> Figure:
+    """Return a figure of a given width, mm; by default of its usual width.
 
-    Those of one contact come first, of the first and the last stored record in which the bodies
-    touch.
+    Fonts have a smallest size, so labels may need another width than before: two steps suffice.
+    """
+    figure, scale = drawing.draw(), 1.0
+    for _ in range(0 if width is None else 2):
+        scale *= width / 25.4 / figure.get_figwidth()
+        with change_options(scale=scale):
+            figure = drawing.draw()
+    return figure
+
+
+def list_figures(history: History) -> list[Drawing]:
+    """List the figures of a history, with captions, without drawing them.
+
+    The figures of one contact come first: of the first and the last stored record in which the
+    bodies touch.
 
     Examples
     --------
-    >>> [drawing.name for drawing in plot.figures_of(history) if "wear" in drawing.name]
+    >>> [drawing.name for drawing in plot.list_figures(history) if "wear" in drawing.name]
     ['wear-2', 'wear-depth', 'wear-over-revolutions', 'wear-profiles']
     """
-    register_own()
+    register_package_figures()
     _register_installed()
-    found = []
+    drawings: list[Drawing] = []
     for at in touching_records(history):
-        state = Drawn.of(history, at)
+        view = ContactView.from_source(history, at)
         ending = f"-{at:{history.coordinate.format}}" if len(history) > 1 else ""
-        found += [
-            one for name in sorted(OF_CONTACTS) for one in OF_CONTACTS[name].drawings(state, ending)
-        ]
-    return found + [
-        one for name in sorted(OF_HISTORIES) for one in OF_HISTORIES[name].drawings(history)
-    ]
+        for _, entry in sorted(CONTACT_FIGURES.items()):
+            drawings += entry.drawings(view, ending)
+    for _, entry in sorted(HISTORY_FIGURES.items()):
+        drawings += entry.drawings(history)
+    return drawings
 
 
 @cache
 def _register_installed() -> None:
-    """Import the modules of installed packages that register figures."""
-    for point in entry_points(group=GROUP):
+    """Import the modules of installed packages that register figures, by their entry points."""
+    for point in entry_points(group="tractive_sam.figures"):
         try:
             point.load()
         except Exception as error:
-            warnings.warn(f"the figures of {point.value} are left out: {error}", stacklevel=2)
+            warnings.warn(f"the figures of {point.value} are omitted: {error}", stacklevel=2)

@@ -1,31 +1,23 @@
-"""Figures of line contacts: functions of x, in place of the maps of wider contacts."""
+"""Figures of line contacts: functions of x, which replace the maps of other contacts."""
 
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 
-from tractive_sam.plot.conditions import ONE_ROW, driven
-from tractive_sam.plot.drawn import Drawn, Source, chosen
+from tractive_sam.description import math_label
+from tractive_sam.plot.contact_view import ContactView, Source, select_evenly
 from tractive_sam.plot.figure import Figure
+from tractive_sam.plot.needs import ONE_ROW, check_touching, has_traction
 from tractive_sam.plot.registry import contact_figure
 from tractive_sam.plot.scale import Scale
-from tractive_sam.plot.sections import MARGIN, section
-from tractive_sam.plot.style import (
-    BLUE,
-    GREY,
-    VERMILLION,
-    WIDTH,
-    set_title,
-    styled,
-    symbol_of,
-    told_of,
-)
+from tractive_sam.plot.style import LOOK, apply_style, history_title, new_axes, set_title
+from tractive_sam.plot.traction_sections import draw_tractions
 from tractive_sam.results import History
 
 
-@styled
+@apply_style
 def line_pressure(source: Source, at: float | None = None, **named: float) -> Figure:
-    """Pressure of a line contact over x, beside that of Hertz.
+    """Pressure of a line contact over x, next to that by Hertz.
 
     Examples
     --------
@@ -33,39 +25,40 @@ def line_pressure(source: Source, at: float | None = None, **named: float) -> Fi
     >>> plot.line_pressure(cylinders)
     <Figure size ...>
     """
-    state = Drawn.of(source, at, **named)
-    figure, axes = over_x("contact pressure", state)
-    x, scale = state.x_over_a, state.scale
+    view = ContactView.from_source(source, at, **named)
+    figure, axes = rolling_axes("contact pressure", view)
+    x, scale = view.x_over_a, view.scale
     if scale.hertz:
-        depth = 1.0 - (state.x / scale.a) ** 2
-        hertz = np.sqrt(np.maximum(depth, 0.0)) * scale.p / scale.pressure
-        axes.plot(x, hertz, color=GREY, linewidth=0.9, linestyle="--", label="Hertz, unworn")
-    axes.plot(x, state.contact.pressure[:, 0] / scale.pressure, color=BLUE, label="$p_n$")
+        square = np.maximum(1.0 - (view.x / scale.a) ** 2, 0.0)
+        look = {"color": LOOK.grey, "linewidth": 0.9, "linestyle": "--", "label": "Hertz, unworn"}
+        axes.plot(x, np.sqrt(square) * scale.p / scale.pressure, **look)
+    pressure = view.contact.pressure[:, 0] / scale.pressure
+    axes.plot(x, pressure, color=LOOK.blue, label="$p_n$")
     axes.set_ylim(bottom=0.0)
-    axes.set_ylabel(scale.of_pressure("p_n"))
+    axes.set_ylabel(scale.pressure_label("p_n"))
     figure.legend(loc="outside right center")
     return figure
 
 
-@styled
+@apply_style
 def line_traction(source: Source, at: float | None = None, **named: float) -> Figure:
-    """Tractions on body A in a line contact over x, between what friction allows.
+    """Tractions on body A in a line contact over x, between their bounds.
 
     Examples
     --------
     >>> plot.line_traction(ts.solve(ts.Scene.builtin("cylinders")))
     <Figure size ...>
     """
-    state = Drawn.of(source, at, **named)
-    figure, axes = over_x("tractions on A", state)
-    section(axes, state, 0.0)
-    axes.set_ylabel(state.scale.of_pressure("p"))
+    view = ContactView.from_source(source, at, **named)
+    figure, axes = rolling_axes("tractions on A", view)
+    draw_tractions(axes, view, 0.0)
+    axes.set_ylabel(view.scale.pressure_label("p"))
     figure.legend(loc="outside right center")
     return figure
 
 
-@contact_figure("slip", needs=[ONE_ROW], shown=driven)
-def line_slip(state: Drawn) -> Figure:
+@contact_figure("slip", needs=[ONE_ROW], shown=has_traction)
+def line_slip(view: ContactView) -> Figure:
     """Slip of A over B in a line contact over x: over the rolling speed, or of a shift in the step.
 
     Examples
@@ -73,19 +66,20 @@ def line_slip(state: Drawn) -> Figure:
     >>> plot.line_slip(ts.solve(ts.Scene.builtin("cylinders")))
     <Figure size ...>
     """
-    figure, axes = over_x("slip of A over B", state)
-    axes.axhline(0.0, color=GREY, linewidth=0.6)
-    inside, shifts = state.contact.touching[:, 0], state.contact.scene.schedule.shifts
-    over = "" if shifts else "/V"
-    for name, slip, color in zip("xy", state.contact.slip[..., 0], (BLUE, VERMILLION), strict=True):
+    figure, axes = rolling_axes("slip of A over B", view)
+    axes.axhline(0.0, color=LOOK.grey, linewidth=0.6)
+    inside, shifts = view.contact.touching[:, 0], view.contact.scene.schedule.shifts
+    divisor, colours = "" if shifts else "/V", (LOOK.blue, LOOK.vermillion)
+    for name, slip, color in zip("xy", view.contact.slip[..., 0], colours, strict=True):
         if np.any(slip):
-            axes.plot(state.x_over_a[inside], slip[inside], color=color, label=f"$s_{name}{over}$")
+            label = f"$s_{name}{divisor}$"
+            axes.plot(view.x_over_a[inside], slip[inside], color=color, label=label)
     axes.set_ylabel("slip of the step (mm)" if shifts else "slip / rolling speed")
     figure.legend(loc="outside right center")
     return figure
 
 
-@styled
+@apply_style
 def line_pressures(history: History) -> Figure:
     """Pressure of a line contact over x, at the stored revolutions.
 
@@ -94,30 +88,28 @@ def line_pressures(history: History) -> Figure:
     >>> plot.line_pressures(ts.roll(ts.Scene.builtin("cylinders")))
     <Figure size ...>
     """
-    scale = Scale.of_history(history)
-    figure, axes = over_x("", *(Drawn.of(history, at) for at in history.saved))
-    places = chosen(history.saved)
+    scale = Scale.from_history(history)
+    views = [ContactView.from_source(history, at) for at in history.saved]
+    figure, axes = rolling_axes("", *views)
+    places = select_evenly(history.saved)
     shades = colormaps["viridis_r"](np.linspace(0.08, 1.0, len(places)))
     for at, shade in zip(places, shades, strict=True):
         pressure = history.field("pressure", at)[:, 0]
         label = format(at, history.coordinate.format)
         axes.plot(history.x / scale.length, pressure / scale.pressure, color=shade, label=label)
     axes.set_ylim(bottom=0.0)
-    axes.set_ylabel(scale.of_pressure("p_n"))
-    set_title(figure, told_of(history, "contact pressure", scale.told))
-    figure.legend(title=symbol_of(history.coordinate), loc="outside right center")
+    axes.set_ylabel(scale.pressure_label("p_n"))
+    set_title(figure, history_title(history, "contact pressure", scale.note))
+    figure.legend(title=math_label(history.coordinate), loc="outside right center")
     return figure
 
 
-def over_x(told: str, *states: Drawn) -> tuple[Figure, Axes]:
-    """Axes over the contacts of all states."""
-    ONE_ROW.check(states[0])
-    if not any(state.contact.touching.any() for state in states):
-        raise ValueError("nothing to draw: the bodies do not touch")
-    inside = np.concatenate([s.x_over_a[s.contact.touching[:, 0]] for s in states])
-    figure = Figure(figsize=(1.25 * WIDTH, 0.7 * WIDTH))
-    axes = figure.add_subplot()
-    axes.set_xlim(inside.min() - MARGIN, inside.max() + MARGIN)
-    axes.set_xlabel(states[0].scale.of_length("x") + states[0].ahead)
-    set_title(figure, states[0].told(told))
+def rolling_axes(quantity: str, *views: ContactView, margin: float = 0.08) -> tuple[Figure, Axes]:
+    """Return a figure and its axes over x around the contacts, with a margin in half widths a."""
+    ONE_ROW.check(views[0])
+    check_touching(views)
+    inside = np.concatenate([view.x_over_a[view.contact.touching[:, 0]] for view in views])
+    figure, axes = new_axes(1.25, 0.7, views[0].describe(quantity))
+    axes.set_xlim(inside.min() - margin, inside.max() + margin)
+    axes.set_xlabel(views[0].scale.length_label("x") + views[0].edge_note)
     return figure, axes

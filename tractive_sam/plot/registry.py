@@ -1,8 +1,8 @@
 """Registered figures: what each one needs, and which of them a history has.
 
 A figure is registered where it is defined, by the decorator `history_figure` or `contact_figure`.
-Whether it applies follows from what a history contains: columns, fields, stress and elements.
-`save_all`, ``tractive-sam plot`` and the report draw what `figures_of` lists.
+Whether it applies depends on the columns, fields, stresses and elements of a history.
+`save_all`, ``tractive-sam plot`` and the report draw what `list_figures` lists.
 """
 
 import inspect
@@ -17,10 +17,10 @@ from typing import Any, ParamSpec
 
 import numpy as np
 
-from tractive_sam.plot.conditions import ONE_ROW, Need, refuse
-from tractive_sam.plot.drawn import Drawn, Source
+from tractive_sam.plot.contact_view import ContactView, Source
 from tractive_sam.plot.figure import Figure
-from tractive_sam.plot.style import styled
+from tractive_sam.plot.needs import ONE_ROW, Need, refuse
+from tractive_sam.plot.style import apply_style
 from tractive_sam.results import COORDINATE, PREFIX, History
 
 P = ParamSpec("P")
@@ -33,28 +33,28 @@ class FigureEntry:
     Attributes
     ----------
     name : str
-        Name of its file; in it ``{coordinate}`` is what the history goes along, another role the
-        column of this role, and other names in braces are arguments of `each`.
+        Name of its file. ``{coordinate}`` in it stands for the coordinate of the history, another
+        role for the column of this role, and other names in braces for arguments of `each`.
     function : callable
-        What was registered; the first sentence of its docstring is the caption.
+        The registered function; the first sentence of its docstring is the caption.
     draw : callable
-        Draws a history or a `Drawn` in the style of the package.
+        Draws a history or a `ContactView` in the style of the package.
     columns : sequence of str
-        Names or roles of columns that are needed, each with a finite number. Where they differ
-        between the blocks of a duty cycle, the figure is one of each block.
+        Names or roles of columns that are needed, each with a finite number. If they differ
+        between the blocks of a duty cycle, each block has the figure.
     cure : str
-        What to add to a scene so that its history has these columns.
+        Keys to add to a scene so that its history has these columns.
     needs : sequence of Need
         Other conditions.
     shown : callable
-        Whether a history in which it applies has it among its figures: not where it is empty.
+        Whether a history to which it applies has it among its figures: not if it is empty.
     each : callable
-        Arguments of each of several figures, as ``{"body": "A"}``.
+        Arguments of each of several figures, such as ``{"body": "A"}``.
 
     Raises
     ------
     ValueError
-        If the name is no name of a file, or the function has no docstring.
+        If the name cannot be the name of a file, or the function has no docstring.
     """
 
     name: str
@@ -71,75 +71,79 @@ class FigureEntry:
             allowed = "letters, digits, '.', '-' and '_'"
             raise ValueError(f"name of a figure: {self.name!r}; allowed: {allowed}")
         if not self.caption:
-            raise ValueError(
-                f"the figure {self.name} has no caption: its function needs a docstring"
-            )
+            raise ValueError(f"the figure {self.name} has no caption: add a docstring")
 
     @property
     def caption(self) -> str:
         """The first sentence of the docstring."""
-        told = " ".join((inspect.getdoc(self.function) or "").partition("\n\n")[0].split())
-        return re.split(r"(?<=\.)\s", told)[0]
+        summary = " ".join((inspect.getdoc(self.function) or "").partition("\n\n")[0].split())
+        return re.split(r"(?<=\.)\s", summary)[0]
 
     @property
     def origin(self) -> str:
         """Module and name of the function."""
         return f"{self.function.__module__}.{self.function.__qualname__}"
 
-    def check(self, subject: Drawn | History) -> None:
-        """Raise ValueError where the figure does not apply, with what it needs."""
+    def check(self, subject: ContactView | History) -> None:
+        """Raise ValueError with what the figure needs, if it does not apply."""
         if missing := self._missing(subject):
             refuse(self.function.__name__, missing)
 
-    def drawings(self, subject: Drawn | History, ending: str = "") -> "Iterator[Drawing]":
-        """Figures of a history or a contact; none where they do not apply or would be empty."""
-        if self._missing(subject) or self._by_block(subject) or not self.shown(subject):
+    def drawings(self, subject: ContactView | History, ending: str = "") -> "Iterator[Drawing]":
+        """Yield the figures of a history or a contact; none if it does not apply or is empty."""
+        if self._missing(subject) or self._differs_by_block(subject) or not self.shown(subject):
             return
-        words = {one.role: one.name for one in subject.columns.values() if one.role}
-        words[COORDINATE] = subject.coordinate.name + "s" * subject.coordinate.whole
+        roles = {column.role: column.name for column in subject.columns.values() if column.role}
+        roles[COORDINATE] = subject.coordinate.name + "s" * subject.coordinate.whole
         for arguments in self.each(subject):
-            name = self.name.format_map(words | arguments).translate(_FILE_NAME) + ending
+            name = self.name.format_map(roles | dict(arguments)) + ending
+            name = name.translate(str.maketrans({"_": "-", "=": "", "/": "-", "\\": "-"}))
             yield Drawing(name, self, partial(self.draw, subject, **arguments))
 
-    def _missing(self, subject: Drawn | History) -> list[str]:
+    def _missing(self, subject: ContactView | History) -> list[str]:
+        """Return what the figure needs and the subject does not have."""
         cure = f" (add {self.cure} to the scene)" if self.cure else ""
-        lacking = [
+        missing = [
             f"the column {name}{cure}"
             for name in self.columns
-            if not any(np.isfinite(subject[one]).any() for one in _columns(subject, name))
+            if not any(_has_numbers(subject, column) for column in _find_columns(subject, name))
         ]
-        return lacking or [need.text for need in self.needs if not need.holds(subject)]
+        return missing or [need.text for need in self.needs if not need.holds(subject)]
 
-    def _by_block(self, subject: Drawn | History) -> bool:
-        """Whether the columns are those of several blocks together: each block has the figure."""
-        found = (one for name in self.columns for one in _columns(subject, name))
-        return any(PREFIX + one in subject.columns for one in found)
-
-
-_FILE_NAME = str.maketrans({"_": "-", "=": "", "/": "-", "\\": "-"})
+    def _differs_by_block(self, subject: ContactView | History) -> bool:
+        """Return whether the columns are joint columns of several blocks."""
+        found = (column for name in self.columns for column in _find_columns(subject, name))
+        return any(PREFIX + column in subject.columns for column in found)
 
 
-def _columns(subject: Drawn | History, name: str) -> list[str]:
-    """Names of the columns of a name or a role."""
-    return [one.name for one in subject.columns.values() if name in (one.name, one.role)]
+def _find_columns(subject: ContactView | History, name: str) -> list[str]:
+    """Return the names of the columns that have a name or a role."""
+    columns = subject.columns.values()
+    return [column.name for column in columns if name in (column.name, column.role)]
+
+
+def _has_numbers(subject: ContactView | History, column: str) -> bool:
+    """Return whether a column of the history has a finite number."""
+    history = subject.history if isinstance(subject, ContactView) else subject
+    return history is not None and bool(np.isfinite(history[column]).any())
 
 
 @dataclass(frozen=True)
 class Drawing:
-    """A figure that a history has.
+    """A figure of a history, before it is drawn.
 
     Attributes
     ----------
     name : str
         Name of its file, without ending.
     entry : FigureEntry
-        As it is registered.
+        Its registration.
     draw : callable
         Returns the figure.
 
     Examples
     --------
-    >>> drawing = plot.figures_of(history)[0]
+    >>> drawing = plot.list_figures(history)[0]
     >>> drawing.name, drawing.caption
     ('pressure-0', 'Map of the pressure.')
     """
@@ -150,46 +154,46 @@ class Drawing:
 
     @property
     def caption(self) -> str:
-        """What it shows, in one sentence."""
+        """Description in one sentence."""
         return self.entry.caption
 
 
-OF_HISTORIES: dict[str, FigureEntry] = {}
-OF_CONTACTS: dict[str, FigureEntry] = {}
+HISTORY_FIGURES: dict[str, FigureEntry] = {}
+CONTACT_FIGURES: dict[str, FigureEntry] = {}
 """Figures of a history, and of one contact, by their names."""
 
 
 def history_figure(
     name: str, *, line: Callable[..., Figure] | None = None, **settings: Any
 ) -> Callable[[Callable[P, Figure]], Callable[P, Figure]]:
-    """Register a function that draws a history: where it applies, it is one of its figures.
+    """Register a function that draws a history, as one of the figures of each that it applies to.
 
-    The first sentence of its docstring is the caption. The function that is returned draws in the
-    style of the package, and raises ValueError where the figure does not apply.
+    The first sentence of its docstring is the caption. The returned function draws in the style of
+    the package, and raises ValueError if the figure does not apply.
 
     Parameters
     ----------
     name : str
-        Name of its file; in it ``{coordinate}`` is what the history goes along, another role the
-        column of this role, and other names in braces are arguments of `each`.
+        Name of its file. ``{coordinate}`` in it stands for the coordinate of the history, another
+        role for the column of this role, and other names in braces for arguments of `each`.
     line : callable, optional
-        Draws line contacts, which have a single row of elements, in its place.
+        Function that draws line contacts, which have a single row of elements.
     **settings
         ``columns``, ``cure``, ``needs``, ``shown`` and ``each`` of `FigureEntry`.
 
     Raises
     ------
     ValueError
-        If the name is taken or is no name of a file, or there is no docstring.
+        If another figure has the name, it cannot be the name of a file, or a docstring is missing.
 
     Examples
     --------
     >>> @plot.history_figure("p-mean", columns=["p_mean"])
     ... def p_mean(history):
     ...     '''Mean contact pressure, over the course.'''
-    ...     drawn = plot.Figure()
-    ...     drawn.add_subplot().plot(history["revolution"], history["p_mean"])
-    ...     return drawn
+    ...     figure = plot.Figure()
+    ...     figure.add_subplot().plot(history["revolution"], history["p_mean"])
+    ...     return figure
     >>> p_mean(history)
     Traceback (most recent call last):
     ...
@@ -197,7 +201,7 @@ def history_figure(
     """
 
     def register(function: Callable[P, Figure]) -> Callable[P, Figure]:
-        entry = _add(OF_HISTORIES, name, function, line, settings)
+        entry = _add(HISTORY_FIGURES, name, function, line, settings)
 
         @wraps(function)
         def checked(*args: P.args, **options: P.kwargs) -> Figure:
@@ -210,32 +214,32 @@ def history_figure(
 
 
 def contact_figure(
-    name: str, *, line: Callable[[Drawn], Figure] | None = None, **settings: Any
+    name: str, *, line: Callable[[ContactView], Figure] | None = None, **settings: Any
 ) -> Callable[[Callable[..., Figure]], Callable[..., Figure]]:
-    """Register a function that draws one contact, given as a `Drawn`.
+    """Register a function that draws one contact, a `ContactView`.
 
-    A history has the figure of its first and its last stored contact. The function that is returned
-    takes what `Drawn.of` takes: a contact, or a history and one of its records.
+    A history has the figure for its first and its last stored contact. The returned function has
+    the parameters of `ContactView.from_source`: a contact, or a history and one of its records.
 
     Parameters
     ----------
     name, line, **settings
-        As for `history_figure`, of a `Drawn`.
+        As for `history_figure`, for a `ContactView`.
 
     Raises
     ------
     ValueError
-        As by `history_figure`.
+        For the same reasons as `history_figure`.
 
     Examples
     --------
-    >>> varies = plot.Need(lambda state: state.contact.friction_varies, "friction that varies")
+    >>> varies = plot.Need(lambda view: view.contact.friction_varies, "friction that varies")
     >>> @plot.contact_figure("friction-behind", needs=[varies])
-    ... def friction_behind(state):
-    ...     '''Largest traction that friction allows, in the row behind the contact.'''
-    ...     drawn = plot.Figure()
-    ...     drawn.add_subplot().plot(state.y, state.contact.bound[0])
-    ...     return drawn
+    ... def friction_behind(view):
+    ...     '''Traction bound in the row behind the contact.'''
+    ...     figure = plot.Figure()
+    ...     figure.add_subplot().plot(view.y, view.contact.bound[0])
+    ...     return figure
     >>> friction_behind(contact)
     Traceback (most recent call last):
     ...
@@ -243,23 +247,23 @@ def contact_figure(
     """
 
     def register(function: Callable[..., Figure]) -> Callable[..., Figure]:
-        entry = _add(OF_CONTACTS, name, function, line, settings)
+        entry = _add(CONTACT_FIGURES, name, function, line, settings)
 
         @wraps(function, assigned=("__module__", "__name__", "__qualname__", "__doc__"))
         def checked(source: Source, at: float | None = None, **named: float) -> Figure:
-            state = Drawn.of(source, at, **named)
-            entry.check(state)
-            return entry.draw(state)
+            view = ContactView.from_source(source, at, **named)
+            entry.check(view)
+            return entry.draw(view)
 
-        del checked.__wrapped__  # its parameters are others
+        del checked.__wrapped__  # its parameters differ
         return checked
 
     return register
 
 
 @cache
-def register_own() -> None:
-    """Import the modules of this package, which register its figures."""
+def register_package_figures() -> None:
+    """Import the modules of this package, which register their figures."""
     for module in iter_modules([str(Path(__file__).parent)]):
         import_module(f"{__package__}.{module.name}")
 
@@ -271,15 +275,15 @@ def _add(
     line: Callable[..., Figure] | None,
     settings: Mapping[str, Any],
 ) -> FigureEntry:
-    """Add an entry; a function that is defined again replaces its own."""
+    """Add an entry; a function that is defined again replaces its earlier one."""
 
-    def draw(subject: Drawn | History, *args: Any, **options: Any) -> Figure:
+    def draw(subject: ContactView | History, *args: Any, **options: Any) -> Figure:
         chosen = line if line and ONE_ROW.holds(subject) else function
         return chosen(subject, *args, **options)
 
-    entry = FigureEntry(name, function, styled(draw), **settings)
+    entry = FigureEntry(name, function, apply_style(draw), **settings)
     if not entry.origin.startswith(__package__):
-        register_own()  # their names are taken
+        register_package_figures()  # their names are reserved
     other = entries.setdefault(name, entry)
     if other.origin != entry.origin:
         raise ValueError(f"figure {name} of {entry.origin}: {other.origin} has this name")

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,35 +11,33 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter
 
 from tractive_sam.mechanics import VON_MISES, StressCriterion
-from tractive_sam.plot.drawn import Drawn
+from tractive_sam.plot.contact_map import (
+    MapLayout,
+    add_axes,
+    add_bar_axes,
+    new_map_figure,
+    share_y_axis,
+)
+from tractive_sam.plot.contact_view import ContactView
 from tractive_sam.plot.figure import Figure
-from tractive_sam.plot.frame import TICK_ROOM, Frame
-from tractive_sam.plot.map import APART, BOTTOM, LEFT, LINE, RIGHT, bar, paper, placed
-from tractive_sam.plot.plane_maxima import StressMaximum
+from tractive_sam.plot.map_frame import TICK_SPACE, MapFrame
+from tractive_sam.plot.options import current_options
+from tractive_sam.plot.plane_section import PlaneSection, common_levels
 from tractive_sam.plot.registry import contact_figure
 from tractive_sam.plot.scale import Scale
-from tractive_sam.plot.section import Section, common_levels
-from tractive_sam.plot.style import WIDTH, styled
-from tractive_sam.plot.zones import contact_edge
+from tractive_sam.plot.stress_maxima import StressMaximum
+from tractive_sam.plot.style import LOOK, apply_style
+from tractive_sam.plot.zones import draw_contact_edge
 from tractive_sam.results import History, PlaneStress, State
 from tractive_sam.scene import Plane
 
 Source: TypeAlias = "State | History | PlaneStress | Iterable[PlaneStress]"
-"""What holds stress on a plane, or lets it be computed."""
+"""Stress on a plane, or a contact or history from which it is computed or read."""
 
-AROUND = 0.5
-"""Shown beside the contact, in half widths a."""
-
-PLACE = 0.22
-"""Room for the name of the plane above it, inches."""
-
-NARROWEST = 3.6
-"""Width of a figure that has room for its legend, inches."""
-
-NOTE = "At the surface, values depend on the mesh."
+SURFACE_NOTE = "At the surface, values depend on the mesh."
 
 
-@styled
+@apply_style
 def von_mises(
     source: Source,
     body: str = "A",
@@ -63,31 +61,31 @@ def von_mises(
     body : "A" or "B"
         The body concerned.
     plane : Plane or str
-        As in a scene: "y=0", "x=-0.3" (mm), "y=0.75a", "z=0.48a".
+        Plane as in a scene: "y=0", "x=-0.3" (mm), "y=0.75a", "z=0.48a".
     at : float, optional
-        One of the values that the history saved, also by the name of its coordinate,
+        One of the values that the history saved, also by the name of its coordinate:
         ``revolution=2``; the last by default.
     quantity : str or StressCriterion
-        What else to draw: another criterion, "max_shear", or a component, "xx", "yy", "zz", "xy",
-        "xz" or "yz".
+        Another quantity: a criterion, "max_shear", or a component, "xx", "yy", "zz", "xy", "xz" or
+        "yz".
     scale : Scale, optional
-        Half widths and pressure that stand for one; by default those of the contact.
+        Half widths and pressure by which the figure divides; by default those of the contact.
 
     Raises
     ------
     ValueError
-        If there is no such body, plane or quantity, or no stress.
+        If the body, plane or quantity is unknown, or there is no stress.
 
     Examples
     --------
     >>> plot.von_mises(contact, "B", "y=0.5a")
     <Figure size ...>
     """
-    stresses, state = _resolved(source, (body,), plane, at, **named)
-    return _drawn(stresses, state, quantity, scale)
+    stresses, view = _read_stresses(source, (body,), plane, at, **named)
+    return _draw_planes(stresses, view, quantity, scale)
 
 
-@styled
+@apply_style
 def von_mises_sections(
     source: Source,
     plane: "Plane | str" = "y=0",
@@ -105,7 +103,7 @@ def von_mises_sections(
     Parameters
     ----------
     source : State, History or iterable of PlaneStress
-        As for `von_mises`; of stresses one plane, a body at a time.
+        Source as for `von_mises`; stresses must be on one plane, one for each body.
     plane, at, quantity, scale
         As for `von_mises`.
     bodies : sequence of "A" and "B"
@@ -114,173 +112,190 @@ def von_mises_sections(
     Raises
     ------
     ValueError
-        As by `von_mises`.
+        For the same reasons as `von_mises`.
 
     Examples
     --------
     >>> plot.von_mises_sections(history, "x=0", revolution=0)
     <Figure size ...>
     """
-    stresses, state = _resolved(source, bodies, plane, at, **named)
-    return _drawn(stresses, state, quantity, scale)
+    stresses, view = _read_stresses(source, bodies, plane, at, **named)
+    return _draw_planes(stresses, view, quantity, scale)
 
 
-def _stored_planes(state: Drawn) -> Iterator[dict[str, object]]:
-    """Planes of the stored stress, each with its bodies; none that are lines."""
+def _stored_planes(view: ContactView) -> Iterator[dict[str, object]]:
+    """Yield the planes of the stored stress, each with its bodies; none that are lines."""
     planes: dict[str, list[str]] = {}
-    for body, plane in state.history.planes:
-        sides = state.history.stress(body, plane, state.at).axes.values()
-        if min(map(len, sides)) > 1:
-            planes.setdefault(plane, []).append(body)
-    yield from ({"plane": plane, "bodies": tuple(of)} for plane, of in planes.items())
+    if view.history is not None:
+        for body, plane in view.history.planes:
+            sides = view.history.stress(body, plane, view.at).axes.values()
+            if min(map(len, sides)) > 1:
+                planes.setdefault(plane, []).append(body)
+    yield from ({"plane": plane, "bodies": tuple(bodies)} for plane, bodies in planes.items())
 
 
 @contact_figure("von-mises-{plane}", each=_stored_planes)
-def _stored_sections(state: Drawn, plane: str, bodies: Sequence[str]) -> Figure:
+def _stored_sections(view: ContactView, plane: str, bodies: Sequence[str]) -> Figure:
     """Equivalent stress of von Mises on a plane below the surface."""
-    return von_mises_sections(state.history, plane, bodies, state.at)
+    return von_mises_sections(view.history or view.contact, plane, bodies, view.at)
 
 
-def _resolved(
+def _read_stresses(
     source: Source,
     bodies: Sequence[str],
     plane: "Plane | str",
     at: float | None,
     **named: float,
-) -> tuple[list["PlaneStress"], Drawn | None]:
-    """Stress on the plane in each body, and the state of the contact where it is known."""
+) -> tuple[list[PlaneStress], ContactView | None]:
+    """Return the stress on the plane in each body, and the view of the contact if it is known."""
     if isinstance(source, History):
         stored = [source.stress(body, plane, at, **named) for body in bodies]
-        return stored, Drawn.of(source, at, **named)
-    # Stored results are to be drawn without loading what computes them.
+        return stored, ContactView.from_source(source, at, **named)
+    # Stored results must be drawn without loading the modules that compute them.
     from tractive_sam.subsurface import stress_on_planes  # noqa: PLC0415
 
     if isinstance(source, PlaneStress):
         return [source], None
     if isinstance(source, Iterable):
         return list(source), None
-    return list(stress_on_planes(source, (plane,), bodies)), Drawn.of(source)
+    return list(stress_on_planes(source, (plane,), bodies)), ContactView.from_source(source)
 
 
-def _drawn(
-    stresses: Sequence["PlaneStress"], state: Drawn | None, quantity: str, scale: Scale | None
+def _draw_planes(
+    stresses: Sequence[PlaneStress],
+    view: ContactView | None,
+    quantity: str | StressCriterion,
+    scale: Scale | None,
 ) -> Figure:
+    """Return the figure of one plane in one body or both."""
     bodies, planes = {stress.body for stress in stresses}, {stress.plane for stress in stresses}
     if len(planes) != 1 or len(bodies) < len(stresses):
         given = ", ".join(f"{stress.plane} of {stress.body}" for stress in stresses) or "nothing"
-        raise ValueError(f"one plane is drawn, of each body once; not {given}")
-    if state is not None and scale is None:
-        scale = state.scale if state.scale.relative else None
-    elif state is not None:
-        state = replace(state, scale=scale)
-    sections = [Section(stress, quantity, scale) for stress in stresses]
+        raise ValueError(f"stresses of one plane are needed, one for each body; not {given}")
+    if view is not None and scale is None:
+        scale = view.scale if view.scale.relative else None
+    elif view is not None and scale is not None:
+        view = replace(view, scale=scale)
+    sections = [PlaneSection(stress, quantity, scale) for stress in stresses]
     levels = common_levels(sections)
-    if sections[0].parallel:
-        return _side_by_side(sections, state, levels)
-    return _through_the_depth(sections, state, levels)
+    draw = _draw_side_by_side if sections[0].parallel else _draw_through_depth
+    return draw(sections, view, levels)
 
 
-def _through_the_depth(
-    sections: Sequence[Section], state: Drawn | None, levels: np.ndarray
+def _draw_through_depth(
+    sections: Sequence[PlaneSection], view: ContactView | None, levels: np.ndarray
 ) -> Figure:
-    """One body downwards, or A upwards and B downwards from the interface."""
-    first, one = sections[0], len(sections) == 1
-    above = [section.body == "A" and not one for section in sections]
+    """Draw one body downwards, or A upwards and B downwards from the interface."""
+    first, single = sections[0], len(sections) == 1
+    above = [section.body == "A" and not single for section in sections]
     along, depth = first.axes
-    sides = *_shown(first, state, 0), -depth[-1] * (not all(above)), depth[-1] * any(above)
-    frame = Frame.within(*map(float, sides), width=0.9 * WIDTH)
-    figure, (axes,) = _panels(frame, sections, state, 1)
-    name = "depth " if one else ""
-    frame.apply(axes, first.length(first.names[0]), name + first.length("z"))
-    axes.set_title(f"body {first.body}, {first.place}" if one else first.place)
-    if one:
+    left, right = _visible_range(first, view, 0)
+    ends = -float(depth[-1]) * (not all(above)), float(depth[-1]) * any(above)
+    frame = MapFrame.from_sides(left, right, *ends, width=0.9 * LOOK.width)
+    figure, (axes,) = _new_panels(frame, sections, view, 1)
+    name = "depth " if single else ""
+    frame.apply_to(axes, first.length_label(first.names[0]), name + first.length_label("z"))
+    place = first.place + frame.stretch_note
+    axes.set_title(f"body {first.body}, {place}" if single else place)
+    if single:
         axes.yaxis.set_major_formatter(FuncFormatter(lambda z, _: f"{abs(z):g}"))
-    for section, up in zip(sections, above, strict=True):
-        filled = section.fill(axes, levels, up)
-        _mark(axes, section, up)
-        if not one:
-            _letter(axes, section, up)
+    for section, upwards in zip(sections, above, strict=True):
+        filled = section.draw_contours(axes, levels, upwards)
+        _mark_maxima(axes, section, upwards)
+        if not single:
+            _name_body(axes, section, upwards)
     axes.axhline(0.0, color="black", linewidth=0.7)
     axes.plot(along, np.where(first.touching, 0.0, np.nan), color="black", linewidth=2.2)
-    _colour_bar(figure, axes, filled, first)
+    _add_colour_bar(figure, axes, filled, first)
     return figure
 
 
-def _side_by_side(sections: Sequence[Section], state: Drawn | None, levels: np.ndarray) -> Figure:
-    """Planes parallel to the surface, one map for each body."""
+def _draw_side_by_side(
+    sections: Sequence[PlaneSection], view: ContactView | None, levels: np.ndarray
+) -> Figure:
+    """Draw planes parallel to the surface, one map for each body."""
     first = sections[0]
-    sides = *_shown(first, state, 0), *_shown(first, state, 1)
-    frame = Frame.within(*sides, width=0.72 * WIDTH)
-    figure, charts = _panels(frame, sections, state, len(sections))
+    sides = *_visible_range(first, view, 0), *_visible_range(first, view, 1)
+    frame = MapFrame.from_sides(*sides, width=0.72 * LOOK.width)
+    figure, charts = _new_panels(frame, sections, view, len(sections))
     for axes, section in zip(charts, sections, strict=True):
-        frame.apply(axes, *map(section.length, section.names))
-        axes.set_title(f"body {section.body}, {section.place}")
-        filled = section.fill(axes, levels)
-        _mark(axes, section)
-        if state is not None:
-            contact_edge(axes, state, colors="white", linewidths=1.0, linestyles="--")
-    for axes in charts[1:]:
-        axes.set_ylabel("")
-        axes.tick_params(labelleft=False)
-    _colour_bar(figure, charts[-1], filled, first)
+        x, y = section.names
+        frame.apply_to(axes, section.length_label(x), section.length_label(y))
+        axes.set_title(f"body {section.body}, {section.place}{frame.stretch_note}")
+        filled = section.draw_contours(axes, levels)
+        _mark_maxima(axes, section)
+        if view is not None:
+            draw_contact_edge(axes, view, colors="white", linewidths=1.0, linestyles="--")
+    share_y_axis(charts)
+    _add_colour_bar(figure, charts[-1], filled, first)
     return figure
 
 
-def _shown(section: Section, state: Drawn | None, axis: int) -> tuple[float, float]:
-    """Ends of an axis: around the contact where that is known, else all that was computed."""
+def _visible_range(
+    section: PlaneSection, view: ContactView | None, axis: int, margin: float = 0.5
+) -> tuple[float, float]:
+    """Return the ends of an axis: around the contact if it is known, else the whole plane.
+
+    The margin next to the contact is in half widths a.
+    """
     first, last = section.axes[axis][[0, -1]].tolist()
-    if state is None:
+    if view is None:
         return first, last
     if section.names[axis] == "x":
-        contact = state.x_over_a[state.contact.touching.any(axis=1)]
+        contact = view.x_over_a[view.contact.touching.any(axis=1)]
     else:
-        contact = state.y_over_a[state.contact.touching.any(axis=0)]
-    around = AROUND * state.scale.a / state.scale.length
+        contact = view.y_over_a[view.contact.touching.any(axis=0)]
+    around = margin * view.scale.a / view.scale.length
     return max(first, float(contact[0]) - around), min(last, float(contact[-1]) + around)
 
 
-def _panels(
-    frame: Frame, sections: Sequence[Section], state: Drawn | None, count: int
+def _new_panels(
+    frame: MapFrame, sections: Sequence[PlaneSection], view: ContactView | None, count: int
 ) -> tuple[Figure, list[Axes]]:
-    """A figure of panels side by side, and below them a legend of what is marked in them."""
+    """Return a figure with a legend of the maxima, and its panels side by side."""
     handles = [
-        _entry(section, maximum, several=len(sections) > 1)
+        _legend_entry(section, maximum, several=len(sections) > 1)
         for section in sections
         for maximum in section.stress_maxima
     ]
     if any(section.mesh_dependent for section in sections):
-        handles.append(Line2D([], [], linestyle="none", label=NOTE))
-    below, step = LINE * len(handles), frame.width + APART
-    width = max(LEFT + count * step - APART + RIGHT, NARROWEST)
-    figure = paper(width, frame, state.told(sections[0].told) if state else "", below + PLACE)
-    style = {"loc": "lower left", "borderaxespad": 0.2, "fontsize": 9, "handlelength": 1.0}
-    figure.legend(handles=handles, bbox_to_anchor=((LEFT - 0.2) / width, 0.0), **style)
-    bottom = BOTTOM + below
-    places = (LEFT + k * step for k in range(count))
-    return figure, [placed(figure, at, bottom, frame.width, frame.height) for at in places]
+        handles.append(Line2D([], [], linestyle="none", label=SURFACE_NOTE))
+    layout = MapLayout.current()
+    below = layout.line * len(handles)
+    # At least as wide as the legend.
+    width = max(layout.row_width(frame, count), 3.6 * current_options().scale)
+    title = view.describe(sections[0].description) if view else ""
+    figure = new_map_figure(width, frame, title, below + layout.line)
+    look = {"borderaxespad": 0.2, "fontsize": "small", "handlelength": 1.0}
+    place = ((layout.left - 0.2) / width, 0.0)
+    figure.legend(handles=handles, loc="lower left", bbox_to_anchor=place, **look)
+    lefts = [layout.left + k * (frame.width + layout.gap) for k in range(count)]
+    bottom = layout.bottom + below
+    return figure, [add_axes(figure, x, bottom, frame.width, frame.height) for x in lefts]
 
 
-def _entry(section: Section, maximum: StressMaximum, *, several: bool) -> Line2D:
-    """What the legend tells of a maximum."""
-    where = ", ".join(
-        section.coordinate(r"\mathrm{depth}" if name == "depth" else name, value)
+def _legend_entry(section: PlaneSection, maximum: StressMaximum, *, several: bool) -> Line2D:
+    """Return the legend entry of a maximum: its value and position."""
+    position = ", ".join(
+        section.format_coordinate(r"\mathrm{depth}" if name == "depth" else name, value)
         for name, value in zip(section.names, maximum.at, strict=True)
         if (name, value) != ("depth", 0.0)
     )
-    which = f"{section.body}, {maximum.kind}" if several else maximum.kind
-    label = f"{which}: {section.amount(maximum.value)} at {where}"
-    return Line2D([], [], linestyle="none", label=label, **_marker(section, maximum))
+    kind = f"{section.body}, {maximum.kind}" if several else maximum.kind
+    label = f"{kind}: {section.format_value(maximum.value)} at {position}"
+    return Line2D([], [], linestyle="none", label=label, **_marker_style(section, maximum))
 
 
-def _mark(axes: Axes, section: Section, upwards: bool = True) -> None:
+def _mark_maxima(axes: Axes, section: PlaneSection, upwards: bool = True) -> None:
+    """Draw markers at the maxima of a section."""
     for maximum in section.stress_maxima:
         first, second = maximum.at
         second = second if upwards else -second
-        axes.plot(first, second, clip_on=False, zorder=5, **_marker(section, maximum))
+        axes.plot(first, second, clip_on=False, zorder=5, **_marker_style(section, maximum))
 
 
-def _marker(section: Section, maximum: StressMaximum) -> dict[str, object]:
-    """A circle; at the surface a triangle, upright in A and upside down in B."""
+def _marker_style(section: PlaneSection, maximum: StressMaximum) -> dict[str, Any]:
+    """Return a circle; at the surface a triangle, upright in A and upside down in B."""
     triangle = "^" if section.body == "A" else "v"
     return {
         "marker": triangle if maximum.kind == "surface" else "o",
@@ -291,20 +306,20 @@ def _marker(section: Section, maximum: StressMaximum) -> dict[str, object]:
     }
 
 
-def _letter(axes: Axes, section: Section, upwards: bool) -> None:
-    """Name the body in its corner."""
-    style = {"va": "top", "y": 0.97} if upwards else {"va": "bottom", "y": 0.03}
+def _name_body(axes: Axes, section: PlaneSection, upwards: bool) -> None:
+    """Write the name of the body into its corner."""
     color = "black" if section.signed else "white"
-    axes.text(x=0.02, s=section.body, transform=axes.transAxes, color=color, fontsize=13, **style)
+    y, align = (0.97, "top") if upwards else (0.03, "bottom")
+    look = {"va": align, "color": color, "fontsize": "large"}
+    axes.text(0.02, y, section.body, transform=axes.transAxes, **look)
 
 
-def _colour_bar(figure: Figure, axes: Axes, filled: ContourSet, section: Section) -> None:
-    """Put a colour bar beside the axes, as high as they are, with ticks at limits of bands."""
-    width, height = figure.get_size_inches()
+def _add_colour_bar(figure: Figure, axes: Axes, filled: ContourSet, section: PlaneSection) -> None:
+    """Add a colour bar next to the axes, as high as they are, with ticks at limits of bands."""
+    width, height = figure.get_size_inches().tolist()
     box = axes.get_position(original=True)
-    beside = bar(figure, box.x1 * width, box.y0 * height, box.height * height)
-    most = int(beside.get_position().height * height / TICK_ROOM)
+    bar_axes = add_bar_axes(figure, box.x1 * width, box.y0 * height, box.height * height)
+    most = int(bar_axes.get_position().height * height / TICK_SPACE)
     every = 1 + (len(filled.levels) - 2) // most
     first = int(np.argmin(np.abs(filled.levels))) % every  # zero has a tick
-    ticks = filled.levels[first::every]
-    figure.colorbar(filled, cax=beside, label=section.symbol, ticks=ticks)
+    figure.colorbar(filled, cax=bar_axes, label=section.symbol, ticks=filled.levels[first::every])

@@ -1,32 +1,18 @@
-"""A quantity over what varies in a study: curves, maps and scattered samples."""
+"""A quantity over the axes of a study: curves, maps and scattered samples."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from textwrap import fill
+from typing import Any
 
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
+from tractive_sam.description import format_with_unit
 from tractive_sam.plot.figure import Figure
-from tractive_sam.plot.style import GREY, PRESSURE, SIGNED, WIDTH, set_title, styled
-
-MOST_CURVES = 10
-"""In one figure."""
-
-ONE_SIGN = 0.02
-"""Share of the largest value up to which those of the other sign do not count."""
-
-FEW = 6
-"""Values of an axis up to which a map has a row for each, as high as the next: between them nothing
-is known."""
-
-TICKS = 5
-"""Numbers along an axis, for which there is room."""
-
-LETTERS = 40
-"""Of a label before it goes on in the next line."""
+from tractive_sam.plot.style import LOOK, apply_style, new_figure, set_title
 
 LABELS = {
     "Qx": "$Q_x$",
@@ -45,30 +31,29 @@ LABELS = {
     "load.normal": "$P$",
     "load.pressure": "$p_0$",
 }
-"""What the field calls quantities and entries of a scene; units, which differ between line contacts
-and others, come with the variable."""
-
-CREEPAGES = ("creepage.longitudinal", "creepage.lateral")
-"""Drawn as the field does, in per cent and with the sign of the force: curves rise to the right."""
-
-FORCES = ("Qx", "Qy", "Qx_over_P", "Qy_over_P")
-"""Curves of which over a creepage show the origin."""
+"""Symbols and short names of quantities and keys of a scene. Units belong to the variable, as they
+differ between line contacts and others."""
 
 
 @dataclass(frozen=True, eq=False)
 class Variable:
-    """What is drawn along an axis of a figure; creepages as -xi, in per cent.
+    """A variable along an axis of a figure.
+
+    Creepages are drawn with the sign of the force and in per cent, so that curves rise to the
+    right.
 
     Attributes
     ----------
     name : str
-        Name of the quantity, or key of the entry of the scene.
+        Name of the quantity, or key of the scene.
     values : ndarray
         Numbers, or texts, which are drawn at equal distances.
     meaning : str
-        What to call it where it is not among `LABELS`.
+        Label of a variable that is not among `LABELS`.
     unit : str
-        Unit, unless the meaning tells it; "1" stands for none.
+        Unit, unless it is part of the meaning; "1" stands for none.
+    longest : int
+        Most letters of a line of its label.
 
     Examples
     --------
@@ -81,23 +66,25 @@ class Variable:
     values: np.ndarray
     meaning: str = ""
     unit: str = ""
+    longest: int = 40
 
     @property
     def label(self) -> str:
-        """What to write along the axis."""
-        within, bracket, entry = self.name.rpartition("].")
-        label = LABELS.get(entry) or self.meaning or self.name
+        """Label of the axis."""
+        block, bracket, key = self.name.rpartition("].")
+        label = LABELS.get(key) or self.meaning or self.name
         unit = self.unit
-        if self.creepage:
+        if self.is_creepage:
             label, unit = f"$-${label}", "%"
-        if bracket and entry in LABELS:
-            label = f"{label} of {within}]"
-        return fill(label if unit in ("", "1") else f"{label} ({unit})", LETTERS)
+        if bracket and key in LABELS:
+            label = f"{label} of {block}]"
+        return fill(format_with_unit(label, unit), self.longest)
 
     @property
-    def creepage(self) -> bool:
-        """Whether it has numbers of a translational creepage."""
-        return self.numeric and self.name.rpartition("].")[2] in CREEPAGES
+    def is_creepage(self) -> bool:
+        """Whether it is a translational creepage with numbers."""
+        creepages = ("creepage.longitudinal", "creepage.lateral")
+        return self.numeric and self.name.rpartition("].")[2] in creepages
 
     @property
     def numeric(self) -> bool:
@@ -106,21 +93,21 @@ class Variable:
 
     @property
     def places(self) -> np.ndarray:
-        """Where along the axis, in its unit."""
+        """Positions along the axis, in its unit."""
         if not self.numeric:
             return np.arange(self.values.size) * 1.0
-        return 0.0 - 100.0 * self.values if self.creepage else self.values.astype(float)
+        return 0.0 - 100.0 * self.values if self.is_creepage else self.values.astype(float)
 
     @property
-    def told(self) -> list[str]:
-        """Its values in words, in the unit of its axis."""
-        return (
-            [f"{one:.6g}" for one in self.places] if self.numeric else list(map(str, self.values))
-        )
+    def texts(self) -> list[str]:
+        """Its values as text, in the unit of its axis."""
+        if self.numeric:
+            return [f"{place:.6g}" for place in self.places]
+        return list(map(str, self.values))
 
     @property
     def logarithmic(self) -> bool:
-        """Whether it is spaced so, over a decade at least."""
+        """Whether its values are spaced logarithmically, over a decade at least."""
         places = np.sort(self.places)
         if places.size < 3 or places[0] <= 0.0 or places[-1] < 10.0 * places[0]:
             return False
@@ -128,22 +115,24 @@ class Variable:
         return bool(np.allclose(steps, steps[0], rtol=1e-3))
 
 
-@styled
+@apply_style
 def study_curves(
-    x: Variable, y: Variable, over: Variable | None = None, *, title: str = ""
+    x: Variable, y: Variable, over: Variable | None = None, *, title: str = "", most: int = 10
 ) -> Figure:
-    """A quantity over one entry of a scene, one curve for each value of another.
+    """Draw a quantity over one key of a scene, one curve for each value of another key.
 
     Parameters
     ----------
     x : Variable
-        The entry, n values.
+        The key, n values.
     y : Variable
-        The quantity, shape (n,), or (n, m) with `over`; nan where it is not known.
+        The quantity, shape (n,), or (n, m) with `over`; nan if it is unknown.
     over : Variable, optional
-        The other entry, m values; at most `MOST_CURVES` of them are drawn.
+        The other key, m values.
     title : str
         Title of the figure.
+    most : int
+        Most curves that are drawn.
 
     Examples
     --------
@@ -152,37 +141,38 @@ def study_curves(
     >>> plot.study_curves(mu, force)
     <Figure size ...>
     """
-    figure = Figure(figsize=(WIDTH, 0.72 * WIDTH))
+    figure = new_figure(1.0, 0.72)
     axes = figure.add_subplot()
     columns = {"": y.values}
     if over is not None:
-        shown = np.unique(np.linspace(0, over.values.size - 1, MOST_CURVES).astype(int))
-        columns = {over.told[k]: y.values[:, k] for k in shown}
+        shown = np.unique(np.linspace(0, over.values.size - 1, most).astype(int))
+        columns = {over.texts[k]: y.values[:, k] for k in shown}
     order = np.argsort(x.places)
-    if over is not None:  # its values have an order, and so have the colours
-        axes.set_prop_cycle(color=colormaps[PRESSURE](np.linspace(0.0, 0.9, len(columns))))
+    if over is not None:  # colours are ordered, as the values are
+        axes.set_prop_cycle(color=colormaps[LOOK.pressure](np.linspace(0.0, 0.9, len(columns))))
     for name, column in columns.items():
         axes.plot(x.places[order], column[order], "o-", label=name, markersize=3.5)
     if over is not None:
         axes.legend(title=over.label)
-    _label(axes, x, y)
-    if x.creepage and y.name in FORCES and not x.logarithmic:
+    _label_axes(axes, x, y)
+    forces = ("Qx", "Qy", "Qx_over_P", "Qy_over_P")
+    if x.is_creepage and y.name in forces and not x.logarithmic:  # with the origin
         axes.update_datalim([(0.0, 0.0)])
         axes.autoscale_view()
     set_title(figure, title)
     return figure
 
 
-@styled
+@apply_style
 def study_map(x: Variable, y: Variable, quantity: Variable, *, title: str = "") -> Figure:
-    """A quantity over two entries of a scene; cases where it is not known are left grey.
+    """Draw a quantity over two keys of a scene; cases where it is unknown are grey.
 
-    An entry of at most six values has equal fields, each under its value.
+    A key with at most six values has equal fields, each at its value.
 
     Parameters
     ----------
     x, y : Variable
-        The entries, n and m values.
+        The keys, n and m values.
     quantity : Variable
         The quantity, shape (n, m).
     title : str
@@ -196,23 +186,23 @@ def study_map(x: Variable, y: Variable, quantity: Variable, *, title: str = "") 
     >>> plot.study_map(mu, beta, force)
     <Figure size ...>
     """
-    figure = Figure(figsize=(WIDTH, 0.8 * WIDTH))
+    figure = new_figure(1.0, 0.8)
     axes = figure.add_subplot(facecolor="#DDDDDD")
     across, along = np.argsort(x.places), np.argsort(y.places)
     values = np.ma.masked_invalid(quantity.values[np.ix_(across, along)].T)
-    x, y = _in_fields(x), _in_fields(y)
+    x, y = _as_fields(x), _as_fields(y)
     across = x.places[across] if x.numeric else np.arange(across.size)
     along = y.places[along] if y.numeric else np.arange(along.size)
-    mesh = axes.pcolormesh(across, along, values, shading="nearest", **_colours(values))
+    mesh = axes.pcolormesh(across, along, values, shading="nearest", **_choose_colours(values))
     figure.colorbar(mesh, label=quantity.label)
-    _label(axes, x, y)
+    _label_axes(axes, x, y)
     set_title(figure, title)
     return figure
 
 
-@styled
+@apply_style
 def study_samples(variables: Mapping[str, Variable], y: Variable, *, title: str = "") -> Figure:
-    """A quantity over each entry of a Latin hypercube, one point a sample.
+    """Draw a quantity over each key of a Latin hypercube, one point a sample.
 
     Examples
     --------
@@ -222,43 +212,44 @@ def study_samples(variables: Mapping[str, Variable], y: Variable, *, title: str 
     <Figure size ...>
     """
     count = len(variables)
-    figure = Figure(figsize=(WIDTH * min(count, 3) * 0.7, 0.6 * WIDTH * -(-count // 3)))
+    figure = new_figure(0.7 * min(count, 3), 0.6 * -(-count // 3))
     panels = figure.subplots(-(-count // 3), min(count, 3), sharey=True, squeeze=False)
     for axes in panels.flat[count:]:
         axes.set_axis_off()
     for axes, variable in zip(panels.flat, variables.values(), strict=False):
-        axes.plot(variable.places, y.values, "o", markersize=3, color=GREY)
-        _label(axes, variable, y)
+        axes.plot(variable.places, y.values, "o", markersize=3, color=LOOK.grey)
+        _label_axes(axes, variable, y)
     for axes in panels[:, 1:].flat:
         axes.set_ylabel("")
     set_title(figure, title)
     return figure
 
 
-def _colours(values: np.ma.MaskedArray) -> dict:
-    """White at zero where both signs matter."""
+def _choose_colours(values: np.ma.MaskedArray, negligible: float = 0.02) -> dict[str, Any]:
+    """Return the colour map: white at zero unless one of the signs is negligible."""
     largest = float(np.abs(values).max()) if values.count() else 0.0
-    if values.count() and min(-values.min(), values.max()) > ONE_SIGN * largest:
-        return {"cmap": SIGNED, "vmin": -largest, "vmax": largest}
-    return {"cmap": PRESSURE}
+    if values.count() and min(-values.min(), values.max()) > negligible * largest:
+        return {"cmap": LOOK.signed, "vmin": -largest, "vmax": largest}
+    return {"cmap": LOOK.pressure}
 
 
-def _in_fields(variable: Variable) -> Variable:
-    """The variable in ascending order, as texts where it has few values."""
-    if not variable.numeric or variable.values.size > FEW:
+def _as_fields(variable: Variable, few: int = 6) -> Variable:
+    """Return a variable with few values as texts in ascending order: nothing is between them."""
+    if not variable.numeric or variable.values.size > few:
         return variable
     order = np.argsort(variable.places)
-    return Variable("", np.array(variable.told)[order], variable.label)
+    return Variable("", np.array(variable.texts)[order], variable.label)
 
 
-def _label(axes: Axes, x: Variable, y: Variable) -> None:
+def _label_axes(axes: Axes, x: Variable, y: Variable) -> None:
+    """Set the labels and ticks of axes."""
     axes.set(xlabel=x.label, ylabel=y.label)
     if x.logarithmic:
         axes.set_xscale("log")
     elif x.numeric:
-        axes.xaxis.set_major_locator(MaxNLocator(TICKS))
+        axes.xaxis.set_major_locator(MaxNLocator(5))
     if not y.numeric:
-        axes.set_yticks(y.places, [fill(one, LETTERS // 3) for one in y.values])
+        axes.set_yticks(y.places, [fill(text, y.longest // 3) for text in y.values])
     if not x.numeric:
-        letters = max(LETTERS // x.values.size, LETTERS // 6)
-        axes.set_xticks(x.places, [fill(one, letters) for one in x.values])
+        letters = max(x.longest // x.values.size, x.longest // 6)
+        axes.set_xticks(x.places, [fill(text, letters) for text in x.values])

@@ -1,52 +1,75 @@
-"""The look of the figures: one column of a journal, readable on a screen as well."""
+"""The style of the figures: sizes, colours, titles and labels."""
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import wraps
 from textwrap import wrap
-from typing import ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from matplotlib.ticker import MaxNLocator
 
+from tractive_sam.description import format_with_unit, math_label
 from tractive_sam.mechanics import Frame
 from tractive_sam.plain import plain
 from tractive_sam.plot.figure import Figure
-from tractive_sam.results import History, Quantity
+from tractive_sam.plot.options import current_options
+from tractive_sam.results import History
 
 P = ParamSpec("P")
-Drawn = TypeVar("Drawn")
+Result = TypeVar("Result")
 
-WIDTH = 4.8
-"""Of a figure with one panel, inches."""
 
-LONGEST_TITLE = 300
-"""Characters of a title; what is longer is cut."""
+@dataclass(frozen=True)
+class Look:
+    """Colours, colour maps and sizes of all figures.
+
+    Everyone can distinguish the colours (Okabe & Ito 2008), and the colour maps are perceptually
+    uniform.
+    """
+
+    blue: str = "#0072B2"
+    vermillion: str = "#D55E00"
+    green: str = "#009E73"
+    orange: str = "#E69F00"
+    sky: str = "#56B4E9"
+    purple: str = "#CC79A7"
+    grey: str = "#6E6E6E"
+    # Colour maps, named by what they show; "signed" is white at zero.
+    pressure: str = "viridis"
+    traction: str = "magma"
+    slip: str = "inferno"
+    wear: str = "cividis"
+    stress: str = "plasma"
+    signed: str = "RdBu_r"
+    # A figure with one panel is as wide as a column of a journal and legible on a screen, inches.
+    panel_width: float = 4.8
+    # Longer titles are cut, characters.
+    longest_title: int = 300
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """Colours of lines, in their order."""
+        return self.blue, self.vermillion, self.green, self.orange, self.purple, self.sky
+
+    @property
+    def bodies(self) -> dict[str, str]:
+        """Colours of the bodies."""
+        return {"A": self.blue, "B": self.vermillion}
+
+    @property
+    def width(self) -> float:
+        """Width of a figure with one panel, at the scale of the figures, inches."""
+        return self.panel_width * current_options().scale
+
+
+LOOK = Look()
 
 MICRON = 1e3
 """Micrometres in a millimetre."""
-
-BLUE, VERMILLION, GREEN, ORANGE, SKY, PURPLE, GREY = (
-    "#0072B2",
-    "#D55E00",
-    "#009E73",
-    "#E69F00",
-    "#56B4E9",
-    "#CC79A7",
-    "#6E6E6E",
-)
-"""Colours told apart by everyone (Okabe & Ito 2008)."""
-
-PRESSURE, TRACTION, SLIP, WEAR, STRESS = "viridis", "magma", "inferno", "cividis", "plasma"
-"""Perceptually uniform colour maps of the fields."""
-
-COLOURS = BLUE, VERMILLION, GREEN, ORANGE, PURPLE, SKY
-"""Colours of lines, in their order."""
-
-SIGNED = "RdBu_r"
-"""Colour map of what has a sign: white at zero."""
 
 STYLE = {
     "font.family": ["STIXGeneral", "DejaVu Sans"],
@@ -58,7 +81,7 @@ STYLE = {
     "axes.labelsize": 12,
     "axes.linewidth": 0.7,
     "axes.edgecolor": "#333333",
-    "axes.prop_cycle": mpl.cycler(color=COLOURS),
+    "axes.prop_cycle": mpl.cycler(color=LOOK.lines),
     "axes.formatter.use_mathtext": True,
     "axes.formatter.limits": (-3, 4),
     "xtick.direction": "in",
@@ -74,35 +97,64 @@ STYLE = {
     "figure.dpi": 120,
     "savefig.dpi": 200,
 }
-"""Settings of matplotlib that all figures have: ``plt.style.use(plot.STYLE)`` for one's own."""
+"""Settings of matplotlib for all figures; ``plt.style.use(plot.STYLE)`` applies them to others."""
 
 
-def colours(number: int) -> list[tuple[float, float, float]]:
-    """So many different colours: those of lines, then these darker, lighter, darker still."""
-    rounds = -(-number // len(COLOURS))
-    towards = [(0.0 if turn % 2 else 1.0, turn / (turn + 1.2)) for turn in range(rounds)]
-    return [
-        tuple((1.0 - share) * part + share * end for part in to_rgb(colour))
-        for end, share in towards
-        for colour in COLOURS
-    ][:number]
+def apply_style(draw: Callable[P, Result]) -> Callable[P, Result]:
+    """Return a function that draws in this style, whatever the settings of matplotlib are."""
+
+    @wraps(draw)
+    def draw_in_style(*args: P.args, **kwargs: P.kwargs) -> Result:
+        fonts = current_options().font_scale
+        sizes = {key: fonts * STYLE[key] for key in STYLE if key.endswith("size")}
+        sizes.pop("lines.markersize")
+        with mpl.rc_context(STYLE | sizes):
+            return draw(*args, **kwargs)
+
+    return draw_in_style
 
 
-def told(title: str, *more: str) -> str:
-    """A title, and below it what else there is to say of a figure."""
-    below = "; ".join(filter(None, more)).replace("$", "")
-    for apart in (" = ", " mm", " MPa"):  # stays in one line
-        below = below.replace(apart, apart.replace(" ", "\u00a0"))
+def new_figure(width: float = 1.0, height: float = 0.66) -> Figure:
+    """Return an empty figure; its sides are in widths of a figure with one panel."""
+    return Figure(figsize=(width * LOOK.width, height * LOOK.width))
+
+
+def new_axes(width: float = 1.0, height: float = 0.66, title: str = "") -> tuple[Figure, Axes]:
+    """Return a figure with a title and its axes; sides as of `new_figure`."""
+    figure = new_figure(width, height)
+    axes = figure.add_subplot()
+    if title:
+        set_title(figure, title)
+    return figure, axes
+
+
+def line_colours(number: int) -> list[tuple[float, float, float]]:
+    """Return different colours: those of lines, then darker, lighter and still darker ones."""
+    rounds = -(-number // len(LOOK.lines))
+    ends = [(0.0 if turn % 2 else 1.0, turn / (turn + 1.2)) for turn in range(rounds)]
+    found = []
+    for end, share in ends:
+        for colour in LOOK.lines:
+            red, green, blue = ((1.0 - share) * part + share * end for part in to_rgb(colour))
+            found.append((red, green, blue))
+    return found[:number]
+
+
+def format_title(title: str, *notes: str) -> str:
+    """Return a title with a line of notes below it; empty notes are left out."""
+    below = "; ".join(filter(None, notes)).replace("$", "")
+    for separator in (" = ", " mm", " MPa"):  # no line break inside of a value
+        below = below.replace(separator, separator.replace(" ", "\u00a0"))
     return "\n".join(filter(None, (title, below)))
 
 
-def told_of(history: History, quantity: str, scale: str = "") -> str:
-    """Title of a figure over the course of a history."""
-    return told(history.title, quantity, friction_label(history.frame), scale)
+def history_title(history: History, quantity: str, scale: str = "") -> str:
+    """Return the title of a figure over the course of a history."""
+    return format_title(history.title, quantity, describe_friction(history.frame), scale)
 
 
-def friction_label(frame: Frame | None) -> str:
-    """Return the coefficients of friction, and the angle where they differ; empty without."""
+def describe_friction(frame: Frame | None) -> str:
+    """Return the coefficients of friction, with their angle if they differ; empty without."""
     if frame is None:
         return ""
     first, second = frame.mu
@@ -110,54 +162,31 @@ def friction_label(frame: Frame | None) -> str:
     return f"µ = {first:g}" if first == second else f"µ = {first:g}/{second:g}, β = {angle:g}°"
 
 
-def wrapped(text: str, width: float) -> list[str]:
-    """Lines of a title that is to be no wider, inches."""
-    text = plain(text, LONGEST_TITLE)
-    return [part for line in text.split("\n") for part in wrap(line, int(13 * width)) or [""]]
+def wrap_title(text: str, width: float) -> list[str]:
+    """Return the lines of a title over a figure of that width, inches; none without titles."""
+    options = current_options()
+    if not options.titles:
+        return []
+    letters = int(13 * width / options.font_scale)
+    text = plain(text, LOOK.longest_title)
+    return [part for line in text.split("\n") for part in wrap(line, letters) or [""]]
 
 
-def _math(one: Quantity) -> str:
-    name = one.name.replace("_", r"\_")
-    return one.symbol or rf"\mathrm{{{name}}}"
+def set_title(figure: Figure, text: str, **style: Any) -> None:
+    """Put a title over a figure, in as many lines as it needs; dollar signs are no math."""
+    if lines := wrap_title(text, figure.get_figwidth()):
+        figure.suptitle("\n".join(lines), parse_math=False, linespacing=1.15, **style)
 
 
-def symbol_of(one: Quantity) -> str:
-    """Symbol, or else the name, and unit, as math text."""
-    return f"${_math(one)}$" + ("" if one.unit == "1" else f" ({one.unit})")
-
-
-def place(coordinate: Quantity, at: float) -> str:
-    """A value of a coordinate with its symbol and unit, as math text."""
-    unit = "" if coordinate.unit == "1" else f" {coordinate.unit}"
-    return f"${_math(coordinate)} = {at:{coordinate.format}}${unit}"
-
-
-def along(axes: Axes, *histories: History) -> None:
-    """Have axes go along the coordinate of histories, from zero to the last record."""
+def label_course(axes: Axes, *histories: History) -> None:
+    """Label the x axis with the coordinate of histories, from zero to the last record."""
     (coordinate,) = {history.coordinate for history in histories}
     last = max(float(history[coordinate.name][-1]) for history in histories)
     name = coordinate.label or coordinate.long_name
-    unit = "" if coordinate.unit == "1" else f" ({coordinate.unit})"
-    axes.set_xlabel(f"{name} {symbol_of(coordinate)}" if coordinate.symbol else name + unit)
+    label = f"{name} {math_label(coordinate)}"
+    axes.set_xlabel(label if coordinate.symbol else format_with_unit(name, coordinate.unit))
     if coordinate.whole:
         axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
         axes.xaxis.set_major_formatter("{x:,.0f}")
     if coordinate.whole or last > 0.0:
         axes.set_xlim(0, max(1.0, last) if coordinate.whole else last)
-
-
-def set_title(figure: Figure, text: str, **style) -> None:
-    """Put a title over a figure, as many lines as it needs; it is text as given, no math."""
-    lines = wrapped(text, figure.get_figwidth())
-    figure.suptitle("\n".join(lines), parse_math=False, linespacing=1.15, **style)
-
-
-def styled(draw: Callable[P, Drawn]) -> Callable[P, Drawn]:
-    """Draw a figure in this look, whatever the settings outside."""
-
-    @wraps(draw)
-    def wrapper(*args: P.args, **kwargs: P.kwargs) -> Drawn:
-        with mpl.rc_context(STYLE):
-            return draw(*args, **kwargs)
-
-    return wrapper

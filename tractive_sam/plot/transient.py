@@ -1,28 +1,24 @@
-"""Figures of transients: the loop of force and shift, energy, and the course of stick and slip."""
+"""Figures of transients: the loop of force and shift, energy, stick, and the worn track."""
 
 import numpy as np
 from matplotlib.axes import Axes
 
-from tractive_sam.plot.conditions import Need, in_course, worn
-from tractive_sam.plot.courses import over_course
-from tractive_sam.plot.drawn import Drawn
 from tractive_sam.plot.figure import Figure
-from tractive_sam.plot.frame import Frame
-from tractive_sam.plot.map import LEFT, Map
+from tractive_sam.plot.history_curves import course_axes, draw_column
+from tractive_sam.plot.needs import Need, has_course, is_worn
 from tractive_sam.plot.registry import history_figure
-from tractive_sam.plot.style import BLUE, MICRON, TRACTION, VERMILLION, WEAR
+from tractive_sam.plot.style import LOOK, MICRON
 from tractive_sam.results import History
 
-SHIFTS = ("shift_x", "shift_y")
-"""Columns of a history in steps, in which A is shifted over B."""
+_SHIFTS = ("shift_x", "shift_y")
 
 _ROLLS = Need(
     lambda history: history.coordinate.unit == "mm",
-    "a track: a distance rolled, which a [transient] of shifts has not",
+    "a track: a rolling distance, which a [transient] of shifts does not have",
 )
 
 
-@history_figure("hysteresis", columns=SHIFTS, cure="[transient]", shown=in_course)
+@history_figure("hysteresis", columns=_SHIFTS, cure="[transient]", shown=has_course)
 def hysteresis(history: History) -> Figure:
     """Force on body A over the shift of A over B, along the axis of the larger shift.
 
@@ -31,21 +27,21 @@ def hysteresis(history: History) -> Figure:
     Raises
     ------
     ValueError
-        If the history is not of a [transient].
+        If the history has no [transient].
 
     Examples
     --------
     >>> plot.hysteresis(ts.roll(ts.Scene.builtin("fretting")))
     <Figure size ...>
     """
-    axis = max("xy", key=lambda one: np.ptp(history[f"shift_{one}"]))
-    shift = history.columns[f"shift_{axis}"]
-    figure, axes = over_course(history, "force over shift of A over B")
+    axis = max("xy", key=lambda axis: np.ptp(history[f"shift_{axis}"]))
+    shift, force = history.columns[f"shift_{axis}"], f"Q{axis}_over_P"
+    figure, axes = course_axes(history, "force over shift of A over B")
     axes.autoscale()  # along the shift, not the course
-    axes.plot(1e3 * history[shift.name], history[f"Q{axis}_over_P"], color=BLUE)
-    axes.plot(1e3 * history[shift.name][:1], history[f"Q{axis}_over_P"][:1], "o", color=BLUE)
+    axes.plot(MICRON * history[shift.name], history[force], color=LOOK.blue)
+    axes.plot(MICRON * history[shift.name][:1], history[force][:1], "o", color=LOOK.blue)
     axes.set_xlabel(rf"shift ${shift.symbol}$ ($\mathrm{{\mu m}}$)")
-    axes.set_ylabel(f"${history.columns[f'Q{axis}_over_P'].symbol}$")
+    axes.set_ylabel(f"${history.columns[force].symbol}$")
     return figure
 
 
@@ -53,73 +49,67 @@ def hysteresis(history: History) -> Figure:
     "energies",
     columns=["elastic_energy", "step_work", "step_friction"],
     cure="[transient]",
-    shown=in_course,
+    shown=has_course,
 )
 def energies(history: History) -> Figure:
-    """Work supplied and taken by friction since the start, and the elastic energy, over the course.
+    """Supplied work and work of friction since the start, and the elastic energy, over the course.
 
     Raises
     ------
     ValueError
-        If the history is not of a [transient].
+        If the history has no [transient].
 
     Examples
     --------
     >>> plot.energies(ts.roll(ts.Scene.builtin("fretting")))
     <Figure size ...>
     """
-    figure, axes = over_course(history, "work since the start, and elastic energy")
-    at, stored = history[history.coordinate.name], history["elastic_energy"]
+    figure, axes = course_axes(history, "work since the start, and elastic energy")
+    course, stored = history[history.coordinate.name], history["elastic_energy"]
     work = np.cumsum(np.append(0.0, history["step_work"][1:]))
     friction = np.cumsum(np.append(0.0, history["step_friction"][1:]))
-    for values, label, style in (
-        (work, "work supplied", {"color": BLUE}),
-        (friction, "friction", {"color": VERMILLION}),
-        (stored - stored[0], "elastic energy gained", {"color": "black", "linestyle": "--"}),
-    ):
-        axes.plot(at, values, label=label, **style)
+    axes.plot(course, work, color=LOOK.blue, label="work supplied")
+    axes.plot(course, friction, color=LOOK.vermillion, label="friction")
+    axes.plot(course, stored - stored[0], "k--", label="elastic energy gained")
     axes.set_ylabel(f"energy ({history.columns['step_work'].unit})")
     axes.legend(loc="best")
     return figure
 
 
-@history_figure("stick", columns=["stick_fraction", *SHIFTS], cure="[transient]", shown=in_course)
+@history_figure("stick", columns=["stick_fraction", *_SHIFTS], cure="[transient]", shown=has_course)
 def stick_course(history: History) -> Figure:
     """Share of the contact that sticks, over the course.
 
     Raises
     ------
     ValueError
-        If the history is not of a [transient].
+        If the history has no [transient].
 
     Examples
     --------
     >>> plot.stick_course(ts.roll(ts.Scene.builtin("fretting")))
     <Figure size ...>
     """
-    figure, axes = over_course(history, "share of the contact that sticks")
-    axes.plot(history[history.coordinate.name], history["stick_fraction"], color=BLUE)
+    figure, axes = course_axes(history, "share of the contact that sticks")
+    draw_column(axes, history, "stick_fraction", color=LOOK.blue)
     axes.set(ylim=(-0.02, 1.02), ylabel="share that sticks")
     return figure
 
 
-_DEPTH = r"wear depth $w$ ($\mathrm{\mu m}$)"
-
-
-def _over_track(history: History) -> tuple[Figure, Axes, np.ndarray, np.ndarray]:
-    """Return axes over the track, its places (mm) and the depths worn there (micrometres)."""
+def _track_axes(history: History) -> tuple[Figure, Axes, np.ndarray, np.ndarray]:
+    """Return a figure and its axes over the track, places (mm) and worn depths (micrometres)."""
     places, depth = history.worn_track
-    figure, axes = over_course(history, "wear of both bodies along the track")
+    figure, axes = course_axes(history, "wear of both bodies along the track")
     axes.set(xlim=(places[0], places[-1]), xlabel="place on the bodies (mm)")
     return figure, axes, places, MICRON * depth
 
 
 def _worn_row(history: History) -> Figure:
-    """Depth worn along the track of a line contact."""
-    figure, axes, places, depth = _over_track(history)
-    axes.plot(places, depth[:, 0], color=BLUE)
+    """Draw the depth worn along the track of a line contact."""
+    figure, axes, places, depth = _track_axes(history)
+    axes.plot(places, depth[:, 0], color=LOOK.blue)
     axes.set_ylim(bottom=0.0)
-    axes.set_ylabel(_DEPTH)
+    axes.set_ylabel(r"wear depth $w$ ($\mathrm{\mu m}$)")
     return figure
 
 
@@ -129,7 +119,7 @@ def _worn_row(history: History) -> Figure:
     columns=["step_worn"],
     needs=[_ROLLS],
     cure="[transient] and [wear]",
-    shown=worn,
+    shown=is_worn,
 )
 def worn_track(history: History) -> Figure:
     """Depth worn along the track, of both bodies together, in coordinates of the bodies.
@@ -137,7 +127,7 @@ def worn_track(history: History) -> Figure:
     Raises
     ------
     ValueError
-        If the history is not of a [transient] that rolls, with [wear].
+        If the history has no [transient] that rolls, with [wear].
 
     Examples
     --------
@@ -145,31 +135,13 @@ def worn_track(history: History) -> Figure:
     >>> plot.worn_track(ts.roll(slipping))
     <Figure size ...>
     """
-    figure, axes, places, depth = _over_track(history)
+    figure, axes, places, depth = _track_axes(history)
     worn = np.abs(history.y[(depth > 0.0).any(axis=0)])
-    mesh = axes.pcolormesh(places, history.y, depth.T, cmap=WEAR, vmin=0.0, shading="nearest")
-    figure.colorbar(mesh, ax=axes, label=_DEPTH)
+    look = {"cmap": LOOK.wear, "vmin": 0.0, "shading": "nearest"}
+    mesh = axes.pcolormesh(places, history.y, depth.T, **look)
+    figure.colorbar(mesh, ax=axes, label=r"wear depth $w$ ($\mathrm{\mu m}$)")
     axes.set_ylabel("$y$ (mm)")
     if worn.size:
         side = min(1.2 * worn.max(), history.grid.half_length[1])
         axes.set_ylim(-side, side)
     return figure
-
-
-def traction_picture(figure: Figure, frame: Frame, state: Drawn, envelope: Drawn) -> None:
-    """One picture of an animation: the traction and the moving edge of stick.
-
-    The colours end at the peak contact pressure at any time: there friction carries no more.
-    """
-    for axes in list(figure.axes):
-        axes.remove()
-    chart = Map(figure, LEFT, state, frame)
-    chart.axes.set_title(state.place, loc="center")
-    shares = state.contact.utilisation / state.scale.pressure
-    highest = envelope.contact.pressure.max() / state.scale.pressure
-    mesh = chart.fill(shares, cmap=TRACTION, vmin=0.0, vmax=highest)
-    if state.contact.touching.any():
-        chart.stick_edge(colors="white", linewidths=1.2, linestyles="--")
-        chart.arrows(state.contact.traction, state.contact.touching, color="white")
-    symbol = r"|p_t|/\mu" if state.isotropic else r"\|p_t\|_\mu"
-    chart.colour_bar(mesh, f"traction over friction {state.scale.of_pressure(symbol)}")

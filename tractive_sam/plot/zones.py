@@ -1,67 +1,70 @@
 """Smooth boundaries of contact and stick, drawn from values at the centres of elements.
 
-Both are zero lines of a function that runs about linearly through the boundary.
+Both are zero lines of a function that is about linear across the boundary.
 """
+
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.path import Path
 from scipy.ndimage import distance_transform_edt
 
-from tractive_sam.plot.drawn import Drawn
+from tractive_sam.plot.contact_view import ContactView
 
 
-def contact_edge(ax: Axes, state: Drawn, **style) -> Path:
-    """Draw the edge of contact; its path encloses the contact."""
-    x, y = _one_more(state.x_over_a), _one_more(state.y_over_a)
-    level = edge_level(np.pad(state.contact.pressure, 1))
-    return ax.contour(x, y, level.T, levels=[0.0], **style).get_paths()[0]
+def draw_contact_edge(axes: Axes, view: ContactView, **style: Any) -> Path:
+    """Draw the edge of contact and return its path, which encloses the contact."""
+    x, y = _add_ends(view.x_over_a), _add_ends(view.y_over_a)
+    level = edge_level(np.pad(view.contact.pressure, 1))
+    return axes.contour(x, y, level.T, levels=[0.0], **style).get_paths()[0]
 
 
-def stick_edge(ax: Axes, state: Drawn, contact: Path, **style) -> None:
+def draw_stick_edge(axes: Axes, view: ContactView, contact: Path, **style: Any) -> None:
     """Draw the boundary between stick and slip, within the contact."""
-    stick = state.contact.touching & ~state.slip_zone
-    if not stick.any() or not state.slip_zone.any():
+    stick = view.contact.touching & ~view.slip_zone
+    if not stick.any() or not view.slip_zone.any():
         return
-    level = continued(stick_level(state, stick), state.contact.touching)
-    lines = ax.contour(state.x_over_a, state.y_over_a, level.T, levels=[0.0], **style)
-    lines.set_clip_path(contact, ax.transData)
+    level = extend_outwards(stick_level(view, stick), view.contact.touching)
+    lines = axes.contour(view.x_over_a, view.y_over_a, level.T, levels=[0.0], **style)
+    lines.set_clip_path(contact, axes.transData)
 
 
-def fill_zones(ax: Axes, state: Drawn, contact: Path, colours: tuple[str, str]) -> None:
+def fill_zones(axes: Axes, view: ContactView, contact: Path, colours: tuple[str, str]) -> None:
     """Colour the zones of slip and stick, in this order, within the contact."""
-    stick = state.contact.touching & ~state.slip_zone
+    stick = view.contact.touching & ~view.slip_zone
     level = np.where(stick, 1.0, -1.0)
-    if stick.any() and state.slip_zone.any():
-        level = continued(stick_level(state, stick), state.contact.touching)
-    x, y = _one_more(state.x_over_a), _one_more(state.y_over_a)
-    style = {"colors": colours, "zorder": 0.5}
-    filled = ax.contourf(x, y, np.pad(level, 1, "edge").T, [-2.0, 0.0, 2.0], **style)
-    filled.set_clip_path(contact, ax.transData)
+    if stick.any() and view.slip_zone.any():
+        level = extend_outwards(stick_level(view, stick), view.contact.touching)
+    x, y = _add_ends(view.x_over_a), _add_ends(view.y_over_a)
+    edges = np.pad(level, 1, "edge").T
+    filled = axes.contourf(x, y, edges, [-2.0, 0.0, 2.0], colors=colours, zorder=0.5)
+    filled.set_clip_path(contact, axes.transData)
 
 
-def continued(values: np.ndarray, where: np.ndarray) -> np.ndarray:
-    """Return the values, elsewhere the one at the nearest element; shapes (n_x, n_y).
+def extend_outwards(values: np.ndarray, where: np.ndarray) -> np.ndarray:
+    """Return the values, and elsewhere that of the nearest element; shapes (n_x, n_y).
 
     Examples
     --------
-    >>> bool(plot.continued(contact.pressure, contact.touching).min() > 0.0)
+    >>> bool(plot.extend_outwards(contact.pressure, contact.touching).min() > 0.0)
     True
     """
     nearest = distance_transform_edt(~where, return_distances=False, return_indices=True)
     return values[tuple(nearest)]
 
 
-def _one_more(centres: np.ndarray) -> np.ndarray:
-    """Centres with one more on either side."""
+def _add_ends(centres: np.ndarray) -> np.ndarray:
+    """Return centres with an additional one at each end."""
     step = centres[1] - centres[0]
     return np.concatenate(([centres[0] - step], centres, [centres[-1] + step]))
 
 
 def edge_level(pressure: np.ndarray) -> np.ndarray:
-    """Squared pressure, continued linearly to the first elements out of contact.
+    """Return the squared pressure, extrapolated linearly to the first elements out of contact.
 
-    At a smooth edge the pressure falls like the root of the distance, its square linearly.
+    Near a smooth edge the pressure is proportional to the root of the distance, so its square is
+    linear.
 
     Examples
     --------
@@ -74,9 +77,9 @@ def edge_level(pressure: np.ndarray) -> np.ndarray:
     for axis in (0, 1):
         for step in (1, -1):
             near, far = np.roll(square, step, axis), np.roll(square, 2 * step, axis)
-            # The edge lies before the next centre and, where the pressure rises to it, midway.
+            # The edge lies before the next centre; if the pressure increases towards it, midway.
             beyond = np.where(near < far, np.minimum(2.0 * near - far, -tiny), -near)
-            # Directions count by how steeply the pressure falls along them.
+            # The steeper the pressure falls along a direction, the larger is its weight.
             steepness = np.where(near > 0.0, np.abs(far - near) + tiny, 0.0)
             total += steepness * beyond
             weight += steepness
@@ -84,23 +87,22 @@ def edge_level(pressure: np.ndarray) -> np.ndarray:
     return np.where(square > 0.0, square, outside)[2:-2, 2:-2]
 
 
-def stick_level(state: Drawn, stick: np.ndarray) -> np.ndarray:
-    """Squared distance to the friction bound where it sticks, minus squared slip where it slips.
+def stick_level(view: ContactView, stick: np.ndarray) -> np.ndarray:
+    """Return the squared distance to the bound in stick, and minus the squared slip elsewhere.
 
-    Both vanish at the boundary, and rise like roots of the distance from it.
+    Both vanish at the boundary, and are proportional to the roots of the distance from it before
+    they are squared; shapes (n_x, n_y).
 
     Examples
     --------
-    >>> state = plot.Drawn.of(contact)
-    >>> stick = state.contact.touching & ~state.slip_zone
-    >>> bool((plot.stick_level(state, stick)[stick] >= 0.0).all())
+    >>> view = plot.ContactView.from_source(contact)
+    >>> stick = view.contact.touching & ~view.slip_zone
+    >>> bool((plot.stick_level(view, stick)[stick] >= 0.0).all())
     True
     """
-    touching = state.contact.touching
-    reserve = np.maximum(
-        1.0 - state.contact.utilisation / np.where(touching, state.contact.bound, 1.0), 0.0
-    )
-    reserve = np.where(stick, reserve, 0.0)
-    slip = np.where(touching & ~stick, np.hypot(*state.contact.slip), 0.0)
+    contact, touching = view.contact, view.contact.touching
+    used = contact.utilisation / np.where(touching, contact.bound, 1.0)
+    reserve = np.where(stick, np.maximum(1.0 - used, 0.0), 0.0)
+    slip = np.where(touching & ~stick, np.hypot(*contact.slip), 0.0)
     tiny = np.finfo(float).tiny
     return (reserve / max(reserve.max(), tiny)) ** 2 - (slip / max(slip.max(), tiny)) ** 2

@@ -31,4 +31,4 @@ def html_with_figure(
     except (LookupError, ValueError):  # no fields, or nothing to draw
         return html_table(rows, Html())
     landscape = figure.get_figwidth() > figure.get_figheight()
-    return html_table(rows, figure.in_html(wide if landscape else narrow))
+    return html_table(rows, figure.to_html(wide if landscape else narrow))

@@ -138,7 +138,7 @@ class StudyResults:
         from tractive_sam.studies.figures import first_figure  # which reads results
 
         figure = first_figure(self)
-        return Html() if figure is None else figure.in_html(380)
+        return Html() if figure is None else figure.to_html(380)
 
     @property
     def complete(self) -> bool:

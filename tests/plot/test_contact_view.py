@@ -2,26 +2,26 @@ import numpy as np
 import pytest
 
 from tests.plot import strip_theory as strips
-from tractive_sam.plot import Drawn, Scale
+from tractive_sam.plot import ContactView, Scale
 
 MU = (0.6, 0.3)
 
 
 def test_contact_and_history_give_the_same_state():
-    solved = Drawn.of(strips.contact())
-    stored = Drawn.of(strips.history(), 0)
+    solved = ContactView.from_source(strips.contact())
+    stored = ContactView.from_source(strips.history(), 0)
     for name in ("pressure", "traction", "slip", "wear", "sliding"):
         np.testing.assert_array_equal(getattr(solved.contact, name), getattr(stored.contact, name))
     assert (solved.scale, solved.title) == (stored.scale, stored.title)
-    assert Drawn.of(solved) is solved
+    assert ContactView.from_source(solved) is solved
 
 
 def test_history_shows_its_last_revolution_by_default():
-    assert Drawn.of(strips.history()).contact.revolution == 100
+    assert ContactView.from_source(strips.history()).contact.revolution == 100
     with pytest.raises(LookupError, match="0, 10, 100"):
-        Drawn.of(strips.history(), 5)
+        ContactView.from_source(strips.history(), 5)
     with pytest.raises(LookupError, match="none"):
-        Drawn.of(strips.history(stored=()))
+        ContactView.from_source(strips.history(stored=()))
 
 
 def test_slip_zone_is_where_the_traction_reaches_its_bound():
@@ -43,16 +43,18 @@ def test_utilisation_of_orthotropic_friction(angle, mu):
 
 @pytest.mark.parametrize("angle", [0.0, 30.0, 90.0, -45.0])
 def test_bounds_enclose_the_friction_ellipse(angle):
-    state = Drawn.of(strips.contact(strips.scene(mu=MU, angle=angle)))
+    state = ContactView.from_source(strips.contact(strips.scene(mu=MU, angle=angle)))
     turn, beta = np.linspace(0, 2 * np.pi, 3601), np.radians(angle)
     e1, e2 = 0.6 * np.cos(turn), 0.3 * np.sin(turn)
     p_x, p_y = np.cos(beta) * e1 - np.sin(beta) * e2, np.sin(beta) * e1 + np.cos(beta) * e2
-    np.testing.assert_allclose(state.bounds, (p_x.max(), p_y.max()), rtol=1e-6)
+    np.testing.assert_allclose(state.bound_ratios, (p_x.max(), p_y.max()), rtol=1e-6)
 
 
 def test_without_friction():
-    state = Drawn.of(strips.contact(strips.scene(mu=None), traction=np.zeros((2, 31, 33))))
-    assert state.bounds == (0.0, 0.0)
+    state = ContactView.from_source(
+        strips.contact(strips.scene(mu=None), traction=np.zeros((2, 31, 33)))
+    )
+    assert state.bound_ratios == (0.0, 0.0)
     assert state.isotropic
     assert not state.contact.utilisation.any()
 
@@ -61,12 +63,12 @@ def test_without_hertz_the_contact_is_its_own_scale():
     alone = strips.scene(hertz=None)
     contact = strips.contact(alone)
     own = Scale(contact.half_width_x, contact.half_width_y, contact.p_max, hertz=False)
-    assert Drawn.of(contact).scale == own
-    scale = Drawn.of(strips.history(asked=alone)).scale
+    assert ContactView.from_source(contact).scale == own
+    scale = ContactView.from_source(strips.history(asked=alone)).scale
     assert (scale.a, scale.b, scale.p) == (strips.HERTZ.a, strips.HERTZ.b, strips.HERTZ.p0)
     assert scale.p_symbol == r"p_\mathrm{max}"
 
 
 def test_caption():
-    assert Drawn.of(strips.history(), 10).caption == "Strips, N\u00a0=\u00a010"
-    assert Drawn.of(strips.contact(strips.scene(title=""))).caption == ""
+    assert ContactView.from_source(strips.history(), 10).caption == "Strips, N\u00a0=\u00a010"
+    assert ContactView.from_source(strips.contact(strips.scene(title=""))).caption == ""

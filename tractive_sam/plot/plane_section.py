@@ -1,4 +1,4 @@
-"""One plane through a body, filled with contours of its stress, true to scale."""
+"""The stress on a plane of a body: values, labels and contours."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,41 +10,32 @@ from matplotlib.contour import ContourSet
 from matplotlib.ticker import MaxNLocator
 
 from tractive_sam.mechanics import CRITERIA, StressCriterion
-from tractive_sam.plot.plane_maxima import StressMaximum, stress_maxima
 from tractive_sam.plot.scale import Scale
-from tractive_sam.plot.style import SIGNED, STRESS
+from tractive_sam.plot.stress_maxima import StressMaximum, stress_maxima
+from tractive_sam.plot.style import LOOK
 from tractive_sam.results import PlaneStress
-
-GIVEN = ("zz", "xz", "yz")
-"""Components that at the surface are the tractions, and do not depend on the mesh."""
-
-BANDS = 14
-"""About so many colours."""
-
-ROUNDING = 1e-9
-"""Stress at the surface, over the largest on the plane, that is none."""
 
 
 @dataclass(frozen=True)
-class Section:
-    """A quantity on a plane of one body, and what to draw it against.
+class PlaneSection:
+    """A quantity on a plane of one body, with its scale.
 
     Attributes
     ----------
     stress : PlaneStress
         The plane.
     quantity : str or StressCriterion
-        A component, or what the stress is judged by: a criterion, or the name of one of `CRITERIA`.
+        A component of the stress, a criterion, or the name of one of `CRITERIA`.
     scale : Scale or None
-        Half widths and pressure that stand for one; None for mm and MPa.
+        Half widths and pressure by which figures divide; None for mm and MPa.
 
     Raises
     ------
     ValueError
-        If there is no such quantity, or the plane is but a line.
+        If the quantity is unknown, or the plane is only a line.
     """
 
-    stress: "PlaneStress"
+    stress: PlaneStress
     quantity: str | StressCriterion
     scale: Scale | None
 
@@ -53,7 +44,7 @@ class Section:
         if self.criterion is None and self.quantity not in known:
             raise ValueError(f"quantity: one of {', '.join(known)}; not {self.quantity!r}")
         if min(self.values.shape) < 2:
-            raise ValueError("a plane is drawn from at least 2 depths, and 2 points along it")
+            raise ValueError("a plane needs at least 2 depths, and 2 points along it")
 
     @property
     def body(self) -> str:
@@ -67,7 +58,7 @@ class Section:
 
     @property
     def criterion(self) -> StressCriterion | None:
-        """What the stress is judged by; None of a component."""
+        """Criterion of the stress; None for a component."""
         if isinstance(self.quantity, StressCriterion):
             return self.quantity
         return CRITERIA.get(self.quantity)
@@ -79,8 +70,11 @@ class Section:
 
     @property
     def mesh_dependent(self) -> bool:
-        """Whether values at the surface, which is part of the plane, depend on the mesh."""
-        return self.quantity not in GIVEN and float(self.stress.depth.min()) == 0.0
+        """Whether the plane includes the surface and values there depend on the mesh.
+
+        The components zz, xz and yz are the tractions there, which do not.
+        """
+        return self.quantity not in ("zz", "xz", "yz") and float(self.stress.depth.min()) == 0.0
 
     @cached_property
     def axes(self) -> tuple[np.ndarray, np.ndarray]:
@@ -91,9 +85,9 @@ class Section:
 
     @cached_property
     def values(self) -> np.ndarray:
-        """The quantity over the pressure of the scale, shape as the axes say."""
+        """The quantity over the pressure of the scale, shape as of the axes."""
         if self.criterion is None:
-            values = self.stress.components[self.quantity]
+            values = self.stress.components[str(self.quantity)]
         else:
             values = self.stress.by(self.criterion)
         _, second = self.stress.axes.values()
@@ -101,9 +95,9 @@ class Section:
 
     @cached_property
     def stress_maxima(self) -> list[StressMaximum]:
-        """What is to be marked."""
+        """Maxima that are marked."""
         if self.parallel or self.signed:
-            return [StressMaximum.of("largest", self.values, self.axes)]
+            return [StressMaximum.largest("largest", self.values, self.axes)]
         return stress_maxima(self.values, self.axes)
 
     @property
@@ -115,14 +109,14 @@ class Section:
         return rf"${symbol}/{self.scale.p_symbol}$" if self.scale else f"${symbol}$ ({unit})"
 
     @property
-    def told(self) -> str:
-        """What is drawn, for captions."""
+    def description(self) -> str:
+        """Name of the quantity, for titles."""
         criterion = self.criterion
         return f"stress component {self.quantity}" if criterion is None else criterion.long_name
 
     @property
     def place(self) -> str:
-        """Where the plane is, for math text."""
+        """Position of the plane, as math text."""
         plane = self.stress.plane
         unit = {"": r"\,\mathrm{mm}", "a": r"\,a", "b": r"\,b"}[plane.unit]
         if plane.unit and self.scale:
@@ -132,55 +126,58 @@ class Section:
     @property
     def names(self) -> tuple[str, str]:
         """Names of the axes: "x", "y" or "depth"."""
-        return tuple(self.stress.axes)
+        first, second = self.stress.axes
+        return first, second
 
     @property
     def touching(self) -> np.ndarray:
-        """Where along a plane through the depth the bodies touch; nowhere without its surface."""
+        """Places along a plane through the depth where the bodies touch, bool; none below it."""
         depth = self.stress.depth
         if depth.min() > 0.0:
             return np.zeros(self.values.shape[0], dtype=bool)
         zz = self.stress.components["zz"]
-        return zz[:, np.argmin(depth)] < -ROUNDING * np.abs(zz).max()
+        return (
+            zz[:, np.argmin(depth)] < -1e-9 * np.abs(zz).max()
+        )  # smaller ones are rounding errors
 
-    def length(self, name: str) -> str:
-        """Label of a length, for math text."""
+    def length_label(self, name: str) -> str:
+        """Return the label of a length, as math text."""
         return f"${name}/{self.scale.a_symbol}$" if self.scale else f"${name}$ (mm)"
 
-    def coordinate(self, name: str, value: float) -> str:
-        """A coordinate of a point, for math text."""
+    def format_coordinate(self, name: str, value: float) -> str:
+        """Return a coordinate of a point, as math text."""
         if value == 0.0:
             return f"${name} = 0$"
         if self.scale is None:
             return rf"${name} = {value:.3g}\,\mathrm{{mm}}$"
         return rf"${name} = {value:.2f}\,{self.scale.a_symbol}$"
 
-    def amount(self, value: float) -> str:
-        """A value of the quantity, for math text."""
+    def format_value(self, value: float) -> str:
+        """Return a value of the quantity, as math text."""
         return f"${value:.3f}$" if self.scale else rf"${value:.4g}\,\mathrm{{MPa}}$"
 
-    def fill(self, axes: Axes, levels: np.ndarray, upwards: bool = True) -> ContourSet:
+    def draw_contours(self, axes: Axes, levels: np.ndarray, upwards: bool = True) -> ContourSet:
         """Fill axes with contours; depths count upwards or downwards."""
         first, second = self.axes
         second = second if upwards else -second
-        colours = SIGNED if self.signed else STRESS
+        colours = LOOK.signed if self.signed else LOOK.stress
         filled = axes.contourf(first, second, self.values.T, levels, cmap=colours, zorder=0.5)
         filled.set_edgecolor("face")  # no gaps between the bands
-        style = {"colors": "black", "linewidths": 0.35, "alpha": 0.35, "zorder": 0.6}
-        axes.contour(first, second, self.values.T, levels, linestyles="-", **style)
+        style = {"colors": "black", "linewidths": 0.35, "linestyles": "-", "alpha": 0.35}
+        axes.contour(first, second, self.values.T, levels, zorder=0.6, **style)
         return filled
 
 
-def common_levels(sections: Sequence[Section]) -> np.ndarray:
-    """Round values between which the bands of all sections lie.
+def common_levels(sections: Sequence[PlaneSection], bands: int = 14) -> np.ndarray:
+    """Return round values that separate about that many bands of colour in all sections.
 
     Raises
     ------
     ValueError
-        If there is no stress in any of them.
+        If none of them has any stress.
     """
     highest = max(float(np.abs(section.values).max()) for section in sections)
     if highest == 0.0:
         raise ValueError("nothing to draw: there is no stress on the plane")
     lowest = -highest if sections[0].signed else 0.0
-    return MaxNLocator(BANDS, symmetric=sections[0].signed).tick_values(lowest, highest)
+    return MaxNLocator(bands, symmetric=sections[0].signed).tick_values(lowest, highest)

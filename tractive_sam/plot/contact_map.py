@@ -1,0 +1,216 @@
+"""A map of the contact, true to scale unless it is too slender."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
+
+from tractive_sam.plot.contact_view import ContactView
+from tractive_sam.plot.figure import Figure
+from tractive_sam.plot.map_frame import MapFrame
+from tractive_sam.plot.options import current_options
+from tractive_sam.plot.style import LOOK, describe_friction, format_title, set_title, wrap_title
+from tractive_sam.plot.zones import (
+    draw_contact_edge,
+    draw_stick_edge,
+    extend_outwards,
+    fill_zones,
+)
+
+
+@dataclass(frozen=True)
+class MapLayout:
+    """Distances around maps, inches: automatic layouts do not preserve the ratio of the sides."""
+
+    left: float = 0.65
+    right: float = 1.15
+    bottom: float = 0.55
+    top: float = 0.35
+    gap: float = 0.12  # between maps side by side
+    line: float = 0.22  # height of a line of the title or legend
+    bar: float = 0.13  # width of a colour bar
+    bar_gap: float = 0.08
+    shortest_bar: float = 0.7
+    narrow: float = 1.6  # below narrower maps there is room for the name of the axis only
+
+    @classmethod
+    def current(cls) -> Self:
+        """Return the distances at the present scale of figures."""
+        scale = current_options().scale
+        return cls(*(scale * distance for distance in vars(cls()).values()))
+
+    def row_width(self, frame: MapFrame, count: int) -> float:
+        """Return the width of a figure with several maps side by side."""
+        return self.left + count * (frame.width + self.gap) - self.gap + self.right
+
+
+class ContactMap:
+    """Axes over one contact, with its edge.
+
+    Parameters
+    ----------
+    figure : Figure
+        Figure of the map.
+    left : float
+        Distance of the map from the left of the figure, inches.
+    view : ContactView
+        The contact.
+    frame : MapFrame
+        The part that is shown.
+    """
+
+    def __init__(self, figure: Figure, left: float, view: ContactView, frame: MapFrame) -> None:
+        layout = MapLayout.current()
+        self.figure, self.left, self.view, self.frame = figure, left, view, frame
+        self.axes = add_axes(figure, left, layout.bottom, frame.width, frame.height)
+        note = view.edge_note if frame.width > layout.narrow else ""
+        frame.apply_to(self.axes, view.scale.length_label("x") + note, view.scale.length_label("y"))
+        self.contact = draw_contact_edge(self.axes, view, colors="black", linewidths=0.9)
+
+    @classmethod
+    def single(cls, view: ContactView, quantity: str, scaled: bool = True) -> tuple[Figure, Self]:
+        """Return a figure with one map, and the map, under the title of scene and quantity."""
+        layout, frame = MapLayout.current(), MapFrame.from_contacts(view, width=0.72 * LOOK.width)
+        width = max(layout.left + frame.width + layout.right, 0.72 * LOOK.width)
+        quantity += (view.edge_note if frame.width <= layout.narrow else "") + frame.stretch_note
+        figure = new_map_figure(width, frame, view.describe(quantity, scaled))
+        middle = (layout.left + width - layout.right - frame.width) / 2
+        return figure, cls(figure, middle, view, frame)
+
+    @classmethod
+    def row(cls, views: Sequence[ContactView], quantity: str) -> tuple[Figure, list[Self]]:
+        """Return a figure with maps side by side, and the maps, each under its position."""
+        layout = MapLayout.current()
+        frame = MapFrame.from_contacts(*views, width=1.7 * LOOK.width / len(views))
+        first = views[0]
+        quantity += first.edge_note + frame.stretch_note
+        friction = describe_friction(first.contact.frame)
+        title = format_title(first.title, quantity, friction, first.scale.note)
+        # A line of room for the positions of the maps.
+        figure = new_map_figure(layout.row_width(frame, len(views)), frame, title, positions=True)
+        step = frame.width + layout.gap
+        maps = [cls(figure, layout.left + k * step, view, frame) for k, view in enumerate(views)]
+        for chart in maps:
+            chart.axes.set_title(chart.view.position, loc="center")
+        share_y_axis([chart.axes for chart in maps])
+        return figure, maps
+
+    def fill(self, values: np.ndarray, *, finest: int = 600, **style: Any) -> QuadMesh:
+        """Colour the contact by values at the elements, which are ignored outside.
+
+        A print has no more dots than `finest` elements on a side: of finer meshes some are omitted.
+        """
+        every = slice(None, None, 1 + max(values.shape) // finest)
+        x, y, values = self.view.x_over_a[every], self.view.y_over_a[every], values[every, every]
+        style |= {"shading": "gouraud", "rasterized": True, "zorder": 0.5}
+        mesh = self.axes.pcolormesh(x, y, values.T, **style)
+        mesh.set_clip_path(self.contact, self.axes.transData)
+        return mesh
+
+    def fill_up_to_edge(self, values: np.ndarray, **style: Any) -> QuadMesh:
+        """Colour the contact by values that do not vanish at its edge."""
+        return self.fill(extend_outwards(values, self.view.contact.touching), **style)
+
+    def fill_zones(self, stick: str, slip: str) -> None:
+        """Colour the zones of stick and of slip, up to the boundary between them."""
+        fill_zones(self.axes, self.view, self.contact, (slip, stick))
+
+    def draw_stick_edge(self, **style: Any) -> None:
+        """Draw the boundary between stick and slip."""
+        look = {"colors": "white", "linewidths": 1.2, "linestyles": "--"} | style
+        draw_stick_edge(self.axes, self.view, self.contact, **look)
+
+    def add_colour_bar(self, mesh: QuadMesh, label: str) -> None:
+        """Add a colour bar next to the map."""
+        bottom = MapLayout.current().bottom
+        axes = add_bar_axes(self.figure, self.left + self.frame.width, bottom, self.frame.height)
+        self.figure.colorbar(mesh, cax=axes, label=label)
+        power = axes.yaxis.get_offset_text()  # away from the map's title and the label
+        power.set(x=0.5, horizontalalignment="center")
+
+    def draw_arrows(
+        self, vectors: np.ndarray, where: np.ndarray, color: str, *, across: int = 14
+    ) -> None:
+        """Draw vectors at some elements; the longest is as long as their distance.
+
+        Parameters
+        ----------
+        vectors : ndarray, shape (2, n_x, n_y)
+            The vectors.
+        where : ndarray of bool, shape (n_x, n_y)
+            Elements with arrows.
+        color : str
+            Colour of the arrows.
+        across : int
+            Number of arrows across a contact that is as wide as long.
+        """
+        view, spacing = self.view, self.frame.arrow_spacing(across)
+        longest = np.hypot(*vectors)[where].max(initial=0.0)
+        if longest == 0.0:
+            return
+        x_step, y_step = (spacing * units for units in self.frame.units_per_inch)
+        rows = np.ix_(_select_spaced(view.x_over_a, x_step), _select_spaced(view.y_over_a, y_step))
+        i, j = (index[where[rows]] for index in np.broadcast_arrays(*rows))
+        u, v = vectors[:, i, j] * (0.85 * spacing / longest)
+        look = {"scale_units": "inches", "scale": 1.0, "units": "inches", "width": 0.014}
+        heads = {"headwidth": 4.0, "headlength": 4.5, "headaxislength": 4.0}
+        x, y = view.x_over_a[i], view.y_over_a[j]
+        self.axes.quiver(x, y, u, v, color=color, pivot="mid", **look, **heads)
+
+
+def add_axes(figure: Figure, left: float, bottom: float, width: float, height: float) -> Axes:
+    """Add axes at a place of a figure, inches."""
+    figure_width, figure_height = figure.get_size_inches().tolist()
+    box = left / figure_width, bottom / figure_height, width / figure_width, height / figure_height
+    return figure.add_axes(box)
+
+
+def add_bar_axes(figure: Figure, right: float, bottom: float, height: float) -> Axes:
+    """Add axes of a colour bar next to a map that ends at `right`, inches.
+
+    It has at least its shortest height, and extends below a flat map.
+    """
+    layout = MapLayout.current()
+    longer = max(height, layout.shortest_bar)
+    return add_axes(figure, right + layout.bar_gap, bottom + height - longer, layout.bar, longer)
+
+
+def share_y_axis(charts: Sequence[Axes]) -> None:
+    """Leave the labels of the y axis to the first of several axes side by side."""
+    for axes in charts[1:]:
+        axes.set_ylabel("")
+        axes.tick_params(labelleft=False)
+
+
+def new_map_figure(
+    width: float, frame: MapFrame, title: str, below: float = 0.0, positions: bool = False
+) -> Figure:
+    """Return a figure for maps under a title, of as many lines as it needs.
+
+    Parameters
+    ----------
+    width : float
+        Width of the figure, inches.
+    frame : MapFrame
+        Frame of the maps.
+    title : str
+        Text without math.
+    below : float
+        Room below the labels of the maps, inches.
+    positions : bool
+        Whether each map has a title as well.
+    """
+    layout, lines = MapLayout.current(), len(wrap_title(title, width)) + positions
+    height = below + layout.bottom + frame.height + layout.top + layout.line * (lines - 1)
+    figure = Figure(figsize=(width, height), layout="none")
+    set_title(figure, title, y=1 - 0.08 / height)
+    return figure
+
+
+def _select_spaced(centres: np.ndarray, spacing: float) -> np.ndarray:
+    """Return indices of centres at about that spacing, symmetric about the middle."""
+    step = max(1, round(spacing / (centres[1] - centres[0])))
+    return np.arange(len(centres) // 2 % step, len(centres), step)

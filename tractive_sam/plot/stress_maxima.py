@@ -1,0 +1,71 @@
+"""Maxima of the stress on a plane: inside the body, and at its surface."""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from scipy.ndimage import maximum_filter
+
+
+@dataclass(frozen=True)
+class StressMaximum:
+    """A maximum on a plane, at one of the points with a computed stress.
+
+    Attributes
+    ----------
+    kind : str
+        "interior", "surface", or "largest".
+    value : float
+        In the unit of the values.
+    at : tuple of float
+        Coordinates along the axes of the plane, in their unit.
+    """
+
+    kind: str
+    value: float
+    at: tuple[float, float]
+
+    @classmethod
+    def largest(cls, kind: str, values: np.ndarray, axes: tuple[np.ndarray, np.ndarray]) -> Self:
+        """Return the value of the largest magnitude; shape (n, m), axes (n,) and (m,)."""
+        i, j = np.unravel_index(np.argmax(np.abs(values)), values.shape)
+        return cls(kind, float(values[i, j]), (float(axes[0][i]), float(axes[1][j])))
+
+
+def stress_maxima(values: np.ndarray, axes: tuple[np.ndarray, np.ndarray]) -> list[StressMaximum]:
+    """Return the largest local maximum inside a body, and the largest value at its surface.
+
+    As in `subsurface.Maximum`, points closer to the surface than one element are ignored: there
+    every edge between elements has a local maximum.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n, m)
+        Positive values on a plane through the depth.
+    axes : (ndarray of shape (n,), ndarray of shape (m,))
+        Centres of elements along the plane, and ascending depths.
+
+    Returns
+    -------
+    list of StressMaximum
+        Both, if the plane has them; else its largest value.
+
+    Examples
+    --------
+    >>> stress = ts.stress_on_plane(contact, "y=0", "A")
+    >>> maxima = plot.stress_maxima(stress.von_mises, tuple(stress.axes.values()))
+    >>> [maximum.kind for maximum in maxima]
+    ['interior', 'surface']
+    """
+    along, depth = axes
+    tops = values == maximum_filter(values, 3, mode="nearest")
+    # Beyond the edges of the plane the stress is unknown.
+    tops[[0, -1]] = tops[:, -1] = False
+    inside = np.where(tops & (depth >= along[1] - along[0]), values, 0.0)
+    at_surface = np.where(depth == 0.0, values, 0.0)
+    maxima = [
+        StressMaximum.largest(kind, part, axes)
+        for kind, part in (("interior", inside), ("surface", at_surface))
+        if part.any()
+    ]
+    return maxima or [StressMaximum.largest("largest", values, axes)]
