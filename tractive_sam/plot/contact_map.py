@@ -38,8 +38,8 @@ class MapLayout:
 
     @classmethod
     def current(cls) -> Self:
-        """Return the distances at the present scale of figures."""
-        scale = current_options().scale
+        """Return the distances at the present size of fonts."""
+        scale = current_options().font_scale
         return cls(*(scale * distance for distance in vars(cls()).values()))
 
     def row_width(self, frame: MapFrame, count: int) -> float:

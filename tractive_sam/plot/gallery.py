@@ -106,13 +106,14 @@ def save_all(
 def _draw_in_width(drawing: Drawing, width: float | None) -> Figure:
     """Return a figure of a given width, mm; by default of its usual width.
 
-    Fonts have a smallest size, so labels may need another width than before: two steps suffice.
+    Fonts have a smallest size, so the width of a figure is not in proportion to its scale.
     """
     figure, scale = drawing.draw(), 1.0
-    for _ in range(0 if width is None else 2):
-        scale *= width / 25.4 / figure.get_figwidth()
-        with change_options(scale=scale):
-            figure = drawing.draw()
+    if width is not None:
+        while abs((change := width / 25.4 / figure.get_figwidth()) - 1.0) > 2e-3 and scale > 0.05:
+            scale *= change
+            with change_options(scale=scale):
+                figure = drawing.draw()
     return figure
 
 

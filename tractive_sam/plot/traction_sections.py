@@ -33,9 +33,9 @@ def traction_sections(view: ContactView, offset: float = 0.75) -> Figure:
     for axes, (name, y) in zip(panels, lines.items(), strict=True):
         draw_tractions(axes, view, y)
         axes.set_title(name, loc="center")
-        axes.set_xlabel(scale.length_label("x") + view.edge_note)
     panels[0].set_ylabel(scale.pressure_label("p"))
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside right center")
+    figure.supxlabel(scale.length_label("x") + view.edge_note, fontsize="medium")
     set_title(figure, view.describe("tractions on A"))
     return figure
 
