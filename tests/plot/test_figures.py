@@ -42,7 +42,8 @@ def drawn(figure):
 
 
 def labels(figure):
-    return {text for ax in figure.axes for text in (ax.get_xlabel(), ax.get_ylabel())}
+    of_axes = (text for ax in figure.axes for text in (ax.get_xlabel(), ax.get_ylabel()))
+    return {*of_axes, figure.get_supxlabel()}
 
 
 @pytest.mark.parametrize("draw", OF_A_STATE)
