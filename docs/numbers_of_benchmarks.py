@@ -310,7 +310,7 @@ def heat() -> str:
     )
     lines = [
         (
-            f"{row['elements']}²",
+            f"{row['elements']} x {row['elements']}",
             f"{float(row['peclet']):g}",
             *(f"{100.0 * float(row[key]):.2g} %" for key in ("kernels", "alike", "unlike")),
             f"{float(row['answering']):.1f} times",
@@ -334,7 +334,7 @@ def error_bars() -> str:
             if row["relative error"] and float(row["relative bar"] or 0.0) > 0.0
         ]
         lines.append((f"`{name}`", len(rows), held, f"{statistics.median(ratios):.2f}"))
-    return format_table(("quantity", "scenes", "bars that hold", "median of error / bar"), lines)
+    return format_table(("quantity", "scenes", "error bars that hold", "median of error / error bar"), lines)
 
 
 def subsurface() -> str:
@@ -423,11 +423,11 @@ def fatigue_spread() -> str:
     usual, loose, strict = "41 x 121", "0.001", "0.0001"
     head = ("compared runs", "largest D", "D at the end")
     compared = {
-        "21 × 61 and 41 × 121 elements": (("21 x 61", loose), (usual, loose)),
-        "41 × 121 and 81 × 241 elements": ((usual, loose), ("81 x 241", loose)),
-        "tolerances 1e-3 and 1e-4, 21 × 61": (("21 x 61", loose), ("21 x 61", strict)),
-        "tolerances 1e-3 and 1e-4, 41 × 121": ((usual, loose), (usual, strict)),
-        "tolerances 1e-3 and 1e-4, 81 × 241": (("81 x 241", loose), ("81 x 241", strict)),
+        "21 x 61 and 41 x 121 elements": (("21 x 61", loose), (usual, loose)),
+        "41 x 121 and 81 x 241 elements": ((usual, loose), ("81 x 241", loose)),
+        "tolerances 1e-3 and 1e-4, 21 x 61": (("21 x 61", loose), ("21 x 61", strict)),
+        "tolerances 1e-3 and 1e-4, 41 x 121": ((usual, loose), (usual, strict)),
+        "tolerances 1e-3 and 1e-4, 81 x 241": (("81 x 241", loose), ("81 x 241", strict)),
     }
 
     def largest_difference(first: tuple[str, str], second: tuple[str, str], column: str) -> str:
