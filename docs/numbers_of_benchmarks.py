@@ -327,13 +327,13 @@ def error_bars() -> str:
         found[row["quantity"]].append(row)
     lines = []
     for name, rows in found.items():
-        held = sum(row["holds"] == "True" for row in rows)
+        holding = sum(row["holds"] == "True" for row in rows)
         ratios = [
             float(row["relative error"]) / float(row["relative bar"])
             for row in rows
             if row["relative error"] and float(row["relative bar"] or 0.0) > 0.0
         ]
-        lines.append((f"`{name}`", len(rows), held, f"{statistics.median(ratios):.2f}"))
+        lines.append((f"`{name}`", len(rows), holding, f"{statistics.median(ratios):.2f}"))
     return format_table(("quantity", "scenes", "error bars that hold", "median of error / error bar"), lines)
 
 
