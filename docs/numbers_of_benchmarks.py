@@ -334,7 +334,9 @@ def error_bars() -> str:
             if row["relative error"] and float(row["relative bar"] or 0.0) > 0.0
         ]
         lines.append((f"`{name}`", len(rows), holding, f"{statistics.median(ratios):.2f}"))
-    return format_table(("quantity", "scenes", "error bars that hold", "median of error / error bar"), lines)
+    return format_table(
+        ("quantity", "scenes", "error bars that hold", "median of error / error bar"), lines
+    )
 
 
 def subsurface() -> str:
