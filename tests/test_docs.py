@@ -1,6 +1,6 @@
 """Examples in docstrings run, and every public name has one.
 
-They go on from the example of the package's docstring.
+They begin with the objects of the example in the package's docstring.
 """
 
 import doctest
@@ -18,17 +18,24 @@ STUDIES = sorted(one.name for one in iter_modules(tractive_sam.studies.__path__)
 
 ROOMS = ("tractive_sam", "tractive_sam.plot", "tractive_sam.subsurface", "tractive_sam.reference")
 
-NAMES = [
-    (room, name)
-    for room in ROOMS
-    for name in import_module(room).__all__
-    if callable(getattr(import_module(room), name)) and name not in tractive_sam.studies.__all__
-]
+SLOW = {"tractive_sam.build_table", "tractive_sam.plot.save_all", "tractive_sam.plot.worn_track"}
+"""Names whose examples take seconds."""
+
+
+def list_names():
+    """Yield each public name that is callable, with its room."""
+    for room in ROOMS:
+        for name in import_module(room).__all__:
+            path = f"{room}.{name}"
+            marks = [pytest.mark.slow] if path in SLOW else []
+            is_of_studies = name in tractive_sam.studies.__all__
+            if callable(getattr(import_module(room), name)) and not is_of_studies:
+                yield pytest.param(room, name, marks=marks, id=path)
 
 
 @pytest.fixture(scope="module")
 def package():
-    """What the package's docstring leaves behind, and numpy."""
+    """Return the names that the package's docstring defines, and numpy."""
     (test,) = (
         found
         for found in doctest.DocTestFinder(recurse=False).find(tractive_sam)
@@ -42,7 +49,7 @@ def package():
     return test.globs
 
 
-@pytest.mark.parametrize(("room", "name"), NAMES, ids=[".".join(pair) for pair in NAMES])
+@pytest.mark.parametrize(("room", "name"), list_names())
 def test_example(room, name, package, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for name_of in ("OF_HISTORIES", "OF_CONTACTS"):  # an example may register a figure

@@ -244,6 +244,7 @@ def test_results(results, tmp_path, drawn_by_nothing, record_property):
             called("show", path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text", HOSTILE)
 def test_scenes_and_studies(tmp_path, text):
     """Every string of a scene and of a study: refused with a message, or taken as text."""
@@ -271,6 +272,7 @@ def computed(tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text", HOSTILE)
 def test_folders_of_studies(computed, tmp_path, text):
     """The title of a study, what is stored of its cases, and why one failed."""
@@ -304,6 +306,7 @@ def code_of(header):
     return re.sub(r"/\*.*?\*/", "", header, flags=re.DOTALL)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text", HOSTILE)
 def test_tables(table_file, text):
     original = ts.open_table(table_file)

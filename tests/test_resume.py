@@ -59,6 +59,7 @@ def whole():
     return roll(coarse())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("after", [1, 2, 5])
 def test_goes_on_as_if_nothing_had_happened(tmp_path, whole, after):
     interrupted(coarse(), tmp_path / "a.h5", after)
@@ -102,6 +103,7 @@ def test_another_scene_is_refused(tmp_path):
     assert open_history(path).to_dict() == before.to_dict()
 
 
+@pytest.mark.slow
 def test_a_roll_off_its_grid_goes_on_upon_the_one_that_is_told(tmp_path):
     scene = coarse("wear.intensity=2e-6", "wear.revolutions=20000", "wear.save=[20000]")
     path = tmp_path / "a.h5"

@@ -52,6 +52,7 @@ def lets_out(room):
     return {one.asname or one.name for names in imports for one in names}
 
 
+@pytest.mark.slow
 def test_rooms_are_entered_by_their_doors():
     """Formulas apart, which are taken by module: `kernels` lets out nothing."""
     past = []

@@ -26,6 +26,7 @@ def spoilt(folder):
     return path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", [["show"], ["show", "--json"], ["plot", "-o", "figures"]])
 def test_texts_of_a_file_do_not_command_the_terminal(call, spoilt, command):
     result = call(command[0], spoilt, *command[1:])

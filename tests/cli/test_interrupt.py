@@ -85,6 +85,7 @@ def test_no_signal_is_lost_in_a_callback_of_the_garbage_collector():
             interrupt.heed()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("one", interrupt.SIGNALS)
 def test_roll_ends_after_the_record_at_hand_and_goes_on_from_it(tmp_path, one):
     wanted = roll(DISCS, tmp_path / "whole.h5")

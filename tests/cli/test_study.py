@@ -64,6 +64,7 @@ def test_studies_of_transients_tell_shifts_and_work(call, folder):
     assert "shift x" in call("show", file).stdout
 
 
+@pytest.mark.slow
 def test_table_as_csv_dataset_and_figures(call, file, folder):
     call("study", file, "-o", "done", "--workers", "0")
     result = call("study-show", "done", "--csv", "a.csv", "--figures", "b", "--quantity", "Qx")

@@ -68,6 +68,7 @@ def test_traction_curve_as_printed(creepage, printed):
     assert ts.solve(locomotive(creepage)).Qx == pytest.approx(printed, rel=1.5 * PRINTED)
 
 
+@pytest.mark.slow
 def test_forces_beyond_the_top_of_the_traction_curve_are_told_it():
     below = ts.solve(locomotive(**{"load.force_x": 33.2e3}))
     assert below.Qx == pytest.approx(33.2e3, rel=1e-6)  # its tolerance
@@ -223,6 +224,7 @@ def test_wears_by_the_way_slid_however_little_friction_is_left(memory):
     # (the slip differs by the elastic one, 1e-3 of it)
 
 
+@pytest.mark.slow
 def test_a_slope_that_a_mesh_cannot_hold_is_told_where_nothing_is_found():
     thick = {"friction.layer": 3e-4, "friction.half_speed": 300.0}
     steep = cylinder(**thick, **{"solver.slip": "auto", "solver.method": "newton"})

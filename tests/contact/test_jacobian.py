@@ -177,6 +177,7 @@ CASES |= {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("changes", CASES.values(), ids=CASES)
 def test_central_differences(changes):
     """To 3e-6, what tolerance and third derivatives leave."""
@@ -203,6 +204,7 @@ def test_friction_of_ones_own():
     np.testing.assert_allclose(found, expected, atol=3e-6)  # as above
 
 
+@pytest.mark.slow
 def test_linear_theory_at_zero_creepage():
     """Kalker's coefficients to 0.4 %, of which his three digits are up to 0.35 %."""
     poisson = {"body.A.poisson": 0.25, "body.B.poisson": 0.25}

@@ -42,6 +42,7 @@ def test_what_flattens_a_wave_left_out():
     assert along_y.samples == pytest.approx(1.8 / 31 / (2.0 / 4000), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_waves_are_followed_and_the_pressure_converges():
     """The usual mesh has 2.4 elements a wave; on the one that follows it no note is left."""
     model = rough(PRESSED, y=Y, separation=wave(0.03))
@@ -79,6 +80,7 @@ def test_a_smooth_profile_leaves_the_mesh_as_it_is(profile, step):
         assert not [*gap_notes(model)]
 
 
+@pytest.mark.slow
 def test_noise_that_cannot_be_resolved_is_reported_with_its_numbers():
     """White noise: its rms slope is root 2 of the heights over the step, along either axis."""
     heights = 1e-4 * np.random.default_rng(0).standard_normal((1200, 1200))

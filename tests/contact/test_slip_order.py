@@ -34,6 +34,7 @@ def test_second_order_in_partial_slip():
     assert -np.polyfit(np.log(n), np.log(errors), 1)[0] > 1.8
 
 
+@pytest.mark.slow
 def test_second_order_against_carter():
     """On a line the edges of the elements are nowhere oblique, and the order is clean."""
     scene, n = Scene.builtin("cylinders"), np.arange(21, 122, 4)

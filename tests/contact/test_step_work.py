@@ -78,6 +78,7 @@ def test_friction_is_the_work_of_tractions_on_the_slip_of_their_particles(builti
         assert now.friction == pytest.approx(-0.5 * sum(halves), abs=1e-12 * now.energy)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("slip", ["auto", "upwind"])
 @pytest.mark.parametrize("coupled", [False, True])
 def test_what_is_supplied_does_not_depend_on_the_step(slip, coupled):

@@ -77,6 +77,7 @@ def section_over_work(contact, intensity):
     return worn / (intensity[0] / friction.mu[0] * contact.dissipation)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("bodies", [(), DISSIMILAR], ids=["equal", "dissimilar"])
 @pytest.mark.parametrize("friction", FRICTION)
 @pytest.mark.parametrize("creepage", CREEPAGES)

@@ -45,6 +45,7 @@ def solved(thickness, stiffer):
     return ts.solve(SCENE, laws=laws)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stiffer", [3.0, 0.3])
 def test_thick_coating_is_the_body_and_thin_one_is_nothing(stiffer):
     """With G1 = 3 G the pressure under a thick coating is 1.310 p0, by Hertz."""

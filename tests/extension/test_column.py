@@ -67,6 +67,7 @@ def test_it_is_per_length_in_a_line_contact(tmp_path):
     assert ts.open_history(tmp_path / "a.h5").columns["load"].unit == "N/mm"
 
 
+@pytest.mark.slow
 def test_it_is_shown(written, path):
     def told(*options):
         command = [sys.executable, "-m", "tractive_sam", "show", str(path), *options]

@@ -94,6 +94,7 @@ def test_the_report_shows_it(history, tmp_path):
     assert page.count("Pressure in the middle row of elements, over its mean.") == 2
 
 
+@pytest.mark.slow
 def test_the_command_line_finds_it_installed(path, tmp_path):
     about = tmp_path / "means-1.0.dist-info"
     about.mkdir()

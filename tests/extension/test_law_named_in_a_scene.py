@@ -235,6 +235,7 @@ class TestImports:
         ts.report(history, tmp_path / "film.html")
         assert "film_laws" not in sys.modules
 
+    @pytest.mark.slow
     def test_commands_read_results_without_the_package(self, package, tmp_path):
         scene, folder = DISCS.with_set(FILM), tmp_path / "elsewhere"
         folder.mkdir()
@@ -248,6 +249,7 @@ class TestImports:
         assert again.returncode == 2
         assert "friction.law" in again.stderr
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("metadata", [False, True])
     def test_files_beside_a_scene_are_not_imported(self, tmp_path, metadata):
         """`python -m` searches the current folder, which may have been received with a scene."""

@@ -93,6 +93,7 @@ def test_a_resumed_run_is_the_uninterrupted_one(tmp_path):
     np.testing.assert_array_equal(history.field("pressure"), whole.field("pressure"))
 
 
+@pytest.mark.slow
 def test_every_command_takes_it(package, tmp_path):
     (tmp_path / "drive.toml").write_text(SCENE.to_toml())
     explained = command(package, tmp_path, "explain", "drive.toml")

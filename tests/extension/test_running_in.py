@@ -46,6 +46,7 @@ def rolled(law, scene=DISCS, path=None, **options):
     return ts.roll(scene, path, laws=ts.Laws.of(scene).replace(wear=law), **options)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", [RunningIn(), Decaying()])
 def test_adaptive_jumps_wear_as_every_revolution_does(law):
     adaptive = rolled(law)
@@ -76,6 +77,7 @@ def test_resumed_run_is_the_whole_one(tmp_path, law):
     np.testing.assert_allclose(resumed, expected, atol=1e-6 * expected.max())  # solver: 1e-8
 
 
+@pytest.mark.slow
 def test_each_block_of_a_duty_cycle_runs_in():
     blocks = [{"revolutions": 1}, {"revolutions": 1, "load": {"normal": 200.0}}]
     cycle = DISCS.replace(duty=blocks)

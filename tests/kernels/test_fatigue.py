@@ -195,6 +195,7 @@ def find_critical_value(cycle, sum_k, product_k):
     return values.max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("sum_k", "product_k"), [(0.0, 0.0), (0.3, 0.0), (1.0, 0.0), (0.0, 0.3)])
 def test_the_critical_plane_is_that_of_brute_force(sum_k, product_k):
     """Random cycles, components out of phase, and stress below lines, with many close maxima."""

@@ -49,6 +49,7 @@ def error(x, y, dx, dy, truth):
 SHAPES = [(1.0, 1.0), (1.0, 0.3), (0.1, 2.0)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("dx", "dy"), SHAPES)
 def test_near_the_rectangle(dx, dy):
     rng = np.random.default_rng(1)

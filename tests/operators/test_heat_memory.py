@@ -78,6 +78,7 @@ def test_suddenly_started_strip(peclet):
         assert np.abs(rise - jaeger).max() < 4e-3 * steady
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("peclet", [0.5, 5.0, 50.0])
 def test_it_becomes_steady_on_finer_meshes(peclet):
     errors = []

@@ -49,6 +49,7 @@ def axes_up_to(top):
     return figure
 
 
+@pytest.mark.slow
 def test_labels_stay_inside_where_ticks_depend_on_the_layout():
     """Near 0.45 the layout alternates between labels of one and of two decimals."""
     for top in np.linspace(0.448, 0.46, 7):

@@ -39,6 +39,7 @@ def test_a_last_record_that_was_not_solved_is_left_out():
     assert np.isfinite(balance.get_ydata()).any()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "draw",
     [

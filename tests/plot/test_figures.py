@@ -55,6 +55,7 @@ def test_figures_of_a_state(draw):
     assert "; N\u00a0=\u00a010; " in of_history.get_suptitle()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("draw", OF_A_HISTORY)
 def test_figures_of_a_history(draw):
     drawn(draw(strips.history()))
@@ -135,6 +136,7 @@ def test_a_slender_contact_is_stretched_and_says_so():
     assert "stretched" not in plot.traction(contact).get_suptitle()
 
 
+@pytest.mark.slow
 def test_bodies_with_a_measured_ridge_touch_though_nothing_wears(tmp_path):
     y = np.linspace(-3.0, 3.0, 61)
     gap = ts.Gap(x=[-9.0, 9.0], y=y, separation=[-1e-3 * np.exp(-(y**2))] * 2)
@@ -235,6 +237,7 @@ class TestSaveAll:
             "stick-slip.svg",
         }
 
+    @pytest.mark.slow
     def test_no_fields(self, tmp_path):
         paths = plot.save_all(strips.history(stored=()), tmp_path, "pdf")
         assert {path.name for path in paths} == {"forces.pdf", "widths.pdf", "wear-depth.pdf"}
@@ -274,6 +277,7 @@ def test_titles_tell_what_where_and_over_which_scale():
         assert told in title
 
 
+@pytest.mark.slow
 def test_what_does_not_touch_is_left_out(tmp_path):
     free = ts.Scene.builtin("spheres").replace(load={"approach": 0.03}, subsurface=None)
     course = {"distance": [0, 2, 4], "load.approach": [0.03, 0.03, -0.01], "save": [0, 2, 4]}

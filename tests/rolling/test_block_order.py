@@ -163,6 +163,7 @@ def test_changed_loads_spread_over_the_depth():
     assert (even.load_factors(y, depth) == 1.0).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("blocks", [(HEAVY, BACK), (BACK, HEAVY)])
 def test_the_error_of_the_damage_includes_the_order_of_blocks(blocks):
     scene = discs(blocks)

@@ -244,6 +244,7 @@ def test_a_mesh_that_grows_on_the_way_changes_nothing():
         np.testing.assert_allclose(here.damage, there.damage, atol=1e-2 * there.damage.max())
 
 
+@pytest.mark.slow
 def test_a_contact_that_leaves_the_mesh_keeps_the_damage_before(tmp_path, monkeypatch):
     def away(model, last, jump, response):
         contact = replace(last.contact, status=ts.solvers.Status.OFF_GRID)
@@ -298,6 +299,7 @@ def test_blocks_that_are_alike_do_the_damage_of_one_load():
         np.testing.assert_allclose(whole[name], one[name], rtol=1e-9)  # by rounding
 
 
+@pytest.mark.slow
 def test_blocks_add_up_by_miner(tmp_path):
     """Cycles in jumps, one revolution after another, and killed half way: the same damage."""
     settings = ["wear.revolutions=16", "wear.save=[0, 8, 16]"]
@@ -338,6 +340,7 @@ def test_a_block_aside_damages_its_own_place():
     assert damaged.max() == pytest.approx(alone.max() + 0.4, abs=0.1)  # an element
 
 
+@pytest.mark.slow
 def test_the_life_of_a_volume():
     asked = {"criterion": "orthogonal-shear", "sensitivity": None, "limit": 1.0}
     volume = {"constant": 1e-34}

@@ -69,6 +69,7 @@ def test_a_block_of_free_rolling_changes_only_the_count():
     assert mixed["block_share"][-1].tolist() == [1.0, 0.0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stepping", ["adaptive", "every-revolution"])
 def test_depth_of_a_line_in_full_slip(stepping):
     """Sum of n_k i P'_k |xi_k| in a cycle."""

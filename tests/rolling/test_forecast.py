@@ -37,6 +37,7 @@ SHORT = (20, 50, 200)
 SMALL = ("grid.half_length=[4.5, 4.5]", "grid.elements=[41, 41]")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "settings"),
     [

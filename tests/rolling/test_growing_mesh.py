@@ -76,6 +76,7 @@ def test_hot_discs_grow_too():
     assert last.contact.wear.max() == pytest.approx(wanted.wear.max(), rel=1e-5)
 
 
+@pytest.mark.slow
 def test_elements_alone_are_laid_over_the_domain_that_is_chosen(tmp_path):
     scene = without_grid(WEARING)
     worn = {"wear.revolutions": 6000, "wear.save": (6000,)}
@@ -109,6 +110,7 @@ def test_a_domain_alone_has_elements_as_a_scene_without_grid():
     assert wider.dx == pytest.approx(row.dx, rel=2.0 / row.elements[0])
 
 
+@pytest.mark.slow
 def test_a_domain_alone_goes_on(tmp_path):
     short = {"wear.revolutions": 2, "wear.save": (2,), "grid.half_length": (0.35, 1.4)}
     scene = without_grid(WEARING).replace(**short, **{"solver.tolerance": 1e-6})

@@ -157,6 +157,7 @@ def test_it_goes_on_from_the_two_contacts_that_it_had(tmp_path):
             assert getattr(one.contact, name) == pytest.approx(history[name][row], rel=1e-12)
 
 
+@pytest.mark.slow
 def test_slip_of_a_shift_is_a_length(tmp_path):
     """Its numbers grow with the unit of length, so that the file must not call them pure."""
     shift = {"start": "shift", "distance": [0, 1], "step": 1.0, "creepage.longitudinal": [0, 0.01]}

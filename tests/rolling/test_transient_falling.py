@@ -55,6 +55,7 @@ def test_what_is_steady_stays_so(slip, friction, length):
     assert np.abs(history["Qx"] / before.Qx - 1.0).max() < allowed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("slip", ["auto", "upwind"])
 @pytest.mark.parametrize("friction", [FALLS, REMEMBERS])
 def test_in_the_end_it_is_steady(slip, friction):
@@ -403,6 +404,7 @@ def growth(damping, mass, steps=50):
 SLIDES, SLIDING = FALLS | {"half_speed": 400.0}, 400.0
 
 
+@pytest.mark.slow
 def test_a_falling_curve_drives_a_mass_that_is_damped_less_than_slope_times_load():
     # At the half speed: mu falls by ln 2/2 of its fall over the half speed.
     critical = 0.5 * np.log(2.0) / SLIDING * MU * (1.0 - KINETIC) * P  # N s/mm

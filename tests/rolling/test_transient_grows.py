@@ -46,6 +46,7 @@ COURSES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", COURSES.values(), ids=COURSES)
 def test_it_is_as_on_the_wide_mesh_from_the_beginning(scene):
     found = list(steps(Model(scene, grid=narrow(scene))))
@@ -66,6 +67,7 @@ def test_it_is_as_on_the_wide_mesh_from_the_beginning(scene):
         np.testing.assert_allclose(worn[:, first], wanted_there[:, first], atol=1e-6 * deepest)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["alike", "worn"])
 def test_a_file_becomes_wider_and_is_gone_on_from(tmp_path, monkeypatch, name):
     scene = COURSES[name]

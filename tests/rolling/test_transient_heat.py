@@ -46,6 +46,7 @@ def same(history, other, names=WARM, **tolerance):
         np.testing.assert_allclose(history[name], other[name], **tolerance)
 
 
+@pytest.mark.slow
 def test_it_becomes_steady_on_finer_meshes():
     errors = []
     for n in (15, 31, 61):
@@ -124,6 +125,7 @@ def test_half_steps_are_as_warm():
     assert missed[-1] < 1.5e-2 * rise
 
 
+@pytest.mark.slow
 def test_a_run_is_continued(tmp_path):
     for scene in (rolling(6 * DX), rolling(6 * DX, **UNLIKE)):
         path = tmp_path / f"{scene.thermal['B'].conductivity:g}.h5"

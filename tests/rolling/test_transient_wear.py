@@ -177,6 +177,7 @@ def test_archards_law_counts_the_way_whatever_the_friction():
     assert np.isnan(both[1].wear_balance).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("start", ["rest", "shift"])
 @pytest.mark.parametrize("stepping", ["even", "adaptive"])
 def test_it_goes_on_where_it_was_stopped(tmp_path, start, stepping):

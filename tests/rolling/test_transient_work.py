@@ -60,6 +60,7 @@ def test_what_is_stored_does_not_change_what_is_computed(start, stepping):
     assert not balances(saved, only_if_open=True).keys() & {"energy"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", [0.15, 0.5, 0.7])
 def test_wear_depends_little_on_the_step_and_in_second_order(part):
     missed = []
@@ -81,6 +82,7 @@ def test_steady_rolling_wears_the_same_by_any_step():
     np.testing.assert_allclose(others, whole, rtol=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stepping", ["even", "adaptive"])
 def test_it_is_resumed_from_records_between_steps(tmp_path, stepping):
     scene = rolling(15, save=SAVES, stepping=stepping)

@@ -83,6 +83,7 @@ def test_without_wear_there_is_no_balance():
     assert "wear" not in balances(history)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shear", [1.0, 8.0], ids=["equal", "dissimilar"])
 @pytest.mark.parametrize(
     "setting", ["friction.mu=1e-14", "creepage.longitudinal=-1e-15", "creepage.longitudinal=0.0"]

@@ -71,6 +71,7 @@ def check_closed(contact):
     assert contact.gap[contact.pressure == 0.0].min() >= -100.0 * tolerance * contact.approach
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CHANGES)
 def test_pressure_needs_a_closed_gap_and_mirror_images_agree(name):
     contact, image = solve(CHANGES[name]), solve(CHANGES[name], -1.0)

@@ -89,6 +89,7 @@ def read_all(path):
     return arrays
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", LINKS)
 def test_results_read_no_other_file(stored, tmp_path, kind):
     whole = stored.read_bytes()

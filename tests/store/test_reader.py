@@ -96,6 +96,7 @@ class TestXarray:
             np.testing.assert_array_equal(data.record, [0, 3, 6])
             assert (data.pressure.sel(record=3) == 3.0).all()
 
+    @pytest.mark.slow
     def test_tree(self, finished, engine):
         with xr.open_datatree(finished, engine=engine) as tree:
             assert {"grid", "history", "fields", "stress", "state"} == set(tree.children)
@@ -181,6 +182,7 @@ class TestUnreadable:
         with pytest.raises(ResultsError, match=re.escape(str(finished))):
             open_history(finished)
 
+    @pytest.mark.slow
     def test_a_lost_page_is_told_before_rolling_goes_on(self, tmp_path):
         # In a process of its own, which HDF5 may end where it walks a damaged file by itself.
         found = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}

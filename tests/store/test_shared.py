@@ -36,6 +36,7 @@ def read(path):
     return history["Qx"].tolist(), history.field("pressure", history.saved[-1]).sum()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("opened", OPENINGS)
 def test_opens_while_other_code_has_it_open(finished, opened):
     expected = read(finished)
@@ -49,6 +50,7 @@ def test_opens_while_other_code_has_it_open(finished, opened):
     assert read(finished) == expected
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("opened", [name for name in OPENINGS if name != "h5py for writing"])
 def test_other_code_opens_it_while_it_is_read_and_written(finished, opened):
     with results_file(finished):
@@ -78,6 +80,7 @@ def test_what_another_process_has_open_for_writing_is_not_damaged(finished):
     assert len(open_history(finished)) == 7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("opened", [None, "h5py", "xarray"])
 @pytest.mark.parametrize("at", [8, 9, 11, 13, 44])  # version, sizes, flags, checksum of the head
 def test_damage_is_reported_as_such(finished, tmp_path, opened, at):

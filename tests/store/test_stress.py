@@ -73,6 +73,7 @@ def test_wider_mesh(path):
     assert history.stress("A", "y=0", 10).components["xx"].shape == (5, 3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engine", ["h5netcdf", "netcdf4"])
 def test_xarray(stressed, engine):
     pytest.importorskip({"netcdf4": "netCDF4"}.get(engine, engine))

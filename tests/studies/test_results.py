@@ -44,6 +44,7 @@ def test_dataset_is_written_and_read(done, tmp_path):
         xarray.testing.assert_equal(again.load(), data)
 
 
+@pytest.mark.slow
 def test_dataset_of_a_revolution(tmp_path):
     asked = Study(
         scene="twin-discs",

@@ -118,6 +118,7 @@ def whole_path(contact, y, depth, body):
     return np.array([np.append(path[name], 0.0) for name in ("xx", "yy", "zz", "xy", "xz", "yz")])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PATHS)
 @pytest.mark.parametrize("shallow", [False, True])
 def test_paths_include_the_maxima_outside_the_contact(name, shallow):
@@ -159,6 +160,7 @@ def test_mirrored_contacts_stress_mirrored_material():
         np.testing.assert_allclose(each[0], each[1][::-1], rtol=1e-6)  # of the contacts
 
 
+@pytest.mark.slow
 def test_the_surface_changes_little_as_the_edge_crosses_an_element():
     """A flip from record to record would make the jumps of a roll short, and its damage wrong."""
     scene = ts.Scene.builtin("spheres").replace(

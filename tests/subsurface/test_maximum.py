@@ -142,6 +142,7 @@ def largest_in_layers(contact, depths):
     return layers[k][i, j], (contact.grid.x[i], contact.grid.y[j], depths[k])
 
 
+@pytest.mark.slow
 def test_below_the_pressure_spikes_of_worn_discs():
     contact = worn_discs(0.002, 0.6, "friction.mu=0.2")
     found = stress_maximum(contact)
@@ -154,6 +155,7 @@ def test_below_the_pressure_spikes_of_worn_discs():
     np.testing.assert_allclose((x0, abs(y0), z0), (x, abs(y), z), atol=contact.grid.dy)
 
 
+@pytest.mark.slow
 def test_a_spike_too_narrow_for_the_mesh():
     """Its maximum is less than two elements deep; reported is what is found two elements deep."""
     contact = worn_discs(0.01, 0.9, "friction.mu=0.2")
@@ -164,6 +166,7 @@ def test_a_spike_too_narrow_for_the_mesh():
     assert found.value == found.interior >= value > found.surface
 
 
+@pytest.mark.slow
 def test_comes_and_goes_but_once_as_discs_wear():
     """As it nears the surface it ends there; what the mesh makes is not taken for one."""
     to_6000 = ["grid.elements=[27, 81]", "wear.revolutions=6000", "wear.save=[0, 6000]"]

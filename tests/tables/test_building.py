@@ -51,6 +51,7 @@ def orthotropic(place):
     return np.array([1.0, 0.3 + 0.4 * place[2], 0.8])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1])
 def test_nodes_are_added_until_points_anywhere_are_within_the_tolerance(seed):
     table, off = built(orthotropic, 5e-3, seed)
@@ -59,6 +60,7 @@ def test_nodes_are_added_until_points_anywhere_are_within_the_tolerance(seed):
     assert table.nodes < 8000
 
 
+@pytest.mark.slow
 def test_a_table_ends_when_points_that_it_has_not_seen_find_nothing():
     """Nodes are where the points asked for them: these alone would say too little of the others."""
     one = builder(orthotropic, 5e-3, 0)

@@ -51,6 +51,7 @@ WRONG = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", WRONG)
 @pytest.mark.parametrize("name", ["log_ratio", "heading", "tilt", "u"])
 def test_axes(steel, name, kind):
@@ -59,6 +60,7 @@ def test_axes(steel, name, kind):
         ts.open_table(steel)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", sorted(WRONG.keys() - {"reversed", "constant"}))
 @pytest.mark.parametrize("name", ["coefficients", "error_bar", "between_u", "check_errors"])
 def test_arrays(steel, name, kind):

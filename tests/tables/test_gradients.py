@@ -36,6 +36,7 @@ def slopes(table, ratio):
     return table(0.0, 0.0, 0.0, **scaled_contact(ratio)).gradient
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ratio", [0.7, 3.9])
 def test_slopes_at_rest_are_those_of_fine_meshes(table, ratio):
     """Between the nodes along a/b, against meshes that the table has not seen."""
@@ -139,6 +140,7 @@ def bars_at(nodes, values, u):
     return bars + (cell == 0)[:, None, None] * values[0]
 
 
+@pytest.mark.slow
 def test_gradients_anywhere_are_within_their_error_bars(table):
     """Against contacts on a finer mesh than any node."""
     random, inside = np.random.default_rng(11), 0

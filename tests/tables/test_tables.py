@@ -114,6 +114,7 @@ def test_values_and_slopes_have_no_jumps(table):
     assert np.abs(np.diff(g, axis=2)).max() < 1e3 * step
 
 
+@pytest.mark.slow
 def test_points_anywhere_are_within_the_error_told(table):
     """Against contacts solved on a finer mesh than any node."""
     random = np.random.default_rng(7)
@@ -299,6 +300,7 @@ def test_c_header_gives_the_same_numbers(table, tmp_path):
     np.testing.assert_allclose(found[:, 3:] / size, gradient / size, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_command(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     run = CliRunner().invoke

@@ -172,6 +172,7 @@ def test_c_header(kind, tmp_path):
     assert_equal(found[:-1, 1:], all_of(table(*xi, **given)))
 
 
+@pytest.mark.slow
 @needs_cc
 @pytest.mark.parametrize("interface", ["CoSimulation", "ModelExchange"])
 @pytest.mark.parametrize("kind", CASES)
