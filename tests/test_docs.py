@@ -49,7 +49,7 @@ def package():
     return test.globs
 
 
-@pytest.mark.parametrize(("room", "name"), list_names())
+@pytest.mark.parametrize(("room", "name"), list(list_names()))
 def test_example(room, name, package, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for name_of in ("OF_HISTORIES", "OF_CONTACTS"):  # an example may register a figure
