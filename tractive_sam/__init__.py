@@ -27,7 +27,7 @@ Accuracy, Gap, Solver, Subsurface, Fatigue, FatigueVolume, Heat, Bulk, Thermal; 
 **Changing scenes** Transient, LoadCourse, CreepageCourse, FrictionCourse, Profiles; Block,
 BlockLoad, BlockCreepage, BlockFriction, LoadHistory, Binned, blocks_of
 
-**Processes** Process, Step, StepRecord, ProcessTable
+**Processes** Process, Step, StepRecord, ProcessTable, Observer, ObserverTable
 
 **Results** Contact, State, History, Quantity, PlaneStress, Maximum, FlashTemperature, BodyFatigue;
 open_history, report, export_surface, export_volume

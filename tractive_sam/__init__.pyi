@@ -41,6 +41,7 @@ from .results import NotConverged as NotConverged
 from .results import PlaneStress as PlaneStress
 from .results import Quantity as Quantity
 from .results import State as State
+from .rolling import Observer as Observer
 from .rolling import Process as Process
 from .rolling import Step as Step
 from .rolling import StepRecord as StepRecord
@@ -73,6 +74,7 @@ from .scene import Load as Load
 from .scene import LoadCourse as LoadCourse
 from .scene import LoadHistory as LoadHistory
 from .scene import Mesh as Mesh
+from .scene import ObserverTable as ObserverTable
 from .scene import ProcessTable as ProcessTable
 from .scene import Profiles as Profiles
 from .scene import Scene as Scene

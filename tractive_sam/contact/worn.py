@@ -30,7 +30,7 @@ class Worn:
         ValueError
             If one is a line contact and the other is not.
         """
-        if (self.y.size == 1) != grid.line:
+        if (self.y.size == 1) != (grid.directions == 1):
             raise ValueError("start: a line contact goes on as one, others as others")
         y = grid.y + grid.shift
         return np.stack([np.interp(y, self.y, depth) for depth in self.depths])

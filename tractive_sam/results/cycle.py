@@ -88,7 +88,7 @@ def cycle_record(
         for name in (records[0].fields if all(record.fields for record in records) else ())
     }
     stress = [replace(one, block=k) for k, of in enumerate(records) for one in of.stress]
-    return Record(values, names, fields, tuple(stress))
+    return Record(values, names, fields, tuple(stress), own_fields=records[0].own_fields)
 
 
 def of_blocks(one: Quantity) -> Quantity:

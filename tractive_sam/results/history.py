@@ -99,6 +99,8 @@ class History:
     datum : str
         What the approach is counted from: "vertex", where the unworn bodies touch first, or "node",
         the nearest element, in results files of earlier versions.
+    own_fields : mapping of str to Quantity
+        Those of the fields that are not the package's.
 
     Examples
     --------
@@ -126,6 +128,7 @@ class History:
     stresses_of_blocks: tuple[Mapping[tuple[str, str], Rows[PlaneStress]], ...] = ()
     measured: str = ""
     datum: str = "vertex"
+    own_fields: Mapping[str, Quantity] = field(default_factory=dict)
 
     @classmethod
     def of_records(
@@ -164,6 +167,7 @@ class History:
             started=started,
             cycles=_by_body(kept),
             stresses_of_blocks=tuple(_by_plane(kept, k) for k in range(len(scene.duty))),
+            own_fields={k: one for record in kept for k, one in record.own_fields.items()},
         )
 
     def __repr__(self) -> str:
@@ -356,7 +360,7 @@ class History:
         Parameters
         ----------
         name : str
-            A name of `FIELDS`.
+            A name of `FIELDS`, or of a field of an observer.
         at : float, optional
             One of `saved`, also by the name of the coordinate, ``revolution=2``; the last by
             default.
@@ -666,13 +670,14 @@ class History:
             for name, one in self.columns.items()
             if one is not along
         }
+        quantities = {**kept_fields(self.scene), **self.own_fields}
         for name, rows in self.fields.items():
             blocks = () if not self.block_names else (len(self.block_names),)
             values = np.empty((len(rows), *blocks, *self.grid.elements))
             for row in range(len(rows)):
                 values[row] = rows[row]
             dims = ("saved", *("block" for _ in blocks), "x", "y")
-            data[name] = (dims, values, about(kept_fields(self.scene)[name]))
+            data[name] = (dims, values, about(quantities[name]))
         labels = {name: list(values) for name, values in LABELS.items()}
         if self.block_names:
             labels["block"] = self.block_names

@@ -31,6 +31,8 @@ class Record:
         in each block.
     cycles : tuple of BodyFatigue
         What rolling has done to each body that [fatigue] names, kept with the fields.
+    own_fields : mapping of str to Quantity
+        Those of the fields that are not the package's.
     """
 
     values: Mapping[str, Any]
@@ -38,6 +40,7 @@ class Record:
     fields: Mapping[str, np.ndarray] = field(default_factory=dict)
     stress: tuple[PlaneStress, ...] = ()
     cycles: tuple[BodyFatigue, ...] = ()
+    own_fields: Mapping[str, Quantity] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -48,7 +51,7 @@ class Record:
         own: Iterable[Quantity] = (),
         with_fields: bool = True,
         stress: Iterable[PlaneStress] = (),
-        cycles: Iterable[BodyFatigue] = (),
+        own_fields: Mapping[Quantity, np.ndarray] | None = None,
     ) -> "Record":
         """Take the record of a contact.
 
@@ -64,8 +67,8 @@ class Record:
             Whether to keep the fields.
         stress : iterable of PlaneStress
             Stress on planes.
-        cycles : iterable of BodyFatigue
-            Fatigue of bodies, kept with the fields.
+        own_fields : mapping of Quantity to ndarray, optional
+            Fields beside those of `FIELDS`, shape (n_x, n_y).
         """
         names = columns(contact.scene, own)
         values = {
@@ -75,7 +78,15 @@ class Record:
         if not with_fields:
             return cls(values, names)
         warm = {} if contact.heat is None else {k: one.of(contact) for k, one in WARM.items()}
-        return cls(values, names, fields(contact) | warm, tuple(stress), tuple(cycles))
+        own_values = {one.name: values for one, values in (own_fields or {}).items()}
+        quantities = {one.name: one.with_units_of(contact.scene) for one in own_fields or {}}
+        return cls(
+            values,
+            names,
+            fields(contact) | warm | own_values,
+            tuple(stress),
+            own_fields=quantities,
+        )
 
     @property
     def coordinate(self) -> Quantity:

@@ -346,7 +346,7 @@ class State:
     @cached_property
     def half_width_y(self) -> float:
         """Half the extent of the contact in y, mm, as in x; inf of a line contact."""
-        if self.grid.line:
+        if self.grid.directions == 1:
             return math.inf
         return 0.5 * self.grid.dy * extent(self.pressure.T)
 

@@ -1,10 +1,9 @@
 """What `rolling` lets out, for `__init__.py` and for type checkers."""
 
-from .damage import MISSED as MISSED
 from .damage import Damage as Damage
 from .damage import stressed_volume as stressed_volume
 from .forecast import Forecast as Forecast
-from .observation import Observation as Observation
+from .observer import Observer as Observer
 from .passage import Passage as Passage
 from .passage import ProfilePoint as ProfilePoint
 from .passage import begun as begun
@@ -18,5 +17,6 @@ from .process import continuing_rows as continuing_rows
 from .registry import process_of as process_of
 from .registry import process_type as process_type
 from .registry import steps as steps
+from .stress import LargestStress as LargestStress
 from .transient import Moment as Moment
 from .transient import Transient as Transient

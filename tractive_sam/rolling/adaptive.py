@@ -112,8 +112,6 @@ def _next_jump(process: Process[Passage], last: Passage, control: Stops) -> Pass
             now = process.observe(replace(now, responses=responses), last)
             error = max([error, *(one.missed(model) for one in now.observed.values())])
         if error <= 1.0 or step.length == 1 or (now.off_grid and not model.scene.has_fixed_domain):
-            if not now.observed:  # the contact has left the mesh
-                now = process.observe(now, last)
             return replace(now, solves=solves, jump=control.next(step, error))
         step = control.shorter(step, error)
 

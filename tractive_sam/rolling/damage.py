@@ -21,20 +21,21 @@ cracks start there if and only if w' is below w'_bal(y) = integral of d dz.
 """
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import Any, Self
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
 from tractive_sam.contact import Model
+from tractive_sam.description import Row
 from tractive_sam.mechanics import VolumeLife, Woehler, over_depth
 from tractive_sam.results import BODIES, BodyFatigue, widened
 from tractive_sam.rolling.block_order import BlockOrder, block_orders
-from tractive_sam.rolling.observation import Observation
+from tractive_sam.rolling.observer import Observer
 from tractive_sam.rolling.passage import Passage
 from tractive_sam.rolling.process import StoredStep
-from tractive_sam.scene import Scene
+from tractive_sam.scene import FatigueVolume, Scene
 from tractive_sam.subsurface import cycle_depths, cycle_fatigue, semi_axes
 
 WORN, FINE, GROWTH, COARSE = 0.2, 180, 1.05, 0.25
@@ -158,7 +159,7 @@ class Followed:
 
 
 @dataclass(frozen=True, eq=False)
-class Damage(Observation):
+class Damage(Observer):
     """The material of the bodies of a scene with [fatigue], after a number of revolutions.
 
     Attributes
@@ -169,15 +170,29 @@ class Damage(Observation):
         By body.
     """
 
-    revolution: int
-    earlier: int
-    bodies: Mapping[str, Followed]
-
     name, key = "damage", "fatigue"
 
-    @classmethod
-    def begin(cls, passage: Passage, model: Model) -> Self:
-        """See `Observation.begin`: undamaged bodies in their first pass."""
+    revolution: int = 0
+    earlier: int = 0
+    bodies: Mapping[str, Followed] = field(default_factory=dict)
+
+    def describe(self, model: Model) -> Iterator[Row]:
+        """See `Observer.describe`."""
+        laws, table = model.laws, model.scene.fatigue
+        if table.limit is None:
+            return
+        yield Row("criterion", laws.fatigue.long_name)
+        if laws.volume is not None:
+            yield Row("volume", _describe_volume(table.volume, laws.volume))
+        if len(model.blocks) > 1:
+            rule = "by Miner's rule, in any order (damage_error estimates its effect)"
+            yield Row("duty cycle", f"the damage of its blocks {rule}")
+        if model.scene.schedule.adaptive:
+            missed = f"each misses up to {MISSED * table.tolerance:g} of the largest damage"
+            yield Row("jumps", f"{missed}, by its estimate; all together damage_error")
+
+    def begin(self, passage: Passage, model: Model) -> "Damage":
+        """See `Observer.begin`: undamaged bodies in their first pass."""
         longest = max(passage.contacts, key=lambda one: semi_axes(one)[0])
         turns, bodies = passage.turns[0], {}
         for body, (found, used) in _cycled(passage, model, cycle_depths(longest)).items():
@@ -186,10 +201,10 @@ class Damage(Observation):
             none = np.zeros((found.y.size, zeta.size))
             now = found.with_damage(zeta, none, worn)
             bodies[body] = Followed(now, used, used, rate, turns.per_count[body], none)
-        return cls(passage.revolution, passage.revolution, bodies)
+        return Damage(passage.revolution, passage.revolution, bodies)
 
     def after(self, passage: Passage, model: Model) -> "Damage":
-        """See `Observation.after`: after the passes up to a later one."""
+        """See `Observer.after`: after the passes up to a later one."""
         before = {body: _on(one, passage.grid.y) for body, one in self.bodies.items()}
         depths = next(iter(before.values())).now.depth  # those of all
         jump = passage.revolution - self.revolution, self.revolution - self.earlier
@@ -202,12 +217,12 @@ class Damage(Observation):
         return Damage(passage.revolution, self.revolution, bodies)
 
     def missed(self, model: Model) -> float:
-        """See `Observation.missed`: what the last jump missed of the largest damage."""
+        """See `Observer.missed`: what the last jump missed of the largest damage."""
         most = max(one.missed for one in self.bodies.values())
         return most / (MISSED * model.scene.fatigue.tolerance)
 
     def remark(self, model: Model) -> str:
-        """See `Observation.remark`: stress above shakedown, and lives that the mesh decides on."""
+        """See `Observer.remark`: stress above shakedown, and lives that the mesh decides on."""
         factors = {body: one.now.shakedown_lower for body, one in self.bodies.items()}
         above = [f"{body} {factor:.2f}" for body, factor in factors.items() if factor < 1.0]
         tops = {} if model.laws.volume is None else self.at_the_top(model)
@@ -234,13 +249,13 @@ class Damage(Observation):
         }
 
     @property
-    def fields(self) -> tuple[BodyFatigue, ...]:
-        """What is kept of it with the fields of a record."""
+    def cycles(self) -> tuple[BodyFatigue, ...]:
+        """See `Observer.cycles`."""
         return tuple(one.now for one in self.bodies.values())
 
     @property
     def state(self) -> dict[str, np.ndarray]:
-        """What rolling goes on from, beside the columns of the record, by name."""
+        """See `Observer.state`."""
         return {
             f"{name}_{body}": values
             for body, one in self.bodies.items()
@@ -254,8 +269,8 @@ class Damage(Observation):
             )
         }
 
-    def columns(self, model: Model, recorded: Mapping[str, Any]) -> dict[str, Any]:
-        """See `Observation.columns`; error bars of jumps and mesh are put together."""
+    def record(self, model: Model, recorded: Mapping[str, Any]) -> dict[str, Any]:
+        """See `Observer.record`; error bars of jumps and mesh are put together."""
         found = fatigue_columns(self, model)
         bars = {name: recorded.get(f"{name}_error") for name in ("damage", *BARRED)}
         if "damage_error" in found:
@@ -270,15 +285,14 @@ class Damage(Observation):
             found |= {f"{name}_error": values for name, values in volume.items()}
         return found
 
-    def block_columns(self, block: int) -> dict[str, Any]:
-        """See `Observation.block_columns`."""
+    def record_block(self, block: int) -> dict[str, Any]:
+        """See `Observer.record_block`."""
         each = self.bodies.items()
         return _used({body: replace(one.now, utilisation=one.used[block]) for body, one in each})
 
-    @classmethod
-    def restore(cls, passage: Passage, stored: StoredStep) -> "Damage":
-        """See `Observation.restore`."""
-        history, row, state = stored.history, stored.row, stored.state
+    def restore(self, passage: Passage, stored: StoredStep) -> "Damage":
+        """See `Observer.restore`."""
+        history, row, state = stored.history, stored.row, stored.state_of(self)
         unknown = np.full((len(history), len(BODIES)), np.nan)  # without a limit
         by_body = history.values.get("initiation", unknown)[row]
         initiation = dict(zip(BODIES, by_body, strict=True))
@@ -305,7 +319,17 @@ class Damage(Observation):
                 error,
                 float(initiation[body]),
             )
-        return cls(passage.revolution, earlier, bodies)
+        return Damage(passage.revolution, earlier, bodies)
+
+
+def _describe_volume(table: FatigueVolume, law: VolumeLife) -> str:
+    """Describe the life of the whole volume under stress."""
+    text = f"stress^{law.stress_exponent:.4g} / depth^{law.depth_exponent:.4g}"
+    text += f" above {law.limit:g} MPa" if law.limit else ""
+    text += f", Weibull's slope {law.slope:.4g}; from one element deep on"
+    if table.constant is None:
+        return f"{text}; no life: there is no constant"
+    return f"{text}; life with a survival of {table.survival:g}"
 
 
 def _cycled(

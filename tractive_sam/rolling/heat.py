@@ -8,7 +8,7 @@ divides as that of two half-spaces does, by the root of conductivity, density an
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any
 
@@ -17,7 +17,7 @@ import numpy as np
 from tractive_sam.contact import Model, Stepped, divide_heat
 from tractive_sam.operators import HeatMemory
 from tractive_sam.results import BODIES, FlashTemperature, Grid, State, widened
-from tractive_sam.rolling.observation import Observation
+from tractive_sam.rolling.observer import Observer
 
 
 @lru_cache(maxsize=4)
@@ -35,7 +35,7 @@ def _memories(model: Model) -> dict[str, HeatMemory]:
 
 
 @dataclass(frozen=True, eq=False)
-class TransientHeat(Observation):
+class TransientHeat(Observer):
     """Temperature by the heat of all steps, which stays in the material.
 
     Attributes
@@ -50,27 +50,25 @@ class TransientHeat(Observation):
     name = "heat"
     key = "heat"
 
-    heat: FlashTemperature
-    past: Mapping[str, np.ndarray]
+    heat: FlashTemperature | None = None
+    past: Mapping[str, np.ndarray] = field(default_factory=dict)
 
-    @classmethod
-    def bytes_needed(cls, model: Model) -> float:
-        """See `Observation.bytes_needed`: of both bodies before, after and during a step."""
+    def bytes_needed(self, model: Model) -> float:
+        """See `Observer.bytes_needed`: of both bodies before, after and during a step."""
         return 8.0 * 3 * sum(math.prod(memory.shape) for memory in _memories(model).values())
 
-    @classmethod
-    def begin(cls, step: Any, model: Model) -> "TransientHeat":
-        """See `Observation.begin`.
+    def begin(self, step: Any, model: Model) -> "TransientHeat":
+        """See `Observer.begin`.
 
         A contact that rolled steadily has its temperature. Other bodies are as warm as their bulk,
         and where they are pressed together as two half-spaces that are put together.
         """
         heat = step.stepped.contact.heat or _put_together(step.stepped.contact, model)
-        begun = cls(heat, _each(_memories(model), HeatMemory.settled, heat.flux))
+        begun = TransientHeat(heat, _each(_memories(model), HeatMemory.settled, heat.flux))
         return begun._after_shift(step.stepped, model) if step.stepped.shifted else begun
 
     def after(self, step: Any, model: Model) -> "TransientHeat":
-        """See `Observation.after`."""
+        """See `Observer.after`."""
         memories = _memories(model)
         known = replace(self, past=_each(memories, HeatMemory.adopt, self.past))
         if step.stepped.shifted:
@@ -100,32 +98,28 @@ class TransientHeat(Observation):
         }
         return replace(self, heat=heat, past=past)
 
-    @classmethod
-    def restore(cls, step: Any, stored: Any) -> "TransientHeat":
-        """See `Observation.restore`."""
-        state, contact = stored.state, step.stepped.contact
-        past = {
-            body: state[f"heat_{body}"].reshape(state[f"heat_shape_{body}"].astype(int))
-            for body in BODIES
-        }
-        mesh = state["heat_mesh"].astype(int)
-        warmth = dict(zip(BODIES, state["heat_temperature"].reshape(2, *mesh), strict=True))
-        none = dict.fromkeys(BODIES, np.zeros(mesh))
-        return cls(FlashTemperature(contact.grid, contact.touching, warmth, none), past)
+    def restore(self, step: Any, stored: Any) -> "TransientHeat":
+        """See `Observer.restore`."""
+        state, contact = stored.state_of(self), step.stepped.contact
+        past = {body: state[body] for body in BODIES}
+        temperature = state["temperature"]
+        if "mesh" in state:  # a file of an earlier version has them in one dimension
+            past = {k: one.reshape(state[f"shape_{k}"].astype(int)) for k, one in past.items()}
+            temperature = temperature.reshape(2, *state["mesh"].astype(int))
+        warmth = dict(zip(BODIES, temperature, strict=True))
+        none = dict.fromkeys(BODIES, np.zeros(temperature.shape[1:]))
+        return TransientHeat(FlashTemperature(contact.grid, contact.touching, warmth, none), past)
 
-    def columns(self, model: Model, recorded: Mapping[str, Any]) -> dict[str, Any]:
-        """See `Observation.columns`: those of the temperature are read from the contact."""
-        return {}
+    def complete(self, contact: State, block: int) -> State:
+        """See `Observer.complete`: columns and fields of the temperature are read from it."""
+        return replace(contact, heat=self.heat)
 
     @property
     def state(self) -> Mapping[str, np.ndarray]:
-        """See `Observation.state`: in one dimension, as fields of the past have a margin."""
-        warmth = np.stack([self.heat.temperature[body] for body in BODIES])
-        found = {"heat_temperature": warmth.ravel(), "heat_mesh": np.array(warmth.shape[1:], float)}
-        for body, past in self.past.items():
-            found[f"heat_{body}"] = past.ravel()
-            found[f"heat_shape_{body}"] = np.array(past.shape, float)
-        return found
+        """See `Observer.state`; fields of the past have a margin around the mesh."""
+        if self.heat is None:
+            return {}
+        return {"temperature": np.stack([self.heat.temperature[k] for k in BODIES]), **self.past}
 
 
 def _put_together(contact: State, model: Model) -> FlashTemperature:

@@ -14,24 +14,23 @@ from typing import Any, ClassVar, Generic, NamedTuple, Protocol, Self, TypeVar
 import numpy as np
 
 from tractive_sam.contact import Gap, Model, across, grown
+from tractive_sam.description import Row
 from tractive_sam.results import (
     COORDINATE,
     PARTS,
+    BodyFatigue,
     Cost,
     Grid,
     History,
-    Maximum,
+    PlaneStress,
     Quantity,
     Record,
     State,
     Status,
     fields,
-    stress_columns,
 )
-from tractive_sam.rolling.observation import Observation
+from tractive_sam.rolling.observer import Observer
 from tractive_sam.scene import Scene
-from tractive_sam.schema import Row
-from tractive_sam.subsurface import stress_maxima, stress_on_planes
 
 GROWTHS = 16
 """Most enlargements of a mesh: to 35 times its width."""
@@ -69,8 +68,8 @@ class Step(ABC):
     ----------
     contacts : tuple of State
         Those of the different blocks of [[duty]]; one without.
-    observed : mapping of str to Observation
-        What observers know after it, by their names.
+    observed : mapping of str to Observer
+        Observers after it, by their names.
     continues : bool
         Whether the process continues from it.
 
@@ -87,7 +86,7 @@ class Step(ABC):
     """
 
     contacts: tuple[State, ...]
-    observed: Mapping[str, Observation] = field(default_factory=dict, kw_only=True)
+    observed: Mapping[str, Observer] = field(default_factory=dict, kw_only=True)
     continues: bool = field(default=True, kw_only=True)
 
     @property
@@ -102,6 +101,11 @@ class Step(ABC):
     @abstractmethod
     def record(self, block: int | None = None) -> StepRecord:
         """Return what is recorded of the step, or of one of its blocks."""
+
+    @property
+    def weights(self) -> tuple[float, ...]:
+        """Share of each contact in the step."""
+        return (1.0,) * len(self.contacts)
 
     @property
     def contact(self) -> State:
@@ -140,7 +144,7 @@ class StoredStep:
     row : int
         Which of them.
     state : mapping of str to ndarray
-        Fields of its contacts, and `Step.own_state`.
+        Fields of its contacts, `Step.own_state` and the state of the observers.
     """
 
     history: History
@@ -157,12 +161,39 @@ class StoredStep:
         found = self.history.contact(self.row, dict(self.state))
         return replace(found, scene=scene, cost=Cost())
 
+    def state_of(self, observer: Observer) -> Mapping[str, np.ndarray]:
+        """Return the `state` of an observer as it was stored, by the names that it gave.
+
+        Raises
+        ------
+        LookupError
+            By the mapping, if there is none of a name.
+        """
+        start = f"{observer.name}_"
+        found = {k.removeprefix(start): v for k, v in self.state.items() if k.startswith(start)}
+        return _StateOf(found, start, self.state)
+
     def require(self, names: Iterable[str], before: int = 0) -> None:
         """Raise a LookupError if a column is not finite in this record or some before it."""
         rows = slice(max(self.row - before, 0), self.row + 1)
         lost = [name for name in names if not np.isfinite(self.history[name][rows]).all()]
         if lost:
             raise LookupError(", ".join(lost))
+
+
+class _StateOf(dict[str, np.ndarray]):
+    """Arrays of an observer by the names that it gave; in older files these are the whole names."""
+
+    def __init__(
+        self, found: Mapping[str, np.ndarray], start: str, state: Mapping[str, np.ndarray]
+    ) -> None:
+        super().__init__(found)
+        self._start, self._state = start, state
+
+    def __missing__(self, name: str) -> np.ndarray:
+        if name not in self._state:
+            raise LookupError(f"{self._start}{name}")
+        return self._state[name]
 
 
 def continuing_rows(history: History) -> np.ndarray:
@@ -174,15 +205,13 @@ def continuing_rows(history: History) -> np.ndarray:
 
 
 class ErrorEstimator(Protocol):
-    """Gives steps their error bars."""
+    """Gives steps their error bars, by the same steps on coarser meshes."""
 
     missed: str
     """Which of them was last too wide, and what to do; or empty."""
 
-    def __call__(
-        self, step: Any, maxima: Mapping[str, Maximum], block: int = 0
-    ) -> Mapping[str, Any]:
-        """The error bars of `State`, given the largest stresses in the bodies of a block."""
+    def __call__(self, step: Any, block: int = 0) -> Mapping[str, Any]:
+        """Return the error bars of `State` for the contact of a block."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,11 +256,27 @@ class Process(ABC, Generic[AnyStep]):
     columns: ClassVar[tuple[Quantity, ...]] = ()
     """Columns that it records besides those of the package; one of the role "coordinate" takes the
     place of the revolutions."""
-    observers: ClassVar[tuple[type[Observation], ...]] = ()
-    """Observers that may follow it, where the scene asks for them."""
+    observers: ClassVar[tuple[type[Observer], ...]] = ()
+    """Observers of the package that may follow it, where the scene has their table."""
 
     def __init__(self, model: Model):
         self.model = model
+        self.further: tuple[Observer, ...] = ()
+
+    @cached_property
+    def following(self) -> tuple[Observer, ...]:
+        """All observers that follow it, as they are before the first step."""
+        kinds = (kind for kind in self.observers if kind.asked_by(self.model.scene))
+        return (*(kind() for kind in kinds), *self.further)
+
+    def followed_by(self, further: Iterable[Observer]) -> Self:
+        """Return the same with other further observers."""
+        return self._with(self.model, tuple(further))
+
+    def _with(self, model: Model, further: tuple[Observer, ...] | None = None) -> Self:
+        found = type(self)(model, **self.parameters)
+        found.further = self.further if further is None else further
+        return found
 
     @property
     def coordinate(self) -> Quantity | None:
@@ -269,7 +314,7 @@ class Process(ABC, Generic[AnyStep]):
 
     def on(self, grid: Grid) -> Self:
         """Return the same on another mesh."""
-        return type(self)(self.model.on(grid), **self.parameters)
+        return self._with(self.model.on(grid))
 
     @property
     def parameters(self) -> dict[str, Any]:
@@ -280,26 +325,19 @@ class Process(ABC, Generic[AnyStep]):
         """Return the first step on a mesh that holds its contacts, and the process on that mesh."""
         return self, self.begin()
 
-    @classmethod
-    def observers_of(cls, scene: Scene) -> tuple[type[Observation], ...]:
-        """Return the observers that follow it in a scene."""
-        return tuple(kind for kind in cls.observers if kind.asked_by(scene))
-
     def adopt(self, step: AnyStep, stored: StoredStep) -> AnyStep:
         """Return a restored step with what the model and the observers know of it."""
-        kinds = self.observers_of(self.model.scene)
-        return replace(step, observed={kind.name: kind.restore(step, stored) for kind in kinds})
+        return replace(
+            step, observed={one.name: one.restore(step, stored) for one in self.following}
+        )
 
     def observe(self, step: AnyStep, before: AnyStep | None = None) -> AnyStep:
-        """Return a step with what observers know after it; as before if it was not solved."""
-        observed = {} if before is None else before.observed
-        if step.converged:
-            observed = {
-                kind.name: observed[kind.name].after(step, self.model)
-                if kind.name in observed
-                else kind.begin(step, self.model)
-                for kind in self.observers_of(self.model.scene)
-            }
+        """Return a step with its observers; most are as before if it was not solved."""
+        observed = {} if before is None else dict(before.observed)
+        for one in self.following:
+            if step.converged or one.unsolved:
+                follow = observed[one.name].after if one.name in observed else one.begin
+                observed[one.name] = follow(step, self.model)
         return replace(step, observed=observed)
 
     def steps(self, last: AnyStep | None = None) -> Iterator[AnyStep]:
@@ -313,7 +351,8 @@ class Process(ABC, Generic[AnyStep]):
             last = self.observe(self.begin())
             yield last
         while True:
-            for step in process.advance(last):
+            for found in process.advance(last):
+                step = found if found.observed else process.observe(found, last)
                 if step.off_grid and not self.model.scene.has_fixed_domain and growths < GROWTHS:
                     growths += 1
                     wider = grown(process.model.grid, step.contact.at_edge)
@@ -336,53 +375,57 @@ class Process(ABC, Generic[AnyStep]):
     def _state_besides_fields(step: AnyStep) -> dict[str, np.ndarray]:
         found = dict(step.own_state)
         for seen in step.observed.values():
-            found |= seen.state
+            found |= {f"{seen.name}_{name}": values for name, values in seen.state.items()}
         return found
 
     def record(self, step: AnyStep, recorder: Recorder) -> Record:
         """Return the record of a step.
 
         Fields, and the stress on the planes of the scene, are part of it where the scene saves
-        them, and of a contact that was not solved; the largest stress of each body is part of
-        every record of a scene with [subsurface].
+        them, and of a contact that was not solved; columns of observers are part of every record.
         """
         record = self._record_contact(step, step.record(), recorder)
         observed = {}
-        for one in step.observed.values() if step.converged else ():
-            values = one.columns(self.model, record.values)
+        for one in self._recording(step):
+            values = one.record(self.model, record.values)
             observed |= {name: values[name] for name in values if name in record.columns}
-        stored = self._observed_fields(step) if record.fields else ()
+        stored = self._cycles(step) if record.fields else ()
         return replace(record, values={**record.values, **observed}, cycles=stored)
 
-    @cached_property
-    def _stress_columns(self) -> tuple[tuple[Quantity, ...], ...]:
-        """Columns of the largest stress in each block, by the criterion of its laws."""
-        return tuple(stress_columns(one.laws.criterion) for one in self.model.blocks)
+    @staticmethod
+    def _recording(step: AnyStep) -> list[Observer]:
+        """Return the observers that followed a step to its end."""
+        return [one for one in step.observed.values() if step.converged or one.unsolved]
 
-    def _observed_fields(self, step: AnyStep) -> tuple[Any, ...]:
-        return tuple(one for seen in step.observed.values() for one in seen.fields)
+    @staticmethod
+    def _cycles(step: AnyStep) -> tuple[BodyFatigue, ...]:
+        return tuple(one for seen in step.observed.values() for one in seen.cycles)
 
     def _record_contact(
         self, step: AnyStep, given: StepRecord, recorder: Recorder, block: int = 0
     ) -> Record:
         """Return the record of one contact, that of a block in a duty cycle."""
         contact, values, may_store = given
-        laws = self.model.blocks[block].laws
-        keep = (may_store and step.place in contact.scene.schedule) or not step.converged
-        maxima = stress_maxima(contact, laws)
-        stress = stress_on_planes(contact, laws=laws) if keep and maxima else ()
+        store = (may_store and step.place in contact.scene.schedule) or not step.converged
         if recorder.estimator is not None:
-            bars = recorder.estimator(step, maxima, block)
-            contact = replace(contact, error_bars=bars)
+            contact = replace(contact, error_bars=recorder.estimator(step, block))
         if recorder.measured is not None:
             values["measured_profile"] = across(recorder.measured, contact.grid)
-        own = [*recorder.columns, *self.columns]
+        columns = [*recorder.columns, *self.columns]
         if PARTS.name in values:
-            own.append(PARTS)
-        stresses = self._stress_columns[block]
-        for one, found in zip(stresses, ("value", "interior", "surface", "at"), strict=False):
-            values[one.name] = {body: getattr(largest, found) for body, largest in maxima.items()}
-        return Record.of(contact, values, own=(*own, *stresses), with_fields=keep, stress=stress)
+            columns.append(PARTS)
+        of_fields: dict[Quantity, np.ndarray] = {}
+        stress: list[PlaneStress] = []
+        for seen in self._recording(step):
+            contact = seen.complete(contact, block)
+            values |= seen.record_block(block)
+            columns += seen.columns
+            if store:
+                found = seen.record_fields(block)
+                of_fields |= {one: found[one.name] for one in seen.fields}
+                stress += seen.record_stress(block)
+        own = {"own": columns, "own_fields": of_fields}
+        return Record.of(contact, values, **own, with_fields=store, stress=stress)
 
     def end(self, step: AnyStep, half_widths: np.ndarray) -> tuple[str, str]:
         """Return status and message of a history that ends with a step.

@@ -1,12 +1,14 @@
 """Which process a scene takes."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 from tractive_sam.contact import Model
 from tractive_sam.rolling.damage import Damage
+from tractive_sam.rolling.observer import Observer
 from tractive_sam.rolling.process import Process, Step
 from tractive_sam.rolling.revolutions import DutyCycle, Revolutions
+from tractive_sam.rolling.stress import LargestStress
 from tractive_sam.rolling.transient import Transient
 from tractive_sam.scene import Scene
 from tractive_sam.schema import Fault, SceneError, build_law, load_law_class
@@ -27,14 +29,14 @@ def process_type(scene: Scene) -> type[Process[Any]]:
     return DutyCycle if scene.spectrum else Revolutions
 
 
-def process_of(model: Model) -> Process[Any]:
-    """Return the process of a model.
+def process_of(model: Model, further: Iterable[Observer] = ()) -> Process[Any]:
+    """Return the process of a model, with the observers of its scene and further ones.
 
     Raises
     ------
     SceneError
-        If the scene names a process that is not installed or does not take its parameters, or asks
-        for an observer that does not follow it.
+        If the scene names a process or an observer that is not installed or does not take its
+        parameters, or has a table whose observer does not follow the process.
     """
     scene = model.scene
     if scene.process is not None:
@@ -44,7 +46,11 @@ def process_of(model: Model) -> Process[Any]:
     if Damage.asked_by(scene) and Damage not in process.observers:
         cure = f"nothing: {type(process).__name__} has no Damage among its observers"
         raise SceneError([Fault(Damage.key, "with this process", cure)])
-    return process
+    stress = (LargestStress(),) if LargestStress.asked_by(scene) else ()
+    named = (
+        build_law(f"observer[{k}].name", one.name, Observer) for k, one in enumerate(scene.observer)
+    )
+    return process.followed_by((*stress, *named, *further))
 
 
 def steps(model: Model, start: Step | None = None) -> Iterator[Any]:

@@ -8,6 +8,8 @@ import numpy as np
 
 from tractive_sam.contact import fitted_blocks, with_heat
 from tractive_sam.results import (
+    BOUND,
+    FIELDS,
     PARTS,
     ROLLED,
     SHARE,
@@ -39,7 +41,7 @@ class Revolutions(Process[Passage]):
     def begin_fitted(self) -> tuple["Revolutions", Passage]:
         """See `Process.begin_fitted`."""
         model, contacts = fitted_blocks(self.model)
-        return type(self)(model), begun(model, contacts)
+        return self._with(model), begun(model, contacts)
 
     def advance(self, last: Passage) -> Iterator[Passage]:
         """See `Process.advance`."""
@@ -49,7 +51,7 @@ class Revolutions(Process[Passage]):
             yield from adaptive_passages(self, last, schedule)
             return
         while last.converged and last.revolution < schedule.end:
-            last = self.observe(next_passage(self.model, last), last)
+            last = next_passage(self.model, last)
             yield last
 
     @classmethod
@@ -120,16 +122,14 @@ class DutyCycle(Revolutions):
     def record(self, step: Passage, recorder: Recorder) -> Record:
         """See `Process.record`: put together of the records of the blocks (`results.cycle`)."""
         spectrum = self.spectrum
-        observed = list(step.observed.values()) if step.converged else []
-        records = []
-        for k in range(len(self.model.blocks)):
-            one = self._record_contact(step, step.record(k), recorder, k)
-            own = {name: v for seen in observed for name, v in seen.block_columns(k).items()}
-            records.append(replace(one, values={**one.values, **own}))
+        records = [
+            self._record_contact(step, step.record(k), recorder, k)
+            for k in range(len(self.model.blocks))
+        ]
         values = step.record().values
-        for seen in observed:
-            found = seen.columns(self.model, {})
-            values |= {name: found[name] for name in found if name not in seen.block_columns(0)}
+        for seen in self._recording(step):
+            found, of_blocks = seen.record(self.model, {}), seen.record_block(0)
+            values |= {name: found[name] for name in found if name not in of_blocks}
         del values["wear_max"]
         values["seconds"] = math.nan  # of the cycle, measured where it is recorded
         lost = np.stack((step.lost, step.lost + step.gained_by))[:, list(spectrum.places)]
@@ -139,15 +139,17 @@ class DutyCycle(Revolutions):
         values[SHARE.name] = sections / (sections.sum() or 1.0)
         values[ROLLED.name] = -1 if step.rolled is None else step.rolled
         each = [records[k] for k in spectrum.places]
-        own = (*recorder.columns, *self.columns, PARTS, ROLLED, SHARE)
+        of_observers = [one for seen in self._recording(step) for one in seen.columns]
+        own = (*recorder.columns, *self.columns, *of_observers, PARTS, ROLLED, SHARE)
         put = cycle_record(each, spectrum.each, values, self.model.scene, own)
-        return replace(put, cycles=self._observed_fields(step) if put.fields else ())
+        return replace(put, cycles=self._cycles(step) if put.fields else ())
 
     @classmethod
     def _restore_contacts(cls, scene: Scene, stored: StoredStep) -> tuple[State, ...]:
         spectrum, history = scene.spectrum, stored.history
         first = [spectrum.places.index(k) for k in range(len(spectrum.scenes))]
-        of_blocks = {k: {name: field[k] for name, field in stored.state.items()} for k in first}
+        names = [name for name in (*FIELDS, BOUND.name) if name in stored.state]
+        of_blocks = {k: {name: stored.state[name][k] for name in names} for k in first}
         return tuple(
             replace(history.block(k).contact(stored.row, of_blocks[k]), scene=one, cost=Cost())
             for k, one in zip(first, spectrum.scenes, strict=True)

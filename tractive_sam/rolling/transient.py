@@ -139,9 +139,6 @@ class Moment(Step):
         if contact.scene.wear is not None:
             per_distance |= self._worn(course.rolls, step)
             contact = replace(contact, volumes=dict(zip(BODIES, self.volumes, strict=True)))
-        warmed = self.observed.get(TransientHeat.name)
-        if self.converged and isinstance(warmed, TransientHeat):
-            contact = replace(contact, heat=warmed.heat)
         given = {
             "distance": self.distance,
             "stretch": self.stretch,
@@ -413,7 +410,7 @@ class Transient(Process[Moment]):
                     return
                 last = replace(last, stretch=last.stretch + 1, wish=0.0)
                 if courses.shifted(last.stretch):
-                    last = self.observe(self._jump(last), last)
+                    last = self._jump(last)
                     yield last
             else:
                 for moment in self._along(last):
@@ -442,7 +439,6 @@ class Transient(Process[Moment]):
         while last.contact.converged and last.distance < end:
             wish = min(last.wish or usual, longest)
             now = self._met(self._next(last, control, wish, adaptive, end), saves, unit)
-            now = self.observe(now, last)
             between = self._between(last, now, saves) if now.converged else []
             if between and not between[-1].converged:
                 yield between[-1]
@@ -463,7 +459,7 @@ class Transient(Process[Moment]):
         for place in (s for s in saves if last.distance < s < now.distance):
             moment, _ = self._tried(last, place, None, now)
             earlier = found[-1].stepped if found else None
-            moment = replace(self.observe(moment, last), earlier=earlier, continues=False)
+            moment = replace(moment, earlier=earlier, continues=False)
             found.append(moment)
             if not moment.converged:
                 break
@@ -565,6 +561,7 @@ class Transient(Process[Moment]):
             wish=0.0,
             shifts=shifts,
             earlier=None,
+            observed={},
             before=before,
             solves=1,
             friction=last.friction + stepped.friction,

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from tractive_sam.contact import Gap, Model
 from tractive_sam.results import History, State, Status
-from tractive_sam.rolling import Passage, begun, process_of
+from tractive_sam.rolling import Passage, begun
 from tractive_sam.run.accuracy.assessment import missed_before
 from tractive_sam.run.accuracy.coarse_run import ErrorEstimator, choose_level, from_level
 from tractive_sam.run.accuracy.levels import Levels, with_tolerances
@@ -31,10 +31,10 @@ def rolled(run: Recording) -> History:
     unworn = max(each, key=lambda one: one.level)
     if not scene.schedule.end:
         start = begun(unworn.model, (unworn.contact,))
-        return run.begun(process_of(unworn.model), start, missed=unworn.missed)
+        return run.begun(run.process_of(unworn.model), start, missed=unworn.missed)
     if not all(one.contact.converged for one in each):
         grid = Levels(scene, run.measured).grid(unworn.level)
-        process = process_of(run.model_of(scene, run.measured, grid))
+        process = run.process_of(run.model_of(scene, run.measured, grid))
         return run.begun(*process.begin_fitted())
     return _rolled_from(run, scene, *choose_level(scene, run.measured, unworn.level, run.model_of))
 
@@ -44,7 +44,7 @@ def _rolled_from(run: Recording, scene: Scene, estimator: ErrorEstimator, level:
     levels = Levels(scene, run.measured)
     while True:
         model = run.model_of(scene, run.measured, levels.grid(level))
-        history = run.begun(*process_of(model).begin_fitted(), estimator)
+        history = run.begun(*run.process_of(model).begin_fitted(), estimator)
         if history.status != Status.INACCURATE or not levels.allowed(level + 1):
             return history
         run, estimator, level = replace(run, overwrite=True), estimator.refined(), level + 1
@@ -64,7 +64,7 @@ def resumed(run: Recording, last: Passage, before: History) -> History:
         ) from None
     complete = last.place == scene.schedule.end
     estimator = None if complete else from_level(scene, measured, level, missed, run.model_of)
-    history = run.resumed(process_of(model), last, before, estimator, missed)
+    history = run.resumed(run.process_of(model), last, before, estimator, missed)
     finer = bool(scene.schedule.end) and levels.allowed(level + 1)
     if history.status != Status.INACCURATE or not finer:
         return history

@@ -8,7 +8,7 @@ import numpy as np
 from tractive_sam.contact import Model, rough_maps
 from tractive_sam.description import Description, Row, Section, format_duration
 from tractive_sam.operators import available
-from tractive_sam.rolling import process_type
+from tractive_sam.rolling import process_of, process_type
 from tractive_sam.run import memory
 from tractive_sam.run.accuracy.levels import with_tolerances
 from tractive_sam.run.accuracy.steady import Refined, refined
@@ -65,6 +65,8 @@ def explain(scene: Scene) -> Description:
     for key, describe in MODEL_ROWS.items():
         if (table := getattr(model.scene, key)) is not None:
             described[key] += describe(table, model)
+    for seen in process_of(model).following:
+        described[seen.key or "observer"] += seen.describe(model)
     if refinement is not None:
         described["accuracy"] += describe_refinement(refinement)
     described |= {
@@ -89,6 +91,7 @@ SECTIONS = (
     ("Stress", ("subsurface",)),
     ("Transient", ("transient",)),
     ("Process", ("process",)),
+    ("Observers", ("observer",)),
     ("Heat", ("heat",)),
     ("Fatigue", ("fatigue",)),
     ("Laws of other packages", ("laws",)),

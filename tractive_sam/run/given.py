@@ -20,8 +20,9 @@ from tractive_sam.results import (
     State,
     stress_columns,
 )
+from tractive_sam.rolling import Observer
 from tractive_sam.scene import Scene
-from tractive_sam.schema import LARGEST
+from tractive_sam.schema import LARGEST, shorten
 from tractive_sam.solvers import Solver
 from tractive_sam.store import read_gap
 
@@ -50,24 +51,64 @@ def model_of(
 
 
 def columns_of(columns: Iterable[Quantity], laws: Laws | None = None) -> tuple[Quantity, ...]:
-    """Columns of one's own, beside the package's and those of a criterion."""
-    taken = {"status", "message", "record", "saved", "x", "y", *FIELDS, *WARM, *LABELS, *BESIDE}
-    judged = () if laws is None else stress_columns(laws.criterion)
-    taken |= {one.name for one in (*COLUMNS, *judged)}
-    own = tuple(columns)
+    """Return user-defined columns, if they can be recorded besides the package's."""
+    own, taken = tuple(columns), _taken_names(laws)
     for one in own:
-        if not isinstance(one, Quantity):
-            raise TypeError(f"columns: a Quantity is needed, not {type(one).__name__}")
-        if not one.name.isidentifier() or one.name in taken:
-            cure = "letters, digits and _ that no other column or field is called"
-            raise ValueError(f"columns: a name is needed of {cure}, not {one.name!r}")
+        _check_name("columns", one, taken)
         if one.dims not in DIMS or not callable(one.of) or one.role:
             needed = (
                 f"of, which reads it off a contact, dims of {', '.join(map(str, DIMS))}, no role"
             )
             raise ValueError(f"columns: {one.name!r} needs {needed}")
-        taken.add(one.name)
     return own
+
+
+def check_observers(observers: Iterable[Observer], columns: Iterable[Quantity] = ()) -> None:
+    """Raise an error unless all observers of a run can record what they say they record.
+
+    Raises
+    ------
+    TypeError
+        If one is no Observer, or what it records no Quantity.
+    ValueError
+        If a name is taken, or dimensions cannot be.
+    """
+    taken = _taken_names(None) | {one.name for one in columns}
+    # Names of observers of the package, and beginnings of what else is stored to resume from.
+    names = {"damage", "heat", "stress", "worn", "gained", "before", "traction", "slip"}
+    for seen in observers:
+        if not isinstance(seen, Observer):
+            raise TypeError(f"observers: a ts.Observer is needed, not {shorten(seen)}")
+        if seen.key:  # of this package
+            continue
+        if not seen.name.isidentifier() or seen.name in names:
+            cure = "letters, digits and _ that no other observer is called"
+            raise ValueError(f"observers: a name is needed of {cure}, not {seen.name!r}")
+        names.add(seen.name)
+        where = f"observers: {seen.name}"
+        for one in (*seen.columns, *seen.fields):
+            _check_name(where, one, taken)
+        wrong = [one.name for one in seen.columns if one.dims not in DIMS or one.role]
+        wrong += [one.name for one in seen.fields if one.dims or one.role]
+        if wrong:
+            needed = f"dims of {', '.join(map(str, DIMS))}, and none of a field; no role"
+            raise ValueError(f"{where}: {wrong[0]!r} needs {needed}")
+
+
+def _taken_names(laws: Laws | None) -> set[str]:
+    judged = () if laws is None else stress_columns(laws.criterion)
+    taken = {"status", "message", "record", "saved", "x", "y", *FIELDS, *WARM, *LABELS, *BESIDE}
+    return taken | {one.name for one in (*COLUMNS, *judged)}
+
+
+def _check_name(where: str, one: Quantity, taken: set[str]) -> None:
+    """Raise an error unless a quantity has a name that is not taken; add it to those taken."""
+    if not isinstance(one, Quantity):
+        raise TypeError(f"{where}: a Quantity is needed, not {type(one).__name__}")
+    if not one.name.isidentifier() or one.name in taken:
+        cure = "letters, digits and _ that no other column or field is called"
+        raise ValueError(f"{where}: a name is needed of {cure}, not {one.name!r}")
+    taken.add(one.name)
 
 
 def measured_gap(scene: Scene) -> Gap | None:

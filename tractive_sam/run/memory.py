@@ -6,7 +6,7 @@ from tractive_sam.contact import Model
 from tractive_sam.kernels.stress import COMPONENTS
 from tractive_sam.operators import available
 from tractive_sam.results import FIELDS
-from tractive_sam.rolling import process_type
+from tractive_sam.rolling import process_of
 from tractive_sam.schema import Fault, SceneError
 from tractive_sam.solvers import Sparing
 
@@ -34,8 +34,8 @@ def of_contact(model: Model) -> float:
         krylov = 3 * Sparing.krylov
     spectra = 1.5 * (9 if fields == 3 else 3)
     one = 8.0 * (padded * (spectra + 3.75 * fields + 7) + krylov * fields * elements)
-    kinds = process_type(model.scene).observers_of(model.scene)
-    return one * len(model.blocks) + sum(kind.bytes_needed(model) for kind in kinds)
+    observers = process_of(model).following
+    return one * len(model.blocks) + sum(seen.bytes_needed(model) for seen in observers)
 
 
 def of_stress(model: Model) -> float:

@@ -7,12 +7,12 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 from tractive_sam.contact import Model, choose_grid
+from tractive_sam.description import Row
 from tractive_sam.operators import STEPS_FROM
 from tractive_sam.results import columns
-from tractive_sam.rolling import MISSED, process_of, process_type
+from tractive_sam.rolling import process_of
 from tractive_sam.run.accuracy.steady import Refined
-from tractive_sam.scene import Fatigue, Heat, Solver
-from tractive_sam.schema import Row
+from tractive_sam.scene import Heat, Solver
 
 
 def _creepage(_table: Any, model: Model) -> Iterator[Row]:
@@ -47,15 +47,8 @@ def _solver(table: Solver, model: Model) -> Iterator[Row]:
     yield Row("left out", "inertia, lubricant, plasticity; thin or conforming bodies")
 
 
-def _subsurface(_table: Any, model: Model) -> Iterator[Row]:
-    name = model.laws.criterion.long_name
-    yield Row(f"largest {name}", "inside and at the surface, with every record")
-
-
 def _transient(_table: Any, model: Model) -> Iterator[Row]:
     yield Row("order", f"{'second' if model.stencil.staggered else 'first'} in the mesh")
-    for kind in process_type(model.scene).observers_of(model.scene):
-        yield Row(kind.key, (kind.__doc__ or kind.__name__).splitlines()[0])
 
 
 def _process(_table: Any, model: Model) -> Iterator[Row]:
@@ -72,39 +65,12 @@ def _heat(_table: Heat, model: Model) -> Iterator[Row]:
         yield Row(f"Peclet number {name}", f"{numbers}: heat fronts {fronts}")
 
 
-def _fatigue(table: Fatigue, model: Model) -> Iterator[Row]:
-    laws = model.laws
-    if table.limit is None:
-        return
-    yield Row("criterion", laws.fatigue.long_name)
-    if laws.volume is not None:
-        yield Row("volume", _describe_volume(table.volume, laws.volume))
-    if len(model.blocks) > 1:
-        rule = "by Miner's rule, in any order (damage_error estimates its effect)"
-        yield Row("duty cycle", f"the damage of its blocks {rule}")
-    if model.scene.schedule.adaptive:
-        missed = f"each misses up to {MISSED * table.tolerance:g} of the largest damage"
-        yield Row("jumps", f"{missed}, by its estimate; all together damage_error")
-
-
-def _describe_volume(table: Any, law: Any) -> str:
-    """Describe the life of the whole volume under stress."""
-    text = f"stress^{law.stress_exponent:.4g} / depth^{law.depth_exponent:.4g}"
-    text += f" above {law.limit:g} MPa" if law.limit else ""
-    text += f", Weibull's slope {law.slope:.4g}; from one element deep on"
-    if table.constant is None:
-        return f"{text}; no life: there is no constant"
-    return f"{text}; life with a survival of {table.survival:g}"
-
-
 MODEL_ROWS: dict[str, Callable[[Any, Model], Iterable[Row]]] = {
     "creepage": _creepage,
     "solver": _solver,
-    "subsurface": _subsurface,
     "transient": _transient,
     "process": _process,
     "heat": _heat,
-    "fatigue": _fatigue,
 }
 """What the model adds to the rows of a table that is given."""
 

@@ -15,13 +15,13 @@ from numpy.typing import ArrayLike
 from tractive_sam.contact import Laws, check_jacobian, equilibrium, fitted, jacobian_of
 from tractive_sam.operators import one_blas_thread
 from tractive_sam.results import History, NotConverged, Quantity, Record, State
-from tractive_sam.rolling import process_of
+from tractive_sam.rolling import Observer
 from tractive_sam.run import accurately, given, memory
 from tractive_sam.run.gap_notes import warn_of_gap
 from tractive_sam.run.given import measured_gap
 from tractive_sam.run.progress import progress_shown, solving_shown
 from tractive_sam.run.recording import Recording
-from tractive_sam.run.resume import check_measured, damaged, last_step
+from tractive_sam.run.resume import check_measured, check_observed, damaged, last_step
 from tractive_sam.run.start import started_as, told_of, worn_bodies
 from tractive_sam.scene import Scene, pressure_notes
 from tractive_sam.schema import PlausibilityWarning, warn
@@ -146,6 +146,7 @@ def roll(
     laws: Laws | None = None,
     solver: Solver | None = None,
     columns: Iterable[Quantity] = (),
+    observers: Iterable[Observer] = (),
 ) -> History:
     """Roll a scene through its revolutions; without [wear] that is revolution 0, the unworn bodies.
 
@@ -174,6 +175,8 @@ def roll(
         As of `solve`.
     columns : iterable of Quantity, optional
         Columns to record beside the package's; nan in records that were resumed without them.
+    observers : iterable of Observer, optional
+        What is to follow the steps besides the observers of the scene.
 
     Returns
     -------
@@ -185,9 +188,10 @@ def roll(
     ------
     TypeError
         If `scene` is no Scene, `start` neither History nor State, `laws` no Laws, `columns` no
-        Quantities, or `solver` has no method `solve`.
+        Quantities, `observers` no Observers, or `solver` has no method `solve`.
     ValueError
-        If there is no file to resume from, or a column has a name or dimensions that cannot be.
+        If there is no file to resume from, or a column or an observer has a name or dimensions that
+        cannot be.
     SceneError
         If no mesh can be chosen that holds the contact, or the memory does not suffice.
     ResultsError
@@ -226,15 +230,17 @@ def roll(
         last = None if found is None else found[0]
         datum = "vertex" if found is None or before is None else before.datum
         model_of = partial(model_of, profiles=given.travelling(scene), datum=datum)
-        run = Recording(scene, gap, model_of, path, replaced, called, own, began, started)
+        about = (own, began, started, tuple(observers))
+        run = Recording(scene, gap, model_of, path, replaced, called, *about)
         grid = None if last is None else last.grid
         model = model_of(scene, run.measured, grid)
         memory.check_roll(model, in_memory=path is None)
-        process = process_of(model)
+        process = run.process_of(model)
         if found is None or before is None:
             accurate = scene.has("accuracy")
             return accurately.rolled(run) if accurate else run.begun(*process.begin_fitted())
         check_measured(before, path, given.hash_of(model))
+        check_observed(before, path, process.following)
         with damaged(path, found[1].row):
             last = process.adopt(*found)
         if scene.has("accuracy"):

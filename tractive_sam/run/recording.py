@@ -6,7 +6,7 @@ from itertools import chain
 from os import PathLike
 from time import perf_counter
 from types import TracebackType
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -21,9 +21,9 @@ from tractive_sam.results import (
     Status,
     caveats,
 )
-from tractive_sam.rolling import ErrorEstimator, Process, Recorder, Step
+from tractive_sam.rolling import ErrorEstimator, Observer, Process, Recorder, Step, process_of
 from tractive_sam.run.gap_notes import warn_of_gap
-from tractive_sam.run.given import hash_of
+from tractive_sam.run.given import check_observers, hash_of
 from tractive_sam.scene import Scene
 from tractive_sam.schema import PlausibilityWarning, warn
 from tractive_sam.store import HistoryWriter, open_history
@@ -53,6 +53,8 @@ class Recording:
         When the first record began, by `time.perf_counter`.
     started : str
         As of `History`.
+    observers : tuple of Observer
+        Observers besides those of the scene.
     """
 
     scene: Scene
@@ -64,6 +66,19 @@ class Recording:
     columns: tuple[Quantity, ...]
     began: float
     started: str = ""
+    observers: tuple[Observer, ...] = ()
+
+    def process_of(self, model: Model) -> Process[Any]:
+        """Return the process of a model, followed by all observers.
+
+        Raises
+        ------
+        TypeError, ValueError
+            As by `check_observers`.
+        """
+        process = process_of(model, self.observers)
+        check_observers(process.following, self.columns)
+        return process
 
     def begun(
         self,

@@ -9,7 +9,7 @@ import numpy as np
 
 from tractive_sam.contact import Gap, Laws, as_asked, choose_grid, reaching
 from tractive_sam.results import UNNAMED, History, LawRecord, Quantity, describe_laws
-from tractive_sam.rolling import Step, StoredStep, continuing_rows, process_type
+from tractive_sam.rolling import Observer, Step, StoredStep, continuing_rows, process_type
 from tractive_sam.scene import Scene
 from tractive_sam.store import DamagedError, ResultsError, state_of
 
@@ -155,6 +155,23 @@ def check_measured(history: History, path: str | PathLike | None, measured: str)
             f"{path} was computed with another content of the file of [gap] or of "
             "[transient.profile]: bring that back to resume it, or give this run a file of its own"
         )
+
+
+def check_observed(history: History, path: str | PathLike, observers: Iterable[Observer]) -> None:
+    """Raise where a file was written without an observer that is to resume from it.
+
+    Raises
+    ------
+    ResultsError
+        With the observer.
+    """
+    known = {**history.columns, **history.own_fields}
+    for one in observers:
+        if not one.key and any(own.name not in known for own in (*one.columns, *one.fields)):
+            raise ResultsError(
+                f"{path} was computed without the observer {one.name}: resume it without this "
+                "observer, or write this run to another file"
+            )
 
 
 def _check_columns(history: History, path: str | PathLike, columns: Iterable[Quantity]) -> None:

@@ -25,6 +25,7 @@ from .heat import Thermal as Thermal
 from .load_history import Binned as Binned
 from .load_history import LoadHistory as LoadHistory
 from .load_history import blocks_of as blocks_of
+from .observer import ObserverTable as ObserverTable
 from .override import parse_settings as parse_settings
 from .parametric_files import FILE_KEYS as FILE_KEYS
 from .parametric_files import resolve_parametric_files as resolve_parametric_files

@@ -12,6 +12,7 @@ from .bodies import Bodies
 from .duty import check_blocks
 from .heat import HEAT_CHECKS
 from .line_contact import LINE_CHECKS, is_line
+from .observer import check_observers
 from .plausibility import pair_notes
 from .process import PROCESS_CHECKS
 from .readings import Pair
@@ -272,6 +273,7 @@ SCENE_CHECKS: tuple[Check, ...] = (
     *LINE_CHECKS,
     *TRANSIENT_CHECKS,
     *PROCESS_CHECKS,
+    check_observers,
     *HEAT_CHECKS,
 )
 """All checks between the tables of a scene."""

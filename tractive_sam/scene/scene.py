@@ -35,6 +35,7 @@ from .friction import Friction
 from .gap import Gap
 from .heat import STEEL, Heat, Thermal
 from .load_history import LoadHistory, add_blocks
+from .observer import ObserverTable
 from .override import override, parse_settings
 from .plausibility import scene_notes
 from .process import ProcessTable
@@ -93,6 +94,9 @@ class Scene(Document):
     fatigue: Fatigue | None = entry("the fatigue of the material", default=None)
     transient: Transient | None = entry("changes over the rolling distance", default=None)
     process: ProcessTable | None = entry("a process of another package", default=None)
+    observer: tuple[ObserverTable, ...] = entry(
+        "observers of other packages", "at least one observer, [[observer]]", (), min_length=1
+    )
     duty: tuple[Block, ...] = entry(
         "blocks of a duty cycle", "at least one block, [[duty]]", (), min_length=1
     )

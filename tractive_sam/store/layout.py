@@ -10,7 +10,8 @@
     /history   record, y, axis, body, block, position; a dataset for each column (record, its
                dimensions), one of them the coordinate, revolution; attribute: own (JSON: columns
                that are not the package's)
-    /fields    record, revolution, x, y; fields (record, x, y), of duty cycles (record, block, x, y)
+    /fields    record, revolution, x, y; fields (record, x, y), of duty cycles (record, block, x,
+               y); attribute: own (JSON: fields that are not the package's)
     /stress    of scenes with [subsurface]: a group <body>/<plane> with record, revolution and its
                two axes, such as x and depth; components (record, x, depth); of duty cycles a group
                more around it, block-0 and so on
@@ -18,7 +19,8 @@
                the present surface) and zeta (below the unworn one); utilisation, residual_shear,
                path_radius (record, y, depth), damage (record, y, zeta), worn (record, y)
     /state     fields (x, y) of the last contact that was solved, from which rolling goes on;
-               attribute: record, its row in /history; with [fatigue] what the damage goes on from
+               attribute: record, its row in /history; what observers resume from, of any shape,
+               under names that begin with theirs
 
 A netCDF reader seeks the dimensions of a variable in its own group: /grid/x and /grid/y are hard
 linked into the groups that need them. The record of a row of /fields and /stress is its row in
@@ -78,7 +80,7 @@ DESCRIPTION = ("units", "long_name")
 """Attributes for other readers, texts of any length: they are never read here."""
 
 OWN = "own"
-"""Attribute of /history: columns that are not the package's."""
+"""Attribute of /history and /fields: columns and fields that are not the package's."""
 
 ROW = Quantity("record", "1", "row of /history")
 TOLD = (
@@ -184,8 +186,7 @@ def add_columns(file: h5py.File, records: Iterable[Record]) -> None:
         if not record.columns.keys() <= known:
             _create_columns(file["history"], record.columns, record.blocks)
             known |= record.columns.keys()
-        if BOUND.name in record.fields and BOUND.name not in file["fields"]:
-            _create_field(file["fields"], BOUND, record.coordinate)
+        _create_missing_fields(file["fields"], record)
         for one in record.stress:
             if (place := place_of(one.body, one.plane, one.block)) not in file["stress"]:
                 group = file["stress"].create_group(place)
@@ -194,6 +195,22 @@ def add_columns(file: h5py.File, records: Iterable[Record]) -> None:
             bodies = file.require_group("fatigue")
             if body.body not in bodies:
                 _create_cycle(bodies.create_group(body.body), file, body, record.coordinate)
+
+
+def _create_missing_fields(fields: h5py.Group, record: Record) -> None:
+    """Create those fields of a record that are not there, and say which are not the package's."""
+    known = {BOUND.name: BOUND, **record.own_fields}
+    for name in (name for name in record.fields if name not in fields):
+        _create_field(fields, known[name], record.coordinate)
+        if name in record.own_fields:
+            _add_own(fields, [known[name]])
+
+
+def _add_own(group: h5py.Group, quantities: Iterable[Quantity]) -> None:
+    """Describe what is not the package's, so that a file is read without what defined it."""
+    described = json.loads(text_of(group.attrs[OWN])) if OWN in group.attrs else []
+    described += [{key: getattr(one, key) for key in TOLD} for one in quantities]
+    set_text(group, OWN, json.dumps(described))
 
 
 def place_of(body: str, plane: Plane | str, block: int | None = None) -> str:
@@ -215,9 +232,7 @@ def _create_columns(history: h5py.Group, columns: Mapping[str, Quantity], blocks
     own = [one for one in missing if one.name not in known_names() or one.role == COORDINATE]
     own = [one for one in own if one != REVOLUTION]
     if own:
-        told = json.loads(text_of(history.attrs[OWN])) if OWN in history.attrs else []
-        told += [{key: getattr(one, key) for key in TOLD} for one in own]
-        set_text(history, OWN, json.dumps(told))
+        _add_own(history, own)
 
 
 def _create_plane(

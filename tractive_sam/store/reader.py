@@ -108,9 +108,12 @@ def _history(file: Results) -> History:
     mesh = (file.length("grid/x"), file.length("grid/y"))
     half_length = tuple(map(float, file.attribute("grid", "half_length")))
     scene = _scene(file)
-    known = columns(scene, _own(file))
+    # Those of a duty cycle, too: of each block, and what each block wore off each body.
+    dims = (*DIMS, *(("block", *each) for each in DIMS), PARTS.dims)
+    known = columns(scene, _own("history", dims, file))
+    own_fields = {one.name: one for one in _own("fields", ((),), file)}
     coordinate = of_role(known.values(), COORDINATE).name
-    kept = _known("fields", kept_fields(scene), file)
+    kept = _known("fields", (*kept_fields(scene), *own_fields), file)
     for name in kept:
         file.check(f"fields/{name}", (m, *_shape_of_fields(file)))
     return History(
@@ -130,6 +133,7 @@ def _history(file: Results) -> History:
         tuple(_stresses(file, m, coordinate, k, one.shift_y) for k, one in enumerate(scene.duty)),
         file.text("scene", "measured", ""),
         file.text("scene", "datum", "node"),
+        own_fields,
     )
 
 
@@ -181,19 +185,18 @@ def _column(file: Results, one: Quantity, records: int, mesh: tuple[int, int]) -
     return values
 
 
-def _own(file: Results) -> list[Quantity]:
-    """Columns that are not the package's."""
+def _own(group: str, dims: tuple[tuple[str, ...], ...], file: Results) -> list[Quantity]:
+    """Return the columns or fields of a group that are not the package's."""
     try:
-        told = json.loads(file.text("history", layout.OWN, "[]"))
-        found = [Quantity(**one | {"dims": tuple(one["dims"])}) for one in told]
-        # Those of a duty cycle, too: of each block, and what each block wore off each body.
-        dims = (*DIMS, *(("block", *each) for each in DIMS), PARTS.dims)
+        described = json.loads(file.text(group, layout.OWN, "[]"))
+        found = [Quantity(**one | {"dims": tuple(one["dims"])}) for one in described]
         wrong = [one.name for one in found if not one.name.isidentifier() or one.dims not in dims]
         if wrong:
-            raise ValueError(f"{wrong[0]!r} is no name of a column, or has other dimensions")
+            raise ValueError(f"{wrong[0]!r} is no name, or has other dimensions")
         return found
     except (ValueError, TypeError, KeyError) as error:
-        raise file.damaged(f"own columns: {error}") from None
+        what = {"history": "columns", "fields": "fields"}[group]
+        raise file.damaged(f"own {what}: {error}") from None
 
 
 def _known(group: str, names: Iterable[str], file: Results) -> list[str]:

@@ -14,7 +14,6 @@ from tractive_sam.results import (
     FIELDS,
     OUTSIDE,
     STRESS,
-    WARM,
     Grid,
     Record,
     stacked,
@@ -117,9 +116,10 @@ def put_state(file: h5py.File, row: int, state: Mapping[str, np.ndarray]) -> Non
     group.attrs["record"] = row
     if BOUND.name in group and BOUND.name not in state:  # the traction is bound by the pressure
         del group[BOUND.name]
+    of_mesh = (*FIELDS, BOUND.name, *BEFORE, *DEPTHS)
     for name, values in state.items():
-        if name in group and values.ndim == 1 and group[name].shape != values.shape:
-            del group[name]  # of a mesh that has grown
+        if name in group and name not in of_mesh and group[name].shape != values.shape:
+            del group[name]  # of a mesh that has grown, say
         if name not in group:
             layout.add_state(group, name, values)
         dataset = _opened(group, name)
@@ -155,20 +155,13 @@ def widen(file: h5py.File, grid: "Grid") -> None:
         dims = history[name].dims
         if "y" in dims[len(dims) - 1]:
             _widen(history[name], ("y",), before, after, lead=len(dims) - 2)
-    for name in (name for name in (*FIELDS, *WARM, BOUND.name) if name in fields):
+    for name in (name for name in fields if fields[name].ndim > 2):
         lead = fields[name].ndim - 3
         _widen(fields[name], ("x", "y"), before, after, OUTSIDE.get(name, 0.0), lead)
     for name in (name for name in (*FIELDS, BOUND.name, *BEFORE, *DEPTHS) if name in state):
         values = state[name][:]
         state[name].resize((*values.shape[:-2], after["x"], after["y"]))
         state[name][...] = widened(values, state[name].shape, OUTSIDE.get(name, 0.0))
-    of_mesh = (*FIELDS, BOUND.name, *BEFORE, *DEPTHS, *AXES)
-    for name in (name for name in state if name not in of_mesh):
-        if state[name].ndim > 1:  # (..., y, depth)
-            values = state[name][:]
-            shape = after["y"], values.shape[-1]
-            state[name].resize((*values.shape[:-2], *shape))
-            state[name][...] = widened(values, shape)
     for group in cycles(file):
         for name in (name for name in CYCLES if name in group):
             _widen(group[name], ("y",), before, after)  # nothing is stressed there

@@ -8,12 +8,11 @@ import scipy  # its parts are loaded when first used
 
 from tractive_sam.contact import Gap, Model
 from tractive_sam.results import BodyFatigue, Maximum
-from tractive_sam.rolling import Passage, process_of
+from tractive_sam.rolling import LargestStress, Passage, process_of
 from tractive_sam.run.accuracy.assessment import assess, worst_of
 from tractive_sam.run.accuracy.error_bars import Sample, relative_error_bars
 from tractive_sam.run.accuracy.levels import Levels
 from tractive_sam.scene import Scene
-from tractive_sam.subsurface import stress_maxima
 
 
 class CoarseRun:
@@ -83,14 +82,12 @@ class ErrorEstimator:
         self.fine = tuple(CoarseRun() for _ in middle)
         self.missed = missed
 
-    def __call__(
-        self, passage: Passage, maxima: Mapping[str, Maximum], block: int = 0
-    ) -> Mapping[str, Any]:
+    def __call__(self, passage: Passage, block: int = 0) -> Mapping[str, Any]:
         """Error bars of a revolution, of the contact of a block."""
         contact, revolution = passage.contacts[block], passage.revolution
         if not contact.converged:
             return {}
-        sample = Sample.of(contact, maxima, _cycled(passage))
+        sample = Sample.of(contact, _maxima(passage, block), _cycled(passage))
         self.fine[block].add(revolution, sample)
         samples = (*(one[block].at(revolution) for one in (self._coarse, self.middle)), sample)
         assessment = assess(contact, samples, peak=revolution == 0)
@@ -179,10 +176,10 @@ def _rolled(model: Model) -> CoarseRuns:
     runs = tuple(CoarseRun() for _ in model.blocks)
     process, start = process_of(model).begin_fitted()
     for passage in process.steps(process.observe(start)):
-        for run, block, contact in zip(runs, model.blocks, passage.contacts, strict=True):
+        for k, (run, contact) in enumerate(zip(runs, passage.contacts, strict=True)):
             if contact.converged:
-                maxima = stress_maxima(contact, block.laws)
-                run.add(int(passage.place), Sample.of(contact, maxima, _cycled(passage)))
+                sample = Sample.of(contact, _maxima(passage, k), _cycled(passage))
+                run.add(int(passage.place), sample)
     return runs
 
 
@@ -190,4 +187,10 @@ def _cycled(passage: Passage) -> dict[str, BodyFatigue]:
     """What rolling has done to the bodies; blocks of a duty cycle have it in common."""
     if len(passage.contacts) > 1:
         return {}
-    return {one.body: one for seen in passage.observed.values() for one in seen.fields}
+    return {one.body: one for seen in passage.observed.values() for one in seen.cycles}
+
+
+def _maxima(passage: Passage, block: int) -> Mapping[str, Maximum]:
+    """Return the largest stresses in the contact of a block, as far as they are followed."""
+    stress = passage.observed.get(LargestStress.name)
+    return stress.maxima[block] if isinstance(stress, LargestStress) else {}

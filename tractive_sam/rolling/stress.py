@@ -1,0 +1,77 @@
+"""The largest stress in the bodies, and stress on the planes of a scene, of every step."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from tractive_sam.contact import Model
+from tractive_sam.description import Row
+from tractive_sam.results import Maximum, PlaneStress, Quantity, State, stress_columns
+from tractive_sam.rolling.observer import Observer
+from tractive_sam.subsurface import stress_maxima, stress_on_planes
+
+
+@dataclass(frozen=True, eq=False)
+class LargestStress(Observer):
+    """Largest equivalent stress of each body in every record, and stress on planes.
+
+    It is computed when it is recorded: a step that is tried and refused takes no time.
+
+    Attributes
+    ----------
+    contacts : tuple of State
+        Those of the last step, one for each block.
+    model : Model
+        The scene in numbers.
+    """
+
+    name, key, unsolved = "stress", "subsurface", True
+
+    contacts: tuple[State, ...] = ()
+    model: Model | None = None
+
+    def begin(self, step: Any, model: Model) -> "LargestStress":
+        """See `Observer.begin`."""
+        return self.after(step, model)
+
+    def after(self, step: Any, model: Model) -> "LargestStress":
+        """See `Observer.after`."""
+        return LargestStress(step.contacts, model)
+
+    def restore(self, step: Any, stored: Any) -> "LargestStress":
+        """See `Observer.restore`: nothing is left of earlier steps."""
+        return self
+
+    def describe(self, model: Model) -> Iterator[Row]:
+        """See `Observer.describe`."""
+        name = model.laws.criterion.long_name
+        yield Row(f"largest {name}", "inside and at the surface, with every record")
+
+    @property
+    def columns(self) -> tuple[Quantity, ...]:
+        """See `Observer.columns`: those of the criterion of the laws."""
+        return () if self.model is None else stress_columns(self.model.blocks[0].laws.criterion)
+
+    @cached_property
+    def maxima(self) -> tuple[dict[str, Maximum], ...]:
+        """The largest stresses in the contact of each block, by body."""
+        if self.model is None:
+            return ()
+        blocks = zip(self.contacts, self.model.blocks, strict=True)
+        return tuple(stress_maxima(contact, block.laws) for contact, block in blocks)
+
+    def record_block(self, block: int) -> dict[str, dict[str, Any]]:
+        """See `Observer.record_block`."""
+        found = ("value", "interior", "surface", "at")
+        return {
+            column.name: {body: getattr(one, name) for body, one in self.maxima[block].items()}
+            for column, name in zip(self.columns, found, strict=False)
+        }
+
+    def record_stress(self, block: int) -> tuple[PlaneStress, ...]:
+        """See `Observer.record_stress`: on the planes of the scene."""
+        if self.model is None:
+            return ()
+        laws = self.model.blocks[block].laws
+        return tuple(stress_on_planes(self.contacts[block], laws=laws))
