@@ -22,7 +22,7 @@ LIMITS = {
     "modules over 250 code lines": 11,
     "module constants": 570,
     "code lines": 30580,
-    "public names": 108,
+    "public names": 110,
 }
 
 PACKAGE = Path(tractive_sam.__file__).parent
