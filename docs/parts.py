@@ -5,8 +5,10 @@ them. Numbers come from the output files of the scripts in `benchmarks`.
 """
 
 import inspect
+import tomllib
 from collections.abc import Iterable
 from enum import Enum
+from importlib import import_module
 from inspect import signature
 from pathlib import Path
 from typing import get_args
@@ -22,10 +24,18 @@ from tractive_sam.scene.scene import Scene
 from tractive_sam.schema import Key, KeyGroup, key_groups
 from tractive_sam.store import layout
 
+PROJECT = Path(__file__).parents[1] / "pyproject.toml"
+
 
 def write(docs: Path) -> None:
     """Write the parts to `_parts`, the page of names, and the notebooks as tutorials."""
-    generated = {"keys": keys, "columns": columns, "layout": layout_of_files, "commands": commands}
+    generated = {
+        "keys": keys,
+        "columns": columns,
+        "layout": layout_of_files,
+        "commands": commands,
+        "layers": layers,
+    }
     for name, part in (generated | TABLES).items():
         _write(docs / "_parts" / f"{name}.md", part())
     _write(docs / "reference" / "api.rst", names.page())
@@ -110,3 +120,28 @@ def _describe_parameter(parameter: inspect.Parameter) -> tuple[str, str]:
     is_choice = isinstance(parameter.default, Enum)
     default = f" By default {parameter.default.value}." if is_choice else ""
     return f"`{' '.join([', '.join(names), value]).strip()}`", option.help + default
+
+
+def layers() -> str:
+    """Return the layers of the package, from the contracts of import-linter and the docstrings."""
+    project = tomllib.loads(PROJECT.read_text("utf-8"))
+    contracts = project["tool"]["importlinter"]["contracts"]
+    exclusive = dict(
+        contract["name"].split(" only in ")
+        for contract in contracts
+        if " only in " in contract["name"]
+    )
+    (order,) = (contract["layers"] for contract in contracts if contract["type"] == "layers")
+    rows = [
+        (
+            number,
+            f"`{module.removeprefix('tractive_sam.')}`",
+            inspect.cleandoc(import_module(module).__doc__).split("\n\n")[0].replace("\n", " "),
+            ", ".join(
+                library for library, place in exclusive.items() if module == f"tractive_sam.{place}"
+            ),
+        )
+        for number, layer in enumerate(order, 1)
+        for module in layer.split(" | ")
+    ]
+    return format_table(("layer", "module", "content", "only importer of"), rows)

@@ -1,4 +1,4 @@
-"""Packages that only an extra installs: which extra, and the message where one is missing."""
+"""Packages of extras, and the message for a missing one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Files that others wrote: regular ones only, and no more of them than a limit."""
+"""Safe input: regular files only, up to a size limit."""
 
 from __future__ import annotations
 

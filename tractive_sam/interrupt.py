@@ -1,4 +1,4 @@
-"""What asks the program to stop, kept until a safe moment.
+"""Signals that stop the program, deferred until a safe moment.
 
 A KeyboardInterrupt that Python raises wherever it happens to be is lost where nothing can be raised
 (in a callback of the garbage collector), or ends as a traceback of whatever was being imported. So

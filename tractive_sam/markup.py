@@ -1,4 +1,4 @@
-"""HTML that text of files cannot break: text is escaped wherever it is not `Html`."""
+"""Safe HTML: text is escaped unless it is `Html`."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Files that appear whole or not at all: every output of the package is written by this module.
+"""Atomic output: this module writes every file of the package, completely or not at all.
 
-The content goes into a temporary file of a unique name in the same folder, which takes the place of
-the output once it is on disk. Whatever fails before, and whenever, the output is as it was and the
+The content goes to a temporary file with a unique name in the folder of the output. The temporary
+file replaces the output once it is on disk. After any earlier failure the output is unchanged and the
 temporary file is removed.
 """
 

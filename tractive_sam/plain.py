@@ -1,4 +1,4 @@
-"""Text from files and names, made safe to print."""
+"""Text from files and names, safe to print."""
 
 from __future__ import annotations
 

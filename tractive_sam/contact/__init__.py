@@ -1,4 +1,4 @@
-"""Sets up and solves steady rolling contact."""
+"""Contact problems of steady rolling, steps and shifts: model, laws of a scene, and solution."""
 
 from tractive_sam.contact.equilibrium import equilibrium, fitted, fitted_blocks
 from tractive_sam.contact.heat import divide_heat, wear_law_in, with_heat

@@ -1,1 +1,1 @@
-"""Formulas on numbers and the loops over them, compiled by numba (which is imported only here)."""
+"""Formulas on numbers and loops over elements, compiled by numba."""

@@ -1,7 +1,7 @@
-"""Tables of creep forces as vehicle and bearing models use them: NumPy alone.
+"""Evaluation of creep-force tables, with NumPy alone.
 
-`hermite` interpolates, `coordinates` says how creepages become the bounded coordinates of a table,
-`creep_table` puts both together, `header` and `text` write a table as C and as columns.
+`hermite` interpolates, `coordinates` converts creepages to the bounded coordinates of a table,
+`creep_table` combines both, and `header` and `text` write a table as C code and as columns.
 """
 
 from tractive_sam.lookup.coordinates import (

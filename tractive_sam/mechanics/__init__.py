@@ -1,7 +1,7 @@
-"""The laws as objects: elastic bodies, friction, wear, and how stress is judged.
+"""Laws as objects: elastic bodies, friction, wear, and stress criteria.
 
-Formulas are in `tractive_sam.kernels` with their sources; the laws call them, and everything above
-sees the laws only. Imports nothing of what is asked (`scene`) or solved.
+The laws call the formulas of `tractive_sam.kernels`, which state their sources; the layers above use
+only the laws. This package imports neither scenes nor solvers.
 """
 
 import lazy_loader

@@ -1,4 +1,4 @@
-"""Pages of HTML that need no other file and no network; plotly only here, and only its script."""
+"""HTML pages that need no other file and no network; only the script of plotly is used."""
 
 from importlib.resources import files
 

@@ -1,4 +1,4 @@
-"""Closed forms: the solutions that the rest of the package is measured against.
+"""Closed forms for comparison with computed results.
 
 Units mm, N, MPa; x is the rolling direction; forces and tractions act on the upper body A, and
 a negative longitudinal creepage drives it (Q_x > 0). Imports nothing of the package.

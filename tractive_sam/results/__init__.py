@@ -1,7 +1,7 @@
-"""What travels: plain data with names and units, below everything that makes or reads it.
+"""Plain data with names and units: grids, contacts, records, histories, stress.
 
-A `State` is one solved contact, a `Record` what is kept of it, a `History` all records; a
-`Quantity` says what a recorded number is and how it is read off a contact.
+A `State` is one solved contact, a `Record` contains its stored values, and a `History` contains all
+records. A `Quantity` describes a recorded number and computes it from a contact.
 """
 
 import lazy_loader

@@ -1,4 +1,4 @@
-"""Counts revolutions: what a pass wears is in the way of the next one."""
+"""Processes: sequences of contacts over revolutions, load blocks or rolling distance."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""The front doors of a scene: solve, roll, resume, explain, export, and error bars."""
+"""Entry points for a scene: solve, roll, resume, explain, export, and error bars."""
 
 import lazy_loader
 

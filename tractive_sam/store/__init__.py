@@ -1,4 +1,4 @@
-"""Results and measured gaps on disk; the only room that opens HDF5 files."""
+"""Results files and measured gaps on disk."""
 
 from tractive_sam.store.creep_table import TABLE_FORMAT, StoredTable, read_creep_table
 from tractive_sam.store.errors import DamagedError, GapError, HeldError, ResultsError, StorageError

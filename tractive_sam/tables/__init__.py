@@ -1,11 +1,11 @@
-"""Tables of creep forces: made from many contacts, with error bars and gradients, and read again.
+"""Construction of creep-force tables from many contacts, with error bars and gradients.
 
     title = "Steel on steel"
-    ellipticity = [0.5, 1.0, 2.0]   # a/b; more values are added between these
-    poisson = 0.3                   # or several
-    tolerance = 0.01                # error bar and error of interpolation, over mu P
+    ellipticity = [0.5, 1.0, 2.0]   # a/b; the program adds values between these
+    poisson = 0.3                   # or several values
+    tolerance = 0.01                # error bar and interpolation error, over mu P
 
-The law, its scaling and its symmetries are told in `tractive_sam.lookup.coordinates`.
+`tractive_sam.lookup.coordinates` describes the law, its scaling and its symmetries.
 """
 
 import lazy_loader
