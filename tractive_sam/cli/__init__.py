@@ -1,7 +1,7 @@
 """The command line: scenes in, results files, tables and figures out.
 
-A command imports numerical packages only when it runs, so that its help appears at once. This module
-imports almost nothing: `main` handles signals before it loads any other module.
+A command imports numerical packages only when it runs, so that its help appears at once. This
+module imports almost nothing: `main` handles signals before it loads any other module.
 """
 
 __all__ = ["app", "main"]

@@ -1,7 +1,7 @@
 """Laws as objects: elastic bodies, friction, wear, and stress criteria.
 
-The laws call the formulas of `tractive_sam.kernels`, which state their sources; the layers above use
-only the laws. This package imports neither scenes nor solvers.
+The laws call the formulas of `tractive_sam.kernels`, which state their sources; the layers above
+use only the laws. This package imports neither scenes nor solvers.
 """
 
 import lazy_loader
