@@ -52,8 +52,8 @@ def package():
 @pytest.mark.parametrize(("room", "name"), list(list_names()))
 def test_example(room, name, package, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    for name_of in ("OF_HISTORIES", "OF_CONTACTS"):  # an example may register a figure
-        monkeypatch.setattr(registry, name_of, dict(getattr(registry, name_of)))
+    for entries in ("HISTORY_FIGURES", "CONTACT_FIGURES"):  # an example may register a figure
+        monkeypatch.setattr(registry, entries, dict(getattr(registry, entries)))
     module = import_module(room)
     known = package | {public: getattr(module, public) for public in module.__all__}
     finder = doctest.DocTestFinder(recurse=False)

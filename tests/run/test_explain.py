@@ -6,10 +6,10 @@ import pytest
 
 import tractive_sam as ts
 from tractive_sam.contact import Model
+from tractive_sam.description import format_duration
 from tractive_sam.run import memory
 from tractive_sam.run.explain import (
     applications,
-    duration,
     explain,
     records,
     seconds_per_application,
@@ -119,9 +119,9 @@ def test_a_transform_is_timed():
     assert 0.0 < seconds_per_application(Model(spheres())) < 1.0  # of 32 x 32: microseconds
 
 
-def test_durations_are_said_in_growing_units():
-    assert [duration(s).split()[-1] for s in (30.0, 600.0, 9000.0)] == ["s", "min", "h"]
-    assert duration(0.1) == duration(0.9) != duration(1.1)
+def test_durations_are_given_in_growing_units():
+    assert [format_duration(s).split()[-1] for s in (30.0, 600.0, 9000.0)] == ["s", "min", "h"]
+    assert format_duration(0.1) == format_duration(0.9) != format_duration(1.1)
 
 
 def test_fatigue_is_told_and_takes_time():

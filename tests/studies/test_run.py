@@ -318,7 +318,7 @@ def test_estimates_follow_the_mesh():
 
 def test_time_of_the_whole_study_is_shared_by_the_workers(monkeypatch):
     monkeypatch.setattr(cost.explain, "seconds_per_application", lambda model: 1e-3)
-    monkeypatch.setattr(cost.explain, "duration", str)
+    monkeypatch.setattr(cost, "format_duration", str)
     angles = {"key": "friction.angle", "start": 0, "stop": 90, "number": 40}
     asked = Study(scene="twin-discs", axis=[angles])
 
