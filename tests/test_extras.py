@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 import tractive_sam as ts
 from tractive_sam.cli import app
-from tractive_sam.extras import EXTRAS, importing_extra
+from tractive_sam.extras import EXTRAS, require_extra
 
 SCENE = ts.Scene.builtin("cylinders").replace(subsurface=None)
 CALLS = {
@@ -57,7 +57,7 @@ def test_commands_end_with_the_message(history, monkeypatch, tmp_path):
 
 
 def test_other_imports_keep_their_error():
-    with pytest.raises(ModuleNotFoundError, match="nonexistent"), importing_extra("test"):
+    with pytest.raises(ModuleNotFoundError, match="nonexistent"), require_extra("test"):
         import nonexistent  # noqa: F401, PLC0415
 
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from tractive_sam.markup import Html, as_html, fill
-from tractive_sam.plain import plain
+from tractive_sam.safe_text import printable_text
 
 
 @dataclass(frozen=True)
@@ -142,8 +142,8 @@ def format_setting(value: Any, most: int = 50) -> str:
         names = [item.get("name") or f"duty[{k}]" for k, item in enumerate(value)]
         blocks = zip(names, value, strict=True)
         value = ", ".join(f"{name} {item['revolutions']}" for name, item in blocks)
-        return plain(f"({value})", most)
-    return plain(str(value), most)
+        return printable_text(f"({value})", most)
+    return printable_text(str(value), most)
 
 
 def format_unit(unit: str) -> str:
@@ -200,7 +200,7 @@ def html_symbol(symbol: str) -> Html:
 
 def text_table(heading: str, rows: Mapping[str, str] | Iterable[tuple[str, str]]) -> str:
     """Return a heading and aligned lines of label and text."""
-    safe = {plain(label): plain(text) for label, text in dict(rows).items()}
+    safe = {printable_text(label): printable_text(text) for label, text in dict(rows).items()}
     width = max(map(len, safe), default=0)
     return "\n".join([heading, *(f"  {label:{width}}  {text}" for label, text in safe.items())])
 
@@ -211,7 +211,7 @@ def html_table(rows: Mapping[str, str], picture: Html = Html()) -> Html:  # noqa
         '<tr><th style="text-align:left;vertical-align:top;padding-right:1em">$label</th>'
         '<td style="text-align:left">$text</td></tr>'
     )
-    lines = (fill(line, label=label, text=plain(text)) for label, text in rows.items())
+    lines = (fill(line, label=label, text=printable_text(text)) for label, text in rows.items())
     table = fill("<table>$lines</table>", lines=lines)
     if not picture:
         return table

@@ -24,7 +24,7 @@ class MissingExtraError(ImportError):
 
 
 def describe_missing(purpose: str, package: str) -> str:
-    """Return the message of a package that is not installed: for what, which extra, the command."""
+    """Return the message for a missing package: the purpose, the extra and the command."""
     extra = EXTRAS[package]
     return (
         f"{purpose}: {package} is not installed; it comes with the extra {extra}: "
@@ -40,30 +40,30 @@ def check_extra(package: str, purpose: str) -> None:
     package : str
         A package of `EXTRAS`.
     purpose : str
-        What needs it, such as "--fmu".
+        The feature that needs the package, for example "--fmu".
 
     Raises
     ------
     MissingExtraError
-        If it is not installed.
+        If the package is not installed.
     """
     if find_spec(package) is None:
         raise MissingExtraError(describe_missing(purpose, package), name=package)
 
 
 @contextmanager
-def importing_extra(purpose: str) -> Iterator[None]:
-    """Report imports of packages that an extra installs, where they are missing.
+def require_extra(purpose: str) -> Iterator[None]:
+    """Import optional packages in the block; the error for a missing package names its extra.
 
     Parameters
     ----------
     purpose : str
-        What needs them, such as "history.to_xarray".
+        The feature that needs the packages, for example "history.to_xarray".
 
     Raises
     ------
     MissingExtraError
-        If such a package is not installed.
+        If an optional package is not installed.
     """
     try:
         yield

@@ -13,14 +13,14 @@ from typing import BinaryIO
 def open_regular(path: str | PathLike[str]) -> BinaryIO:
     """Open a regular file for reading bytes.
 
-    A device may have no end, and a named pipe may wait for ever for somebody who writes into it.
+    Other files are refused: a device may have no end, and a named pipe may wait for ever.
 
     Raises
     ------
     OSError
-        If there is no such file, it may not be read, or is no regular one.
+        If the file does not exist, may not be read, or is no regular file.
     """
-    # A named pipe that nobody writes into would block here already.
+    # Without O_NONBLOCK, a named pipe without a writer would block here.
     flags = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)  # not on every system
     descriptor = os.open(path, os.O_RDONLY | flags)
     try:
@@ -33,51 +33,52 @@ def open_regular(path: str | PathLike[str]) -> BinaryIO:
         raise
 
 
-def read_text(path: str | PathLike[str], most: int, encoding: str = "utf-8") -> str:
-    """Return the text of a regular file, or of what another program pipes in.
+def read_text(path: str | PathLike[str], max_bytes: int, encoding: str = "utf-8") -> str:
+    """Return the text of a regular file or of a pipe.
 
     Parameters
     ----------
     path : path-like
         The file.
-    most : int
-        Bytes that it may have.
+    max_bytes : int
+        Largest size of the file.
     encoding : str
-        How its characters are encoded.
+        Encoding of the characters.
 
     Raises
     ------
     OSError
-        As by `open_regular`, or if the file is larger.
+        See `open_regular`; also if the file is larger than `max_bytes`.
     UnicodeDecodeError
-        If its bytes are no such text.
+        If the bytes are no text in this encoding.
     """
     piped = os.fspath(path).startswith(("/dev/stdin", "/dev/fd/", "/proc/self/fd/"))
     with open(path, "rb") if piped else open_regular(path) as file:
-        return _read(file, most, encoding, os.fspath(path))
+        return _read_limited(file, max_bytes, encoding, os.fspath(path))
 
 
-def read_piped(most: int, encoding: str = "utf-8") -> str:
+def read_piped(max_bytes: int, encoding: str = "utf-8") -> str:
     """Return the text of the standard input.
 
     Parameters
     ----------
-    most, encoding
-        As of `read_text`.
+    max_bytes, encoding
+        See `read_text`.
 
     Raises
     ------
     OSError
-        If it is larger.
+        If the input is larger than `max_bytes`.
     UnicodeDecodeError
-        If its bytes are no such text.
+        If the bytes are no text in this encoding.
     """
-    return _read(sys.stdin.buffer, most, encoding, "standard input")
+    return _read_limited(sys.stdin.buffer, max_bytes, encoding, "standard input")
 
 
-def _read(file: BinaryIO, most: int, encoding: str, name: str) -> str:
-    content = file.read(most + 1)
-    if len(content) > most:
-        reason = f"larger than the {most} bytes that are read of such a file"
+def _read_limited(file: BinaryIO, max_bytes: int, encoding: str, name: str) -> str:
+    """Read and decode a file, with one form of line ends."""
+    content = file.read(max_bytes + 1)
+    if len(content) > max_bytes:
+        reason = f"larger than the limit of {max_bytes} bytes for a file of this kind"
         raise OSError(errno.EFBIG, reason, name)
     return content.decode(encoding).replace("\r\n", "\n").replace("\r", "\n")

@@ -1,10 +1,10 @@
 """Signals that stop the program, deferred until a safe moment.
 
-A KeyboardInterrupt that Python raises wherever it happens to be is lost where nothing can be raised
-(in a callback of the garbage collector), or ends as a traceback of whatever was being imported. So
-the command line only notes that it was asked, and all that takes long looks at the note: every
-transform does (`operators.fft`), and so does every loop over records, cases and figures. A program
-that imports this package keeps its own handlers: there, nothing is ever noted.
+Python raises a KeyboardInterrupt at any line. It is lost in code that cannot raise (a callback of
+the garbage collector), and it ends as a traceback if it interrupts an import. So the command line
+only notes a signal. Every long computation checks the note with `raise_if_interrupted`: each
+transform (`operators.fft`) and each loop over records, cases and figures. A program that imports
+this package has its own signal handlers: no signal is noted there.
 """
 
 import os
@@ -17,28 +17,28 @@ SIGNALS = tuple(
     for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
     if hasattr(signal, name)
 )
-"""What asks: Ctrl-C, the system or a batch queue, a terminal that closes."""
+"""Signals that stop the program: from Ctrl-C, a batch queue, a terminal that closes."""
 
 STOPPED = 3
 """Exit status of a program that was stopped, see `cli.output.Status`."""
 
-_asked: list[str] = []
-"""Names of the signals that came; of the process, as signals are."""
+_received: list[str] = []
+"""Names of the signals received. Global, because signals belong to the process."""
 
 
-class _Patience:
-    """How long the program may take to end after a signal; of the process, as signals are.
+class _SignalState:
+    """State of the signal handling. Global, because signals belong to the process.
 
     Attributes
     ----------
     seconds : float
-        Time after which it is ended where nothing looks at the note; 0: never.
+        Time from the signal after which the program is ended without a check; 0: never.
     protected : int
-        Number of blocks in progress that have something to put away first.
+        Number of active `protect_cleanup` blocks.
     deferring : bool
-        Whether a block is in progress that an exception must not leave.
+        Whether a `delay_interrupt` block is active.
     raised : bool
-        Whether the exception that ends the program is on its way.
+        Whether the KeyboardInterrupt that ends the program has been raised.
     reported : bool
         Whether the program has printed why it ends.
     """
@@ -50,144 +50,148 @@ class _Patience:
     reported = False
 
 
-_patience = _Patience()
+_state = _SignalState()
 
 
-def heed() -> None:
-    """Stop here if the program was asked to.
+def raise_if_interrupted() -> None:
+    """Raise KeyboardInterrupt if a signal to stop was noted.
 
     Raises
     ------
     KeyboardInterrupt
         With the name of the signal.
     """
-    if _asked:
-        _patience.raised = True
-        raise KeyboardInterrupt(_asked[0])
+    if _received:
+        _state.raised = True
+        raise KeyboardInterrupt(_received[0])
 
 
 def note_signals(seconds: float, early: Iterable[int] = ()) -> None:
-    """Note signals that ask to stop, until the process ends; to be called in the main thread.
+    """Note signals that stop the program, until the process ends; call it in the main thread.
 
-    What takes long without a look at the note, as imports and drawing do, is ended at once when
-    so much time is over. In a `protected` block a KeyboardInterrupt is raised instead.
+    Some code runs long without checking the note (imports, drawing). The process is ended if it
+    still runs `seconds` after the signal. In a `protect_cleanup` block a KeyboardInterrupt is
+    raised instead.
 
     Parameters
     ----------
     seconds : float
-        Time from the signal.
+        Longest time from the signal to the end of the process.
     early : iterable of int
-        Signals that came before.
+        Signals received before this call.
     """
     for number in SIGNALS:
         if signal.getsignal(number) is not signal.SIG_IGN:
-            signal.signal(number, _note)
-    _patience.seconds = seconds
+            signal.signal(number, _note_signal)
+    _state.seconds = seconds
     for number in early:
-        _note(number, None)
+        _note_signal(number, None)
 
 
 @contextmanager
-def protected() -> Iterator[None]:
-    """Leave the block by an exception if it is interrupted: it has something to put away."""
-    _patience.protected += 1
+def protect_cleanup() -> Iterator[None]:
+    """Interrupt the block only by an exception, so that it can clean up."""
+    _state.protected += 1
     try:
         yield
     finally:
-        _patience.protected -= 1
+        _state.protected -= 1
 
 
 @contextmanager
-def kept() -> Iterator[None]:
-    """Note signals that ask to stop, for `heed`; a second one ends the process at once.
+def defer_signals() -> Iterator[None]:
+    """Note signals in the block, for `raise_if_interrupted`; a second signal ends the process.
 
-    Those that the process ignores (SIGHUP under nohup) stay ignored. To be used in the main thread.
+    Signals that the process ignores (SIGHUP under nohup) stay ignored. Use it in the main thread.
     """
-    before = {one: signal.getsignal(one) for one in SIGNALS}
-    for one, handler in before.items():
+    handlers = {number: signal.getsignal(number) for number in SIGNALS}
+    for number, handler in handlers.items():
         if handler is not signal.SIG_IGN:
-            signal.signal(one, _note)
+            signal.signal(number, _note_signal)
     try:
         yield
     finally:
-        for one, handler in before.items():
-            if handler is not None:  # None: a handler that is not Python's, and cannot be put back
-                signal.signal(one, handler)
-        _asked.clear()
+        for number, handler in handlers.items():
+            if handler is not None:  # None: a handler that is not Python's cannot be restored
+                signal.signal(number, handler)
+        _received.clear()
 
 
 @contextmanager
-def deferred() -> Iterator[None]:
-    """Let Ctrl-C wait until the block ends, in programs that keep Python's own handler.
+def delay_interrupt() -> Iterator[None]:
+    """Delay Ctrl-C until the block ends, in programs that use Python's default handler.
 
-    What is not Python cannot always be left by an exception. Threads other than the main one are
-    never interrupted.
+    An exception must not interrupt a library that is not written in Python, such as HDF5. Threads
+    other than the main thread are never interrupted.
     """
-    came: list[int] = []
-    before, _patience.deferring = _patience.deferring, True
+    delayed: list[int] = []
+    before, _state.deferring = _state.deferring, True
     try:
         if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
             raise ValueError
-        signal.signal(signal.SIGINT, lambda number, _frame: came.append(number))
+        signal.signal(signal.SIGINT, lambda number, _frame: delayed.append(number))
     except ValueError:
         try:
             yield
         finally:
-            _patience.deferring = before
+            _state.deferring = before
         return
     try:
         yield
     finally:
-        _patience.deferring = before
+        _state.deferring = before
         signal.signal(signal.SIGINT, signal.default_int_handler)
-    if came:
+    if delayed:
         raise KeyboardInterrupt
 
 
 def mark_reported() -> None:
-    """Note that the program has printed why it ends: if it ends at once, it prints nothing more."""
-    _patience.reported = True
+    """Note that the program has printed why it ends; it then prints nothing more."""
+    _state.reported = True
 
 
-def ignore() -> None:
-    """Ignore signals while the process ends: the exit status is that of what it has done."""
-    _patience.seconds = 0.0
-    _asked.clear()
-    for one in SIGNALS:
-        signal.signal(one, signal.SIG_IGN)
+def ignore_signals() -> None:
+    """Ignore signals while the process ends, so that they do not change the exit status."""
+    _state.seconds = 0.0
+    _received.clear()
+    for number in SIGNALS:
+        signal.signal(number, signal.SIG_IGN)
 
 
-def _note(number: int, _frame) -> None:
-    if _asked:
+def _note_signal(number: int, _frame) -> None:
+    """Note a signal and start the timer; end the process if a signal was noted before."""
+    if _received:
         _end_at_once("ended at once")
-    _asked.append(signal.Signals(number).name)
-    _wait()
+    _received.append(signal.Signals(number).name)
+    _start_timer()
 
 
-def _wait() -> None:
-    """Have the system call `_overdue` when patience ends; Windows has no such timer."""
-    if _patience.seconds and hasattr(signal, "setitimer"):
-        signal.signal(signal.SIGALRM, _overdue)
-        signal.setitimer(signal.ITIMER_REAL, _patience.seconds)
+def _start_timer() -> None:
+    """Start a timer that calls `_end_overdue` after `seconds`; not available on Windows."""
+    if _state.seconds and hasattr(signal, "setitimer"):
+        signal.signal(signal.SIGALRM, _end_overdue)
+        signal.setitimer(signal.ITIMER_REAL, _state.seconds)
 
 
-def _overdue(_number: int, _frame) -> None:
-    if not _patience.seconds:
+def _end_overdue(_number: int, _frame) -> None:
+    """End the process, or raise KeyboardInterrupt in a `protect_cleanup` block."""
+    if not _state.seconds:
         return
-    if not _patience.protected:
+    if not _state.protected:
         _end_at_once("interrupted")
-    if _patience.deferring or _patience.raised:
-        _wait()
+    if _state.deferring or _state.raised:
+        _start_timer()
         return
-    _patience.raised = True
-    _wait()
-    raise KeyboardInterrupt(_asked[0])
+    _state.raised = True
+    _start_timer()
+    raise KeyboardInterrupt(_received[0])
 
 
 def _end_at_once(message: str) -> None:
-    # Nothing is cleaned up: a results file is whole at every moment.
+    """Print a message and end the process without cleaning up."""
+    # No cleanup is needed: a results file is complete at every moment.
     with suppress(OSError):
         show_cursor = b"\x1b[?25h" if os.isatty(2) else b""  # a progress bar hides it
-        line = "" if _patience.reported else f"error: {message}\n"
+        line = "" if _state.reported else f"error: {message}\n"
         os.write(2, show_cursor + line.encode())
     os._exit(STOPPED)

@@ -9,14 +9,14 @@ from html import escape
 from string import Template
 from typing import TypeAlias
 
-from tractive_sam.plain import plain
+from tractive_sam.safe_text import printable_text
 
 
 class Html(str):
-    """HTML that may stand in a page as it is.
+    """HTML that is written to a page without escaping.
 
-    Only `fill` and code that writes tags by itself make it. Joined with other text it is text
-    again, and escaped.
+    Only `fill` and code that writes tags create it. HTML joined with other text is a plain `str`
+    and is escaped.
     """
 
     __slots__ = ()
@@ -26,23 +26,23 @@ Content: TypeAlias = "str | Iterable[Html]"
 
 
 def as_html(content: Content) -> Html:
-    """Return HTML as it is, several of it in a row, and text escaped."""
+    """Return HTML unchanged, a sequence of HTML joined, and text escaped."""
     if isinstance(content, Html):
         return content
     if isinstance(content, str):
-        return Html(escape(plain(content, None)))
-    return Html("".join(as_html(one) for one in content))
+        return Html(escape(printable_text(content, None)))
+    return Html("".join(as_html(part) for part in content))
 
 
 def fill(template: str, /, **content: Content) -> Html:
-    """Return a template with its names, as $name, replaced by their content.
+    """Return a template with each placeholder $name replaced by its content.
 
     Parameters
     ----------
     template : str
-        HTML that the package has written; no text of a file.
+        HTML from the package, never text from a file.
     **content : str or iterable of Html
-        By name. What is not `Html` is text, and is escaped.
+        Content of each placeholder. Anything that is not `Html` is text and is escaped.
 
     Raises
     ------
@@ -55,19 +55,19 @@ def fill(template: str, /, **content: Content) -> Html:
     >>> fill("<p>$text</p>", text="<script>")
     '<p>&lt;script&gt;</p>'
     """
-    found = {name: as_html(one) for name, one in content.items()}
-    return Html(Template(template).substitute(found))
+    html = {name: as_html(part) for name, part in content.items()}
+    return Html(Template(template).substitute(html))
 
 
-def policy(
+def security_policy(
     scripts: Iterable[str] = (), styles: Iterable[str] = (), attributes: bool = False
 ) -> Html:
-    """Return the content security policy of a page that has these scripts and styles, and no other.
+    """Return the content security policy of a page that allows only these scripts and styles.
 
     Parameters
     ----------
     scripts, styles : iterable of str
-        The content of its elements of script and of style.
+        Content of the script and style elements of the page.
     attributes : bool
         Whether style attributes are allowed.
     """
@@ -91,6 +91,6 @@ _NONE, _INLINE = "'none'", "'unsafe-inline'"
 
 
 def _digest(content: str) -> str:
-    """Return the hash of an element's content as a browser takes it: with one end of lines."""
+    """Return the hash that a browser computes for the content of an element."""
     lines = content.replace("\r\n", "\n").replace("\r", "\n")
     return f"'sha256-{b64encode(sha256(lines.encode()).digest()).decode()}'"

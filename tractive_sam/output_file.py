@@ -15,7 +15,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from uuid import uuid4
 
-from tractive_sam.interrupt import heed, protected
+from tractive_sam.interrupt import protect_cleanup, raise_if_interrupted
 
 CURES = {
     errno.ENOSPC: "the disk is full; make room, or choose another",
@@ -32,10 +32,10 @@ CURES = {
     errno.EISDIR: "it is a folder; choose another name",
     errno.EEXIST: "it exists already; rename or remove it, or choose another name",
 }
-"""What the system found wrong, and what to do about it."""
+"""Cause and remedy of each error of the operating system, by error number."""
 
 TEMPORARY = ".new"
-"""How the names of temporary files end."""
+"""Suffix of temporary files."""
 
 
 class OutputError(OSError):
@@ -77,11 +77,11 @@ class OutputFile:
         OutputError
             If the system does not take them.
         """
-        with _failure_reported(self.output):
+        with _report_failure(self.output):
             os.lseek(self._descriptor, position, os.SEEK_SET)
-            rest = memoryview(data).cast("B")
-            while rest:
-                rest = rest[os.write(self._descriptor, rest) :]
+            remaining = memoryview(data).cast("B")
+            while remaining:
+                remaining = remaining[os.write(self._descriptor, remaining) :]
 
     def read(self, size: int, position: int) -> bytes:
         """Read at most `size` bytes from a position on; fewer at the end of the file."""
@@ -94,13 +94,13 @@ class OutputFile:
 
     def truncate(self, size: int) -> None:
         """Set the length of the file, in bytes; raises as `write` does."""
-        with _failure_reported(self.output):
+        with _report_failure(self.output):
             os.ftruncate(self._descriptor, size)
 
     def copy(self, source: Path, block: int = 2**24) -> int:
-        """Begin with the content of another file; returns its size. `block` bounds the memory."""
+        """Copy another file, `block` bytes at a time, and return its size in bytes."""
         position = 0
-        with _failure_reported(self.output), source.open("rb") as file:
+        with _report_failure(self.output), source.open("rb") as file:
             while data := file.read(block):
                 self.write(data, position)
                 position += len(data)
@@ -111,8 +111,8 @@ class OutputFile:
 def replace_file(path: Path, *, exclusive: bool = False) -> Iterator[OutputFile]:
     """Write a file that takes the place of another one, or of none, when the block ends.
 
-    It gets the permissions of the file that it replaces, or those of any new file. If the block
-    raises, nothing changes. Links are followed.
+    It gets the permissions of the file that it replaces, or the default permissions. If the block
+    raises an exception, nothing changes. Symbolic links are resolved.
 
     Parameters
     ----------
@@ -128,35 +128,36 @@ def replace_file(path: Path, *, exclusive: bool = False) -> Iterator[OutputFile]
     OutputError
         If the system does not take the content.
     """
-    with protected(), _replacement(path, exclusive) as file:
+    with protect_cleanup(), _open_replacement(path, exclusive) as file:
         yield file
 
 
 @contextmanager
-def _replacement(path: Path, exclusive: bool) -> Iterator[OutputFile]:
-    with _failure_reported(path, OutputPlaceError):
-        target = followed(path)
-        mode = _mode_of(target, exclusive)
-        temporary = temporary_of(target)
+def _open_replacement(path: Path, exclusive: bool) -> Iterator[OutputFile]:
+    """Open a temporary file that replaces the output at the end; arguments as in `replace_file`."""
+    with _report_failure(path, OutputPlaceError):
+        target = resolve_link(path)
+        mode = _permissions(target, exclusive)
+        temporary = temporary_path(target)
         flags = os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
-        # Never open to more people than the file that it replaces.
+        # Never readable by more users than the file that it replaces.
         descriptor = os.open(temporary, flags, 0o666 if mode is None else 0o600)
     try:
         try:
             if mode is not None:
-                with _failure_reported(path):
+                with _report_failure(path):
                     temporary.chmod(mode)
             yield OutputFile(path, descriptor)
-            with _failure_reported(path):
-                os.fsync(descriptor)  # the content before the name, should the machine fail
+            with _report_failure(path):
+                os.fsync(descriptor)  # the content before the name, in case the machine fails
         except BaseException:
             with suppress(OSError):
                 os.close(descriptor)
             raise
-        with _failure_reported(path):
+        with _report_failure(path):
             os.close(descriptor)
             if exclusive:
-                _mode_of(target, exclusive)
+                _permissions(target, exclusive)
             temporary.replace(target)
     finally:
         with suppress(OSError):
@@ -166,15 +167,15 @@ def _replacement(path: Path, exclusive: bool) -> Iterator[OutputFile]:
 def write_file(
     path: str | os.PathLike[str], content: str | bytes | memoryview, *, exclusive: bool = False
 ) -> Path:
-    """Write a file as a whole, text as UTF-8; arguments and errors are those of `replace_file`.
+    """Write a file atomically, text as UTF-8; see `replace_file` for arguments and errors.
 
-    What is no file, as a terminal or a pipe, is written to directly.
+    A terminal, a pipe or another device is written to directly.
     """
-    heed()
+    raise_if_interrupted()
     path = Path(path)
     data = content.encode() if isinstance(content, str) else content
     if _is_stream(path):
-        with _failure_reported(path), path.open("wb") as stream:
+        with _report_failure(path), path.open("wb") as stream:
             stream.write(data)
         return path
     with replace_file(path, exclusive=exclusive) as file:
@@ -183,23 +184,23 @@ def write_file(
 
 
 def append_to_file(path: Path, data: bytes) -> None:
-    """Append to a file, in one write where the system takes it; created if it does not exist.
+    """Append to a file in one write if possible; create the file if it does not exist.
 
-    If the disk does not take all of it, a part may remain: readers must recognize one.
+    If the disk becomes full, a part of the data may remain: readers must recognize it.
 
     Raises
     ------
     OutputError
         If the system does not take the data.
     """
-    with _failure_reported(path), path.open("ab", buffering=0) as file:
-        rest = memoryview(data)
-        while rest:
-            rest = rest[file.write(rest) :]
+    with _report_failure(path), path.open("ab", buffering=0) as file:
+        remaining = memoryview(data)
+        while remaining:
+            remaining = remaining[file.write(remaining) :]
 
 
 def make_folder(path: str | os.PathLike[str]) -> Path:
-    """Create a folder for outputs, with those it is in, unless it exists.
+    """Create a folder for outputs and its parent folders, unless they exist.
 
     Raises
     ------
@@ -207,15 +208,15 @@ def make_folder(path: str | os.PathLike[str]) -> Path:
         If it cannot be created.
     """
     path = Path(path)
-    with _failure_reported(path, OutputPlaceError):
+    with _report_failure(path, OutputPlaceError):
         path.mkdir(parents=True, exist_ok=True)
     return path
 
 
 def check_folder(path: Path) -> None:
     """Check that a temporary file can be created beside a file; raises as `replace_file` does."""
-    with _failure_reported(path, OutputPlaceError):
-        temporary = temporary_of(path)
+    with _report_failure(path, OutputPlaceError):
+        temporary = temporary_path(path)
         try:
             temporary.touch()
         finally:
@@ -223,8 +224,8 @@ def check_folder(path: Path) -> None:
                 temporary.unlink()
 
 
-def followed(path: Path) -> Path:
-    """Return what a link points to, or the path itself.
+def resolve_link(path: Path) -> Path:
+    """Return the target of a symbolic link, or the path itself if it is no link.
 
     Raises
     ------
@@ -239,32 +240,32 @@ def followed(path: Path) -> Path:
     return target
 
 
-def hidden_beside(path: Path, suffix: str) -> Path:
-    """Return the path of a hidden file beside a file, `.NAME` and a suffix."""
+def hidden_path(path: Path, suffix: str) -> Path:
+    """Return the path of a hidden file in the same folder: `.NAME` and a suffix."""
     return path.with_name(f".{short_name(path)}{suffix}")
 
 
 def short_name(path: Path, longest: int = 180) -> str:
-    """Return the name of a file, or a hash of one that leaves no room for a prefix and a suffix.
+    """Return the name of a file, or its hash if it is too long for a prefix and a suffix.
 
     Parameters
     ----------
     path : Path
         The file.
     longest : int
-        Bytes; systems allow 255.
+        Largest length in bytes; systems allow 255.
     """
     encoded = os.fsencode(path.name)
     return path.name if len(encoded) <= longest else hashlib.sha256(encoded).hexdigest()
 
 
-def temporary_of(path: Path) -> Path:
-    """Return a unique name for a temporary file beside a file."""
-    return hidden_beside(path, f".{uuid4().hex[:12]}{TEMPORARY}")
+def temporary_path(path: Path) -> Path:
+    """Return a unique path for a temporary file in the folder of a file."""
+    return hidden_path(path, f".{uuid4().hex[:12]}{TEMPORARY}")
 
 
 def is_write_protected(path: Path) -> bool:
-    """Check whether a file may not be written; its mode counts also for the administrator."""
+    """Check whether a file is read-only; its mode counts for the administrator, too."""
     by_mode = path.stat().st_mode & (stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH)
     return not by_mode or not os.access(path, os.W_OK)
 
@@ -274,18 +275,18 @@ def is_disk_failure(error: Exception) -> bool:
     return getattr(error, "errno", None) in (errno.ENOSPC, errno.EDQUOT, errno.EIO)
 
 
-def reason(error: Exception) -> str:
-    """Return the cause of an error of the system, also from the text of HDF5, and the cure."""
-    by_hdf5 = re.search(r"errno = (\d+)", str(error))
-    number = int(by_hdf5[1]) if by_hdf5 else getattr(error, "errno", None)
+def describe_os_error(error: Exception) -> str:
+    """Return the cause and remedy of a system error, also one that HDF5 reports as text."""
+    hdf5_number = re.search(r"errno = (\d+)", str(error))
+    number = int(hdf5_number[1]) if hdf5_number else getattr(error, "errno", None)
     return (
         CURES.get(number or 0) or getattr(error, "strerror", None) or str(error).partition("\n")[0]
     )
 
 
 @contextmanager
-def _failure_reported(path: Path, kind: type[OutputError] = OutputError) -> Iterator[None]:
-    """Name the output and the cause in what the system reports."""
+def _report_failure(path: Path, kind: type[OutputError] = OutputError) -> Iterator[None]:
+    """Raise system errors of the block again as `kind`, with the output and the cause."""
     try:
         yield
     except OutputError:
@@ -293,11 +294,11 @@ def _failure_reported(path: Path, kind: type[OutputError] = OutputError) -> Iter
     except (OSError, ValueError) as error:  # ValueError: a name with a null character
         if is_disk_failure(error):
             kind = OutputError
-        raise kind(f"{path} cannot be written: {reason(error)}") from error
+        raise kind(f"{path} cannot be written: {describe_os_error(error)}") from error
 
 
-def _mode_of(target: Path, exclusive: bool) -> int | None:
-    """Return the permissions of the file that is to be replaced; None if there is none."""
+def _permissions(target: Path, exclusive: bool) -> int | None:
+    """Return the permissions of the file to be replaced; None if it does not exist."""
     try:
         mode = target.stat().st_mode
     except FileNotFoundError:

@@ -40,12 +40,12 @@ def send(one):
 @pytest.mark.parametrize("one", interrupt.SIGNALS)
 def test_what_is_asked_is_heeded_where_it_is_looked_for(one):
     before = signal.getsignal(one)
-    with interrupt.kept():
+    with interrupt.defer_signals():
         send(one)
         with pytest.raises(KeyboardInterrupt, match=one.name):
-            interrupt.heed()
+            interrupt.raise_if_interrupted()
     assert signal.getsignal(one) is before
-    interrupt.heed()  # the note went with the handler
+    interrupt.raise_if_interrupted()  # the note went with the handler
 
 
 def test_nothing_is_asked_of_scripts():
@@ -54,7 +54,7 @@ def test_nothing_is_asked_of_scripts():
     try:
         with pytest.raises(KeyboardInterrupt):
             send(signal.SIGINT)
-        interrupt.heed()
+        interrupt.raise_if_interrupted()
     finally:
         signal.signal(signal.SIGINT, before)
 
@@ -63,9 +63,9 @@ def test_what_the_process_ignores_stays_ignored():
     """As SIGHUP under nohup."""
     before = signal.signal(signal.SIGTERM, signal.SIG_IGN)
     try:
-        with interrupt.kept():
+        with interrupt.defer_signals():
             send(signal.SIGTERM)
-            interrupt.heed()
+            interrupt.raise_if_interrupted()
         assert signal.getsignal(signal.SIGTERM) is signal.SIG_IGN
     finally:
         signal.signal(signal.SIGTERM, before)
@@ -75,14 +75,14 @@ def test_no_signal_is_lost_in_a_callback_of_the_garbage_collector():
     class Thing:
         pass
 
-    with interrupt.kept():
+    with interrupt.defer_signals():
         thing = Thing()
         kept = weakref.ref(thing, lambda _: send(signal.SIGINT))
         del thing
         gc.collect()
         assert kept() is None
         with pytest.raises(KeyboardInterrupt):
-            interrupt.heed()
+            interrupt.raise_if_interrupted()
 
 
 @pytest.mark.slow
@@ -90,7 +90,7 @@ def test_no_signal_is_lost_in_a_callback_of_the_garbage_collector():
 def test_roll_ends_after_the_record_at_hand_and_goes_on_from_it(tmp_path, one):
     wanted = roll(DISCS, tmp_path / "whole.h5")
     path = tmp_path / "cut.h5"
-    with interrupt.kept(), pytest.raises(KeyboardInterrupt):
+    with interrupt.defer_signals(), pytest.raises(KeyboardInterrupt):
         roll(DISCS, path, progress=lambda record: record.revolution == 2 and send(one))
     cut = open_history(path)
     assert cut.status == "stopped early"
@@ -178,7 +178,7 @@ def test_after_the_end_the_status_is_that_of_what_was_done(folder, one):
 
 LATE = """
 import os, signal, sys, threading, time
-from tractive_sam.interrupt import note_signals, protected
+from tractive_sam.interrupt import note_signals, protect_cleanup
 note_signals(0.2)
 def busy():
     while True:
@@ -200,7 +200,7 @@ def test_what_never_looks_at_the_note_is_ended(folder, one):
 def test_what_is_protected_is_left_by_an_exception_once(folder):
     body = """
 try:
-    with protected():
+    with protect_cleanup():
         os.kill(os.getpid(), signal.SIGTERM)
         try:
             busy()
@@ -220,10 +220,10 @@ def test_what_has_reported_its_end_prints_no_second_line(folder, times):
     """Time may be over while the program puts away what it holds, or a second signal comes."""
     body = f"""
 from tractive_sam.cli.output import stop
-from tractive_sam.interrupt import heed
+from tractive_sam.interrupt import raise_if_interrupted
 os.kill(os.getpid(), signal.SIGTERM)
 try:
-    heed()
+    raise_if_interrupted()
 except KeyboardInterrupt:
     stop(3, "interrupted")
     for _ in range({times - 1}):

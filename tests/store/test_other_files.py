@@ -204,9 +204,9 @@ def test_scene_comes_through_a_pipe_of_the_shell(tmp_path):
 def test_size_of_a_text_is_limited(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text("12345")
-    assert input_file.read_text(path, most=5) == "12345"
+    assert input_file.read_text(path, max_bytes=5) == "12345"
     with pytest.raises(OSError, match="4 bytes"):
-        input_file.read_text(path, most=4)
+        input_file.read_text(path, max_bytes=4)
 
 
 COLUMN = {"name": "turn", "unit": "1", "long_name": "turn", "dims": [], "symbol": "n"}

@@ -18,7 +18,7 @@ PATIENCE = 1.0
 def main() -> None:
     """Run the program; SIGINT, SIGTERM and SIGHUP end it within the time of `PATIENCE`."""
     early = _note_at_once()
-    from tractive_sam.interrupt import ignore, note_signals
+    from tractive_sam.interrupt import ignore_signals, note_signals
 
     note_signals(PATIENCE, early)
     import atexit
@@ -30,7 +30,7 @@ def main() -> None:
 
         run_program()
     finally:
-        ignore()
+        ignore_signals()
         atexit.register(gc.freeze)  # what is left goes with the process: a fifth of a second
 
 

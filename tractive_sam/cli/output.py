@@ -17,7 +17,7 @@ from rich.console import Console
 from rich.text import Text
 
 from tractive_sam.interrupt import mark_reported
-from tractive_sam.plain import plain
+from tractive_sam.safe_text import printable_text
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -42,7 +42,7 @@ class _Console(Console):
 
     def render_str(self, text: str, **options) -> Text:
         """A cell or a line as it is printed."""
-        return super().render_str(plain(text), **options)
+        return super().render_str(printable_text(text), **options)
 
     def on_broken_pipe(self) -> None:
         """Write what is left to nowhere; the exit status is that of the command."""
@@ -154,7 +154,7 @@ def say(*parts: str | tuple[str, str], error: bool = False) -> None:
     """
     try:
         pairs = ((one, "") if isinstance(one, str) else one for one in parts)
-        line = Text.assemble(*((plain(text), style) for text, style in pairs))
+        line = Text.assemble(*((printable_text(text), style) for text, style in pairs))
         console(stderr=True, error=error).print(line, soft_wrap=True)
     except OSError:
         silence(sys.stderr)
@@ -162,7 +162,7 @@ def say(*parts: str | tuple[str, str], error: bool = False) -> None:
 
 def tell(text: object) -> None:
     """Print a line on the standard output, whole and without styles."""
-    console().print(Text(plain(str(text), most=None)), soft_wrap=True)
+    console().print(Text(printable_text(str(text), max_length=None)), soft_wrap=True)
 
 
 @contextmanager

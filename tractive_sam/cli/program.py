@@ -29,14 +29,14 @@ from tractive_sam.cli.show import show
 from tractive_sam.cli.study import study
 from tractive_sam.cli.study_show import study_show
 from tractive_sam.cli.table import table
-from tractive_sam.plain import plain
+from tractive_sam.safe_text import printable_text
 
 
 @contextmanager
 def _ended_well() -> Iterator[None]:
     """What may end any command: that it is asked to stop, or that its reader leaves."""
     try:
-        interrupt.heed()
+        interrupt.raise_if_interrupted()
         yield
     except KeyboardInterrupt:
         raise stop(Status.INCOMPLETE, "interrupted") from None
@@ -47,7 +47,7 @@ def _ended_well() -> Iterator[None]:
         # What the library of commands has to say, it says with arguments as they were given.
         message = getattr(error, "message", None)
         if isinstance(message, str):
-            vars(error)["message"] = plain(message)
+            vars(error)["message"] = printable_text(message)
         raise
 
 

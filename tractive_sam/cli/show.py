@@ -10,7 +10,7 @@ import typer
 
 from tractive_sam.cli.explain import print_sections
 from tractive_sam.cli.output import Status, bad_input_told, console, stop, tell
-from tractive_sam.plain import csv_cell
+from tractive_sam.safe_text import csv_cell
 
 Results = Annotated[Path, typer.Argument(metavar="FILE.h5", help="A results file.")]
 

@@ -80,7 +80,7 @@ def study(
         try:
             with warnings_told():
                 asked = studies.Study.from_toml(file)
-            with interrupt.protected(), _progress() as progress, warnings_told():
+            with interrupt.protect_cleanup(), _progress() as progress, warnings_told():
                 results = studies.study(
                     asked,
                     output,

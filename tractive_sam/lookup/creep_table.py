@@ -16,7 +16,7 @@ from tractive_sam.lookup.describe import describe_table
 from tractive_sam.lookup.hermite import Hermite, cell_of
 from tractive_sam.lookup.table_checks import faults_of_table
 from tractive_sam.markup import fill
-from tractive_sam.plain import plain
+from tractive_sam.safe_text import printable_text
 
 MARGIN = 1e-9
 """Of a coordinate outside a table that rounding alone may have brought there."""
@@ -144,7 +144,7 @@ class CreepTable:
             raise ValueError("; ".join(faults))
 
     def __repr__(self) -> str:
-        return f"{plain(f'CreepTable {self.title}'.rstrip())}\n\n{self.description!r}"
+        return f"{printable_text(f'CreepTable {self.title}'.rstrip())}\n\n{self.description!r}"
 
     def _repr_html_(self) -> str:
         sections = self.description._repr_html_()

@@ -188,7 +188,7 @@ def planned(make: Callable[..., Plan], most: int) -> Callable[..., Plan]:
             _PLANNING.release()
 
     def recalled(*arguments) -> Plan:
-        interrupt.heed()
+        interrupt.raise_if_interrupted()
         return of_thread(get_ident(), *arguments)
 
     recalled.cache_clear = of_thread.cache_clear

@@ -12,7 +12,6 @@ from tractive_sam.description import format_unit, html_symbol
 from tractive_sam.markup import as_html
 from tractive_sam.pages.arrays import packed
 from tractive_sam.pages.charts import charts
-from tractive_sam.plain import plain
 from tractive_sam.plot import (
     ContactView,
     Scale,
@@ -22,6 +21,7 @@ from tractive_sam.plot import (
     stick_level,
 )
 from tractive_sam.results import COMPONENTS, Grid, History, PlaneStress, numbers, widened
+from tractive_sam.safe_text import printable_text
 
 MOST_SAVED = 40
 """Records whose fields are on the page; of more some are left out."""
@@ -44,7 +44,7 @@ def of_history(history: History) -> dict[str, Any]:
     blocks = _blocks(history)
     states = []
     for at in saved:
-        interrupt.heed()
+        interrupt.raise_if_interrupted()
         states += [ContactView.from_source(block, at) for _, block in blocks]
     surface = _Window.around(states, BESIDE, MOST_NUMBERS / (10 * max(len(states), 1)))
     along = history.coordinate
@@ -225,7 +225,7 @@ def _stress(
     asked = [] if history.scene.subsurface is None else map(str, history.scene.subsurface.planes)
     order = {plane: k for k, plane in enumerate(asked)}
     for body, plane in sorted(history.planes, key=lambda one: order.get(one[1], len(order))):
-        interrupt.heed()
+        interrupt.raise_if_interrupted()
         each = (block.stress(body, plane, at) for at in saved for block in blocks)
         rows = [_on_mesh(one, history.grid) for one in each]
         (first, along), (second, across) = rows[0].axes.items()
@@ -287,10 +287,10 @@ def _numbers(history: History, row: int) -> list[Mapping[str, str]]:
     """The numbers of a record, one a line of a table."""
     return [
         {
-            "name": plain(name),
-            "value": plain(value),
-            "unit": plain(format_unit(one.unit)),
-            "about": plain(one.long_name),
+            "name": printable_text(name),
+            "value": printable_text(value),
+            "unit": printable_text(format_unit(one.unit)),
+            "about": printable_text(one.long_name),
         }
         for name, value, one in numbers(history, row)
     ]

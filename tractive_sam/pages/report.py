@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from tractive_sam import interrupt
-from tractive_sam.extras import importing_extra
-from tractive_sam.markup import Html, fill, policy
+from tractive_sam.extras import require_extra
+from tractive_sam.markup import Html, fill, security_policy
 from tractive_sam.output_file import write_file
 from tractive_sam.pages.data import of_history
 from tractive_sam.plot import list_figures
@@ -91,7 +91,7 @@ def _page(history: History) -> str:
     # plotly sets attributes of style and fills an empty element of style: neither runs anything.
     return fill(
         parts["report.html"],
-        policy=policy([script, parts["report.js"]], [style, ""], attributes=True),
+        policy=security_policy([script, parts["report.js"]], [style, ""], attributes=True),
         title=history.title or "A rolling contact",
         style=Html(style),
         status=history.status,
@@ -123,7 +123,7 @@ _PARTS = ("report.html", "report.js", "report.css", "style.css")
 
 def _plotly() -> tuple[str, dict[str, Any]]:
     """The script that draws, and the colours of the figures."""
-    with importing_extra("report"):
+    with require_extra("report"):
         from plotly.colors import get_colorscale  # noqa: PLC0415 - of an extra
         from plotly.offline import get_plotlyjs  # noqa: PLC0415
     return get_plotlyjs(), {name: get_colorscale(plotly) for name, plotly in SCALES.items()}
@@ -134,7 +134,7 @@ def _pictures(history: History) -> Html:
     cards, drawn = [], DRAWN_BY_SCRIPT.split()
     for drawing in list_figures(history):
         if drawing.entry.name not in drawn:
-            interrupt.heed()
+            interrupt.raise_if_interrupted()
             image = drawing.draw().to_html(PICTURE)
             cards.append(fill(_CARD, caption=drawing.caption, image=image))
     return fill(_SECTION, cards=cards) if cards else Html()

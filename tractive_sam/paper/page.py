@@ -9,7 +9,7 @@ from importlib.resources import files
 from itertools import groupby
 from platform import python_version
 
-from tractive_sam.markup import Html, as_html, fill, policy
+from tractive_sam.markup import Html, as_html, fill, security_policy
 from tractive_sam.pages import style
 from tractive_sam.paper.finding import Chapter, Finding, Picture, Statement, Table, Verdict
 from tractive_sam.paper.size import FULL, Size
@@ -67,7 +67,7 @@ def page(
     look = Html(f"\n{style()}{parts['page.css']}")
     return fill(
         parts["page.html"],
-        policy=policy(styles=[look]),
+        policy=security_policy(styles=[look]),
         style=look,
         seconds=f"{seconds:.0f}",
         size=text(size.name),

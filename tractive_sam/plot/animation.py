@@ -93,7 +93,7 @@ def _rasterize(figure: Figure, dpi: int = 110) -> Image.Image:
 def _views(history: History, most: int = 100) -> Iterator[ContactView]:
     """Yield the stored contacts; of many records some are omitted, as all pictures need memory."""
     for at in select_evenly(history.saved, most):
-        interrupt.heed()
+        interrupt.raise_if_interrupted()
         yield ContactView.from_source(history, at)
 
 

@@ -13,7 +13,7 @@ from matplotlib.text import Text
 
 from tractive_sam.markup import Html, fill
 from tractive_sam.output_file import write_file
-from tractive_sam.plain import plain
+from tractive_sam.safe_text import printable_text
 
 
 class InsideLayout(ConstrainedLayoutEngine):
@@ -70,8 +70,9 @@ class Figure(matplotlib.figure.Figure):
             If the file cannot be written; an earlier one is unchanged.
         """
         for text in self.findobj(Text):  # fonts have no signs for control characters
-            if text.get_text() != (safe := plain(text.get_text(), None).replace("\t", " ")):
-                text.set_text(safe)
+            safe_text = printable_text(text.get_text(), None).replace("\t", " ")
+            if text.get_text() != safe_text:
+                text.set_text(safe_text)
         if not isinstance(fname, str | PathLike):
             super().savefig(fname, **options)
             return

@@ -96,7 +96,7 @@ def save_all(
             extra = [drawing for drawing in list_figures(block) if drawing.name not in drawings]
             drawings |= {f"block-{k}/{drawing.name}": drawing for drawing in extra}
         for name, drawing in drawings.items():
-            interrupt.heed()
+            interrupt.raise_if_interrupted()
             paths.append(directory / f"{name}.{format}")
             make_folder(paths[-1].parent)
             _draw_in_width(drawing, width).savefig(paths[-1], dpi=dpi or DPI)

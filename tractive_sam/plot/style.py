@@ -14,10 +14,10 @@ from matplotlib.ticker import MaxNLocator
 
 from tractive_sam.description import format_with_unit, math_label
 from tractive_sam.mechanics import Frame
-from tractive_sam.plain import plain
 from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.options import current_options
 from tractive_sam.results import History
+from tractive_sam.safe_text import printable_text
 
 P = ParamSpec("P")
 Result = TypeVar("Result")
@@ -168,7 +168,7 @@ def wrap_title(text: str, width: float) -> list[str]:
     if not options.titles:
         return []
     letters = int(13 * width / options.font_scale)
-    text = plain(text, LOOK.longest_title)
+    text = printable_text(text, LOOK.longest_title)
     return [part for line in text.split("\n") for part in wrap(line, letters) or [""]]
 
 

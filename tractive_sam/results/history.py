@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar
 import numpy as np
 
 from tractive_sam.description import text_table
-from tractive_sam.extras import importing_extra
+from tractive_sam.extras import require_extra
 from tractive_sam.mechanics import Frame
 from tractive_sam.results.balance import balance_of
 from tractive_sam.results.column_table import PARTS, STRESSES, columns
@@ -640,7 +640,7 @@ class History:
         >>> history.to_dataframe()["worn_mass A"].loc[2] == history["worn_mass"][2, 0]
         True
         """
-        with importing_extra("history.to_dataframe"):
+        with require_extra("history.to_dataframe"):
             import pandas  # noqa: PLC0415 - of an extra
 
         return pandas.DataFrame(self.numbers()).set_index(self.coordinate.name)
@@ -658,7 +658,7 @@ class History:
         >>> history.to_xarray()["Qx"].sel(revolution=2).item() == history["Qx"][2]
         True
         """
-        with importing_extra("history.to_xarray"):
+        with require_extra("history.to_xarray"):
             import xarray  # noqa: PLC0415 - of an extra
 
         def about(one: Quantity) -> dict[str, str]:

@@ -145,7 +145,7 @@ def export_surface(
 
 
 def _surface(state: State) -> dict[str, np.ndarray]:
-    interrupt.heed()
+    interrupt.raise_if_interrupted()
     return {
         "pressure": state.pressure,
         "traction": state.traction,

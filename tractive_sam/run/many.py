@@ -11,7 +11,7 @@ import numpy as np
 
 from tractive_sam import interrupt
 from tractive_sam.contact import Model, check_jacobian, equilibrium, fitted, jacobian_of
-from tractive_sam.extras import importing_extra
+from tractive_sam.extras import require_extra
 from tractive_sam.operators import one_blas_thread
 from tractive_sam.results import History, Quantity, State, Status, columns
 from tractive_sam.rolling import begun, process_of
@@ -80,7 +80,7 @@ def solve_many(
     >>> bool((found["Qx"].diff("creepage.longitudinal") > 0.0).all())
     True
     """
-    with importing_extra("solve_many"):
+    with require_extra("solve_many"):
         import xarray  # noqa: PLC0415 - of an extra
     given.check_scene(scene)
     if scene.accuracy is not None:
@@ -209,7 +209,7 @@ def _solved(
         if jacobian:
             check_jacobian(chosen)
         for inner in snake(tuple(len(over[key]) for key in moving)):
-            interrupt.heed()
+            interrupt.raise_if_interrupted()
             creepages = {key: over[key][k] for key, k in zip(moving, inner, strict=True)}
             model, contact = nearby(under(chosen, creepages), start)  # maybe on a wider mesh
             start = contact if contact.converged else None

@@ -136,7 +136,7 @@ class Recording:
                 widest = np.fmax(widest, [told.values[name] for name in _HALF_WIDTHS])
                 if self.progress is not None:
                     self.progress(told)
-                interrupt.heed()
+                interrupt.raise_if_interrupted()
             missed = missed if estimator is None else estimator.missed
             status, message = process.end(step, np.asarray(widest))
             if step.converged and missed:

@@ -7,8 +7,14 @@ from pathlib import Path
 
 import h5py
 
-from tractive_sam.interrupt import deferred
-from tractive_sam.output_file import OutputError, OutputFile, followed, reason, replace_file
+from tractive_sam.interrupt import delay_interrupt
+from tractive_sam.output_file import (
+    OutputError,
+    OutputFile,
+    describe_os_error,
+    replace_file,
+    resolve_link,
+)
 from tractive_sam.store.errors import StorageError
 
 LIBVER = ("v110", "v110")
@@ -41,7 +47,7 @@ class WritableFile(h5py.File):
 
     def close(self) -> None:
         """Close the file; an interrupt waits, since HDF5 does not survive an exception there."""
-        with deferred():
+        with delay_interrupt():
             super().close()
 
 
@@ -60,7 +66,7 @@ def atomic_rewrite(path: Path, *, empty: bool = False) -> Iterator[WritableFile]
     """
     try:
         with replace_file(path) as output:
-            size = 0 if empty else output.copy(followed(path))
+            size = 0 if empty else output.copy(resolve_link(path))
             with WritableFile(output, size) as file:
                 try:
                     yield file
@@ -73,7 +79,7 @@ def atomic_rewrite(path: Path, *, empty: bool = False) -> Iterator[WritableFile]
     except Exception as error:
         if not _is_of_disk(error):
             raise
-        raise StorageError(f"{path} cannot be written: {reason(error)}") from error
+        raise StorageError(f"{path} cannot be written: {describe_os_error(error)}") from error
 
 
 def _is_of_disk(error: Exception) -> bool:

@@ -9,7 +9,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from tractive_sam.output_file import reason
+from tractive_sam.output_file import describe_os_error
 from tractive_sam.store.errors import DamagedError, ResultsError
 from tractive_sam.store.hdf5_file import open_to_read
 from tractive_sam.store.hdf5_guard import member, numbers_of
@@ -82,7 +82,7 @@ def read_creep_table(path: Path) -> StoredTable:
     try:
         file = open_to_read(path)
     except OSError as error:
-        told = f"{path} cannot be read as a table: {reason(error)}; make it again"
+        told = f"{path} cannot be read as a table: {describe_os_error(error)}; make it again"
         raise DamagedError(told) from error
     with file:
         kind = str(_plain(file.attrs.get("format", "")))

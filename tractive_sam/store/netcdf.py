@@ -5,7 +5,7 @@ from io import BytesIO
 from os import PathLike
 from typing import Any
 
-from tractive_sam.extras import importing_extra
+from tractive_sam.extras import require_extra
 from tractive_sam.output_file import write_file
 
 
@@ -30,7 +30,7 @@ def write_netcdf(
     OutputError
         If the file cannot be written.
     """
-    with importing_extra("netCDF files"):
+    with require_extra("netCDF files"):
         import h5netcdf  # noqa: PLC0415 - of an extra
         from xarray.backends import H5NetCDFStore  # noqa: PLC0415 - of an extra
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from tractive_sam.output_file import reason
+from tractive_sam.output_file import describe_os_error
 from tractive_sam.store import layout
 from tractive_sam.store.errors import DamagedError, ResultsError
 from tractive_sam.store.hdf5_file import open_to_read
@@ -43,7 +43,7 @@ def results_file(path: Path) -> Iterator["Results"]:
         with path.open("rb"):  # says why it may not be read
             pass
     except OSError as error:
-        raise ResultsError(f"{path} cannot be read: {reason(error)}") from error
+        raise ResultsError(f"{path} cannot be read: {describe_os_error(error)}") from error
     with _open(path) as file:
         results = Results(path, file)
         results.check_format()

@@ -10,10 +10,10 @@ from tractive_sam.output_file import (
     OutputError,
     OutputPlaceError,
     check_folder,
-    followed,
-    hidden_beside,
+    describe_os_error,
+    hidden_path,
     is_write_protected,
-    reason,
+    resolve_link,
     short_name,
 )
 from tractive_sam.store.errors import HeldError, ResultsError, StorageError
@@ -37,7 +37,7 @@ def sole_writer(path: Path, overwrite: bool, check_kind: Callable[[Path], None])
             cure = "wait for it, stop it, or give this run a file of its own"
             raise HeldError(f"{path} is being written by another run; {cure}") from None
         except OSError as error:
-            raise StorageError(f"{path} cannot be written: {reason(error)}") from error
+            raise StorageError(f"{path} cannot be written: {describe_os_error(error)}") from error
         # Nobody else works on copies now: those there are were left behind by killed processes.
         target = real(path)
         for copy in target.parent.glob(f".{escape(short_name(target))}.*{TEMPORARY}"):
@@ -53,7 +53,7 @@ def is_written(path: Path) -> bool:
 
 def lock_of(path: Path) -> Path:
     """The lock of a file."""
-    return hidden_beside(real(path), ".lock")
+    return hidden_path(real(path), ".lock")
 
 
 def check_writable(path: Path, overwrite: bool, check_kind: Callable[[Path], None]) -> None:
@@ -86,7 +86,7 @@ def check_writable(path: Path, overwrite: bool, check_kind: Callable[[Path], Non
     except OutputError as error:
         raise StorageError(str(error)) from error
     except OSError as error:
-        raise ResultsError(f"{path} cannot be written: {reason(error)}") from error
+        raise ResultsError(f"{path} cannot be written: {describe_os_error(error)}") from error
 
 
 def real(path: Path) -> Path:
@@ -98,7 +98,7 @@ def real(path: Path) -> Path:
         If it leads in a circle.
     """
     try:
-        return followed(path)
+        return resolve_link(path)
     except OutputPlaceError as error:
         raise ResultsError(str(error)) from None
 

@@ -277,7 +277,7 @@ def results_writer(path: Path, overwrite: bool = False) -> Iterator[None]:
     ResultsError
         As by `check_results`.
     """
-    with interrupt.protected(), writable.sole_writer(path, overwrite, _check_kind):
+    with interrupt.protect_cleanup(), writable.sole_writer(path, overwrite, _check_kind):
         yield
 
 

@@ -86,7 +86,7 @@ def cases(study: Study) -> list[Case]:
     seen: dict[str, Case] = {}
     contents = cache(_contents)
     for number, changes in enumerate(_changes(study)):
-        interrupt.heed()
+        interrupt.raise_if_interrupted()
         try:
             scene = study.scene.replace(**changes)
             case = Case(number, changes, scene, _digest(scene, contents))

@@ -277,7 +277,7 @@ def _client(
 
     client, began, told = None, monotonic(), False
     while client is None:
-        interrupt.heed()
+        interrupt.raise_if_interrupted()
         try:
             _closed_before()
             socket.create_connection(get_address_host_port(address), CONNECTING).close()
@@ -330,7 +330,7 @@ def _ended(client: "Client", calls: list[Call]) -> Iterator[tuple[int, "Future"]
     try:
         ended = as_completed(futures, loop=client.loop)
         while not ended.is_empty():
-            interrupt.heed()
+            interrupt.raise_if_interrupted()
             if not ended.has_ready():
                 sleep(GLANCE)
                 continue

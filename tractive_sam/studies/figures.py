@@ -107,7 +107,7 @@ def save_figures(
     paths = []
     for name in names:
         for kind, figure in _figures(results, name, left, title):
-            interrupt.heed()
+            interrupt.raise_if_interrupted()
             stem = "-".join((name.replace(" ", "-"), kind, *_parts(held)))
             paths.append(directory / f"{stem}.{format}")
             figure.savefig(paths[-1], dpi=DPI)

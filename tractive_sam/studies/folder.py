@@ -23,7 +23,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
-from tractive_sam.output_file import OutputError, is_disk_failure, reason, write_file
+from tractive_sam.output_file import OutputError, describe_os_error, is_disk_failure, write_file
 from tractive_sam.store import HeldError, ResultsError, StorageError, locked
 from tractive_sam.studies.case import DIGEST, Case
 from tractive_sam.studies.case_log import CaseLog
@@ -75,7 +75,7 @@ class Folder:
                 raise
             except OSError as error:
                 if is_disk_failure(error):
-                    message = f"{self.path} cannot be written: {reason(error)}"
+                    message = f"{self.path} cannot be written: {describe_os_error(error)}"
                     raise StorageError(message) from error
                 raise ResultsError(
                     f"{self.path} cannot be written: {error}; choose another folder"

@@ -16,11 +16,11 @@ import numpy as np
 
 from tractive_sam import interrupt
 from tractive_sam.description import html_table, text_table
-from tractive_sam.extras import importing_extra
+from tractive_sam.extras import require_extra
 from tractive_sam.markup import Html
 from tractive_sam.output_file import write_file
-from tractive_sam.plain import csv_cell
 from tractive_sam.results import BODIES, COLUMNS, History, Quantity, by_name
+from tractive_sam.safe_text import csv_cell
 from tractive_sam.schema import SceneWarning
 from tractive_sam.store import ResultsError, is_written, open_history, write_netcdf
 from tractive_sam.studies.case import Case, cases, title_of
@@ -247,7 +247,7 @@ class StudyResults:
             Take the record of this revolution, in place of the last one of each case; nan where
             there is none.
         """
-        with importing_extra("study results"):
+        with require_extra("study results"):
             import xarray  # of an extra
 
         study = self.study
@@ -350,7 +350,7 @@ def open_study(directory: str | PathLike[str]) -> StudyResults:
     files, logged, failures = folder.results(), folder.log.read(), folder.failures()
     rows = []
     for case in found:
-        interrupt.heed()
+        interrupt.raise_if_interrupted()
         file, kept = folder.file_of(case, files), logged.entries.get(case.digest)
         if kept and study.keep == "scalars" and not kept["size"]:
             rows.append(Row(case, COMPLETE, kept["message"], None, kept["row"], kept["version"]))

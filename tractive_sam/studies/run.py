@@ -177,7 +177,7 @@ def _left(folder: Folder, found: list[Case], asked: Study) -> tuple[list[Task], 
     scalars = asked.keep == "scalars"
     left = []
     for case in found:
-        interrupt.heed()
+        interrupt.raise_if_interrupted()
         kept = complete.get(case.digest)
         if kept and scalars and not kept["size"]:
             continue
@@ -227,7 +227,7 @@ def _one_after_another(
     neighbours = InTurn()
     for task in tasks:
         if task.file is None:
-            interrupt.heed()
+            interrupt.raise_if_interrupted()
             yield task, run_neighbour(task.case.scene, neighbours)
             continue
         told = False
@@ -235,7 +235,7 @@ def _one_after_another(
             if not told:
                 say(f"waiting for {task.case}, which another process computes")
             told = True
-            interrupt.heed()
+            interrupt.raise_if_interrupted()
             sleep(cluster.PAUSE)
         yield task, outcome
 

@@ -54,7 +54,7 @@ def run_chain(scenes: Sequence[Scene]) -> list[Outcome]:
     """
     neighbours, outcomes = InTurn(), []
     for scene in scenes:
-        interrupt.heed()
+        interrupt.raise_if_interrupted()
         outcomes.append(run_neighbour(scene, neighbours))
     return outcomes
 

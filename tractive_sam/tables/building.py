@@ -13,7 +13,7 @@ from time import process_time
 import numpy as np
 from scipy.stats import qmc
 
-from tractive_sam.extras import importing_extra
+from tractive_sam.extras import require_extra
 from tractive_sam.lookup import CreepTable, Hermite, by_coordinates, cell_of, creepages_at
 from tractive_sam.reference import full_slip_with_spin
 from tractive_sam.schema import Fault
@@ -137,7 +137,7 @@ def build_table(
         builder = _Builder(design, solve, progress or (lambda _: None))
         table = builder.built() if previous is None else builder.updated(previous)
     if path is not None:
-        with importing_extra("build_table"):
+        with require_extra("build_table"):
             from tractive_sam.tables.file import write_table  # noqa: PLC0415 - of an extra
 
         write_table(table, path)

@@ -18,7 +18,7 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
-from tractive_sam.extras import importing_extra
+from tractive_sam.extras import require_extra
 from tractive_sam.lookup import CreepTable, arguments_of, c_header, plain_title
 from tractive_sam.output_file import write_file
 from tractive_sam.store import versions
@@ -74,7 +74,7 @@ def write_fmu(table: CreepTable, path: str | PathLike[str]) -> bool:
     ...     if not ts.write_fmu(table, path):
     ...         print("it has its sources alone: fmpy compile adds what this machine needs")
     """
-    with importing_extra("write_fmu"):
+    with require_extra("write_fmu"):
         import fmpy  # noqa: PLC0415 - of an extra
         from fmpy.validation import validate_fmu  # noqa: PLC0415
     path, name = Path(path), Path(path).stem

@@ -64,7 +64,7 @@ def solve(text: str, jobs: Sequence[Job]) -> Batch:
     design, contacts = _at(text, jobs[0].place)
     before, wanted, found = contacts.solved, SHARE * design.tolerance, []
     for job in jobs:
-        interrupt.heed()
+        interrupt.raise_if_interrupted()
         w, elements = np.array(job.w), design.elements * (2 if job.finer else 1)
         found.append(contacts.solve(w, elements, design.finest, wanted, job.gradient))
     return Batch(found, contacts.solved - before, process_time() - began)
