@@ -74,7 +74,7 @@ def test_friction_and_wear_laws():
     discs = told(ts.Scene.builtin("twin-discs").with_set(["grid.elements=[15, 31]"]))
     assert "(0.6, 0.3) at 45 degrees" in discs["State"]["friction"]
     assert "(2e-06, 1e-06)" in discs["Wear"]["wear"]
-    assert "work of friction" in discs["Wear"]["law"]
+    assert "Archard" in discs["Wear"]["law"]
     assert "15000" in discs["Wear"]["revolutions"]
 
 
