@@ -1,6 +1,7 @@
 """Settings of all tests. The package is not imported here: coverage has not begun yet."""
 
 import os
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -35,6 +36,16 @@ def _strict_numpy():
     """NumPy raises where a result is invalid or infinite."""
     with np.errstate(invalid="raise", over="raise", divide="raise"):
         yield
+
+
+@pytest.fixture
+def empty_pictures(monkeypatch):
+    """Figures are made, and their files are empty: drawing takes most of the time."""
+
+    def touch(_figure, path, **_options):
+        Path(path).touch()
+
+    monkeypatch.setattr("tractive_sam.plot.figure.Figure.savefig", touch)
 
 
 def pytest_collection_modifyitems(session):

@@ -81,6 +81,7 @@ def test_error_bars_are_named_by_it():
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("empty_pictures")
 def test_figures_are_drawn_by_it(tmp_path):
     contact = ts.solve(DISCS.replace(wear=None))
     for figure in (

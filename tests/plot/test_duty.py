@@ -64,6 +64,7 @@ def test_each_body_has_its_dots():
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("empty_pictures")
 def test_every_figure_of_a_cycle_is_saved(spectrum, tmp_path):
     paths = plot.save_all(spectrum, tmp_path, dpi=30, blocks=[1])
     assert all(path.exists() for path in paths)

@@ -96,6 +96,7 @@ def test_what_lacks_is_told():
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("empty_pictures")
 def test_a_history_has_them_among_its_figures(tired, tmp_path):
     names = {path.stem for path in plot.save_all(tired, tmp_path, dpi=30)}
     assert names >= {
@@ -109,6 +110,7 @@ def test_a_history_has_them_among_its_figures(tired, tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("empty_pictures")
 def test_a_line_contact_has_them_too(tmp_path):
     scene = ts.Scene.builtin("cylinders").replace(subsurface=None, fatigue=ASKED)
     names = {path.stem for path in plot.save_all(ts.roll(scene), tmp_path, dpi=30)}

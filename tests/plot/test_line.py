@@ -51,6 +51,7 @@ def test_numbers_are_labelled_per_length(history):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("empty_pictures")
 def test_save_all_draws_no_maps(history, tmp_path):
     names = {path.stem for path in plot.save_all(history, tmp_path)}
     drawn = ("pressure", "traction", "slip", "von-mises-y0")

@@ -204,6 +204,7 @@ def test_ticks_are_limits_of_bands(contact, quantity):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("empty_pictures")
 def test_save_all_draws_each_plane_with_the_bodies_it_was_kept_for(history, tmp_path, monkeypatch):
     drawn = []
     sections = stress.von_mises_sections

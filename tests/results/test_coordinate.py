@@ -106,6 +106,7 @@ def test_it_is_shown(path):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("empty_pictures")
 def test_it_is_drawn(history, tmp_path):
     (axes,) = plot.compare({"one": history}, "p_max").axes
     np.testing.assert_array_equal(axes.lines[0].get_xdata(), history["distance"])

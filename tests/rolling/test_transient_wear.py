@@ -296,6 +296,7 @@ def test_scenes_without_wear_have_nothing_of_it():
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("empty_pictures")
 def test_its_figures(tmp_path):
     rolled = ts.roll(scene(rolling(20)))
     drawn = {path.stem for path in ts.plot.save_all(rolled, tmp_path)}
