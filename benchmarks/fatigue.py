@@ -26,7 +26,7 @@ from scipy.interpolate import PchipInterpolator
 from timing import RESULTS, show, write
 
 import tractive_sam as ts
-from tractive_sam.mechanics import DangVan, over_depth, residual_shear
+from tractive_sam.mechanics import DangVan, interpolate_over_depth, residual_shear
 from tractive_sam.reference import line_pressure_stress, line_shear_stress
 
 MATERIAL = {"shear_yield": 300.0, "sensitivity": 1.0 / 3.0, "limit": 250.0}
@@ -192,7 +192,7 @@ def between() -> list[dict]:
             depth = element + (1.5 - element) * np.linspace(0.0, 1.0, 23) ** 1.5
             depth = np.concatenate(([0.0], depth))
             z, here = np.linspace(0.0, np.sqrt(1.5), 4000) ** 2, used(depth, mu)
-            by_root = over_depth(depth, here[None], z)[0]
+            by_root = interpolate_over_depth(depth, here[None], z)[0]
             by_depth = PchipInterpolator(depth, here)(z)
             errors = (trapezoid(u**10, z) / exact - 1.0 for u in (by_root, by_depth))
             told = zip(("over the root", "over the depth"), errors, strict=True)

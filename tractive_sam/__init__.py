@@ -37,8 +37,8 @@ stress_volume, fatigue
 
 **Many scenes** Study, StudyResults, open_study; CreepTable, TableDesign, open_table, write_fmu
 
-**Laws** Laws, FrictionLaw, Coulomb, FallingCoulomb, Layered, Slope, Bound, Elasticity,
-ElasticBodies, HalfSpaces, SpectralHalfSpaces, Material, WearLaw, WearConditions, Energy, EachBody,
+**Laws** Laws, FrictionLaw, Coulomb, FallingCoulomb, InterfacialLayer, Slope, Bound, Elasticity,
+ElasticBodies, HalfSpaces, SpectralHalfSpaces, Material, WearLaw, WearConditions, Energy, PerBody,
 SlidingShare; StressCriterion, CycleCriterion, DangVan, Crossland, Findley, FatemiSocie,
 OrthogonalShear, VolumeLife, Woehler
 
@@ -70,10 +70,12 @@ one; the environment variable OMP_NUM_THREADS bounds them.
 ``~`` in formulas marks the scaled tribological frame of `tractive_sam.mechanics.friction.Frame`.
 """
 
-
 # Names, listed in __init__.pyi, are looked up when first used: reading results or printing help
 # need not wait for the compilers and transforms that computing needs. What looks them up is loaded
 # by then as well: the program must handle signals before anything else takes its time.
+_RENAMED = {"EachBody": "PerBody", "Layered": "InterfacialLayer"}
+
+
 def __getattr__(name: str):
     if name == "__version__":
         from importlib.metadata import version  # noqa: PLC0415
@@ -84,6 +86,10 @@ def __getattr__(name: str):
     import lazy_loader  # noqa: PLC0415
 
     lookup, _, names = lazy_loader.attach_stub(__name__, __file__)
+    if name in _RENAMED:
+        from .deprecation import with_renamed  # noqa: PLC0415
+
+        lookup = with_renamed(__name__, lookup, _RENAMED)
     return names if name == "__all__" else lookup(name)
 
 

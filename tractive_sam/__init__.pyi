@@ -12,7 +12,6 @@ from .mechanics import Coulomb as Coulomb
 from .mechanics import Crossland as Crossland
 from .mechanics import CycleCriterion as CycleCriterion
 from .mechanics import DangVan as DangVan
-from .mechanics import EachBody as EachBody
 from .mechanics import Elasticity as Elasticity
 from .mechanics import Energy as Energy
 from .mechanics import FallingCoulomb as FallingCoulomb
@@ -20,9 +19,10 @@ from .mechanics import FatemiSocie as FatemiSocie
 from .mechanics import Findley as Findley
 from .mechanics import FrictionLaw as FrictionLaw
 from .mechanics import HalfSpaces as HalfSpaces
-from .mechanics import Layered as Layered
+from .mechanics import InterfacialLayer as InterfacialLayer
 from .mechanics import Material as Material
 from .mechanics import OrthogonalShear as OrthogonalShear
+from .mechanics import PerBody as PerBody
 from .mechanics import SlidingShare as SlidingShare
 from .mechanics import Slope as Slope
 from .mechanics import SpectralHalfSpaces as SpectralHalfSpaces

@@ -37,6 +37,22 @@ def with_renamed(
     return find
 
 
+def accept_former_methods(cls: type, renamed: Mapping[str, str]) -> None:
+    """Let a class define methods under their former names, with a warning.
+
+    Parameters
+    ----------
+    cls : type
+        A new subclass of a class with renamed methods.
+    renamed : mapping of str to str
+        Present names by former names.
+    """
+    for former, name in renamed.items():
+        if former in vars(cls) and not isinstance(vars(cls)[former], RenamedAttribute):
+            _warn(f"{cls.__name__}.{former}", name)
+            setattr(cls, name, vars(cls)[former])
+
+
 class RenamedAttribute:
     """A former name of an attribute or a method, as an attribute of its class.
 

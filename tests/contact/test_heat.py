@@ -163,7 +163,7 @@ def test_a_law_that_knows_no_temperature_is_told(discs):
         (
             {"body.A.thermal": None, "body.B.thermal": None, "body.A.young": 170e3},
             "body.A.thermal",
-            "steel's",
+            "steel",
         ),
     ],
 )
@@ -180,7 +180,7 @@ def test_explained(discs):
     rows = dict(heat.rows)
     assert "of an element" in rows["Peclet number A"]
     assert "bulk" in rows["body A"]
-    assert rows["shared"].startswith("half")
+    assert rows["share of each body"].startswith("half")
 
 
 def test_fields_are_kept_and_read(discs, tmp_path):

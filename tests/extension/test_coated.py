@@ -58,7 +58,7 @@ def test_thick_coating_is_the_body_and_thin_one_is_nothing(stiffer):
 
 
 def test_stress_below_a_coating_is_not_that_of_homogeneous_bodies():
-    with pytest.raises(ValueError, match=r"Coated.*alone"):
+    with pytest.raises(ValueError, match=r"Coated.*single_body"):
         ts.stress_maximum(solved(HERTZ.a, 3.0), "A")
 
 

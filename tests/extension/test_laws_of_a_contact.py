@@ -96,7 +96,7 @@ def test_the_bound_follows_when_a_block_waits_or_a_roll_resumes(tmp_path):
 
 def test_stress_is_that_of_the_bodies_that_were_solved(tmp_path):
     plain = ts.solve(PLAIN)
-    layered = law(PLAIN, elasticity=ts.Layered(ts.Laws.of(PLAIN).elasticity, 1e-5))
+    layered = law(PLAIN, elasticity=ts.InterfacialLayer(ts.Laws.of(PLAIN).elasticity, 1e-5))
     contact = ts.solve(PLAIN, laws=layered)
     depths = [(0.0, 0.0, 0.1)]
     given = ts.stress_at(contact, depths, laws=ts.Laws.of(PLAIN))
@@ -114,9 +114,9 @@ def test_bodies_with_other_coefficients_have_no_stress_of_homogeneous_ones():
     assert contact.approach == pytest.approx(
         0.63 * ts.solve(SPHERES).approach, rel=1e-2
     )  # 2^(-2/3)
-    with pytest.raises(ValueError, match=r"Stiff.*alone"):
+    with pytest.raises(ValueError, match=r"Stiff.*single_body"):
         ts.stress_maximum(contact, "A")
-    with pytest.raises(ValueError, match=r"Stiff.*alone"):
+    with pytest.raises(ValueError, match=r"Stiff.*single_body"):
         ts.roll(DISCS, laws=law(DISCS, elasticity=Stiff(BODIES.A, BODIES.B)))
 
 

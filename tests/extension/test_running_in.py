@@ -90,7 +90,7 @@ def test_each_block_of_a_duty_cycle_runs_in():
 
 def test_each_body_runs_in_by_itself():
     law = RunningIn()
-    both = rolled(ts.EachBody(A=law, B=replace(law, k0=law.k1)))
+    both = rolled(ts.PerBody(A=law, B=replace(law, k0=law.k1)))
     worn = [both[f"wear_profile_{body}"][-1].max() for body in "AB"]
     assert worn[0] > 1.5 * worn[1]
 

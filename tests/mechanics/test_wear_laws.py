@@ -9,12 +9,12 @@ from tractive_sam.mechanics import (
     JENDEL,
     USFD,
     ArchardByWork,
-    ByChart,
-    ByTotal,
-    ByWork,
-    EachBody,
     Energy,
+    PerBody,
     Regimes,
+    TGammaPerArea,
+    TGammaTotal,
+    WearMap,
 )
 from tractive_sam.mechanics.wear_sets import JENDEL_BORDERS, JENDEL_LIMIT
 
@@ -55,7 +55,7 @@ def test_brr_as_published():
 
 def test_brr_wears_the_section_of_any_diameter():
     """0.25 T-gamma/D mm² a km, and pi D mm a turn; shared out by the work of each element."""
-    law = ByTotal(BRR["pearce-sherratt"]).on(0.01)
+    law = TGammaTotal(BRR["pearce-sherratt"]).on(0.01)
     fields = sliding([[1.0, 2.0, 0.0, 5.0]])
     T = 8.0 * 0.01
     rate = law.rate(*fields)
@@ -69,7 +69,7 @@ def test_brr_wears_the_section_of_any_diameter():
 def test_jendel_at_its_borders(name):
     k = JENDEL[name][0]
     H, V, p = 3000.0, 2000.0, 1000.0
-    law = ByChart(k, H, V, mu=(0.3, 0.3))
+    law = WearMap(k, H, V, mu=(0.3, 0.3))
     slow, fast = (border / V for border in JENDEL_BORDERS)
     cases = [
         (below(slow), p, 0),
@@ -90,19 +90,19 @@ def test_jendel_at_its_borders(name):
 
 def test_mass_to_depth():
     """55 µg off a mm² in a metre are 55e-3/7.85 mm³: 7.006e-3 mm deep after 1000 mm."""
-    law = ByWork(USFD["r8t-uic60"], STEEL)
+    law = TGammaPerArea(USFD["r8t-uic60"], STEEL)
     rate = law.rate(*sliding([[50.0]]))
     assert rate[0, 0] == pytest.approx(55e-3 / 7.85 / 1000.0, rel=1e-14, abs=0.0)
-    assert ByWork(USFD["r8t-uic60"], 2.0 * STEEL).rate(*sliding([[50.0]])) == 0.5 * rate
+    assert TGammaPerArea(USFD["r8t-uic60"], 2.0 * STEEL).rate(*sliding([[50.0]])) == 0.5 * rate
 
 
 def test_of_the_whole_contact_it_is_the_same_where_the_law_is_straight():
     regimes = Regimes.through(((10.0, 50.0),))
     fields = sliding([[1.0, 2.0, 0.0, 5.0]])
-    each, whole = (ByWork(regimes, STEEL, total).rate(*fields) for total in (False, True))
+    each, whole = (TGammaPerArea(regimes, STEEL, total).rate(*fields) for total in (False, True))
     np.testing.assert_allclose(whole, each, rtol=1e-14)
     # In a regime that does not rise, the contact wears as all of its area would.
-    flat = ByWork(USFD["r8t-uic60"], STEEL, total=True).rate(*sliding([[20.0, 60.0, 0.0]]))
+    flat = TGammaPerArea(USFD["r8t-uic60"], STEEL, total=True).rate(*sliding([[20.0, 60.0, 0.0]]))
     assert flat.sum() == pytest.approx(2 * 55e-3 / STEEL, rel=1e-14, abs=0.0)
 
 
@@ -117,10 +117,10 @@ def test_a_table_goes_through_its_points_and_on():
     "law",
     [
         Energy((3e-6, 1e-6), 0.4),
-        ByWork(USFD["r8t-uic60"], STEEL),
-        ByWork(Regimes.through(((10.0, 50.0), (20.0, 70.0))), STEEL),
-        ByChart(JENDEL["middle"][0], 3000.0, 500.0, (0.3, 0.2), 0.3),
-        EachBody(Energy((3e-6, 3e-6)), ByWork(USFD["r8t-uic60"], STEEL)),
+        TGammaPerArea(USFD["r8t-uic60"], STEEL),
+        TGammaPerArea(Regimes.through(((10.0, 50.0), (20.0, 70.0))), STEEL),
+        WearMap(JENDEL["middle"][0], 3000.0, 500.0, (0.3, 0.2), 0.3),
+        PerBody(Energy((3e-6, 3e-6)), TGammaPerArea(USFD["r8t-uic60"], STEEL)),
     ],
 )
 def test_growth_with_the_load_is_its_derivative(law):
@@ -173,8 +173,8 @@ def test_energy_counts_the_work_along_each_axis():
 
 def test_each_body_by_its_own():
     fields = sliding([[1.0, 30.0, 0.0], [2.0, 60.0, 0.0]])
-    A, B = Energy((3e-6, 3e-6)), ByWork(USFD["r8t-uic60"], STEEL)
-    both = EachBody(A, B)
+    A, B = Energy((3e-6, 3e-6)), TGammaPerArea(USFD["r8t-uic60"], STEEL)
+    both = PerBody(A, B)
     np.testing.assert_array_equal(both.rate(*fields), A.rate(*fields) + B.rate(*fields))
     shares = both.shares(*fields)
     np.testing.assert_allclose(shares.sum(axis=0), 1.0, rtol=1e-15)
@@ -183,16 +183,16 @@ def test_each_body_by_its_own():
     )
     # A row that does not wear: as the whole contact.
     assert shares[0, 2] == pytest.approx(A.rate(*fields).sum() / both.rate(*fields).sum())
-    np.testing.assert_array_equal(EachBody(A=A).shares(*fields), [[1.0] * 3, [0.0] * 3])
+    np.testing.assert_array_equal(PerBody(A=A).shares(*fields), [[1.0] * 3, [0.0] * 3])
 
 
 def test_beyond_the_tests_is_told():
-    law = ByWork(USFD["r8t-uic60"], STEEL)
+    law = TGammaPerArea(USFD["r8t-uic60"], STEEL)
     assert not law.beyond_tests(*sliding([[119.0]]))
     assert "T-gamma/A = 130" in law.beyond_tests(*sliding([[130.0]]))
-    whole = ByWork(USFD["r8t-uic60"], STEEL, total=True)
+    whole = TGammaPerArea(USFD["r8t-uic60"], STEEL, total=True)
     assert not whole.beyond_tests(*sliding([[130.0, 10.0]]))
-    assert EachBody(B=law).beyond_tests(*sliding([[130.0]])).startswith("body B")
+    assert PerBody(B=law).beyond_tests(*sliding([[130.0]])).startswith("body B")
 
 
 def test_sets_are_named_with_their_sources():

@@ -205,7 +205,7 @@ def test_forces_friction_and_laws_of_the_blocks():
     assert history["block_Qx_over_P"][-1, 1] < 0.3
     own = ts.roll(
         DISCS.replace(duty=(HEAVY, SLOW)),
-        laws=ts.Laws.of(DISCS).replace(wear=ts.EachBody(A=ts.Energy((4e-6, 4e-6)))),
+        laws=ts.Laws.of(DISCS).replace(wear=ts.PerBody(A=ts.Energy((4e-6, 4e-6)))),
     )
     assert own.finished
     assert not own["wear_profile_B"].any()

@@ -116,7 +116,7 @@ def test_resumed(tmp_path):
 
 def test_explain_tells_whose_revolutions_are_counted():
     """And how often the other body turns."""
-    for radii, known in (((30.0, 12.0), ("A", "2.5")), ((math.inf, 40.0), ("B", "never"))):
+    for radii, known in (((30.0, 12.0), ("A", "2.5")), ((math.inf, 40.0), ("B", "only once"))):
         scene = discs(*radii, 3).replace(grid=None)
         (wear,) = (section for section in explain(scene) if section.title == "Wear")
         told = dict(wear.rows)["turns"]

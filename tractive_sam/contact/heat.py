@@ -17,10 +17,10 @@ import numpy as np
 from tractive_sam.contact.model import Model
 from tractive_sam.mechanics import (
     ArchardByWork,
-    EachBody,
     FallingCoulomb,
-    Warmed,
-    Warmth,
+    PerBody,
+    TemperatureFactor,
+    TemperatureScaledWear,
     WearConditions,
     WearLaw,
 )
@@ -198,10 +198,12 @@ def wear_law_in(model: Model, contact: State) -> WearLaw | None:
             friction = in_warmth(model, temperature) if warm else one.friction
             one = replace(one, friction=friction, length=model.grid.dx)
         if scene.wear is not None and scene.wear.temperature:
-            one = Warmed(one, np.interp(temperature, *np.array(scene.wear.temperature).T))
+            one = TemperatureScaledWear(
+                one, np.interp(temperature, *np.array(scene.wear.temperature).T)
+            )
         return one
 
-    return law.mapped(of) if isinstance(law, EachBody) else of(law)
+    return law.map_laws(of) if isinstance(law, PerBody) else of(law)
 
 
 def in_warmth(model: Model, temperature: np.ndarray) -> FallingCoulomb:
@@ -220,7 +222,7 @@ def in_warmth(model: Model, temperature: np.ndarray) -> FallingCoulomb:
             "FallingCoulomb"
         )
     degrees, factors = np.array(model.scene.friction.temperature).T
-    warmth = Warmth(model.grid.x, model.grid.y, np.interp(temperature, degrees, factors))
+    warmth = TemperatureFactor(model.grid.x, model.grid.y, np.interp(temperature, degrees, factors))
     return replace(law, warmth=warmth)
 
 

@@ -14,14 +14,10 @@ from tractive_sam.mechanics import (
     VON_MISES,
     Archard,
     ArchardByWork,
-    ByChart,
-    ByTotal,
-    ByWork,
     Coulomb,
     Crossland,
     CycleCriterion,
     DangVan,
-    EachBody,
     Elasticity,
     Energy,
     Exponential,
@@ -30,14 +26,18 @@ from tractive_sam.mechanics import (
     Findley,
     FrictionLaw,
     HalfSpaces,
-    Layered,
+    InterfacialLayer,
     OrthogonalShear,
+    PerBody,
     Rational,
     Regimes,
     StressCriterion,
     Strips,
+    TGammaPerArea,
+    TGammaTotal,
     VolumeLife,
     WearLaw,
+    WearMap,
     Woehler,
     describe,
     fingerprint,
@@ -172,7 +172,7 @@ def _elasticity(scene: Scene) -> Elasticity:
 
 def _with_layer(bodies: Elasticity, scene: Scene) -> Elasticity:
     layer = 0.0 if scene.friction is None else scene.friction.layer
-    return Layered(bodies, layer) if layer else bodies
+    return InterfacialLayer(bodies, layer) if layer else bodies
 
 
 def _named_elasticity(scene: Scene) -> Elasticity | None:
@@ -256,7 +256,7 @@ def _wear(scene: Scene) -> WearLaw | None:
         return None
     if table.together:
         return _by_coefficient(scene, table.law, table.intensities)
-    return EachBody(**{body: _of_body(scene, body) for body in "AB"})
+    return PerBody(**{body: _of_body(scene, body) for body in "AB"})
 
 
 def _by_coefficient(scene: Scene, law: str, intensities: tuple[float, float]) -> WearLaw:
@@ -280,12 +280,12 @@ def _of_body(scene: Scene, name: str) -> WearLaw | None:
     match law:
         case "usfd" | "table":
             known = USFD[chosen] if chosen else Regimes.through(table.law.table)
-            return ByWork(known, body.density, table.by == "contact")
+            return TGammaPerArea(known, body.density, table.by == "contact")
         case "brr":
-            return ByTotal(BRR[chosen])
+            return TGammaTotal(BRR[chosen])
         case "jendel":
             frame, speed = scene.friction.frame, scene.creepage.speed
-            return ByChart(JENDEL[chosen][0], body.hardness, speed, frame.mu, frame.angle)
+            return WearMap(JENDEL[chosen][0], body.hardness, speed, frame.mu, frame.angle)
     return None
 
 

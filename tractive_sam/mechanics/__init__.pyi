@@ -1,4 +1,4 @@
-"""What `mechanics` lets out, for `__init__.py` and for type checkers."""
+"""What `mechanics` exports, for `__init__.py` and for type checkers."""
 
 from .criteria import CRITERIA as CRITERIA
 from .criteria import VON_MISES as VON_MISES
@@ -11,7 +11,7 @@ from .falling import Exponential as Exponential
 from .falling import FallingCoulomb as FallingCoulomb
 from .falling import Rational as Rational
 from .falling import SlidingShare as SlidingShare
-from .falling import Warmth as Warmth
+from .falling import TemperatureFactor as TemperatureFactor
 from .fatigue import Crossland as Crossland
 from .fatigue import DangVan as DangVan
 from .fatigue import FatemiSocie as FatemiSocie
@@ -20,17 +20,17 @@ from .fatigue import OrthogonalShear as OrthogonalShear
 from .fatigue import VolumeLife as VolumeLife
 from .fatigue import Woehler as Woehler
 from .fatigue import enclosing_radius as enclosing_radius
-from .fatigue import judged as judged
-from .fatigue import over_depth as over_depth
+from .fatigue import evaluate_cycles as evaluate_cycles
+from .fatigue import interpolate_over_depth as interpolate_over_depth
 from .fatigue import residual_shear as residual_shear
 from .frame import Frame as Frame
 from .friction import Bound as Bound
 from .friction import Coulomb as Coulomb
-from .friction import Falling as Falling
 from .friction import Friction as Friction
 from .friction import FrictionLaw as FrictionLaw
 from .friction import Linearisation as Linearisation
 from .friction import PreviousShare as PreviousShare
+from .friction import SlipDependence as SlipDependence
 from .friction import Slope as Slope
 from .full_slip import full_slip_force as full_slip_force
 from .full_slip import load_to_carry as load_to_carry
@@ -40,7 +40,7 @@ from .invariants import von_mises as von_mises
 from .law import Law as Law
 from .law import describe as describe
 from .law import fingerprint as fingerprint
-from .layer import Layered as Layered
+from .layer import InterfacialLayer as InterfacialLayer
 from .line_contact import HertzLine as HertzLine
 from .line_contact import hertz_line as hertz_line
 from .material import CombinedMaterial as CombinedMaterial
@@ -54,13 +54,13 @@ from .turns import Turns as Turns
 from .wear import Archard as Archard
 from .wear import ArchardByWork as ArchardByWork
 from .wear import Energy as Energy
-from .wear import Warmed as Warmed
+from .wear import TemperatureScaledWear as TemperatureScaledWear
 from .wear import WearConditions as WearConditions
 from .wear import WearLaw as WearLaw
-from .wear_maps import ByChart as ByChart
-from .wear_maps import ByTotal as ByTotal
-from .wear_maps import ByWork as ByWork
-from .wear_maps import EachBody as EachBody
+from .wear_maps import PerBody as PerBody
+from .wear_maps import TGammaPerArea as TGammaPerArea
+from .wear_maps import TGammaTotal as TGammaTotal
+from .wear_maps import WearMap as WearMap
 from .wear_sets import BRR as BRR
 from .wear_sets import JENDEL as JENDEL
 from .wear_sets import USFD as USFD

@@ -1,4 +1,4 @@
-"""Criteria: how a state of stress is judged, or a cycle of it, as one number."""
+"""Criteria: one number for a state of stress, or for a stress cycle."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
@@ -10,18 +10,18 @@ from tractive_sam.mechanics.law import Law
 
 
 class StressCriterion(Law, ABC):
-    r"""One number of the six components of a stress; the larger, the worse.
+    r"""Criterion of a state of stress: one number from its six components, the larger the worse.
 
     Attributes
     ----------
     name : str
-        In columns: the largest one of a body is ``<name>_max``.
+        Name in columns: the largest value in a body is ``<name>_max``.
     symbol : str
-        For math text in figures.
+        Symbol for math text in figures.
     long_name : str
         Description for people.
     unit : str
-        Its unit.
+        Unit.
 
     Examples
     --------
@@ -44,7 +44,7 @@ class StressCriterion(Law, ABC):
 
     @abstractmethod
     def __call__(self, stress: np.ndarray) -> np.ndarray:
-        """Judge stresses.
+        """Return the criterion of stresses.
 
         Parameters
         ----------
@@ -59,20 +59,20 @@ class StressCriterion(Law, ABC):
 
 
 class CycleCriterion(Law, ABC):
-    """An equivalent stress amplitude of a cycle; above a limit of the material it does damage.
+    """Criterion of a stress cycle: an equivalent amplitude, compared with a limit of the material.
 
     Attributes
     ----------
     name : str
-        As ``fatigue.criterion`` of a scene names it.
+        Name in ``fatigue.criterion`` of a scene.
     symbol : str
-        For math text in figures.
+        Symbol for math text in figures.
     long_name : str
         Description for people.
     path_error : float
-        Largest relative error by the finite number of points of a path, a part of the error bars
-        of utilisation, life and damage; jumps do not depend on it. Continued further and more
-        densely, paths change a maximum by up to 1e-3.
+        Largest relative error from the finite number of points of a path; part of the error bars
+        of utilisation, life and damage, without influence on jumps. Longer and denser paths change
+        a maximum by up to 1e-3.
 
     Examples
     --------
@@ -94,7 +94,7 @@ class CycleCriterion(Law, ABC):
 
     @abstractmethod
     def __call__(self, cycle: np.ndarray) -> np.ndarray:
-        """Judge cycles.
+        """Return the criterion of cycles.
 
         Parameters
         ----------
@@ -105,7 +105,7 @@ class CycleCriterion(Law, ABC):
         Returns
         -------
         ndarray, shape (...)
-            MPa; up to zero there is no damage; nan where a stress is.
+            MPa; no damage up to zero; nan if a stress is nan.
 
         Raises
         ------
@@ -123,8 +123,8 @@ class VonMises(StressCriterion):
     long_name = "equivalent stress of von Mises"
 
     def __call__(self, stress: np.ndarray) -> np.ndarray:
-        """See `StressCriterion`; as `invariants.von_mises`, in one pass."""
-        # What reads and draws results needs no compiler, which takes long to load.
+        """See `StressCriterion`; `invariants.von_mises` in one pass."""
+        # Reading and drawing results needs no compiler, which takes long to load.
         from tractive_sam.kernels import invariants  # noqa: PLC0415
 
         out = np.empty(stress.shape[1:])
@@ -146,7 +146,7 @@ class MaxShear(StressCriterion):
 
 
 VON_MISES = VonMises()
-"""The criterion of every scene."""
+"""Default criterion of a scene."""
 
-CRITERIA = {one.name: one for one in (VON_MISES, MaxShear())}
-"""What stress is judged by without a criterion of one's own."""
+CRITERIA = {criterion.name: criterion for criterion in (VON_MISES, MaxShear())}
+"""Criteria of this package by their names."""

@@ -1,7 +1,7 @@
-"""Elastic bodies: how the surfaces of two displace under the tractions between them.
+"""Elastic bodies: displacement of their surfaces under the tractions between them.
 
-All that a contact problem knows of its bodies. A body of one's own, as a layered one or one whose
-surface gives way by itself only, is a subclass of `Elasticity`.
+A contact problem needs nothing else of its bodies. User-defined bodies, such as coated half-spaces
+or a Winkler foundation, are subclasses of `Elasticity`.
 """
 
 from abc import ABC, abstractmethod
@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from tractive_sam.deprecation import RenamedAttribute, accept_former_methods
 from tractive_sam.kernels.rectangle import quadrant
 from tractive_sam.kernels.strip import logarithm, step
 from tractive_sam.mechanics.law import Law
@@ -21,7 +22,7 @@ COMPONENTS = ("xx", "xy", "yy", "zz", "xz", "yz")
 
 
 class Elasticity(Law, ABC):
-    """Two bodies as one; a subclass gives `coefficients`, and the rest where it is another.
+    """Elastic response of both bodies; a subclass defines `coefficients`.
 
     Examples
     --------
@@ -36,24 +37,31 @@ class Elasticity(Law, ABC):
     1e-06
     """
 
+    alone = RenamedAttribute("single_body")
+
     @property
     def coupled(self) -> bool:
-        """Whether pressure makes the surfaces slip and tractions make them lift.
+        """Whether pressure causes tangential displacement, and traction normal displacement.
 
-        By default not; then "xz" and "yz" of `coefficients` are not asked for.
+        The default is False: "xz" and "yz" of `coefficients` are not used.
         """
         return False
 
     @property
     def layer(self) -> float:
-        """Compliance of what the surfaces shear by in every point by itself, mm/MPa; none."""
+        """Shear compliance of an interfacial layer between the surfaces, mm/MPa; default 0."""
         return 0.0
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        """Accept methods under their former names."""
+        super().__init_subclass__(**kwargs)
+        accept_former_methods(cls, {"alone": "single_body"})
 
     @abstractmethod
     def coefficients(
         self, component: str, offsets: tuple[int, int], dx: float, dy: float
     ) -> np.ndarray:
-        """Displacement u_A - u_B at the centre of an element per unit traction on another.
+        """Return the displacement u_A - u_B of an element per unit traction on another element.
 
         Parameters
         ----------
@@ -68,40 +76,41 @@ class Elasticity(Law, ABC):
         Returns
         -------
         ndarray, shape `offsets`
-            mm/MPa; at (i, j) that of an element i dx further in x and j dy further in y. On the
-            other sides "xy" is odd in x and in y, "xz" odd in x, "yz" odd in y; all else is even.
+            mm/MPa; at (i, j) the displacement of an element i dx further in x and j dy further in
+            y. For negative offsets "xy" is odd in x and in y, "xz" odd in x, "yz" odd in y; the
+            other components are even.
         """
 
     def gap_per_pressure(self, length: float, dx: float, dy: float) -> float:
-        """What gaps are measured in, over what pressures are: they are then of like size.
+        """Return the unit of gaps over the unit of pressures, with which both have like size.
 
         Parameters
         ----------
         length : float
-            Of the contact, mm.
+            Length of the contact, mm.
         dx, dy : float
             Sides of an element, mm.
 
         Returns
         -------
         float
-            mm/MPa; by default what an element is pressed in by itself.
+            mm/MPa; by default the displacement of an element by a unit pressure on it.
         """
         return float(self.coefficients("zz", (1, 1), dx, dy)[0, 0])
 
     def slip_per_traction(self, dx: float, dy: float) -> float:
-        """What slips are measured in, over what tractions are, 1/MPa.
+        """Return the unit of slips over the unit of tractions, 1/MPa.
 
-        By default what an element makes itself slip.
+        By default the slip of an element by a unit traction on it.
         """
         here, ahead = self.coefficients("xx", (2, 1), dx, dy)[:, 0]
         return float(here - ahead) / dx
 
     def opening(self, normal: np.ndarray, dx: float, dy: float) -> np.ndarray:
-        """Displacement by tractions over that by the pressure, just ahead of an edge of contact.
+        """Return the displacement by traction over that by pressure, just ahead of a contact edge.
 
-        Of tractions that are a constant share of the pressure, over that share. They make the
-        surfaces slip ahead of the contact by as much as the pressure makes them part.
+        The traction is a constant share of the pressure, and the ratio is over that share: it gives
+        the tangential displacement ahead of the contact over the opening.
 
         Parameters
         ----------
@@ -113,26 +122,27 @@ class Elasticity(Law, ABC):
         Returns
         -------
         ndarray, shape (m, 2, 2)
-            Dimensionless; by default as an element displaces itself.
+            Dimensionless; by default the ratio of the displacements of an element by a unit load
+            on it.
         """
         xx, yy, zz = (self.coefficients(k, (1, 1), dx, dy)[0, 0] for k in ("xx", "yy", "zz"))
         return np.broadcast_to(np.diag([xx / zz, yy / zz]), (normal.shape[1], 2, 2))
 
     def spanning(self, length: float) -> "Elasticity":
-        """The same for a mesh of a length in x, mm, where that makes a difference."""
+        """Return the law for a mesh of a length in x, mm; by default the same law."""
         return self
 
-    def alone(self, body: str) -> "Elasticity":
-        """One body, "A" or "B", against a rigid one: what the stress in it is computed from.
+    def single_body(self, body: str) -> "Elasticity":
+        """Return one body, "A" or "B", against a rigid body, for the stress in it.
 
         Raises
         ------
         ValueError
-            If stress in the bodies is not known, as by default.
+            If the law does not give the stress in the bodies, which is the default.
         """
         raise ValueError(
-            f"the stress in body {body} is not known of {self!r}: leave [subsurface] and [fatigue] "
-            f"out, or define {type(self).__name__}.alone(body)"
+            f"the law {self!r} does not give the stress in body {body}: remove [subsurface] and "
+            f"[fatigue], or define {type(self).__name__}.single_body(body)"
         )
 
 
@@ -140,8 +150,8 @@ class Elasticity(Law, ABC):
 class HalfSpaces(Elasticity):
     """Two isotropic half-spaces.
 
-    A subclass with other `coefficients` is no homogeneous body any more: its stress is not known
-    unless it defines `alone` as well.
+    A subclass with other `coefficients` is not homogeneous: the stress in its bodies is known only
+    if it defines `alone` as well.
 
     Juliá & Rodríguez-Tembleque (2025), eqs. (43) and (45); the signs of the coupling terms are
     those of a z-axis that points into body A.
@@ -161,14 +171,14 @@ class HalfSpaces(Elasticity):
     B: Material
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
-        """Withdraw the stress of homogeneous bodies from subclasses of other coefficients."""
+        """Remove the stress of homogeneous bodies from subclasses with other coefficients."""
         super().__init_subclass__(**kwargs)
-        if "coefficients" in vars(cls) and "alone" not in vars(cls):
-            cls.alone = Elasticity.alone
+        if "coefficients" in vars(cls) and "single_body" not in vars(cls):
+            cls.single_body = Elasticity.single_body
 
     @cached_property
     def material(self) -> CombinedMaterial:
-        """The constants of the pair."""
+        """Elastic constants of the pair of bodies."""
         return combine(self.A, self.B)
 
     @property
@@ -179,7 +189,7 @@ class HalfSpaces(Elasticity):
     def coefficients(
         self, component: str, offsets: tuple[int, int], dx: float, dy: float
     ) -> np.ndarray:
-        """See `Elasticity.coefficients`; integrated over an element."""
+        """See `Elasticity.coefficients`; integrals over an element."""
         r1, xx, yy, xy, x2, y2 = _integrals(*offsets, dx, dy)
         nu, K = self.material.poisson, self.material.coupling
         match component:
@@ -198,12 +208,12 @@ class HalfSpaces(Elasticity):
         return entry / (np.pi * self.material.shear)
 
     def response(self, component: str, kx: np.ndarray, ky: np.ndarray) -> np.ndarray:
-        """Displacement u_A - u_B over traction in wave numbers, u and p as exp(i (kx x + ky y)).
+        """Return displacement u_A - u_B over traction at wave numbers, with exp(i (kx x + ky y)).
 
         Parameters
         ----------
         component : str
-            As of `coefficients`.
+            See `coefficients`.
         kx, ky : ndarray
             Wave numbers, not both 0, 1/mm.
 
@@ -229,27 +239,27 @@ class HalfSpaces(Elasticity):
         return 2.0 * entry / self.material.shear
 
     def gap_per_pressure(self, length: float, dx: float, dy: float) -> float:
-        """length / E*; see `Elasticity.gap_per_pressure`."""
+        """Return length / E*; see `Elasticity.gap_per_pressure`."""
         return length / self.material.E_star
 
     def slip_per_traction(self, dx: float, dy: float) -> float:
-        """1/G; see `Elasticity.slip_per_traction`."""
+        """Return 1/G; see `Elasticity.slip_per_traction`."""
         return 1.0 / self.material.shear
 
     def opening(self, normal: np.ndarray, dx: float, dy: float) -> np.ndarray:
-        """(1 - nu n n^T)/(1 - nu), that of line loads along the edge; see `Elasticity.opening`."""
+        """Return (1 - nu n n^T)/(1 - nu), as for line loads; see `Elasticity.opening`."""
         nu = self.material.poisson
         return (np.eye(2) - nu * np.einsum("am,bm->mab", normal, normal)) / (1.0 - nu)
 
-    def alone(self, body: str) -> "HalfSpaces":
-        """One body of unit shear modulus, as "A", against a rigid one.
+    def single_body(self, body: str) -> "HalfSpaces":
+        """Return one body with unit shear modulus, as "A", against a rigid body.
 
-        Stress by given tractions does not depend on the modulus.
+        The stress under given tractions does not depend on the modulus.
 
         Raises
         ------
         ValueError
-            If a body is neither "A" nor "B".
+            If `body` is neither "A" nor "B".
         """
         if body not in ("A", "B"):
             raise ValueError(f'a body is "A" or "B", not {body!r}')
@@ -264,10 +274,10 @@ class Strips(HalfSpaces):
     Parameters
     ----------
     A, B : Material
-        As of `HalfSpaces`.
+        See `HalfSpaces`.
     datum : float
-        Distance from a load at which its displacement is taken to be zero, mm: relative to distant
-        points it is infinite.
+        Distance from a load at which its displacement is defined as zero, mm: relative to distant
+        points the displacement is infinite.
     """
 
     datum: float
@@ -277,8 +287,8 @@ class Strips(HalfSpaces):
     ) -> np.ndarray:
         """See `Elasticity.coefficients`; the only offset in y is 0.
 
-        Columns beyond it are zero: with them the transform in y passes every row by itself, in
-        circulant inverses as well.
+        The other columns are zero: then the transform in y treats every row separately, also in
+        circulant inverses.
         """
         table = np.zeros(offsets)
         x, nu, K = dx * np.arange(offsets[0]), self.material.poisson, self.material.coupling
@@ -292,18 +302,18 @@ class Strips(HalfSpaces):
                 table[:, 0] = -c * K * step(x, dx)
         return table
 
-    alone = HalfSpaces.alone
+    single_body = HalfSpaces.single_body
 
     def spanning(self, length: float) -> "Strips":
-        """With a datum of twice the length at least.
+        """Return the law with a datum of at least twice the length.
 
-        From once the length on the normal operator is positive definite, from twice on with the
-        circulant inverse.
+        The normal operator is positive definite from once the length, its circulant inverse from
+        twice the length.
         """
         return replace(self, datum=max(self.datum, 2.0 * length))
 
 
 @lru_cache(maxsize=8)
 def _integrals(nx: int, ny: int, dx: float, dy: float) -> np.ndarray:
-    """Of all components at once, for any material."""
+    """Return the integrals over an element for all components and any material."""
     return quadrant(nx, ny, dx, dy)

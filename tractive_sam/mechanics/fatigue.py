@@ -1,7 +1,9 @@
-"""What the stress of a whole cycle does to a material: criteria of fatigue, life, shakedown."""
+"""Fatigue criteria, Woehler curve, life of a volume, and shakedown of stress cycles."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -10,37 +12,39 @@ from tractive_sam.mechanics.criteria import CycleCriterion
 from tractive_sam.mechanics.law import Law
 
 
-def checked(cycle: np.ndarray) -> np.ndarray:
-    """Cycles, if they have the shape (6, n, ...) and points at all; else a ValueError."""
+def check_cycles(cycle: np.ndarray) -> np.ndarray:
+    """Return cycles as an array; raise a ValueError unless the shape is (6, n, ...) with n > 0."""
     cycle = np.asarray(cycle, float)
     if cycle.ndim < 2 or len(cycle) != 6 or not cycle.shape[1]:
-        asked = "(6, n, ...): xx, yy, zz, xy, xz, yz at n points along the cycle"
-        raise ValueError(f"a cycle has the shape {asked}; not {cycle.shape}")
+        shape = "(6, n, ...): xx, yy, zz, xy, xz, yz at n points along the cycle"
+        raise ValueError(f"cycle has the shape {cycle.shape}; allowed: {shape}")
     return cycle
 
 
-def paths(cycle: np.ndarray) -> np.ndarray:
-    """Cycles (6, n, ...) as kernels take them, (number, 6, n)."""
-    cycle = checked(cycle)
+def to_paths(cycle: np.ndarray) -> np.ndarray:
+    """Return cycles (6, n, ...) in the shape of the kernels, (number, 6, n)."""
+    cycle = check_cycles(cycle)
     flat = cycle.reshape(*cycle.shape[:2], math.prod(cycle.shape[2:]))
     return np.ascontiguousarray(flat.transpose(2, 0, 1))
 
 
-def _each(kernel, cycle: np.ndarray, *parameters, numbers: int = 1) -> np.ndarray:
-    """Numbers of each cycle by a kernel, (numbers, ...); nan where a stress is not finite."""
-    given = paths(cycle)
-    known = np.isfinite(given).all(axis=(1, 2))
-    out = np.full((numbers, len(given)), np.nan)
-    if known.any():  # kernels compare, which would step over nan
-        found = np.empty((numbers, np.count_nonzero(known)))
-        kernel(*found, given if known.all() else given[known], *parameters)
-        out[:, known] = found
+def _apply_kernel(
+    kernel: Callable[..., None], cycle: np.ndarray, *parameters: float, numbers: int = 1
+) -> np.ndarray:
+    """Return numbers of each cycle from a kernel, (numbers, ...); nan if a stress is not finite."""
+    paths = to_paths(cycle)
+    is_finite = np.isfinite(paths).all(axis=(1, 2))
+    out = np.full((numbers, len(paths)), np.nan)
+    if is_finite.any():  # comparisons in kernels would pass over nan
+        values = np.empty((numbers, np.count_nonzero(is_finite)))
+        kernel(*values, paths if is_finite.all() else paths[is_finite], *parameters)
+        out[:, is_finite] = values
     return out.reshape(numbers, *np.shape(cycle)[2:])
 
 
 @dataclass(frozen=True)
 class DangVan(CycleCriterion):
-    """Largest of tau + a sigma_h along the cycle, in what is left once grains have adapted.
+    """Dang Van's criterion: largest tau + a sigma_h along the cycle, after shakedown of the grains.
 
     tau is the largest shear stress of the deviator minus the centre of the smallest ball around
     its path, sigma_h the hydrostatic stress (Dang Van, Griveau & Message 1989).
@@ -69,14 +73,20 @@ class DangVan(CycleCriterion):
         return self.and_radius(cycle)[0]
 
     def and_radius(self, cycle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The same, and the radius of the ball that it takes anyway."""
-        out, radius = _each(fatigue.dang_van, cycle, self.sensitivity, numbers=2)
+        """Return the criterion and the radius of the smallest ball, which it computes.
+
+        Returns
+        -------
+        criterion, radius : ndarray
+            Both of the shape (...), MPa.
+        """
+        out, radius = _apply_kernel(fatigue.dang_van, cycle, self.sensitivity, numbers=2)
         return out, radius
 
 
 @dataclass(frozen=True)
 class Crossland(CycleCriterion):
-    """Amplitude of sqrt(J2), the radius of the smallest ball, plus a times the largest sigma_h.
+    """Crossland's criterion: radius of the smallest ball around sqrt(J2), plus a times sigma_h,max.
 
     Parameters
     ----------
@@ -100,7 +110,13 @@ class Crossland(CycleCriterion):
         return self.and_radius(cycle)[0]
 
     def and_radius(self, cycle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The same, and the radius of the ball that it takes anyway."""
+        """Return the criterion and the radius of the smallest ball, which it computes.
+
+        Returns
+        -------
+        criterion, radius : ndarray
+            Both of the shape (...), MPa.
+        """
         radius = enclosing_radius(cycle)
         hydrostatic = cycle[:3].sum(axis=0).max(axis=0) / 3.0
         return radius + self.sensitivity * hydrostatic, radius
@@ -108,7 +124,7 @@ class Crossland(CycleCriterion):
 
 @dataclass(frozen=True)
 class Findley(CycleCriterion):
-    """Largest of tau_a + k sigma_n,max over all planes (Findley 1959).
+    """Findley's criterion: largest tau_a + k sigma_n,max of all planes (1959).
 
     tau_a is the radius of the smallest circle around the path of the shear stress on the plane,
     sigma_n,max its largest normal stress.
@@ -133,14 +149,14 @@ class Findley(CycleCriterion):
 
     def __call__(self, cycle: np.ndarray) -> np.ndarray:
         """See `CycleCriterion`."""
-        return _each(fatigue.critical_plane, cycle, self.sensitivity, 0.0)[0]
+        return _apply_kernel(fatigue.critical_plane, cycle, self.sensitivity, 0.0)[0]
 
 
 @dataclass(frozen=True)
 class FatemiSocie(CycleCriterion):
-    """Largest of tau_a (1 + k sigma_n,max/sigma_y) over all planes (Fatemi & Socie 1988).
+    """Fatemi and Socie's criterion: largest tau_a (1 + k sigma_n,max/sigma_y) of all planes (1988).
 
-    That is G times their parameter gamma_a (1 + k sigma_n,max/sigma_y) of an elastic cycle.
+    For an elastic cycle it is G times their parameter gamma_a (1 + k sigma_n,max/sigma_y).
 
     Parameters
     ----------
@@ -165,12 +181,12 @@ class FatemiSocie(CycleCriterion):
     def __call__(self, cycle: np.ndarray) -> np.ndarray:
         """See `CycleCriterion`."""
         each = self.sensitivity / self.yield_strength
-        return _each(fatigue.critical_plane, cycle, 0.0, each)[0]
+        return _apply_kernel(fatigue.critical_plane, cycle, 0.0, each)[0]
 
 
 @dataclass(frozen=True)
 class OrthogonalShear(CycleCriterion):
-    """Half the range of the shear stress xz, across the surface in the rolling direction.
+    """Amplitude of the orthogonal shear stress xz: half of its range.
 
     Source: Lundberg & Palmgren, Acta Polytechnica 7 (1947). In a frictionless line contact it is
     p0/4, half the semi-axis deep.
@@ -189,67 +205,74 @@ class OrthogonalShear(CycleCriterion):
 
     def __call__(self, cycle: np.ndarray) -> np.ndarray:
         """See `CycleCriterion`."""
-        return 0.5 * np.ptp(checked(cycle)[4], axis=0)
+        return 0.5 * np.ptp(check_cycles(cycle)[4], axis=0)
 
 
 def enclosing_radius(cycle: np.ndarray) -> np.ndarray:
-    """Radius of the smallest ball around the path of the deviator, in the norm sqrt(s:s/2), MPa.
+    """Return the radius of the smallest ball around the deviator's path, norm sqrt(s:s/2), MPa.
 
-    Yield stress in shear below which no constant residual stress makes the cycle elastic (Koiter).
+    For a smaller yield stress in shear no constant residual stress makes the cycle elastic
+    (Koiter).
 
     Parameters
     ----------
     cycle : ndarray, shape (6, n, ...)
-        As of `CycleCriterion`.
+        See `CycleCriterion`.
 
     Returns
     -------
     ndarray, shape (...)
     """
-    return _each(fatigue.balls, cycle)[0]
+    return _apply_kernel(fatigue.balls, cycle)[0]
 
 
-def judged(criterion: CycleCriterion, cycle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Cycles by a criterion, and their `enclosing_radius`; some criteria have it anyway."""
+def evaluate_cycles(criterion: CycleCriterion, cycle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the criterion of cycles, and their `enclosing_radius`, which some criteria compute.
+
+    Returns
+    -------
+    criterion, radius : ndarray
+        Both of the shape (...), MPa.
+    """
     if isinstance(criterion, DangVan | Crossland):
         return criterion.and_radius(cycle)
     return criterion(cycle), enclosing_radius(cycle)
 
 
 def residual_shear(cycle: np.ndarray) -> np.ndarray:
-    """The sqrt(J2) left of the cycles at one depth by residual stresses that rolling can leave.
+    """Return the largest sqrt(J2) of the cycles at one depth with the best residual stresses.
 
-    rho_xx of each point and one rho_yy of all: a yield stress in shear above the largest of these
-    makes sure that the cycles become elastic (Melan); see `kernels.fatigue.shakedown_layer`.
+    The residual stresses are rho_xx of each point and one rho_yy for all points. For a yield stress
+    in shear above the largest result the cycles become elastic (Melan); see
+    `kernels.fatigue.shakedown_layer`.
 
     Parameters
     ----------
     cycle : ndarray, shape (6, n, m)
-        As of `CycleCriterion`, of all points of one depth.
+        See `CycleCriterion`; all points of one depth.
 
     Returns
     -------
     ndarray, shape (m,)
         MPa.
     """
-    return _each(fatigue.shakedown_layer, cycle)[0]
+    return _apply_kernel(fatigue.shakedown_layer, cycle)[0]
 
 
-def over_depth(depth: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Values at depths in between.
+def interpolate_over_depth(depth: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Interpolate values over the depth.
 
-    By cubics in the root of the depth that are monotone wherever the values are: towards the edges
-    of contact and stick the stress at the surface has a root of the distance, so what a depth goes
-    through falls with its root.
+    The interpolation is cubic in the square root of the depth, and monotone if the values are: near
+    the edges of the contact and of the stick area the stress depends on the root of the distance.
 
     Parameters
     ----------
     depth : ndarray, shape (n,)
         Ascending from 0, at least three, mm.
     values : ndarray, shape (rows, n)
-        There.
+        Values at the depths.
     at : ndarray, shape (m,) or (rows, m)
-        Depths, ascending in each row, mm.
+        New depths, ascending in each row, mm.
 
     Returns
     -------
@@ -261,24 +284,20 @@ def over_depth(depth: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndar
     return out
 
 
-MOST_PER_CYCLE = 1e9
-"""Damage of a cycle that counts: what does more breaks in the first one, whatever the number."""
-
-
 @dataclass(frozen=True)
 class Woehler(Law):
-    """A life of N = cycles u^-exponent cycles at the utilisation u, and damage that adds up.
+    """Woehler curve with Miner's sum: the life at the utilisation u is N = cycles u^-exponent.
 
-    Each cycle does 1/N of the damage that starts a crack (Palmgren 1924, Miner 1945).
+    Each cycle adds 1/N to the damage; a crack starts at 1 (Palmgren 1924, Miner 1945).
 
     Parameters
     ----------
     cycles : float
         Life at a utilisation of 1.
     exponent : float
-        Of the line.
+        Exponent of the curve.
     knee : bool
-        Whether cycles below 1 do no damage.
+        Whether cycles below a utilisation of 1 cause no damage.
 
     Examples
     --------
@@ -289,21 +308,21 @@ class Woehler(Law):
     cycles: float
     exponent: float
     knee: bool = False
+    most_per_cycle: ClassVar[float] = 1e9
+    """Upper limit of the damage of a cycle, to avoid overflow: failure is in the first cycle."""
 
     def damage(self, utilisation: np.ndarray) -> np.ndarray:
-        """Damage of a cycle at utilisations; up to 0 there is none."""
+        """Return the damage of a cycle at utilisations; 0 up to a utilisation of 0."""
         loaded = utilisation > (1.0 if self.knee else 0.0)
         log = np.log(np.where(loaded, utilisation, 1.0))
-        most = np.log(MOST_PER_CYCLE)
-        return np.where(
-            loaded, np.exp(np.minimum(self.exponent * log - np.log(self.cycles), most)), 0.0
-        )
+        damage = self.exponent * log - np.log(self.cycles)
+        return np.where(loaded, np.exp(np.minimum(damage, np.log(self.most_per_cycle))), 0.0)
 
     def relative_error(self, utilisation_error: float) -> float:
-        """Return the largest relative error of damage by that of the utilisation.
+        """Return the largest relative error of the damage from the error e of the utilisation.
 
-        It is (1 + e)^exponent - 1, to the first order the exponent times e. A cycle within e of
-        the knee may do no damage: that is not included.
+        It is (1 + e)^exponent - 1, to first order the exponent times e. The error of cycles near
+        the knee is not included.
 
         Examples
         --------
@@ -313,35 +332,31 @@ class Woehler(Law):
         return float(np.expm1(self.exponent * np.log1p(utilisation_error)))
 
 
-PARTS = 8
-"""Of the integral over a volume, for every depth."""
-
-
 @dataclass(frozen=True)
 class VolumeLife(Law):
-    """Life of a volume under stress, with the probability that all of it survives (Weibull).
+    """Life of a stressed volume for a probability of survival (Weibull).
 
-    ln(1/S) = constant N^slope integral of (tau - limit)^c / z^h dV: with no limit and the amplitude
-    of the orthogonal shear stress that of Lundberg & Palmgren (Acta Polytechnica 7, 1947), with the
-    limit of a criterion that of Ioannides & Harris (J. Tribol. 107, 1985, 367). Lives go with the
-    load to the power -(c - h + 2)/(3 slope) = -3 of a point contact, and with slope 9/8 to
-    -(c - h + 1)/(2 slope) = -4 of a line contact.
+    ln(1/S) = constant N^slope integral of (tau - limit)^c / z^h dV. Without a limit and with the
+    amplitude of the orthogonal shear stress this is the theory of Lundberg & Palmgren (Acta
+    Polytechnica 7, 1947), with the limit of a criterion that of Ioannides & Harris (J. Tribol. 107,
+    1985, 367). The life is proportional to the load to the power -(c - h + 2)/(3 slope) = -3 for a
+    point contact, and with slope 9/8 to -(c - h + 1)/(2 slope) = -4 for a line contact.
 
     Parameters
     ----------
     constant : float
-        Of the material, in N, mm and cycles; without it only ratios of lives mean something.
+        Material constant, in N, mm and cycles; with the default only ratios of lives are valid.
     slope : float
-        Weibull's, 10/9 of point contacts, 9/8 of lines.
+        Weibull slope, 10/9 for point contacts, 9/8 for line contacts.
     limit : float
-        Stress that does no harm, MPa.
+        Stress below which there is no damage, MPa.
     stress_exponent, depth_exponent : float
         c and h.
 
     Examples
     --------
-    >>> asked = {"criterion": "orthogonal-shear", "limit": 1.0, "bodies": ["A"]}
-    >>> smooth = scene.replace(friction=None, creepage=None, fatigue=asked)
+    >>> table = {"criterion": "orthogonal-shear", "limit": 1.0, "bodies": ["A"]}
+    >>> smooth = scene.replace(friction=None, creepage=None, fatigue=table)
     >>> cycled = ts.fatigue(ts.solve(smooth))["A"]
     >>> life = ts.VolumeLife()
     >>> volume = life.volume(cycled.y, cycled.depth, cycled.utilisation, around=200.0)
@@ -354,21 +369,23 @@ class VolumeLife(Law):
     limit: float = 0.0
     stress_exponent: float = 31.0 / 3.0
     depth_exponent: float = 7.0 / 3.0
+    points_per_depth: ClassVar[int] = 8
+    """Integration points for every depth of the stress."""
 
     def volume(
         self, y: np.ndarray, depth: np.ndarray, stress: np.ndarray, around: float = 1.0
     ) -> float:
-        """The integral over a body, from the first depth below the surface down.
+        """Return the integral over a body, from the first depth below the surface.
 
-        Above it 1/z^h is infinite, and so is the integral where friction stresses the surface: it
-        then grows as that depth, one element, becomes smaller; see `at_the_top`.
+        1/z^h is infinite at the surface: if friction stresses the surface, the integral increases
+        as the first depth, one element, decreases; see `surface_density_ratio`.
 
         Parameters
         ----------
         y, depth : ndarray, shapes (n_y,) and (n,)
-            As of `BodyFatigue`, mm; of a line contact one y, and the integral is per length.
+            See `BodyFatigue`, mm; a line contact has one y, and the integral is per length.
         stress : ndarray, shape (n_y, n)
-            Amplitude, MPa: the utilisation times the limit that it is by.
+            Amplitude, MPa: the utilisation times its limit.
         around : float
             Length of the track, mm.
         """
@@ -376,31 +393,32 @@ class VolumeLife(Law):
         rows = _trapezia(density, z)
         return float(around * (_trapezia(rows, y) if y.size > 1 else rows[0]))
 
-    def at_the_top(self, depth: np.ndarray, stress: np.ndarray) -> float:
-        """Largest density of the integral at its first depth, over the largest of all.
+    def surface_density_ratio(self, depth: np.ndarray, stress: np.ndarray) -> float:
+        """Return the largest density of the integral at its first depth over the largest density.
 
-        Near 1 the integral has no limit, and depends on the size of the elements.
+        Near 1 the integral depends on the element size.
         """
         density = self._density(depth, stress)[1]
-        most = density.max(initial=0.0)
-        return float(density[:, 0].max() / most) if most > 0.0 else 0.0
+        largest = density.max(initial=0.0)
+        return float(density[:, 0].max() / largest) if largest > 0.0 else 0.0
 
     def _density(self, depth: np.ndarray, stress: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        z = np.linspace(depth[1], depth[-1], PARTS * depth.size)
-        above = np.maximum(over_depth(depth, stress, z) - self.limit, 0.0)
+        """Return the integration points (n,) in mm, and the density of the integral there."""
+        z = np.linspace(depth[1], depth[-1], self.points_per_depth * depth.size)
+        above = np.maximum(interpolate_over_depth(depth, stress, z) - self.limit, 0.0)
         return z, above**self.stress_exponent / z**self.depth_exponent
 
     def survival(self, volume: float, cycles: float) -> float:
-        """Probability that nothing breaks in a number of cycles."""
+        """Return the probability of survival after a number of cycles."""
         return math.exp(-self.constant * cycles**self.slope * volume)
 
     def life(self, volume: float, survival: float = 0.9) -> float:
-        """Cycles that are survived with a probability; inf where nothing is stressed."""
+        """Return the number of cycles for a probability of survival; inf without stress."""
         if volume <= 0.0:
             return math.inf
         return (math.log(1.0 / survival) / (self.constant * volume)) ** (1.0 / self.slope)
 
 
 def _trapezia(values: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Integral along the last axis."""
+    """Return the integral along the last axis by the trapezium rule."""
     return (0.5 * (values[..., 1:] + values[..., :-1]) * np.diff(x)).sum(axis=-1)

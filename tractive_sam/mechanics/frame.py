@@ -41,43 +41,43 @@ class Frame:
 
     @property
     def weights(self) -> tuple[float, float]:
-        """(max mu / mu)² of both axes: what squares of unscaled tractions have less of."""
+        """(max mu / mu)² of both axes: squares of scaled over squares of unscaled tractions."""
         return tuple((max(self.mu) / mu) ** 2 for mu in self.mu)
 
     def largest_by(self, axis: int) -> float:
-        """Derivative of the logarithm of max(mu1, mu2) by one of them; by half of either if equal.
+        """Return the derivative of the logarithm of max(mu1, mu2) by one coefficient.
 
-        So it is what central differences give.
+        For equal coefficients it is half of the one-sided derivative, as for central differences.
         """
         largest = [mu == max(self.mu) for mu in self.mu]
         return largest[axis] / (sum(largest) * max(self.mu))
 
     def to_scaled(self, traction: np.ndarray) -> np.ndarray:
-        """p~ = F^-T p_t for a field of shape (2, ...)."""
+        """Return p~ = F^-T p_t for a field of shape (2, ...)."""
         return np.tensordot(self.inverse.T, traction, axes=1)
 
     def to_physical(self, scaled: np.ndarray) -> np.ndarray:
-        """p_t = F^T p~ for a field of shape (2, ...)."""
+        """Return p_t = F^T p~ for a field of shape (2, ...)."""
         return np.tensordot(self.matrix.T, scaled, axes=1)
 
     def slip_to_scaled(self, slip: np.ndarray) -> np.ndarray:
-        """s~ = F s for a field of shape (2, ...)."""
+        """Return s~ = F s for a field of shape (2, ...)."""
         return np.tensordot(self.matrix, slip, axes=1)
 
     def slip_to_physical(self, scaled: np.ndarray) -> np.ndarray:
-        """s = F^-1 s~ for a field of shape (2, ...)."""
+        """Return s = F^-1 s~ for a field of shape (2, ...)."""
         return np.tensordot(self.inverse, scaled, axes=1)
 
     def norm(self, traction: np.ndarray) -> np.ndarray:
-        """||p_t||_mu = |p~|, what a traction, or a force, takes of the pressure, or the load.
+        """Return ||p_t||_mu = |p~|, the pressure (load) that a traction (force) needs.
 
         The elliptic norm sqrt((p_e1/mu1)² + (p_e2/mu2)²) (paper, eq. 10); shape (2, ...) to (...).
         """
         return np.hypot(*self.to_scaled(traction))
 
     def dual_norm(self, direction: np.ndarray) -> np.ndarray:
-        """|F d|: the largest component along d of a traction, or force, of ||p_t||_mu = 1.
+        """Return |F d|, the largest component along d of a traction with ||p_t||_mu = 1.
 
-        Of a slip it is ||s||* = sqrt((mu1 s_e1)² + (mu2 s_e2)²), the work of friction on it.
+        For a slip it is ||s||* = sqrt((mu1 s_e1)² + (mu2 s_e2)²), the work of friction on it.
         """
         return np.hypot(*self.slip_to_scaled(direction))

@@ -1,17 +1,19 @@
-"""Friction laws: how much traction an element can bear, and the law linearised for Newton's method.
+"""Friction laws: the traction bound of an element, and its linearisation for Newton's method.
 
-In the scaled frame (`mechanics.frame`) the traction lies in a disc and opposes the slip where it
-has reached the rim. What makes one law differ from another is the **bound**, the radius of the
-disc: Coulomb's is the pressure. A law of one's own is a subclass of `FrictionLaw` with another
-`bound`, and one whose bound answers to the slip one with `bound_sliding` as well.
+In the scaled frame (`mechanics.frame`) the traction lies in a disc, and opposes the slip if it is
+on the edge of the disc. Laws differ in the **bound**, the radius of the disc: for Coulomb's law it
+is the pressure. A user-defined law is a subclass of `FrictionLaw` with another `bound`; if the
+bound depends on the slip, the subclass defines `bound_sliding` as well.
 """
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
+from tractive_sam.deprecation import RenamedAttribute, accept_former_methods
 from tractive_sam.kernels import friction
 from tractive_sam.mechanics.frame import Frame
 from tractive_sam.mechanics.law import Law
@@ -21,17 +23,17 @@ Pair = tuple[float, float]
 
 @dataclass(frozen=True, eq=False)
 class Bound:
-    """Largest size of the scaled traction, element by element.
+    """Traction bound: largest size of the scaled traction of each element.
 
     Attributes
     ----------
     radius : ndarray, shape (n_x, n_y)
         Radius of the disc, in the unit of the pressure: ||p_t||_mu <= radius (`Frame.norm`).
-        Zero where the pressure is.
+        Zero without pressure.
     by_pressure : ndarray or float
-        Its derivative by the pressure.
+        Derivative of the radius by the pressure.
     slope : Slope, optional
-        How it answers to the slip, if it does.
+        Derivative of the radius by the slip, if it depends on the slip.
 
     Examples
     --------
@@ -47,25 +49,25 @@ class Bound:
 
 @dataclass(frozen=True, eq=False)
 class Slope:
-    """How a bound answers to the slip at the centres of the elements.
+    """Derivative of a bound by the slip at the centres of the elements.
 
-    The bound is a number, the share, times what it is at rest. The share may have a memory: then
-    each element keeps a part of that of the element ahead, from which the material comes.
+    The bound is a factor, the share, times the bound at rest. With a memory the share of an element
+    also depends on the share of the element ahead, from which the material comes.
 
     Attributes
     ----------
     by_share : ndarray, shape (n_x, n_y)
         Derivative of the radius by the share.
     by_slip : ndarray, shape (2, n_x, n_y)
-        That of the share by the slip of the element itself.
+        Derivative of the share by the slip of the element.
     kept : ndarray, shape (n_x, n_y)
-        That of the share by the share of the element ahead; zero without memory.
+        Derivative of the share by the share of the element ahead; zero without memory.
 
     Examples
     --------
     >>> none = np.zeros((1, 1))
     >>> slope = ts.Slope(by_share=none + 300.0, by_slip=np.full((2, 1, 1), -2.0), kept=none)
-    >>> slope.change(np.full((2, 1, 1), 1e-3))  # MPa, where the slip grows by 1e-3 along x and y
+    >>> slope.change(np.full((2, 1, 1), 1e-3))  # MPa, for a slip larger by 1e-3 in x and y
     array([[-1.2]])
     """
 
@@ -74,29 +76,29 @@ class Slope:
     kept: np.ndarray
 
     def change(self, slip: np.ndarray) -> np.ndarray:
-        """Change of the radius by a change of the slip at the centres, shape (n_x, n_y)."""
+        """Return the change of the radius by a change of the slip at the centres, (n_x, n_y)."""
         out = np.empty_like(self.by_share)
         friction.carried(self.by_share, self.by_slip, self.kept, slip, out)
         return out
 
     @property
     def steepness(self) -> np.ndarray:
-        """Size of the derivative of the radius by the slip of the element itself."""
+        """Size of the derivative of the radius by the slip of the element."""
         return self.by_share * np.hypot(*self.by_slip)
 
 
 @dataclass(frozen=True, eq=False)
 class PreviousShare:
-    """What particles bring to a step of a transient, on the elements at which they end.
+    """Shares of particles before a step of a transient, on the elements where the step ends.
 
     Attributes
     ----------
     x, y : ndarray, shapes (n_x,) and (n_y,)
         Centres of the elements, mm.
     share : ndarray, shape (n_x, n_y)
-        Bound before the step over that of rest, of the same pressure; 1 of what was not in contact.
+        Bound before the step over the bound at rest, at equal pressure; 1 for new contact.
     distance : float
-        Rolled in the step, mm.
+        Rolling distance of the step, mm.
     """
 
     x: np.ndarray
@@ -106,7 +108,7 @@ class PreviousShare:
 
 
 class FrictionLaw(Law, ABC):
-    """What friction does in every element; a subclass gives `frame` and `bound`.
+    """Friction law of every element; a subclass defines `frame` and `bound`.
 
     Examples
     --------
@@ -116,21 +118,28 @@ class FrictionLaw(Law, ABC):
     ...     strength: float = 100.0  # MPa
     ...
     ...     def bound(self, pressure, x, y):
-    ...         most = self.strength / max(self.mu)
-    ...         return ts.Bound(np.minimum(pressure, most), np.where(pressure < most, 1.0, 0.0))
+    ...         limit = self.strength / max(self.mu)
+    ...         return ts.Bound(np.minimum(pressure, limit), np.where(pressure < limit, 1.0, 0.0))
     >>> bound = Capped(mu=(0.5, 0.5)).bound(np.array([[100.0, 300.0]]), 0.0, 0.0)
     >>> bound.radius
     array([[100., 200.]])
     """
 
+    eased = RenamedAttribute("at_speed_ratio")
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        """Accept methods under their former names."""
+        super().__init_subclass__(**kwargs)
+        accept_former_methods(cls, {"eased": "at_speed_ratio"})
+
     @property
     @abstractmethod
     def frame(self) -> Frame:
-        """The frame in which the law is isotropic."""
+        """Frame in which the law is isotropic."""
 
     @abstractmethod
     def bound(self, pressure: np.ndarray, x: np.ndarray, y: np.ndarray) -> Bound:
-        """Radius of the disc in which the scaled traction lies.
+        """Return the radius of the disc that contains the scaled traction.
 
         Parameters
         ----------
@@ -142,39 +151,41 @@ class FrictionLaw(Law, ABC):
 
     @property
     def falls(self) -> bool:
-        """Whether the bound answers to the slip; then `bound` is the largest, that at rest."""
+        """Whether the bound depends on the slip; then `bound` is the largest one, at rest."""
         return False
 
     def bound_sliding(
         self, pressure: np.ndarray, slip: np.ndarray, x: np.ndarray, y: np.ndarray, second: bool
     ) -> Bound:
-        """The same as `bound` under a slip, with its `Slope`, of a law that `falls`.
+        """Return the bound under a slip, with its `Slope`, for a law that `falls`.
 
         Parameters
         ----------
         pressure, x, y : ndarray
-            As for `bound`.
+            See `bound`.
         slip : ndarray, shape (2, n_x, n_y)
             s/V at the centres of the elements.
         second : bool
-            Whether the slip is taken to second order.
+            Whether the discretisation of the slip is of second order.
         """
         return self.bound(pressure, x, y)
 
-    def eased(self, speed: float) -> "FrictionLaw":
-        """The same at another speed of rolling, over its own: 0 is the law at rest."""
+    def at_speed_ratio(self, speed: float) -> "FrictionLaw":
+        """Return the law at a fraction of the rolling speed; 0 gives the static law."""
         return self
 
     def weakened(self, factor: float) -> "FrictionLaw":
-        """Return the law where friction is `factor` times what it was; by default its bound is."""
-        return self if factor == 1.0 else Weakened(self, factor)
+        """Return the law with friction times a factor; by default its bound is multiplied."""
+        return self if factor == 1.0 else ScaledFriction(self, factor)
 
     def with_previous(self, past: "PreviousShare") -> "FrictionLaw":
-        """Return the law in a step whose particles have a past; by default it does not matter."""
+        """Return the law for a step after other steps; by default the same law."""
         return self
 
-    def project(self, traction: np.ndarray, radius: np.ndarray, physical=False) -> np.ndarray:
-        """The nearest scaled traction that the bound allows.
+    def project(
+        self, traction: np.ndarray, radius: np.ndarray, physical: bool = False
+    ) -> np.ndarray:
+        """Return the nearest scaled traction within the bound.
 
         Parameters
         ----------
@@ -183,8 +194,8 @@ class FrictionLaw(Law, ABC):
         radius : ndarray, shape (n_x, n_y)
             Bound.
         physical : bool
-            Whether distances are those of unscaled tractions. The scaled ones stretch the weaker
-            axis: a step along them is too bold where mu1 and mu2 are far apart.
+            Whether distances are those of unscaled tractions. Scaling stretches the weaker axis:
+            scaled steps are too long if mu1 and mu2 differ much.
         """
         out = np.empty_like(traction)
         friction.project(traction, radius, out, *(self.frame.weights if physical else (1.0, 1.0)))
@@ -192,7 +203,7 @@ class FrictionLaw(Law, ABC):
 
     @staticmethod
     def opposed(slip: np.ndarray, contact: np.ndarray, staggered: float) -> np.ndarray:
-        """The slip that the tractions oppose, from that of the leading faces.
+        """Return the slip that the tractions oppose, from the slip of the leading faces.
 
         Parameters
         ----------
@@ -201,7 +212,7 @@ class FrictionLaw(Law, ABC):
         contact : ndarray, shape (n_x, n_y)
             Positive in contact.
         staggered : float
-            How far it is turned back, to where the slip at the centre points; 0: not at all
+            Part of the rotation towards the slip at the centre; 0: no rotation
             (`kernels.friction.turn`).
         """
         if not staggered:
@@ -212,7 +223,7 @@ class FrictionLaw(Law, ABC):
 
     @staticmethod
     def centred(slip: np.ndarray, contact: np.ndarray, staggered: float) -> np.ndarray:
-        """The slip at the centres, of which the bound is a function; parameters as `opposed`."""
+        """Return the slip at the centres, on which the bound depends; parameters as `opposed`."""
         if not staggered:
             return slip
         out = np.empty_like(slip)
@@ -229,23 +240,23 @@ class FrictionLaw(Law, ABC):
         active: np.ndarray | None = None,
         weight: float = 1.0,
     ) -> "Linearisation":
-        """What the law says of a state, and its derivative there.
+        """Return the residual of the law at a state, and its derivative.
 
         Parameters
         ----------
         traction, slip : ndarray, shape (2, n_x, n_y)
             Scaled tractions, and slip of the leading faces (`operators.stencil`).
         bound : Bound
-            The bound, under that slip.
+            The bound under this slip.
         contact : ndarray, shape (n_x, n_y)
-            What is positive in contact.
+            Positive in contact.
         staggered : float
-            As for `opposed`.
+            See `opposed`.
         active : ndarray of bool, optional
-            Elements that remain in contact after the step to come; those that leave it take their
-            traction along, whatever their slip.
+            Elements that remain in contact after the next step; the traction of other elements is
+            not changed by the slip.
         weight : float
-            How much slip counts beside tractions on the way; the solution is the same for any.
+            Relative weight of slip and traction residuals; the solution does not depend on it.
         """
         radius, shape = bound.radius, bound.radius.shape
         state, kappa = np.empty(shape, np.int8), np.empty(shape)
@@ -257,7 +268,7 @@ class FrictionLaw(Law, ABC):
             radius,
             contact,
             float(staggered),
-            *(weight * one for one in self.frame.weights),
+            *(weight * axis_weight for axis_weight in self.frame.weights),
             state,
             direction,
             kappa,
@@ -267,7 +278,7 @@ class FrictionLaw(Law, ABC):
         if active is not None:
             state[~active] = friction.OPEN
             direction[:, ~active] = 0.0
-        slope = None if bound.slope is None else Falling(bound.slope, float(staggered))
+        slope = None if bound.slope is None else SlipDependence(bound.slope, float(staggered))
         return Linearisation(
             state,
             direction,
@@ -283,13 +294,13 @@ class FrictionLaw(Law, ABC):
 
 
 @dataclass(frozen=True)
-class Weakened(FrictionLaw):
-    """A friction law whose bound counts by a factor.
+class ScaledFriction(FrictionLaw):
+    """A friction law with a factor on its bound.
 
     Parameters
     ----------
     law : FrictionLaw
-        The law as it is without.
+        The law without the factor.
     factor : float
         Factor on its bound.
     """
@@ -299,7 +310,7 @@ class Weakened(FrictionLaw):
 
     @property
     def frame(self) -> Frame:
-        """That of the law without the factor."""
+        """Frame of the law without the factor."""
         return self.law.frame
 
     @property
@@ -317,9 +328,9 @@ class Weakened(FrictionLaw):
         """See `FrictionLaw.bound_sliding`."""
         return self._scaled(self.law.bound_sliding(pressure, slip, x, y, second))
 
-    def eased(self, speed: float) -> "Weakened":
-        """See `FrictionLaw.eased`."""
-        return replace(self, law=self.law.eased(speed))
+    def at_speed_ratio(self, speed: float) -> "ScaledFriction":
+        """See `FrictionLaw.at_speed_ratio`."""
+        return replace(self, law=self.law.at_speed_ratio(speed))
 
     def _scaled(self, bound: Bound) -> Bound:
         slope, factor = bound.slope, self.factor
@@ -350,17 +361,17 @@ class Coulomb(FrictionLaw):
 
     @property
     def frame(self) -> Frame:
-        """The frame in which the law is isotropic."""
+        """Frame in which the law is isotropic."""
         return Frame(self.mu, self.angle)
 
     def bound(self, pressure: np.ndarray, x: np.ndarray, y: np.ndarray) -> Bound:
-        """The pressure itself."""
+        """Return the pressure, see `FrictionLaw.bound`."""
         return Bound(pressure, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
 class Friction:
-    """A friction law on the elements of a mesh, in units of the pressure: what a solver sees of it.
+    """A friction law on the elements of a mesh, dimensionless, for the solvers.
 
     Parameters
     ----------
@@ -381,7 +392,7 @@ class Friction:
     slip: float = 1.0
 
     def bound(self, pressure: np.ndarray) -> Bound:
-        """Radius of the disc and its derivative by the pressure, dimensionless."""
+        """Return the radius of the disc and its derivative by the pressure, dimensionless."""
         bound = self.law.bound(self.unit * pressure, self.x, self.y)
         radius = np.broadcast_to(bound.radius, pressure.shape) / self.unit
         return replace(bound, radius=radius)
@@ -389,7 +400,7 @@ class Friction:
     def bound_sliding(
         self, pressure: np.ndarray, slip: np.ndarray, contact: np.ndarray, staggered: float
     ) -> Bound:
-        """The same of a law that falls, under the scaled slip of the leading faces."""
+        """Return the bound of a law that falls, under the scaled slip of the leading faces."""
         frame = self.law.frame
         centred = self.law.centred(slip, contact, staggered)
         bound = self.law.bound_sliding(
@@ -401,17 +412,17 @@ class Friction:
         )
         slope = bound.slope
         if slope is not None:
-            # ds = F^-1 ds~ of the slip, so that its cofactors are those of tractions.
+            # ds = F^-1 ds~: derivatives by the slip transform as tractions.
             by_slip = self.slip * frame.to_scaled(slope.by_slip)
             slope = replace(slope, by_share=slope.by_share / self.unit, by_slip=by_slip)
         return replace(bound, radius=bound.radius / self.unit, slope=slope)
 
-    def eased(self, speed: float) -> "Friction":
-        """The same at another speed of rolling, over its own."""
-        return replace(self, law=self.law.eased(speed))
+    def at_speed_ratio(self, speed: float) -> "Friction":
+        """Return the law at a fraction of the rolling speed."""
+        return replace(self, law=self.law.at_speed_ratio(speed))
 
     def on(self, x: np.ndarray, y: np.ndarray) -> "Friction":
-        """The same on other elements."""
+        """Return the law on other elements."""
         return replace(self, x=x, y=y)
 
 
@@ -419,34 +430,35 @@ class Friction:
 class Linearisation:
     """A friction law linearised at a state, element by element; vectors in the scaled frame.
 
-    An element is open, sticks or slips. Newton's rows ask of one that sticks that its slip vanish,
-    of an open one that its traction does. One that slips goes to the rim of the disc along n, the
-    direction of its traction; what is asked along the tangent t is kappa t.s + (1 - kappa) t.p,
-    between slip (just at the bound) and traction (far beyond it, where only the direction is left
-    to find).
+    An element is open, sticks or slips. The equations of Newton's method are: the slip of a stick
+    element is zero; the traction of an open element is zero. A slip element moves to the edge of
+    the disc along n, the direction of its traction; along the tangent t its equation is
+    kappa t.s + (1 - kappa) t.p, between slip (just at the bound) and traction (far beyond it, where
+    only the direction is unknown).
 
     Attributes
     ----------
     state : ndarray of int8, shape (n_x, n_y)
         `kernels.friction.OPEN`, `STICK` or `SLIP`.
     direction : ndarray, shape (2, n_x, n_y)
-        n, the unit vector of disc(p - s) where the element slips, else zero.
+        n, the unit vector of disc(p - s) in slip elements, else zero.
     kappa : ndarray, shape (n_x, n_y)
-        Share of the slip in the row, above.
+        Share of the slip in the equation above.
     across : ndarray, shape (2, 2, n_x, n_y)
-        What t.s answers to the slip at the leading face (first index 0) and at the centre (1).
+        Derivative of t.s by the slip at the leading face (first index 0) and at the centre (1).
     defect : ndarray, shape (2, n_x, n_y)
-        disc(p - s) - p, along t scaled like the row; where it sticks, minus the slip.
+        disc(p - s) - p, along t scaled as the equation; in stick elements minus the slip.
     contact : ndarray, shape (n_x, n_y)
-        What is positive in contact.
+        Positive in contact.
     squares : float
         Sum of squares of disc(p - s) - p.
     merit : float
-        The same with the weights of the frame, which Newton's steps lessen.
-    falling : Falling, optional
-        Of a bound that answers to the slip: the row along n is n.p less the change of the bound.
+        Sum of squares with the weights of the frame, which Newton's steps reduce.
+    falling : SlipDependence, optional
+        For a bound that depends on the slip: the equation along n is n.p minus the change of the
+        bound.
     staggered : float
-        As for `FrictionLaw.opposed`.
+        See `FrictionLaw.opposed`.
     """
 
     state: np.ndarray
@@ -457,17 +469,17 @@ class Linearisation:
     contact: np.ndarray
     squares: float
     merit: float
-    falling: "Falling | None" = None
+    falling: "SlipDependence | None" = None
     staggered: float = 1.0
 
     def rows(self, step: np.ndarray, slip: np.ndarray, out: np.ndarray) -> None:
-        """Set `out` to the rows of a change of traction and the change of slip it causes.
+        """Set `out` to the equations for a change of traction and the resulting change of slip.
 
         Parameters
         ----------
         step, slip, out : ndarray, shape (2, n_x, n_y)
-            The slip is that of the leading faces, as for `FrictionLaw.linearise`; the step is one
-            without what follows the pressure.
+            The slip is that of the leading faces, see `FrictionLaw.linearise`; the step does not
+            include the change by the pressure.
         """
         friction.tangent_row(
             self.state,
@@ -490,24 +502,24 @@ class Linearisation:
         own: tuple[float, float, float],
         stiffness: np.ndarray,
     ) -> np.ndarray:
-        """Step whose rows are nearly those given: the upwind sweep.
+        """Return a step that nearly solves the equations, by an upwind sweep.
 
         D = -dA/dx, so that with the circulant inverse of A the elastic slip is inverted by a sum
-        from the leading edge, where the traction is zero. That is all where the element sticks.
-        Where it slips, its row has a local term gamma = 1/kappa - 1 of the traction as well, which
-        may be far the larger one: the row is divided between both in proportion, and the sum
-        includes gamma, implicitly.
+        from the leading edge, where the traction is zero. This is sufficient in stick elements. The
+        equation of a slip element also has a local term gamma = 1/kappa - 1 of the traction, which
+        may be much larger: the right-hand side is divided between both in proportion, and the sum
+        includes gamma implicitly.
 
         Parameters
         ----------
         rows : ndarray, shape (2, n_x, n_y)
-            As of `rows`.
+            Right-hand sides, see `rows`.
         inverse : callable
             Circulant inverse of the displacement A per length of an element.
         own : tuple of float
-            Entries (11, 12, 22) of the slip of an element by its own traction.
+            Entries (11, 12, 22) of the slip of an element by a unit traction on it.
         stiffness : ndarray, shape (n_x, n_y)
-            Local term of leading elements that stick (`FrictionSlip.stiffness`).
+            Local term of leading stick elements (`FrictionSlip.stiffness`).
         """
         here = self.state, self.direction, self.kappa, stiffness, own
         smooth, rough = np.empty_like(rows), np.empty(self.kappa.shape)
@@ -523,10 +535,10 @@ class Linearisation:
         own: tuple[float, float, float],
         stiffness: np.ndarray,
     ) -> np.ndarray:
-        """The same where the rows are in the displacement A itself, not in its difference.
+        """Return a step that nearly solves equations in the displacement A, not its difference.
 
-        Parameters as of `approximate_inverse`; `own` is the displacement of an element by its own
-        traction.
+        See `approximate_inverse` for the parameters; `own` is the displacement of an element by a
+        unit traction on it.
         """
         here, share = (self.state, self.direction), np.empty(self.kappa.shape)
         smooth, rough, out = (np.empty_like(rows) for _ in range(3))
@@ -537,20 +549,20 @@ class Linearisation:
 
 
 @dataclass(frozen=True, eq=False)
-class Falling:
-    """What a bound that answers to the slip adds to the rows of a `Linearisation`.
+class SlipDependence:
+    """Term of a slip-dependent bound in the equations of a `Linearisation`.
 
     Attributes
     ----------
     slope : Slope
-        How it answers.
+        Derivative of the bound by the slip.
     staggered : float
-        As of `FrictionLaw.opposed`.
+        See `FrictionLaw.opposed`.
     """
 
     slope: Slope
     staggered: float
 
     def change(self, slip: np.ndarray, contact: np.ndarray) -> np.ndarray:
-        """Change of the radius by a change of the slip of the leading faces, shape (n_x, n_y)."""
+        """Return the change of the radius by a change of the slip of the leading faces."""
         return self.slope.change(FrictionLaw.centred(slip, contact, self.staggered))

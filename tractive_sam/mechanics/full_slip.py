@@ -1,4 +1,4 @@
-"""Full slip with orthotropic friction: what friction gives, and what it can carry.
+"""Full slip with orthotropic friction: the friction force, and the load that a force needs.
 
 Friction coefficients mu1, mu2 belong to the tribological axes e1, e2, which are turned by
 `angle` counter-clockwise from x, y. Angles in radians.
@@ -12,7 +12,7 @@ Pair = tuple[float, float]
 
 
 def full_slip_force(load: float, mu: Pair, angle: float, slip: Pair) -> Pair:
-    """Resultant friction on body A where the whole contact slips in one direction.
+    """Return the friction force on body A if the complete contact slips in one direction.
 
     The associated sliding rule Q = -P M² s / ||s||* with ||s||* = |M s| in tribological axes.
     Source: Juliá & Rodríguez-Tembleque, Int. J. Mech. Sci. 294 (2025) 110195, eqs. (10), (15).
@@ -55,7 +55,7 @@ def full_slip_force(load: float, mu: Pair, angle: float, slip: Pair) -> Pair:
 
 
 def load_to_carry(force: Pair, mu: Pair, angle: float) -> float:
-    """Least normal load under which friction can carry the force (Q_x, Q_y), N.
+    """Return the smallest normal load under which friction carries the force (Q_x, Q_y), N.
 
     The elliptic norm sqrt((Q_e1/mu1)² + (Q_e2/mu2)²) of eq. (10), inverse to `full_slip_force`.
 

@@ -1,4 +1,4 @@
-"""What every law of mechanics has: a description for people and a fingerprint of its content."""
+"""Base class of the laws: a description for people and a fingerprint of the content."""
 
 import hashlib
 from collections.abc import Iterator, Mapping
@@ -6,7 +6,7 @@ from dataclasses import fields, is_dataclass
 from functools import cached_property
 from numbers import Real
 from types import CodeType, FunctionType
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -23,6 +23,9 @@ class Law:
     False
     """
 
+    recorded_name: ClassVar[str | None] = None
+    """Name of the class in fingerprints, if it was renamed: results files store fingerprints."""
+
     def describe(self) -> str:
         """Return the name of the law and its parameters in one line."""
         return describe(self)
@@ -32,7 +35,7 @@ class Law:
 
         It covers the name of the class and its parameters: arrays with every number, functions
         with their code. The code of the class itself is not covered. A law that depends on more (a
-        file, a compiled library) overrides this method.
+        file, a compiled library) must override this method.
         """
         content = _content([type(self), _parameters(self)])
         return hashlib.sha256(b"".join(content)).hexdigest()
@@ -47,14 +50,14 @@ def describe(law: object) -> str:
 
 
 def fingerprint(law: object) -> str:
-    """Return the fingerprint of a law, see `Law.fingerprint`; of any other object, or None, too."""
+    """Return the fingerprint of a law, see `Law.fingerprint`, or of any other object."""
     return law.fingerprint() if isinstance(law, Law) else Law.fingerprint(law)
 
 
 def _parameters(law: object) -> dict[str, Any]:
-    """Parameters of an object by name, without values that it only caches."""
+    """Return the parameters of an object by name, without cached values."""
     if is_dataclass(law):
-        return {one.name: getattr(law, one.name) for one in fields(law)}
+        return {field.name: getattr(law, field.name) for field in fields(law)}
     kind = type(law)
     return {
         name: value
@@ -64,7 +67,7 @@ def _parameters(law: object) -> dict[str, Any]:
 
 
 def _content(value: Any) -> Iterator[bytes]:
-    """Yield bytes that are equal for equal content; lengths keep neighbours apart."""
+    """Yield bytes that are equal for equal content; lengths separate neighbouring items."""
     match value:
         case Law() if type(value).fingerprint is not Law.fingerprint:
             yield value.fingerprint().encode()
@@ -90,6 +93,7 @@ def _content(value: Any) -> Iterator[bytes]:
         case CodeType():
             yield from _content(["code", value.co_code, value.co_names, list(value.co_consts)])
         case type():
-            yield from _content(["class", value.__module__, value.__qualname__])
+            name = vars(value).get("recorded_name") or value.__qualname__
+            yield from _content(["class", value.__module__, name])
         case _:
             yield from _content([type(value), _parameters(value)])

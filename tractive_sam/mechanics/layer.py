@@ -1,4 +1,4 @@
-"""A thin compliant layer between the bodies: what it shears by itself, in every point."""
+"""A thin compliant interfacial layer between the bodies."""
 
 from dataclasses import dataclass
 
@@ -8,35 +8,36 @@ from tractive_sam.mechanics.elasticity import Elasticity
 
 
 @dataclass(frozen=True)
-class Layered(Elasticity):
-    """Bodies with an interfacial layer, which a traction p_t shears by compliance p_t.
+class InterfacialLayer(Elasticity):
+    """Bodies with an interfacial layer, whose shear displacement is compliance times traction.
 
-    A layer of the thickness h and the shear modulus G3 has the compliance h/G3 (the third body of
-    Vollebregt 2014, Wear 314, 151-157). It adds L dp_t/dx to the slip: the initial slope of the
-    traction curve falls. It presses no further, and is part of neither body: the stress in these is
-    that of the tractions.
+    A layer of the thickness h and the shear modulus G3 has the compliance L = h/G3 (the third body
+    of Vollebregt 2014, Wear 314, 151-157). It adds L dp_t/dx to the slip and reduces the initial
+    slope of the creep force curve. It has no normal compliance, and no influence on the stress in
+    the bodies under given tractions.
 
     Parameters
     ----------
     bodies : Elasticity
-        The bodies without it.
+        The bodies without the layer.
     compliance : float
         L, mm/MPa.
 
     Examples
     --------
     >>> laws = ts.Laws.of(scene)
-    >>> third_body = laws.replace(elasticity=ts.Layered(laws.elasticity, compliance=0.5))
+    >>> third_body = laws.replace(elasticity=ts.InterfacialLayer(laws.elasticity, compliance=0.5))
     >>> ts.solve(scene, laws=third_body).Qx < contact.Qx
     True
     """
 
     bodies: Elasticity
     compliance: float
+    recorded_name = "Layered"
 
     @property
     def coupled(self) -> bool:
-        """See `Elasticity.coupled`: that of the bodies."""
+        """See `Elasticity.coupled`; as for the bodies."""
         return self.bodies.coupled
 
     @property
@@ -47,7 +48,7 @@ class Layered(Elasticity):
     def coefficients(
         self, component: str, offsets: tuple[int, int], dx: float, dy: float
     ) -> np.ndarray:
-        """See `Elasticity.coefficients`: an element shears the layer below itself only."""
+        """See `Elasticity.coefficients`; a traction shears only the layer at its own element."""
         table = self.bodies.coefficients(component, offsets, dx, dy)
         if component in ("xx", "yy"):
             table = table.copy()
@@ -63,13 +64,13 @@ class Layered(Elasticity):
         return self.bodies.slip_per_traction(dx, dy) + self.compliance / dx
 
     def opening(self, normal: np.ndarray, dx: float, dy: float) -> np.ndarray:
-        """See `Elasticity.opening`: the layer ends with the contact."""
+        """See `Elasticity.opening`; there is no layer outside the contact."""
         return self.bodies.opening(normal, dx, dy)
 
-    def spanning(self, length: float) -> "Layered":
+    def spanning(self, length: float) -> "InterfacialLayer":
         """See `Elasticity.spanning`."""
-        return Layered(self.bodies.spanning(length), self.compliance)
+        return InterfacialLayer(self.bodies.spanning(length), self.compliance)
 
-    def alone(self, body: str) -> Elasticity:
-        """See `Elasticity.alone`."""
-        return self.bodies.alone(body)
+    def single_body(self, body: str) -> Elasticity:
+        """See `Elasticity.single_body`."""
+        return self.bodies.single_body(body)

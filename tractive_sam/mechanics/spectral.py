@@ -1,14 +1,14 @@
-"""Half-spaces whose material changes with the depth, by their response in wave numbers.
+"""Coated and graded half-spaces, defined by their response at wave numbers.
 
-The response c(k) goes from that of the surface at short waves to that of the material far below at
-long ones. With c_s and c_f, the responses of homogeneous half-spaces of either, it is split into
+The response c(k) is that of the surface material for short waves, and that of the material far
+below for long waves. With the responses c_s and c_f of homogeneous half-spaces of these materials,
+it is split into
 
     c = c_s + (c_f - c_s) exp(-k d) + g.
 
-The influence coefficients of the first term are those of `HalfSpaces`. The second is smooth, and
-is in closed form the displacement at a height d (Boussinesq and Cerruti), with its long range. What
-remains falls fast with the wave number and with the distance, and is integrated over the wave
-numbers.
+The influence coefficients of the first term are those of `HalfSpaces`. The second term is smooth:
+it is the displacement at a height d (Boussinesq and Cerruti) in closed form. The remainder g
+decreases fast with the wave number and with the distance, and is integrated over the wave numbers.
 """
 
 from abc import abstractmethod
@@ -19,12 +19,12 @@ import numpy as np
 from tractive_sam.mechanics.elasticity import HalfSpaces
 
 ODD = {"xy": "xy", "xz": "x", "yz": "y"}
-"""Axes along which a component changes its sign."""
+"""Axes along which a component is odd."""
 
 
 @dataclass(frozen=True)
 class SpectralHalfSpaces(HalfSpaces):
-    """Half-spaces with a coating, or graded ones; a subclass gives their `spectrum`.
+    """Coated or graded half-spaces; a subclass defines their `spectrum`.
 
     Parameters
     ----------
@@ -54,23 +54,23 @@ class SpectralHalfSpaces(HalfSpaces):
     @property
     @abstractmethod
     def surface(self) -> HalfSpaces:
-        """Homogeneous half-spaces of the materials at the surface: what short waves see."""
+        """Homogeneous half-spaces of the surface materials, for short waves."""
 
     @abstractmethod
     def spectrum(self, component: str, kx: np.ndarray, ky: np.ndarray) -> np.ndarray | None:
-        """Displacement u_A - u_B over traction in wave numbers, u and p as exp(i (kx x + ky y)).
+        """Return displacement u_A - u_B over traction at wave numbers, with exp(i (kx x + ky y)).
 
         Parameters
         ----------
         component : str
-            As of `Elasticity.coefficients`.
+            See `Elasticity.coefficients`.
         kx, ky : ndarray, shapes (n, 1) and (1, m)
             Wave numbers of at least 0, not both 0, 1/mm.
 
         Returns
         -------
         ndarray, shape (n, m), or None
-            mm/MPa; imaginary for "xz" and "yz". None: that of the materials far below.
+            mm/MPa; imaginary for "xz" and "yz". None: as for the materials far below.
         """
 
     def coefficients(
@@ -114,8 +114,8 @@ class SpectralHalfSpaces(HalfSpaces):
     def _rest(
         self, below: HalfSpaces, component: str, kx: np.ndarray, ky: np.ndarray, height: float
     ) -> np.ndarray:
-        """Return the remainder g at wave numbers; of an imaginary response its imaginary part."""
-        with np.errstate(divide="ignore", invalid="ignore"):  # no wave at all has no response
+        """Return the remainder g at wave numbers; its imaginary part if it is imaginary."""
+        with np.errstate(divide="ignore", invalid="ignore"):  # the wave number 0 has no response
             at_surface = self.surface.response(component, kx, ky)
             far = below.response(component, kx, ky) - at_surface
             found = self.spectrum(component, kx, ky) - at_surface
@@ -128,9 +128,10 @@ def _waves(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return wave numbers along an axis, 1/mm, and the displacement at the offsets by each of them.
 
-    The shortest wave is that of which exp(-k length) leaves 1e-8, or an eighth of an element, whose
-    mean leaves next to nothing of shorter ones. The period is that of the quadrature: from 32
-    heights on images of the remainder, which falls with the cube of the distance, do not matter.
+    The shortest wave has exp(-k length) = 1e-8, or a length of an eighth of an element: the mean
+    over an element of shorter waves is negligible. The period of the quadrature is at least 32
+    heights: then images of the remainder, which falls with the cube of the distance, are
+    negligible.
     """
     shortest = min(18.0 / length, 16.0 * np.pi / side)
     period = max(3.0 * count * side, 32.0 * max(height, length))
@@ -167,7 +168,7 @@ def _raised(
 def _kernel(
     bodies: HalfSpaces, component: str, x: np.ndarray, y: np.ndarray, height: float
 ) -> np.ndarray:
-    """Displacement at a place by a unit force whose waves are damped by exp(-k height)."""
+    """Return the displacement by a unit force with waves damped by exp(-k height)."""
     nu, K = bodies.material.poisson, bodies.material.coupling
     r = np.sqrt(x**2 + y**2 + height**2)
     reach = r + height

@@ -1,4 +1,4 @@
-"""Two bodies that come round: what of the wear of a pass they meet again."""
+"""Turns of the bodies: the part of the wear of a pass that returns to the contact."""
 
 import math
 from collections.abc import Mapping
@@ -9,19 +9,19 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Turns:
-    """How often each of two bodies, A and B, comes round, and what of a pass lasts.
+    """Turns of the bodies A and B per counted revolution, and the wear that accumulates.
 
-    Each body keeps its share of the depth worn in a pass, and meets it again once it has turned.
-    Bodies of unlike circumference do so in another phase each time; what enters is taken for the
-    average over the phases: while the counted body turns once, a body keeps its share of as many
-    passes as it turns itself.
+    Each body has its share of the worn depth of a pass, and this material returns to the contact
+    after a turn of the body. With different circumferences it returns in another phase each time;
+    the entering depth is the average over the phases: per counted revolution a body accumulates its
+    share of as many passes as it turns.
 
     Parameters
     ----------
     share : mapping of str to float
-        Share of the bodies "A" and "B" in the depth worn; they add up to one.
+        Shares of the bodies "A" and "B" in the worn depth; their sum is one.
     per_count : mapping of str to float
-        Turns of each while revolutions are counted on by one.
+        Turns of each body per counted revolution.
     """
 
     share: Mapping[str, float]
@@ -29,20 +29,20 @@ class Turns:
 
     @classmethod
     def equal(cls, share: Mapping[str, float]) -> "Turns":
-        """The sum of both comes round as one (the paper's assumption)."""
+        """Return equal turns of both bodies (the assumption of the paper)."""
         return cls(share, {"A": 1.0, "B": 1.0})
 
     @classmethod
     def from_radii(cls, share: Mapping[str, float], radius_A: float, radius_B: float) -> "Turns":
-        """Rolling without slip: revolutions of A are counted or, where A is flat, of B.
+        """Return the turns in rolling without slip, per turn of A, or of B if A is flat.
 
         Parameters
         ----------
         share : mapping of str to float
-            As of `Turns`.
+            See `Turns`.
         radius_A, radius_B : float
             Radii in the rolling direction, mm: inf for flat, negative for concave. Two flat bodies
-            count the same passes.
+            have equal turns.
         """
         counted = abs(radius_A if math.isfinite(radius_A) else radius_B)
         if math.isinf(counted):
@@ -51,35 +51,35 @@ class Turns:
 
     @property
     def gain(self) -> float:
-        """Depth by which the sum of both profiles deepens in a revolution, over that of a pass."""
+        """Depth of both profiles per counted revolution over the depth of a pass."""
         return 1.0 + sum(self.share[body] * (self.per_count[body] - 1.0) for body in "AB")
 
-    def lasting(self, body: str) -> float:
-        """Part of the entering depth that is one body's; 0 of a flat one."""
+    def share_of_entering(self, body: str) -> float:
+        """Return the share of a body in the entering depth; 0 for a flat body."""
         return self.share[body] * self.per_count[body] / self.gain
 
     def next(self, entering: np.ndarray, leaving: np.ndarray) -> np.ndarray:
-        """Depth with which the next revolution begins, of both together.
+        """Return the depth of both bodies at the beginning of the next revolution.
 
         Parameters
         ----------
         entering, leaving : ndarray, shape (n_y,)
-            Depth of both together before and behind the contact, mm.
+            Depth of both bodies together before and behind the contact, mm.
         """
         return leaving + (self.gain - 1.0) * (leaving - entering)
 
     def worn(self, body: str, entering: np.ndarray, leaving: np.ndarray) -> np.ndarray:
-        """Mean depth worn off one body all around, mm; arguments as of `next`.
+        """Return the mean worn depth of a body over its circumference, mm; parameters as in `next`.
 
-        What the next revolution meets of it, without what its phase leaves: both bodies roll the
-        same distance, so that their volumes are as their shares. Zero of a flat one.
+        Both bodies roll the same distance: their volumes are proportional to their shares. 0 for a
+        flat body.
         """
-        return self.lasting(body) * self.next(entering, leaving)
+        return self.share_of_entering(body) * self.next(entering, leaving)
 
     def of_body(self, body: str, entering: np.ndarray, leaving: np.ndarray) -> np.ndarray:
-        """Depth of one body behind the contact, mm; arguments as of `next`.
+        """Return the depth of a body behind the contact, mm; parameters as in `next`.
 
-        Of a flat body, which never comes round, it is what a single pass wears.
+        A flat body passes the contact only once: its depth is that of a single pass.
         """
-        lasting = self.per_count[body] / self.gain
-        return self.share[body] * (leaving + (lasting - 1.0) * entering)
+        returning = self.per_count[body] / self.gain
+        return self.share[body] * (leaving + (returning - 1.0) * entering)

@@ -1,4 +1,4 @@
-"""Orthotropic Holm-Archard wear, as the paper has it and by the work that friction does."""
+"""Orthotropic Archard wear, from pressure and slip (the paper) and from frictional work."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -15,15 +15,15 @@ from tractive_sam.mechanics.law import Law
 
 @dataclass(frozen=True, eq=False)
 class WearConditions:
-    """What a contact has gone through before a pass, for laws of wear that depend on it.
+    """State of a contact before a pass, for wear laws that depend on it.
 
     Attributes
     ----------
     depth : ndarray, shape (n_y,) or (n_x, n_y)
-        Depth worn off both bodies together before the pass, mm: of the material that enters the
-        contact; in a transient of the material in every element.
+        Worn depth of both bodies together before the pass, mm: of the material that enters the
+        contact, or in a transient of the material in every element.
     revolution : float
-        Number of the revolution, see `wear.revolutions`; nan in a transient.
+        Number of the revolution as in `wear.revolutions`; nan in a transient.
     temperature : ndarray, shape (n_x, n_y), or None
         Temperature of the surfaces in contact, degrees C; None without [heat].
 
@@ -39,21 +39,21 @@ class WearConditions:
 
 
 class WearLaw(Law, ABC):
-    """How deep the contact wears in one pass.
+    """Wear law: the depth that the contact wears in one pass.
 
     Examples
     --------
-    >>> class ByWork(ts.WearLaw):
+    >>> class WorkLaw(ts.WearLaw):
     ...     def rate(self, pressure, traction, slip):
     ...         return 5e-6 * np.abs((traction * slip).sum(axis=0))
-    >>> history = ts.roll(discs, laws=ts.Laws.of(discs).replace(wear=ByWork()))
+    >>> history = ts.roll(discs, laws=ts.Laws.of(discs).replace(wear=WorkLaw()))
     >>> bool(history["wear_max"][-1] > 0.0)
     True
     """
 
     @abstractmethod
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Depth worn per distance rolled off both bodies together, dimensionless.
+        """Return the worn depth per rolling distance of both bodies together, dimensionless.
 
         Parameters
         ----------
@@ -66,9 +66,9 @@ class WearLaw(Law, ABC):
         """
 
     def per_load(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """How `rate` grows with the pressure, 1/MPa, traction in proportion; arguments as there.
+        """Return the derivative of `rate` by the pressure at constant traction ratio, 1/MPa.
 
-        By default that of a law in proportion to them.
+        The parameters are those of `rate`. The default is that of a law proportional to both.
         """
         touching = pressure > 0.0
         share = traction / np.where(touching, pressure, 1.0)
@@ -77,9 +77,10 @@ class WearLaw(Law, ABC):
     def shares(
         self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray
     ) -> np.ndarray | None:
-        """Shares of A and B in the depth of a pass, shape (2, n_y); arguments as of `rate`.
+        """Return the shares of A and B in the depth of a pass, shape (2, n_y), or None.
 
-        By default None: as the scene says, by hardness or coefficients, the same everywhere.
+        The parameters are those of `rate`. None, the default: the shares of the scene, from
+        hardness or coefficients, hold everywhere.
         """
         return None
 
@@ -90,38 +91,40 @@ class WearLaw(Law, ABC):
         traction: np.ndarray,
         slip: np.ndarray,
     ) -> np.ndarray:
-        """`rate` of A and of B, shape (2, n_x, n_y); other arguments as there.
+        """Return the rate of each body, shape (2, n_x, n_y).
 
         Parameters
         ----------
         share : mapping of str to float
-            Part of each body in the depth, where the law has no `shares`.
+            Share of each body in the depth, if the law has no `shares`.
+        pressure, traction, slip : ndarray
+            See `rate`.
         """
-        own = self.shares(pressure, traction, slip)
-        parts = np.array([[share[body]] for body in "AB"]) if own is None else own
+        shares = self.shares(pressure, traction, slip)
+        parts = np.array([[share[body]] for body in "AB"]) if shares is None else shares
         return parts[:, None, :] * self.rate(pressure, traction, slip)
 
     def on(self, element_area: float) -> "WearLaw":
-        """The law on a mesh of elements of this area, mm²; by default no other one."""
+        """Return the law for elements of an area, mm²; by default the same law."""
         return self
 
     def weakened(self, factor: float) -> "WearLaw":
-        """The law where friction is so many times what it was; by default no other one."""
+        """Return the law with friction times a factor; by default the same law."""
         return self
 
     def with_friction(self, friction: FrictionLaw) -> "WearLaw":
-        """Return the law where friction follows another law; by default no other one."""
+        """Return the law with another friction law; by default the same law."""
         return self
 
     def under(self, conditions: WearConditions) -> "WearLaw":
         """Return the law under conditions, such as after running-in; by default the same law.
 
-        The law is to depend on the conditions smoothly: adaptive stepping extrapolates its rate.
+        The dependence must be smooth: adaptive stepping extrapolates the rate.
         """
         return self
 
     def beyond_tests(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> str:
-        """What of a contact its coefficients were not measured for; empty where nothing is."""
+        """Describe conditions beyond those of the tests of the coefficients; empty if within."""
         return ""
 
     def depth(
@@ -132,14 +135,14 @@ class WearLaw(Law, ABC):
         slip: np.ndarray,
         dx: float,
     ) -> np.ndarray:
-        """Depth below every element during one pass (paper, eq. 32), mm.
+        """Return the depth below every element during one pass (paper, eq. 32), mm.
 
         Parameters
         ----------
         entering : ndarray, shape (n_y,)
-            Depth left by the previous revolution, mm.
+            Depth after the previous revolution, mm.
         pressure, traction, slip : ndarray
-            As for `rate`.
+            See `rate`.
         dx : float
             Side of an element in the rolling direction, mm.
         """
@@ -148,7 +151,7 @@ class WearLaw(Law, ABC):
 
 @dataclass(frozen=True)
 class Archard(WearLaw):
-    """Depth worn per sliding distance, p_n |s|_i (paper, eq. 16), to the letter.
+    """Archard's law with the depth p_n |s|_i per sliding distance (paper, eq. 16).
 
     Parameters
     ----------
@@ -162,20 +165,20 @@ class Archard(WearLaw):
     angle: float
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """See `WearLaw.rate`; the traction does not matter."""
+        """See `WearLaw.rate`; independent of the traction."""
         return pressure * Frame(self.intensity, self.angle).dual_norm(slip)
 
 
 @dataclass(frozen=True, eq=False)
-class Warmed(WearLaw):
-    """A law of wear on surfaces at some temperature: its depth counts by a factor.
+class TemperatureScaledWear(WearLaw):
+    """A wear law with a factor of the surface temperature on its depth.
 
     Parameters
     ----------
     law : WearLaw
-        The law as it is without.
+        The law without the factor.
     factor : ndarray, shape (n_x, n_y)
-        What the temperature makes of its rate.
+        Factor on its rate.
     """
 
     law: WearLaw
@@ -196,35 +199,34 @@ class Warmed(WearLaw):
         return self.law.shares(pressure, traction, slip)
 
 
-def work_along(
+def work_along_axes(
     traction: np.ndarray, slip: np.ndarray, angle: float = 0.0
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Frictional work per distance rolled and area along either tribological axis, MPa."""
+    """Return the frictional work per distance and area along each tribological axis, MPa."""
     axes = Frame(angle=angle).matrix
     along, across = -np.tensordot(axes, traction, axes=1) * np.tensordot(axes, slip, axes=1)
     return along, across
 
 
-def work_of(traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-    """All of it, MPa; zero where it is negative, as it is in a few elements."""
-    along, across = work_along(traction, slip)
+def frictional_work(traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
+    """Return the frictional work per rolling distance and area, MPa; negative work is set to 0."""
+    along, across = work_along_axes(traction, slip)
     return np.maximum(along + across, 0.0)
 
 
 @dataclass(frozen=True)
 class Energy(WearLaw):
-    """Depth by the frictional work w_k = -p_k s_k along either tribological axis.
+    """Energy law: depth proportional to the frictional work w_k = -p_k s_k along each axis.
 
-    The depth is k1 w_1 + k2 w_2: it depends on the work alone and is additive, so that work done
-    along one axis after the other wears as much as both at once, and what a contact wears follows
-    from its total work along each axis. With k1 = k2 the axes do not matter. `ArchardByWork` has a
-    norm of the slip instead: with i_j = k_j mu_j it wears as much where slip is along an axis or
-    k1 = k2, and more elsewhere.
+    The depth is k1 w_1 + k2 w_2. It depends on the work only and is additive: the wear of a contact
+    follows from its total work along each tribological axis. With k1 = k2 the axes have no
+    influence. `ArchardByWork` has a norm of the slip instead: with i_j = k_j mu_j its depth is
+    equal for slip along an axis and for k1 = k2, and larger otherwise.
 
     Parameters
     ----------
     per_work : tuple of float
-        Depth worn over work per area, (k1, k2) along the tribological axes, 1/MPa: 1e-3 times the
+        Depth over work per area, (k1, k2) along the tribological axes, 1/MPa: 1e-3 times the
         coefficients in mm3/J.
     angle : float
         Angle beta of the first axis, counter-clockwise from x, radians.
@@ -241,8 +243,8 @@ class Energy(WearLaw):
     angle: float = 0.0
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """See `WearLaw.rate`; zero where the work is negative, as it is in a few elements."""
-        along, across = work_along(traction, slip, self.angle)
+        """See `WearLaw.rate`; negative work, which occurs in a few elements, is set to 0."""
+        along, across = work_along_axes(traction, slip, self.angle)
         work = np.maximum(along + across, 0.0)
         first, second = self.per_work
         # Negative work along one axis must not leave the bounds of positive work along both.
@@ -252,16 +254,16 @@ class Energy(WearLaw):
 
 @dataclass(frozen=True)
 class ArchardByWork(WearLaw):
-    """Archard's law by the frictional work w_k = -p_k s_k along either tribological axis.
+    """Archard's law from the frictional work w_k = -p_k s_k along each tribological axis.
 
-    Where an element slips, p_k = -p_n mu_k^2 s_k/||s||*_mu, and with it p_n |s|_i is
+    In a slip element p_k = -p_n mu_k^2 s_k/||s||*_mu, and p_n |s|_i becomes
 
         sqrt((w_1 + w_2) ((i1/mu1)^2 w_1 + (i2/mu2)^2 w_2)).
 
-    Where it sticks beside one that slips, it shows slip of that one (`State.slip`) but carries
-    less than the bound: by its pressure it would wear many times too much where only a narrow edge
-    slips, by its work it does not. With i1/mu1 = i2/mu2 the contact wears that times its
-    frictional work, on any mesh; otherwise between the smaller and the larger of them.
+    A stick element next to a slip element has some slip (`State.slip`), but its traction is below
+    the bound: if only a narrow edge slips, its pressure would give many times too much wear, its
+    work does not. With i1/mu1 = i2/mu2 the wear of the contact is this ratio times its frictional
+    work, on any mesh; otherwise it is between the smaller and the larger ratio.
 
     Parameters
     ----------
@@ -271,9 +273,9 @@ class ArchardByWork(WearLaw):
     angle : float
         Angle beta of the first axis, counter-clockwise from x, radians.
     friction : FallingCoulomb, optional
-        Friction that falls: where less is left of it, the same work takes a longer way.
+        Falling friction: with lower friction the same work needs a longer sliding distance.
     length : float
-        Of an element along x, mm, over which a memory of that friction fades; 0: without memory.
+        Length of an element along x, mm, over which a memory of friction fades; 0: without memory.
     """
 
     intensity: tuple[float, float]
@@ -283,8 +285,8 @@ class ArchardByWork(WearLaw):
     length: float = 0.0
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """See `WearLaw.rate`; zero where the work is negative, as it is in a few elements."""
-        along, across = work_along(traction, slip, self.angle)
+        """See `WearLaw.rate`; negative work, which occurs in a few elements, is set to 0."""
+        along, across = work_along_axes(traction, slip, self.angle)
         work = np.maximum(along + across, 0.0)
         first, second = (i / mu for i, mu in zip(self.intensity, self.mu, strict=True))
         squared = work * (first**2 * along + second**2 * across)
@@ -293,10 +295,10 @@ class ArchardByWork(WearLaw):
         rate = np.sqrt(np.clip(squared, (least * work) ** 2, (most * work) ** 2))
         if self.friction is None:
             return rate
-        return rate / self.friction.left(pressure, slip, self.length)
+        return rate / self.friction.friction_factor(pressure, slip, self.length)
 
     def weakened(self, factor: float) -> "ArchardByWork":
-        """See `WearLaw.weakened`: the same work takes a longer way."""
+        """See `WearLaw.weakened`; the same work needs a longer sliding distance."""
         if self.friction is not None:
             return replace(self, friction=self.friction.weakened(factor))
         return replace(self, mu=(factor * self.mu[0], factor * self.mu[1]))

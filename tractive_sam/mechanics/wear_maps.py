@@ -1,7 +1,7 @@
-"""Wear laws that were measured: regimes by frictional work, by sliding speed and pressure.
+"""Measured wear laws: regimes of frictional work, or of sliding speed and pressure.
 
-The coefficients are in `mechanics.wear_sets`; what is converted is converted here, in `PER_MASS`
-and `PER_SECTION`.
+The coefficients are in `mechanics.wear_sets`, in the published units; `PER_MASS` and `PER_SECTION`
+convert them.
 """
 
 from collections.abc import Callable, Mapping
@@ -11,7 +11,7 @@ import numpy as np
 
 from tractive_sam.kernels import wear
 from tractive_sam.mechanics.friction import FrictionLaw
-from tractive_sam.mechanics.wear import ArchardByWork, WearConditions, WearLaw, work_of
+from tractive_sam.mechanics.wear import ArchardByWork, WearConditions, WearLaw, frictional_work
 from tractive_sam.mechanics.wear_sets import JENDEL_BORDERS, JENDEL_LIMIT, Regimes
 
 PER_MASS = 1e-3
@@ -19,31 +19,33 @@ PER_MASS = 1e-3
 1e-9 kg/mm³."""
 
 PER_SECTION = np.pi * 1e-6
-"""Cross section worn in a turn of a wheel of diameter D, mm², of 1/D mm²/km: pi D are 1e-6 km."""
+"""Worn cross section of a turn of a wheel of diameter D, mm², for 1/D mm²/km: pi D in mm is
+1e-6 pi D km."""
 
 
 @dataclass(frozen=True)
-class ByWork(WearLaw):
-    """Mass worn per distance rolled and area by the frictional work over the area, T-gamma/A.
+class TGammaPerArea(WearLaw):
+    """Worn mass per rolling distance and area as a function of T-gamma/A.
 
     Parameters
     ----------
     regimes : Regimes
         µg/(m mm²) over N/mm².
     density : float
-        Of the body that wears, kg/m³.
+        Density of the body that wears, kg/m³.
     total : bool
-        Whether T-gamma/A is that of the whole contact, the wear of which is then shared out by the
-        work of each element; else each element wears by its own.
+        Whether T-gamma/A is that of the contact, whose wear is then distributed in proportion to
+        the work of each element; otherwise each element has its T-gamma/A.
     """
 
     regimes: Regimes
     density: float
     total: bool = False
+    recorded_name = "ByWork"
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
         """See `WearLaw.rate`."""
-        work = work_of(traction, slip)
+        work = frictional_work(traction, slip)
         per_mass = PER_MASS / self.density
         if not self.total:
             return per_mass * self.regimes(work)[0]
@@ -51,74 +53,77 @@ class ByWork(WearLaw):
         return per_mass * self.regimes.at(mean) / mean * work if mean else work
 
     def per_load(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """See `WearLaw.per_load`; at a constant load T-gamma of the whole hardly changes."""
+        """See `WearLaw.per_load`; at constant load T-gamma of the contact hardly changes."""
         touching = pressure > 0.0
         each = np.where(touching, pressure, 1.0)
         if self.total:
             return np.where(touching, self.rate(pressure, traction, slip) / each, 0.0)
-        work = work_of(traction, slip)
+        work = frictional_work(traction, slip)
         slope = PER_MASS / self.density * self.regimes(work)[1]
         return np.where(touching, slope * work / each, 0.0)
 
     def beyond_tests(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> str:
         """See `WearLaw.beyond_tests`."""
-        work = work_of(traction, slip)
-        most = _mean(work, pressure) if self.total else float(work.max())
-        if most <= self.regimes.tested:
+        work = frictional_work(traction, slip)
+        largest = _mean(work, pressure) if self.total else float(work.max())
+        if largest <= self.regimes.tested:
             return ""
-        return f"T-gamma/A = {most:.3g} N/mm², tests went to {self.regimes.tested:g}"
+        tested = f"{self.regimes.tested:g}"
+        return f"T-gamma/A = {largest:.3g} N/mm² is above the range of the tests, {tested}"
 
 
 @dataclass(frozen=True)
-class ByTotal(WearLaw):
-    """Cross section worn off a wheel in a turn by T-gamma of the contact.
+class TGammaTotal(WearLaw):
+    """Worn cross section of a wheel per turn as a function of T-gamma of the contact.
 
-    Shared out by the work of each element; wants to know how large one is (`WearLaw.on`).
+    The wear is distributed in proportion to the work of each element; the law needs the area of an
+    element (`WearLaw.on`).
 
     Parameters
     ----------
     regimes : Regimes
         mm²/km times the diameter in mm, over N.
     element_area : float
-        mm².
+        Area of an element, mm².
     """
 
     regimes: Regimes
     element_area: float = np.nan
+    recorded_name = "ByTotal"
 
-    def on(self, element_area: float) -> "ByTotal":
+    def on(self, element_area: float) -> "TGammaTotal":
         """See `WearLaw.on`."""
         return replace(self, element_area=element_area)
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
         """See `WearLaw.rate`."""
-        work = work_of(traction, slip)
+        work = frictional_work(traction, slip)
         total = float(work.sum()) * self.element_area
         return PER_SECTION * self.regimes.at(total) / total * work if total else work
 
     def per_load(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """See `WearLaw.per_load`; at a constant load T-gamma of the whole hardly changes."""
+        """See `WearLaw.per_load`; at constant load T-gamma of the contact hardly changes."""
         rate = self.rate(pressure, traction, slip)
         return np.divide(rate, pressure, out=np.zeros_like(rate), where=pressure > 0.0)
 
 
 @dataclass(frozen=True)
-class ByChart(WearLaw):
+class WearMap(WearLaw):
     """Archard's law with a coefficient that depends on sliding speed and pressure.
 
-    Where an element sticks beside one that slips it carries less than the bound, and wears in that
-    proportion, as in `ArchardByWork`.
+    The wear of a stick element next to a slip element is reduced as its traction, as in
+    `ArchardByWork`.
 
     Parameters
     ----------
     coefficients : tuple of float
-        k of the four regimes, as `JENDEL`.
+        k of the four regimes, see `JENDEL`.
     hardness : float
-        Of the body that wears, MPa.
+        Hardness of the body that wears, MPa.
     speed : float
         Rolling speed, mm/s.
     mu, angle : tuple of float and float
-        As of `ArchardByWork`.
+        See `ArchardByWork`.
     """
 
     coefficients: tuple[float, float, float, float]
@@ -126,6 +131,7 @@ class ByChart(WearLaw):
     speed: float
     mu: tuple[float, float] = (1.0, 1.0)
     angle: float = 0.0
+    recorded_name = "ByChart"
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
         """See `WearLaw.rate`."""
@@ -141,24 +147,24 @@ class ByChart(WearLaw):
         rate = self.rate(pressure, traction, slip)
         return np.divide(rate, pressure, out=np.zeros_like(rate), where=pressure > 0.0)
 
-    def weakened(self, factor: float) -> "ByChart":
+    def weakened(self, factor: float) -> "WearMap":
         """See `WearLaw.weakened`."""
         return replace(self, mu=(factor * self.mu[0], factor * self.mu[1]))
 
 
 @dataclass(frozen=True)
-class EachBody(WearLaw):
-    """Each body by its own law.
+class PerBody(WearLaw):
+    """A separate wear law for each body.
 
     Parameters
     ----------
     A, B : WearLaw, optional
-        Their laws; a body without one does not wear.
+        Laws of the bodies; a body without a law does not wear.
 
     Examples
     --------
     >>> laws = ts.Laws.of(discs)
-    >>> only_A = laws.replace(wear=ts.EachBody(A=laws.wear))
+    >>> only_A = laws.replace(wear=ts.PerBody(A=laws.wear))
     >>> history = ts.roll(discs, laws=only_A)
     >>> bool(history["wear_profile_B"].any())
     False
@@ -166,13 +172,14 @@ class EachBody(WearLaw):
 
     A: WearLaw | None = None
     B: WearLaw | None = None
+    recorded_name = "EachBody"
 
-    def mapped(self, of: Callable[[WearLaw], WearLaw]) -> "EachBody":
-        """What a function makes of each law that there is."""
-        return EachBody(*(None if law is None else of(law) for law in (self.A, self.B)))
+    def map_laws(self, function: Callable[[WearLaw], WearLaw]) -> "PerBody":
+        """Return the law with a function applied to the law of each body."""
+        return PerBody(*(None if law is None else function(law) for law in (self.A, self.B)))
 
     def _of_bodies(self, quantity: str, *fields: np.ndarray) -> np.ndarray:
-        """A quantity of each body, shape (2, n_x, n_y); zero of one without a law."""
+        """Return a quantity of each body, shape (2, n_x, n_y); 0 for a body without a law."""
         none = np.zeros_like(fields[0])
         return np.stack(
             [none if law is None else getattr(law, quantity)(*fields) for law in (self.A, self.B)]
@@ -187,10 +194,10 @@ class EachBody(WearLaw):
         return self._of_bodies("per_load", pressure, traction, slip).sum(axis=0)
 
     def shares(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """See `WearLaw.shares`; of rows that do not wear those of the whole contact."""
+        """See `WearLaw.shares`; rows without wear have the shares of the contact."""
         each = self._of_bodies("rate", pressure, traction, slip).sum(axis=1)
-        whole = each.sum(axis=1)
-        share = whole / whole.sum() if whole.sum() > 0.0 else np.full(2, 0.5)
+        total = each.sum(axis=1)
+        share = total / total.sum() if total.sum() > 0.0 else np.full(2, 0.5)
         depth = each.sum(axis=0)
         wears = depth > 0.0
         return np.where(wears, each / np.where(wears, depth, 1.0), share[:, None])
@@ -202,36 +209,36 @@ class EachBody(WearLaw):
         traction: np.ndarray,
         slip: np.ndarray,
     ) -> np.ndarray:
-        """See `WearLaw.rates`: each by its own law, whatever the share."""
+        """See `WearLaw.rates`; each body has its law, and `share` is not used."""
         return self._of_bodies("rate", pressure, traction, slip)
 
-    def on(self, element_area: float) -> "EachBody":
+    def on(self, element_area: float) -> "PerBody":
         """See `WearLaw.on`."""
-        return self.mapped(lambda law: law.on(element_area))
+        return self.map_laws(lambda law: law.on(element_area))
 
-    def weakened(self, factor: float) -> "EachBody":
+    def weakened(self, factor: float) -> "PerBody":
         """See `WearLaw.weakened`."""
-        return self.mapped(lambda law: law.weakened(factor))
+        return self.map_laws(lambda law: law.weakened(factor))
 
-    def with_friction(self, friction: FrictionLaw) -> "EachBody":
+    def with_friction(self, friction: FrictionLaw) -> "PerBody":
         """See `WearLaw.with_friction`."""
-        return self.mapped(lambda law: law.with_friction(friction))
+        return self.map_laws(lambda law: law.with_friction(friction))
 
-    def under(self, conditions: WearConditions) -> "EachBody":
+    def under(self, conditions: WearConditions) -> "PerBody":
         """See `WearLaw.under`."""
-        return self.mapped(lambda law: law.under(conditions))
+        return self.map_laws(lambda law: law.under(conditions))
 
     def beyond_tests(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> str:
         """See `WearLaw.beyond_tests`."""
-        told = {
+        texts = {
             name: law.beyond_tests(pressure, traction, slip)
             for name, law in (("A", self.A), ("B", self.B))
             if law is not None
         }
-        return "; ".join(f"body {name}: {text}" for name, text in told.items() if text)
+        return "; ".join(f"body {name}: {text}" for name, text in texts.items() if text)
 
 
 def _mean(work: np.ndarray, pressure: np.ndarray) -> float:
-    """Frictional work over the area in contact, N/mm²."""
+    """Return the frictional work over the contact area, N/mm²."""
     count = np.count_nonzero(pressure > 0.0)
     return float(work.sum() / count) if count else 0.0

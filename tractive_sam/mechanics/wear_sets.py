@@ -1,7 +1,7 @@
-"""What was measured of wear: rates by frictional work, coefficients by speed and pressure.
+"""Published coefficients of wear: rates over frictional work, and coefficients of regimes.
 
-Each set has its source, the units in which it was published, and how far the tests went. Scenes
-name these sets; the laws that take them are in `mechanics.wear_maps`.
+Each set has its source, the published units, and the range of the tests. Scenes name these sets;
+`mechanics.wear_maps` contains the laws that use them.
 """
 
 from dataclasses import dataclass
@@ -11,16 +11,16 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Regimes:
-    """A rate of wear that is straight between borders.
+    """A wear rate that is piecewise linear in the frictional work.
 
     Attributes
     ----------
     starts, values, slopes : tuple of float
-        Where each regime begins, ascending from 0; the rate there, and its slope.
+        Start of each regime, ascending from 0, the rate at the start, and the slope.
     tested : float
-        As far as tests went; inf where that is not known.
+        Upper end of the tested range; inf if unknown.
     source : str
-        Where the numbers are from.
+        Source of the numbers.
 
     Examples
     --------
@@ -37,7 +37,7 @@ class Regimes:
 
     @classmethod
     def through(cls, points: tuple[tuple[float, float], ...]) -> "Regimes":
-        """Straight from the origin through points (W, rate), and on beyond the last."""
+        """Return the rate through the origin and points (W, rate), extrapolated beyond the last."""
         work, rate = np.array(points, float).T
         if work[0] > 0.0:
             work, rate = np.append(0.0, work), np.append(0.0, rate)
@@ -48,11 +48,17 @@ class Regimes:
         )
 
     def at(self, work: float) -> float:
-        """The rate at one place."""
+        """Return the rate at one value of the work."""
         return float(self(np.array([float(work)]))[0][0])
 
     def __call__(self, work: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Rate and slope: values_k + slopes_k (W - starts_k), k the last with starts_k <= W."""
+        """Return the rate values_k + slopes_k (W - starts_k), k the last with starts_k <= W.
+
+        Returns
+        -------
+        rate, slope : ndarray
+            Both of the shape of `work`.
+        """
         starts, values, slopes = map(np.array, (self.starts, self.values, self.slopes))
         k = np.maximum(np.searchsorted(starts, work, side="right") - 1, 0)
         return values[k] + slopes[k] * (work - starts[k]), slopes[k]
@@ -68,9 +74,9 @@ USFD = {
         "900A, twin discs",
     )
 }
-"""Mass worn off a wheel per distance rolled and area, µg/(m mm²), over T-gamma/A, N/mm². The tests
-(Lewis & Dwyer-Joyce 2004, Proc. IMechE J 218, 467-478) went to 20 % slip at 1500 MPa; there the
-728 W of heat that they print are 120 N/mm²."""
+"""Worn mass of a wheel per rolling distance and area, µg/(m mm²), over T-gamma/A, N/mm². The tests
+(Lewis & Dwyer-Joyce 2004, Proc. IMechE J 218, 467-478) cover up to 20 % slip at 1500 MPa; the
+published 728 W of heat are 120 N/mm² there."""
 
 BRR = {
     "pearce-sherratt": Regimes(
@@ -81,22 +87,22 @@ BRR = {
         "Pearce & Sherratt 1991, Wear 144, 343-351: wheel on rail, British Rail Research",
     )
 }
-"""Cross section worn off a wheel per distance rolled, times its diameter D, mm² mm/km, over
-T-gamma, N: 0.25 T-gamma below 100 N, 25 to 200 N, 1.19 T-gamma - 154 above, where it jumps from 25
-to 84. As they are commonly quoted; not compared with the paper itself."""
+"""Worn cross section of a wheel per rolling distance, times its diameter D, mm² mm/km, over
+T-gamma, N: 0.25 T-gamma below 100 N, 25 up to 200 N, 1.19 T-gamma - 154 above, with a jump from 25
+to 84. Values as commonly quoted; not compared with the paper."""
 
 JENDEL = {
-    name: (k, "Jendel 2002, Wear 253, 89-99: wheel on rail, dry; the range of each regime " + told)
-    for name, k, told in (
+    name: (k, "Jendel 2002, Wear 253, 89-99: wheel on rail, dry; the range of each regime " + place)
+    for name, k, place in (
         ("middle", (5.5e-4, 35e-4, 5.5e-4, 350e-4), "in its middle"),
         ("low", (1e-4, 30e-4, 1e-4, 300e-4), "at its lower end"),
         ("high", (10e-4, 40e-4, 10e-4, 400e-4), "at its upper end"),
     )
 }
-"""Coefficients k of Archard's law, V = k P s/H: slow, between both speeds, fast, under pressure.
-Published as ranges: 1-10, 30-40, 1-10 and 300-400, times 1e-4. As they are commonly quoted; not
-compared with the paper itself."""
+"""Coefficients k of Archard's law, V = k P s/H: slow, between both speeds, fast, high pressure.
+Published as ranges: 1-10, 30-40, 1-10 and 300-400, times 1e-4. Values as commonly quoted; not
+compared with the paper."""
 
 JENDEL_BORDERS, JENDEL_LIMIT = (200.0, 700.0), 0.8
-"""Sliding speeds between the regimes, mm/s, and the pressure over hardness from which on the last
-one holds."""
+"""Sliding speeds between the regimes, mm/s, and the pressure over hardness above which the last
+regime holds."""

@@ -28,7 +28,7 @@ def surface_stress(
     lattice : Lattice
         Elements (n_x, n_y), or strips; lengths in mm.
     body : HalfSpaces
-        The body, as `HalfSpaces.alone` gives it.
+        The body, as `HalfSpaces.single_body` gives it.
     tractions : ndarray, shape (3, n_x, n_y)
         (p_x, p_y, p_n) acting on the half-space z >= 0, MPa.
     signs : sequence of float

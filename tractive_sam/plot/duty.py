@@ -179,7 +179,7 @@ def _wear_rates(contact: State, laws: Laws | None) -> dict[str, np.ndarray]:
     fields = contact.pressure, contact.traction, contact.slip
     if law is None or not contact.touching.any():
         return {}
-    if isinstance(law, mechanics.EachBody):
+    if isinstance(law, mechanics.PerBody):
         separate = {body: getattr(law, body) for body in BODIES}
         rates = {body: part.rate(*fields) for body, part in separate.items() if part is not None}
     else:

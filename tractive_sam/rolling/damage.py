@@ -29,7 +29,7 @@ import numpy as np
 
 from tractive_sam.contact import Model
 from tractive_sam.description import Row
-from tractive_sam.mechanics import VolumeLife, Woehler, over_depth
+from tractive_sam.mechanics import VolumeLife, Woehler, interpolate_over_depth
 from tractive_sam.results import BODIES, BodyFatigue, widened
 from tractive_sam.rolling.block_order import BlockOrder, block_orders
 from tractive_sam.rolling.observer import Observer
@@ -66,7 +66,7 @@ MISSED = 0.3
 """What a jump may miss of the largest damage, by its estimate, over fatigue.tolerance."""
 
 AT_TOP = 0.9
-"""`VolumeLife.at_the_top` from which the mesh decides on the life of a volume."""
+"""`VolumeLife.surface_density_ratio` from which the mesh decides on the life of a volume."""
 
 WORKS = 0.1
 """Share of the largest balancing wear from which a row counts where wear is compared with it."""
@@ -241,10 +241,10 @@ class Damage(Observer):
         return said
 
     def at_the_top(self, model: Model) -> dict[str, float]:
-        """`VolumeLife.at_the_top` of each body, the largest of all blocks."""
+        """`VolumeLife.surface_density_ratio` of each body, the largest of all blocks."""
         law, limit = model.laws.volume, model.scene.fatigue.limit
         return {
-            body: max(law.at_the_top(one.now.depth, used * limit) for used in one.used)
+            body: max(law.surface_density_ratio(one.now.depth, used * limit) for used in one.used)
             for body, one in self.bodies.items()
         }
 
@@ -359,7 +359,9 @@ def _per_pass(
 ) -> np.ndarray:
     """Damage (n_y, m) of a pass at depths, of several blocks by their shares."""
     each = zip(shares, used, strict=True)
-    return sum(share * life.damage(over_depth(depth, one, at)) for share, one in each if share)
+    return sum(
+        share * life.damage(interpolate_over_depth(depth, one, at)) for share, one in each if share
+    )
 
 
 def _wider(values: np.ndarray, elements: int) -> np.ndarray:
@@ -408,7 +410,9 @@ def _rolled(
     if life is None:
         return later
     if not one.passes:  # it comes but once
-        single = np.max([life.damage(over_depth(now.depth, own, zeta)) for own in used], axis=0)
+        single = np.max(
+            [life.damage(interpolate_over_depth(now.depth, own, zeta)) for own in used], axis=0
+        )
         return replace(later, now=now.with_damage(zeta, single, 0.0 * worn))
     added, missed = _added(one, later, shares, jump, life)
     now = now.with_damage(zeta, before.damage + one.passes * added, worn)
@@ -490,7 +494,9 @@ def _order_error(
     def damage(used: np.ndarray, worn: np.ndarray) -> np.ndarray:
         deep = zeta - worn[:, None]
         return np.where(
-            deep >= 0.0, life.damage(over_depth(depth, used, np.maximum(deep, 0.0))), 0.0
+            deep >= 0.0,
+            life.damage(interpolate_over_depth(depth, used, np.maximum(deep, 0.0))),
+            0.0,
         )
 
     ends = (one.used, later.used), (one.now.worn, later.now.worn)

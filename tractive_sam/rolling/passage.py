@@ -228,7 +228,7 @@ class Passage(Step):
         """Depth (n_y,) worn off one body before this revolution, and in it, mm; 0 of a flat one."""
         if self.parts is not None:
             return self._entering_of(body), self.gained_by[:, "AB".index(body)].sum(axis=0)
-        lasting = self.turns[0].lasting(body)
+        lasting = self.turns[0].share_of_entering(body)
         here = lasting * (self.entering - self._before())
         return self._before(body) + here, lasting * self.course[-1].rate
 

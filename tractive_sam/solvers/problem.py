@@ -343,4 +343,4 @@ class Problem:
 
     def eased(self, speed: float) -> "Problem":
         """The same at another speed of rolling, over its own: 0 with the friction of rest."""
-        return replace(self, friction=self.friction.eased(speed))
+        return replace(self, friction=self.friction.at_speed_ratio(speed))

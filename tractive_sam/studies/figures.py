@@ -209,7 +209,7 @@ def _variable(columns: Mapping[str, tuple], scene: Scene, key: str | None = None
     key = key or next(iter(columns))
     numbers = all(isinstance(one, int | float) for one in columns[key])
     values = np.array(columns[key] if numbers else _texts(columns[key]))
-    rolling, _, shifting = title_of(key).partition('; of start = "shift" ')
+    rolling, _, shifting = title_of(key).partition('; with start = "shift" ')
     meaning = shifting if shifting and scene.schedule.shifts else rolling
     return Variable(key, values, meaning, _unit(key, scene))
 

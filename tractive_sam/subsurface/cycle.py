@@ -11,7 +11,7 @@ from itertools import groupby
 import numpy as np
 
 from tractive_sam.contact import Laws
-from tractive_sam.mechanics import enclosing_radius, judged, residual_shear
+from tractive_sam.mechanics import enclosing_radius, evaluate_cycles, residual_shear
 from tractive_sam.operators import Lattice
 from tractive_sam.results import BodyFatigue, State
 from tractive_sam.subsurface.depth import checked, semi_axes
@@ -135,7 +135,7 @@ def cycle_fatigue(
             yield enclosing_radius(_through(cycles))
         for one, cycle in zip(laws, cycles, strict=True):
             if one.fatigue is not None:
-                value, path = judged(one.fatigue, cycle)
+                value, path = evaluate_cycles(one.fatigue, cycle)
                 if len(cycles) == 1:
                     yield path
                 yield np.maximum(value, 0.0) / limit

@@ -44,7 +44,7 @@ class LoadedBodies:
     tractions : ndarray, shape (3, n_x, n_y)
         (p_x, p_y, p_n) acting on the half-space of body A, MPa.
     bodies : tuple of Elasticity
-        What they are made of, as `Elasticity.alone` gives it.
+        What they are made of, as `Elasticity.single_body` gives it.
     source : StressSource
         What finds the stress in them.
     """
@@ -79,7 +79,7 @@ class LoadedBodies:
         grid = contact.grid.lengthened(beyond) if beyond else contact.grid
         tractions = widened(tractions, grid.elements)
         elasticity = (laws or Laws.of_contact(contact)).elasticity
-        bodies = tuple(elasticity.alone(name) for name in names)
+        bodies = tuple(elasticity.single_body(name) for name in names)
         signs = tuple(SIGNS[name] for name in names)
         source = stress_source(bodies[0], bodies, signs, grid, tractions)
         return cls(tuple(names), tractions, bodies, source)

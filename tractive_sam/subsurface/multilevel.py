@@ -103,7 +103,7 @@ class MultiLevel:
     signs : sequence of float
         Those of `SIGNS` for each body.
     bodies : sequence of HalfSpaces
-        The half-spaces, as `HalfSpaces.alone` gives them.
+        The half-spaces, as `HalfSpaces.single_body` gives them.
     criterion : StressCriterion
         What makes one number of a stress.
 

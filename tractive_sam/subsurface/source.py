@@ -61,7 +61,7 @@ def stress_source(
     body : Elasticity
         The first of the bodies, the kind of which decides.
     bodies : sequence of Elasticity
-        As `Elasticity.alone` gives them.
+        As `Elasticity.single_body` gives them.
     signs : sequence of float
         Those of `SIGNS` for each.
     grid : Grid

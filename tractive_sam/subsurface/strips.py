@@ -63,7 +63,7 @@ class StripLevels:
     signs : sequence of float
         Those of `SIGNS` for each body.
     bodies : sequence of Strips
-        The half-spaces, as `Strips.alone` gives them.
+        The half-spaces, as `Strips.single_body` gives them.
     criterion : StressCriterion
         What makes one number of a stress.
     """

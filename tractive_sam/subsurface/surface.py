@@ -38,7 +38,7 @@ def largest_at_surface(
     lattice : Lattice
         Elements, or strips; lengths in mm.
     bodies : sequence of HalfSpaces
-        The half-spaces, as `HalfSpaces.alone` gives them.
+        The half-spaces, as `HalfSpaces.single_body` gives them.
     signs : sequence of float
         Those of `SIGNS` for each body.
     tractions : ndarray, shape (3, n_x, n_y)
@@ -95,7 +95,7 @@ def surface_cycles(
     lattice : Lattice
         Elements, or strips; lengths in mm.
     body : HalfSpaces
-        The half-space, as `HalfSpaces.alone` gives it.
+        The half-space, as `HalfSpaces.single_body` gives it.
     tractions : ndarray, shape (3, n_x, n_y)
         (p_x, p_y, p_n) on body A, MPa.
     sign : float
