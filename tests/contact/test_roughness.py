@@ -83,21 +83,22 @@ def test_a_smooth_profile_leaves_the_mesh_as_it_is(profile, step):
 @pytest.mark.slow
 def test_noise_that_cannot_be_resolved_is_reported_with_its_numbers():
     """White noise: its rms slope is root 2 of the heights over the step, along either axis."""
-    heights = 1e-4 * np.random.default_rng(0).standard_normal((1200, 1200))
-    at = (np.arange(1200) - 599.5) * 1e-3
+    step = 1.5e-3
+    heights = 1e-4 * np.random.default_rng(0).standard_normal((800, 800))
+    at = (np.arange(800) - 399.5) * step
     model = rough(PRESSED, x=at, y=at, separation=heights)
     assert model.grid == USUAL  # it would take a million elements
     (note,) = gap_notes(model)
-    samples, waves = USUAL.dx / 1e-3, 2.0 * USUAL.dx
+    samples, waves = USUAL.dx / step, 2.0 * USUAL.dx
     assert note.startswith("gap: ")
     assert f"{samples:.2g} x" in note
     assert f"{waves:.2g} x" in note
-    nx, ny = (2 * int(np.ceil(half / 1e-3 - 0.5)) + 1 for half in USUAL.half_length)
+    nx, ny = (2 * int(np.ceil(half / step - 0.5)) + 1 for half in USUAL.half_length)
     assert f"[{nx}, {ny}]" in note
     assert f"{nx * ny} elements" in note
     map_ = Roughness(model.measured, model.scene.material.plane_strain_modulus, 1.0)
     for part in map_.left_out(USUAL):
-        assert part.slope == pytest.approx(2.0**0.5 * 1e-4 / 1e-3, rel=0.02)  # a tenth is seen
+        assert part.slope == pytest.approx(2.0**0.5 * 1e-4 / step, rel=0.02)  # a tenth is seen
         # The samples appear as long waves, whose variance comes on top of that of the map.
         assert 1e-4 < part.height < 2.0**0.5 * 1e-4
 

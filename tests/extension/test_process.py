@@ -34,11 +34,25 @@ def package(tmp_path, monkeypatch):
     sys.modules.pop("indexing_drive", None)
 
 
-def command(package, folder, *words):
-    """Run a command of the program in a folder; the package is not in that folder."""
+COMMANDS = """
+import json, sys
+from tractive_sam.cli import main
+commands = json.loads(sys.argv[1])
+for words in commands:
+    print("next command", flush=True)
+    sys.argv[1:] = words
+    try:
+        main()
+    except SystemExit as ended:
+        assert not ended.code, words
+"""
+
+
+def run_commands(package, folder, *commands):
+    """Run commands in one process; return what each prints. The package is not in the folder."""
     path = os.pathsep.join([str(package), str(Path(ts.__file__).parents[1])])
     done = subprocess.run(
-        [sys.executable, "-m", "tractive_sam", *map(str, words)],
+        [sys.executable, "-c", COMMANDS, json.dumps([command.split() for command in commands])],
         cwd=folder,
         env=os.environ | {"PYTHONPATH": path},
         capture_output=True,
@@ -46,7 +60,7 @@ def command(package, folder, *words):
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    return done.stdout
+    return done.stdout.split("next command\n")[1:]
 
 
 def test_strokes_wear_the_track_and_turn_the_force():
@@ -94,19 +108,24 @@ def test_a_resumed_run_is_the_uninterrupted_one(tmp_path):
 
 
 @pytest.mark.slow
-def test_every_command_takes_it(package, tmp_path):
+def test_every_command_accepts_the_process(package, tmp_path):
     (tmp_path / "drive.toml").write_text(SCENE.to_toml())
-    explained = command(package, tmp_path, "explain", "drive.toml")
+    explained, _, _, values, shown, drawn, _ = run_commands(
+        package,
+        tmp_path,
+        "explain drive.toml",
+        "run drive.toml -o a.h5 --set process.end=2",
+        "run drive.toml -o a.h5 --resume",
+        "show a.h5 --json",
+        "show a.h5",
+        "plot a.h5 -o figures --dpi 40",
+        "report a.h5 -o a.html",
+    )
     assert "Rolls forth in odd strokes" in explained
-    command(package, tmp_path, "run", "drive.toml", "-o", "a.h5", "--set", "process.end=2")
-    command(package, tmp_path, "run", "drive.toml", "-o", "a.h5", "--resume")
-    shown = json.loads(command(package, tmp_path, "show", "a.h5", "--json"))
-    assert shown["stroke"] == [0, 1, 2, 3, 4]
-    assert "track_depth" in command(package, tmp_path, "show", "a.h5")
-    drawn = command(package, tmp_path, "plot", "a.h5", "-o", "figures", "--dpi", 40)
+    assert json.loads(values)["stroke"] == [0, 1, 2, 3, 4]
+    assert "track_depth" in shown
     names = {Path(line).stem for line in drawn.split()}
     assert names >= {"pressure-0", "pressure-4", "forces", "worn-mass"}
-    command(package, tmp_path, "report", "a.h5", "-o", "a.html")
     assert "track_depth" in (tmp_path / "a.html").read_text()
 
 

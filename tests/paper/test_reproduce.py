@@ -4,10 +4,12 @@ from base64 import b64decode
 from html import escape
 from html.parser import HTMLParser
 from importlib import import_module
+from types import SimpleNamespace
 
 import pytest
 from typer.testing import CliRunner
 
+from tests.browser import browse, needs_browser, told_by
 from tractive_sam import plot
 from tractive_sam.cli import app
 from tractive_sam.cli.plot import Format
@@ -31,6 +33,17 @@ SURE = (
     "higher for β = 0°",
     "eq. (19)",
 )
+
+
+@pytest.fixture(scope="module")
+def reproduced(tmp_path_factory):
+    """Reproduce the paper at its reduced size; return folder, page and printed text."""
+    folder = tmp_path_factory.mktemp("paper") / "reproduced"
+    arguments = ["reproduce", "-o", str(folder), "--reduced", "--format", "svg"]
+    result = CliRunner().invoke(app, arguments)
+    assert result.exit_code == 0, result.output
+    html = (folder / "index.html").read_text("utf-8")
+    return SimpleNamespace(folder=folder, html=html, printed=result.stdout)
 
 
 class Page(HTMLParser):
@@ -163,3 +176,42 @@ def test_chapters_and_formats():
     assert len(CHAPTERS) == 5
     assert [*Format] == ["png", "pdf", "svg"]
     assert Statement("Fig. 1", "a", "b", Verdict.OPEN).verdict == "cannot be told"
+
+
+REPORT = """addEventListener("load", () => parent.postMessage({
+  width: innerWidth, needed: document.documentElement.scrollWidth,
+  blank: [...document.images].filter(i => !i.complete || !i.naturalWidth).map(i => i.alt),
+  images: document.images.length,
+  beyond: [...document.querySelectorAll("main > *, figure, .statements td")]
+    .filter(e => e.getBoundingClientRect().right > innerWidth + 1).length,
+  narrow: [...document.querySelectorAll("figure img")]
+    .filter(e => e.clientWidth < 0.75 * Math.min(e.naturalWidth, innerWidth)).map(e => e.alt),
+  contents: [...document.querySelectorAll("#contents a, .up")]
+    .filter(e => !document.querySelector(e.getAttribute("href"))).length,
+  small: [...document.querySelectorAll("td, p, figcaption")]
+    .filter(e => parseFloat(getComputedStyle(e).fontSize) < 12).length,
+}, "*"));"""
+"""A script that the page sends its measures with."""
+
+
+@needs_browser
+@pytest.mark.parametrize("width", [1280, 390], ids=["desktop", "phone"])
+def test_it_is_readable_on(reproduced, tmp_path, width):
+    found = told_by(reproduced.html, REPORT, tmp_path, width)
+    assert found["width"] == width
+    assert found["needed"] <= width
+    assert found["images"] == reproduced.html.count("<img")
+    assert found["blank"] == []
+    assert found["beyond"] == 0
+    assert found["small"] == 0
+    assert found["narrow"] == []  # text of figures, made with 13 pixels, has 10 and more
+    assert found["contents"] == 0
+
+
+@needs_browser
+def test_it_prints(reproduced, tmp_path):
+    pdf = tmp_path / "page.pdf"
+    browse(tmp_path, f"--print-to-pdf={pdf}", (reproduced.folder / "index.html").as_uri())
+    assert pdf.read_bytes().startswith(b"%PDF")
+    # Vectors, not a picture of them: an empty print is a few kilobytes.
+    assert pdf.stat().st_size > 1e5

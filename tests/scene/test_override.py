@@ -1,7 +1,7 @@
 from contextlib import suppress
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tractive_sam.scene import BlockLoad, Friction, Scene, Wear
@@ -197,6 +197,7 @@ VALUES = st.sampled_from(["1", "[1, 2]", "{a = 1}", "x", "", "{revolutions = 1, 
 
 
 @pytest.mark.slow
+@settings(max_examples=50)
 @given(st.lists(st.tuples(KEYS, VALUES).map("=".join) | st.text(max_size=8), max_size=4))
 def test_any_settings_give_a_scene_or_faults(listed):
     with suppress(SceneError):

@@ -13,7 +13,7 @@ from tractive_sam.store import HistoryWriter, Image, StorageError, open_history,
 
 resource = pytest.importorskip("resource", reason="limits the size of files")
 
-RECORDS, SIZES = 7, 8
+RECORDS, SIZES = 7, 5
 
 
 def record(number):
