@@ -65,7 +65,7 @@ def on_mesh(scene: ts.Scene, across: float, odd: bool = True) -> State:
 def surfaces(contact: State, body: str) -> dict[str, float]:
     """The largest stress at a surface by each way."""
     ((_, at_centres),) = stress_volume(contact, [0.0], body)
-    load, grid = LoadedBodies.of(contact, (body,)), contact.grid
+    load, grid = LoadedBodies.from_contact(contact, (body,)), contact.grid
     lattice, alone = Lattice(grid.elements, grid.dx, grid.dy), load.bodies[0]
     (stress,) = surface_stress(lattice, alone, load.tractions, (SIGNS[body],))
     between = von_mises(stress)

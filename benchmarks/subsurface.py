@@ -65,7 +65,7 @@ def peak(run: Callable[[], object]) -> int:
 
 def volume(contact: State) -> dict:
     n = contact.grid.elements[0]
-    load = LoadedBodies.of(contact, "A")
+    load = LoadedBodies.from_contact(contact, "A")
     lattice = Lattice(contact.grid.elements, contact.grid.dx, contact.grid.dy)
     poisson = contact.scene.materials["A"].poisson
     layers = StressLayers(lattice, load.tractions, (poisson,), (1.0,))
@@ -107,7 +107,7 @@ def textbook(n: int) -> float:
 def plane(contact: State, text: str, count: int) -> dict:
     n = contact.grid.elements[0]
     z = depths(contact, count)
-    load = LoadedBodies.of(contact, "A")
+    load = LoadedBodies.from_contact(contact, "A")
     position = 0.0 if text == "y=0" else 0.75 * contact.scene.hertz.a
     poisson = contact.scene.materials["A"].poisson
     operator = StressPlane(contact.grid, "y", position, load.tractions, (poisson,), (1.0,))

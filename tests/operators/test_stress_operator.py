@@ -6,7 +6,7 @@ import pytest
 from tractive_sam.kernels.stress_sum import stress_at
 from tractive_sam.operators import Lattice, StressLayers, StressPlane, stress_layers
 from tractive_sam.results.grid import Grid
-from tractive_sam.subsurface.mirror import acting
+from tractive_sam.subsurface.mirror import tractions_on_bodies
 
 GRID = Grid((3.0, 2.0), (13, 10))
 MESH = Lattice(GRID.elements, GRID.dx, GRID.dy)
@@ -31,7 +31,7 @@ BOXES = [(slice(3, 9), slice(2, 7)), (slice(0, 2), slice(8, 10)), (slice(None), 
 def direct(tractions, body, points):
     """Stress (6, n) by the direct sum."""
     centres = np.array([(x, y) for x in GRID.x for y in GRID.y])
-    loads = np.ascontiguousarray(acting(tractions, SIGNS)[body].reshape(3, -1).T)
+    loads = np.ascontiguousarray(tractions_on_bodies(tractions, SIGNS)[body].reshape(3, -1).T)
     out = np.empty((len(points), 6))
     sides = GRID.dx, GRID.dy
     stress_at(out, np.array(points, float), centres, loads, *sides, POISSON[body])
@@ -91,10 +91,9 @@ def test_surface_carries_the_tractions():
     tractions = random_tractions(*BOXES[0])
     layer = StressLayers(MESH, tractions, POISSON, SIGNS).at(0.0)
     row = StressPlane(GRID, "y", GRID.y[4], tractions, POISSON, SIGNS).at(0.0)
-    np.testing.assert_allclose(layer[:, [XZ, YZ, ZZ]], -acting(tractions, SIGNS), atol=ROUNDING)
-    np.testing.assert_allclose(
-        row[:, [XZ, YZ, ZZ]], -acting(tractions, SIGNS)[..., 4], atol=ROUNDING
-    )
+    on_bodies = tractions_on_bodies(tractions, SIGNS)
+    np.testing.assert_allclose(layer[:, [XZ, YZ, ZZ]], -on_bodies, atol=ROUNDING)
+    np.testing.assert_allclose(row[:, [XZ, YZ, ZZ]], -on_bodies[..., 4], atol=ROUNDING)
 
 
 @pytest.mark.parametrize("operator", ["layers", "plane"])

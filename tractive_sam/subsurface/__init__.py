@@ -1,7 +1,7 @@
 """Stress below the surface of both bodies, from the tractions of a solved contact.
 
-Components xx, yy, zz, xy, xz, yz are those of the axes of the contact, for both bodies; MPa,
-compression negative. Depths are distances below the surface of the body concerned: body A is at
+Components xx, yy, zz, xy, xz, yz refer to the axes of the contact, for both bodies; MPa,
+compression negative. Depths are distances below the surface of a body: body A is at
 z = +depth, body B at z = -depth. Across the interface xz, yz and zz are continuous, -p_x, -p_y and
 -p_n.
 """

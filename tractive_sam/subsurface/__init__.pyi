@@ -1,4 +1,4 @@
-"""What `subsurface` lets out, for `__init__.py` and for type checkers."""
+"""What `subsurface` exports, for `__init__.py` and for type checkers."""
 
 from .cycle import cycle_depths as cycle_depths
 from .cycle import cycle_fatigue as cycle_fatigue

@@ -1,4 +1,4 @@
-"""Depths at which stress is computed, and the lengths that a scene states them in."""
+"""Depths at which stress is computed, and the semi-axes that are their unit."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -8,16 +8,16 @@ from tractive_sam.scene import Subsurface
 
 
 def depths(subsurface: Subsurface, a: float) -> np.ndarray:
-    """Depths from the surface to ``subsurface.depth * a``, graded towards the surface.
+    """Return depths from the surface to ``subsurface.depth * a``, graded towards the surface.
 
-    z_i = depth a (i / (n - 1))^(3/2): friction puts a second maximum at the surface, where fields
-    change over shorter distances. With the default 64 points to 1.5 a the spacing is 0.003 a at the
+    z_i = depth a (i / (n - 1))^(3/2): friction causes a second maximum at the surface, with steeper
+    gradients. With the default 64 points to 1.5 a the spacing is 0.003 a at the
     surface and 0.036 a at the bottom.
 
     Parameters
     ----------
     subsurface : Subsurface
-        The scene's [subsurface].
+        [subsurface] of the scene.
     a : float
         Semi-axis of the unworn contact in the rolling direction, mm.
 
@@ -35,7 +35,7 @@ def depths(subsurface: Subsurface, a: float) -> np.ndarray:
 
 
 def semi_axes(contact: State) -> tuple[float, float]:
-    """Semi-axes a, b of the unworn Hertz contact, or half widths of the contact without one, mm.
+    """Return the semi-axes a, b of the unworn Hertz contact, or the half widths without it, mm.
 
     Examples
     --------
@@ -49,22 +49,22 @@ def semi_axes(contact: State) -> tuple[float, float]:
 
 
 def default_depths(contact: State) -> np.ndarray:
-    """The depths that the scene asks for, or those of a [subsurface] without entries, mm."""
+    """Return the depths of the [subsurface] of the scene, or of its defaults, mm."""
     subsurface = contact.scene.subsurface or Subsurface(planes=("y=0",))
     return depths(subsurface, semi_axes(contact)[0])
 
 
-def checked(values: ArrayLike) -> np.ndarray:
-    """Depths as an array.
+def check_depths(values: ArrayLike) -> np.ndarray:
+    """Return depths as an array.
 
     Raises
     ------
     ValueError
-        If a depth is negative or not finite, or if they are no sequence.
+        If a depth is negative or not finite, or if `values` is no sequence.
     """
     values = np.asarray(values, dtype=float)
     if values.ndim != 1:
         raise ValueError("depths must be a sequence of numbers")
     if not (np.isfinite(values) & (values >= 0.0)).all():
-        raise ValueError("depths must be finite and at least 0: they count from the surface down")
+        raise ValueError("depths must be finite and at least 0, the surface")
     return values

@@ -1,4 +1,4 @@
-"""Stress beside a contact, where its elements act like a few point forces."""
+"""Stress at a distance from a contact, where its elements act like a few point forces."""
 
 from collections.abc import Sequence
 
@@ -9,13 +9,13 @@ from tractive_sam.results import Grid
 
 
 class DistantLoads:
-    """The tractions on bodies under one contact as point forces, for points beside the mesh.
+    """Tractions of a contact as point forces, for points outside the mesh.
 
     Blocks of elements are halved until their sides are at most `widest` times their distance; each
-    is then four forces with its load and moments (`kernels.stress_sum.stress_around`). The rows on
-    either side of the middle of the mesh have mirrored blocks: the mirror image in y of a load
-    causes exactly the mirror image of the stress. Blocks depend on the mesh, not on the load, so
-    that stress changes smoothly as a contact wears.
+    block becomes four forces with its load and moments (`kernels.stress_sum.stress_around`). The
+    blocks are mirror-symmetric about the middle of the mesh in y: a mirrored load gives exactly the
+    mirrored stress. Blocks depend on the mesh, not on the load: stress changes smoothly as a
+    contact wears.
 
     Parameters
     ----------
@@ -24,15 +24,14 @@ class DistantLoads:
     tractions : ndarray, shape (3, n_x, n_y)
         (p_x, p_y, p_n) on body A, MPa.
     signs : sequence of float
-        Those of `SIGNS` for each body.
+        Sign of each body, see `SIGNS`.
     poisson : sequence of float
         Poisson's ratio of each body.
     widest : float
-        Longest side of a block over its distance. The error grows with its square: with 0.3 it is
-        1e-4 of the largest pressure at most.
+        Largest side of a block over its distance. The error is proportional to its square: with 0.3
+        it is at most 1e-4 of the largest pressure.
     spread : float
-        Width of the rows that share blocks, over their distance. Up to 1 it does not add to the
-        error.
+        Width of the rows with common blocks over their distance; no influence on the error up to 1.
     """
 
     def __init__(
@@ -48,7 +47,7 @@ class DistantLoads:
         odd, rows = ny % 2, ny - ny // 2
         self._bodies = np.array(signs), np.array(poisson)
         self._widest, self._spread = widest, spread
-        # From the middle row outwards; of an odd number half of its load is on either side.
+        # From the middle row outwards; for an odd number half of its load is on each side.
         self._y = (np.arange(ny) - 0.5 * (ny - 1)) * grid.dy
         self._corner = float(grid.x[0] - 0.5 * grid.dx), -0.5 * odd * grid.dy
         self._lengths = grid.dx, grid.dy
@@ -62,7 +61,7 @@ class DistantLoads:
             self._sides.append((sign, stress_sum.summed(loads)))
 
     def stress(self, x: np.ndarray, depths: np.ndarray) -> np.ndarray:
-        """Stresses (bodies, 6, n_x, n_y, k) at x (n_x,), in all rows of the grid, at k depths.
+        """Return stresses (bodies, 6, n_x, n_y, k) at x (n_x,), in all rows, at k depths.
 
         Depths ascend from above 0; x are beyond the ends of the grid.
         """

@@ -1,4 +1,4 @@
-"""Stress of bodies in whole layers, one after another."""
+"""Stress of bodies in layers of the mesh, one after another."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tractive_sam.contact import Laws
-from tractive_sam.subsurface.depth import checked
+from tractive_sam.subsurface.depth import check_depths
 from tractive_sam.subsurface.loaded import LoadedBodies, Loading
 
 
@@ -20,12 +20,12 @@ def stress_layers(
     threads: int = 1,
     laws: Laws | None = None,
 ) -> Iterator[tuple[float, np.ndarray]]:
-    """Stress at the centres of the mesh, layer by layer; nothing is kept of a layer.
+    """Yield the stress at the element centres, layer by layer, without storing it.
 
-    Along x a layer holds what the material at (y, depth) goes through as it rolls through the
-    contact. By FFT: exact for tractions constant on the elements. Bodies cost little more than one,
-    and what a layer takes of mesh and depth alone is kept for the next contact on that mesh
-    (`operators.StressLayers`).
+    Along x a layer contains the stress path of the material at (y, depth) through the contact. The
+    stress is computed by FFT, exactly for constant tractions on the elements. Two bodies cost
+    little more than one. Coefficients that depend on mesh and depth only are cached for the next
+    contact on the mesh (`operators.StressLayers`).
 
     Parameters
     ----------
@@ -36,12 +36,12 @@ def stress_layers(
     bodies : sequence of str
         "A" or "B".
     beyond : int
-        Elements by which the layers go on before and behind the mesh in the rolling direction;
-        they are at the x of ``contact.grid.lengthened(beyond)``.
+        Elements by which the layers extend before and behind the mesh in the rolling direction, at
+        the x of ``contact.grid.lengthened(beyond)``.
     threads : int
-        Threads to use.
+        Number of threads.
     laws : Laws, optional
-        Laws of the bodies; by default those that the contact was solved with.
+        Laws of the bodies; by default those of the solution.
 
     Yields
     ------
@@ -61,9 +61,13 @@ def stress_layers(
     0.5 True
     """
     # Checked at the call, not at the first layer.
-    return _layers(LoadedBodies.of(contact, bodies, laws, beyond), checked(depths), threads)
+    return _layers(
+        LoadedBodies.from_contact(contact, bodies, laws, beyond), check_depths(depths), threads
+    )
 
 
-def _layers(load: LoadedBodies, depths: np.ndarray, threads: int):
+def _layers(
+    load: LoadedBodies, depths: np.ndarray, threads: int
+) -> Iterator[tuple[float, np.ndarray]]:
     for depth, stress in zip(depths, load.source.layers(depths, threads), strict=True):
         yield float(depth), load.in_contact_axes(stress)

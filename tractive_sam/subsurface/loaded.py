@@ -15,16 +15,16 @@ from tractive_sam.subsurface.source import StressSource, stress_source
 
 
 class Loading(Protocol):
-    """What stress is computed from: a `State`, or as much as was stored of one.
+    """Scene, grid and tractions, from which stress is computed: a `State`, or its stored fields.
 
     Attributes
     ----------
     scene : Scene
-        With the materials.
+        Scene with the materials.
     grid : Grid
         The mesh.
     pressure, traction : ndarray
-        As of `State`.
+        See `State`.
     """
 
     scene: Scene
@@ -35,7 +35,7 @@ class Loading(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class LoadedBodies:
-    """Bodies seen as half-spaces z >= 0, and the way back to the axes of the contact.
+    """Bodies as half-spaces z >= 0, and the transformation of stress to the axes of the contact.
 
     Attributes
     ----------
@@ -44,9 +44,9 @@ class LoadedBodies:
     tractions : ndarray, shape (3, n_x, n_y)
         (p_x, p_y, p_n) acting on the half-space of body A, MPa.
     bodies : tuple of Elasticity
-        What they are made of, as `Elasticity.single_body` gives it.
+        Elastic laws of the bodies, see `Elasticity.single_body`.
     source : StressSource
-        What finds the stress in them.
+        Solver of the stress in them.
     """
 
     names: tuple[str, ...]
@@ -55,22 +55,30 @@ class LoadedBodies:
     source: StressSource
 
     @classmethod
-    def of(
+    def from_contact(
         cls,
         contact: Loading,
         names: Sequence[str],
         laws: Laws | None = None,
         beyond: int = 0,
     ) -> "LoadedBodies":
-        """Take bodies of a contact, by default with the laws that it was solved with.
+        """Return the bodies of a contact, by default with the laws of its solution.
 
-        Their mesh may go on `beyond` the contact's by so many elements without load, before and
-        behind it in the rolling direction.
+        Parameters
+        ----------
+        contact : Loading
+            The contact.
+        names : sequence of str
+            "A" or "B".
+        laws : Laws, optional
+            Laws of the bodies.
+        beyond : int
+            Elements without load that are added to the mesh before and behind the contact.
 
         Raises
         ------
         ValueError
-            If a body is neither "A" nor "B", or the stress in it is not known.
+            If a body is neither "A" nor "B", or its law does not give the stress.
         """
         for name in names:
             if name not in SIGNS:
@@ -85,7 +93,7 @@ class LoadedBodies:
         return cls(tuple(names), tractions, bodies, source)
 
     def in_contact_axes(self, stress: np.ndarray) -> np.ndarray:
-        """Turn stresses (bodies, 6, ...) of the half-spaces into the axes of the contact."""
-        for one, name in zip(stress, self.names, strict=True):
-            one[4:] *= SIGNS[name]
+        """Transform stresses (bodies, 6, ...) of the half-spaces to the axes of the contact."""
+        for tensor, name in zip(stress, self.names, strict=True):
+            tensor[4:] *= SIGNS[name]
         return stress

@@ -1,6 +1,7 @@
-"""The largest equivalent stress of a body, and where it is."""
+"""The largest equivalent stress of a body and its position."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,59 +12,73 @@ from tractive_sam.subsurface.loaded import LoadedBodies
 from tractive_sam.subsurface.multilevel import MultiLevel
 from tractive_sam.subsurface.strips import StripLevels
 
-SHALLOWEST = 2.0
-"""Depth of the first layer of the search, over the longer side of an element. What the steps of the
-tractions between elements make of the stress falls as (1 + k z) exp(-k z), k = 2 pi over the side:
-one element deep it is still a percent, and makes maxima of its own; two deep it is 5e-5."""
-
-DEEPEST = 0.8
-"""Least depth of its last layer, over half of the shorter side of the contact: that of Hertz has
-its maximum 0.45 to 0.79 deep."""
-
-CANDIDATES = 6
-"""Local maxima of the search that are looked at more closely."""
-
-STEPS = 6
-"""Largest number of Newton steps: a longer search swings between elements near the surface."""
-
-RISE = 1.1
-"""By what a top may be higher than where the way to it begins. Half a layer and a quarter of the
-depth aside of that of Hertz it is 7 %."""
-
-CLOSE = 0.99
-"""Part of the surface's stress below which a way that the floor bars cannot end higher."""
-
 _NOWHERE: Point = (np.nan, np.nan, np.nan)
 
 
+@dataclass(frozen=True)
+class Search:
+    """Settings of the search for the largest stress below the surface.
+
+    Attributes
+    ----------
+    shallowest : float
+        Depth of the first layer over the longer side of an element. Steps of the traction between
+        elements change the stress by (1 + k z) exp(-k z), k = 2 pi over the side: at the depth of
+        one element by a per cent, which causes local maxima, at two by 5e-5.
+    deepest : float
+        Smallest depth of the last layer over half of the shorter side of the contact: the maximum
+        of a Hertz contact is at 0.45 to 0.79.
+    candidates : int
+        Local maxima that are refined.
+    steps : int
+        Largest number of Newton steps: longer searches oscillate between elements near the surface.
+    rise : float
+        Largest ratio of a maximum to the start of its search. For a Hertz contact it is 1.07 from
+        half a layer above and a quarter of the depth aside.
+    close : float
+        Part of the stress at the surface: a search path that ends at the first layer below it
+        cannot exceed the surface.
+    """
+
+    shallowest: float = 2.0
+    deepest: float = 0.8
+    candidates: int = 6
+    steps: int = 6
+    rise: float = 1.1
+    close: float = 0.99
+
+
+_SEARCH = Search()
+
+
 def stress_maximum(contact: State, body: str = "A", laws: Laws | None = None) -> Maximum:
-    """Find the largest stress in a body, by von Mises or another criterion.
+    """Return the largest equivalent stress in a body, by von Mises or another criterion.
 
-    Layers at depths that grow by a factor show where to look; in them elements are taken together
-    in blocks with sides up to the depth. The best local maxima are refined with blocks that grow
-    with their distance. For tractions constant on the elements the value is right to 6e-4, the
-    place to a hundredth of its depth (`benchmarks/whole_roll.py`). Of two maxima that are nearer to
-    each other than layers are the lower one may be found.
+    The search starts in layers at depths in a geometric sequence, with elements combined in blocks
+    with sides up to the depth. The largest local maxima are refined with blocks that grow with
+    their distance. For constant tractions on the elements the error of the value is 6e-4, that of
+    the position a hundredth of its depth (`benchmarks/whole_roll.py`). If two maxima are nearer
+    than the layers, the result may be the smaller one.
 
-    At the surface it is taken between the elements, at the edge of the contact and where stick
-    ends, from differences of displacements: on a mesh, the stress itself is infinite on every edge
-    across which the tangential traction jumps (`subsurface.surface`). From there down to two
-    elements deep nothing is looked at: where elements are longer than about a quarter of the
-    smaller half width of the contact, the largest stress inside is missed: what is found is less.
+    At the surface the stress is computed between the elements, at the edge of the contact and at
+    the border of stick and slip, from differences of displacements: on a mesh the stress is
+    infinite on every edge with a jump of the tangential traction (`subsurface.surface`). Depths of
+    less than two elements are not searched: if elements are longer than about a quarter of the
+    smaller half width of the contact, the result for the interior is too small.
 
     Parameters
     ----------
     contact : State
         The solved contact.
     body : "A" or "B"
-        The body concerned.
+        The body.
     laws : Laws, optional
-        Criterion and bodies; by default those that the contact was solved with.
+        Criterion and bodies; by default those of the solution.
 
     Returns
     -------
     Maximum
-        Zero, and nowhere, if there is no contact.
+        Zero without position if there is no contact.
 
     Raises
     ------
@@ -80,7 +95,7 @@ def stress_maximum(contact: State, body: str = "A", laws: Laws | None = None) ->
 
 
 def stress_maxima(contact: State, laws: Laws | None = None) -> dict[str, Maximum]:
-    """The largest stress in each body that the scene's [subsurface] names; see `stress_maximum`.
+    """Return the largest stress in each body of [subsurface] of the scene; see `stress_maximum`.
 
     Examples
     --------
@@ -92,76 +107,82 @@ def stress_maxima(contact: State, laws: Laws | None = None) -> dict[str, Maximum
 
 
 def _maxima(contact: State, bodies: Sequence[str], laws: Laws | None) -> dict[str, Maximum]:
-    """The largest stress in bodies, which share most of the work."""
+    """Return the largest stress in bodies, which share most of the work."""
     laws = laws or Laws.of_contact(contact, ("elasticity", "criterion"))
-    load, criterion = LoadedBodies.of(contact, bodies, laws), laws.criterion
+    load, criterion = LoadedBodies.from_contact(contact, bodies, laws), laws.criterion
     if not load.tractions.any():
         nothing = Maximum(criterion, 0.0, _NOWHERE, np.nan, _NOWHERE, 0.0, _NOWHERE)
         return dict.fromkeys(load.names, nothing)
     levels = load.source.levels(criterion)
     surface = levels.surface(contact.sliding)
     interior = _interior(levels, [top[0] for top in surface])
-    found = {}
+    maxima = {}
     for name, above, below in zip(load.names, surface, interior, strict=True):
         larger = below if below[0] > above[0] else above
-        found[name] = Maximum(criterion, *larger, *below, *above)
-    return found
+        maxima[name] = Maximum(criterion, *larger, *below, *above)
+    return maxima
 
 
 def _interior(levels: MultiLevel | StripLevels, surface: list[float]) -> list[tuple[float, Point]]:
-    """The highest top of each body below its surface, on which the largest stress is given."""
+    """Return the largest maximum of each body below its surface, and its position."""
     depths = _search_depths(levels)
     bound, floor = np.array(surface), float(depths[0])
-    bodies, tops, values = _climbed(levels, *_starts(levels, depths), floor, bound)
-    # A way that ends at the floor leads on to the surface, unless that is lower.
+    bodies, tops, values = _climb_to_maxima(levels, *_starts(levels, depths), floor, bound)
+    # A search path that ends at the floor would continue to the surface, unless that is lower.
     below = (tops[:, 2] > floor) | (values > bound[bodies])
-    found = [(np.nan, _NOWHERE)] * len(surface)
+    maxima: list[tuple[float, Point]] = [(np.nan, _NOWHERE)] * len(surface)
     for k in np.flatnonzero(below)[np.argsort(values[below])]:
-        found[bodies[k]] = float(values[k]), tuple(tops[k].tolist())
-    return found
+        x, y, depth = tops[k].tolist()
+        maxima[bodies[k]] = float(values[k]), (x, y, depth)
+    return maxima
 
 
 def _search_depths(levels: MultiLevel | StripLevels) -> np.ndarray:
-    """From below the elements on until no maximum is to be expected any more, mm."""
-    first, deepest = SHALLOWEST * levels.side, DEEPEST * levels.half_width
+    """Return depths from below the elements down to where no maximum is expected, mm."""
+    first, deepest = _SEARCH.shallowest * levels.side, _SEARCH.deepest * levels.half_width
     count = max(3, int(np.ceil(np.log(deepest / first) / np.log(levels.growth))) + 1)
     return first * levels.growth ** np.arange(count)
 
 
 def _starts(levels: MultiLevel | StripLevels, depths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Bodies (n,) and places (n, 3) of the largest local maxima of layers."""
+    """Return the bodies (n,) and points (n, 3) of the largest local maxima of the layers."""
     layers = [levels.layer(depth) for depth in depths]
     none = np.empty((len(layers[0].values), 0, 0))
     values = [none, *(layer.values for layer in layers), none]
-    found = []
+    starts = []
     for layer, above, here, below in zip(layers, values, values[1:], values[2:], strict=False):
         body, value, i, j, deeper = find_tops(here, above, below).T
-        found.append((body.astype(int), value, layer.points(i, j, levels.growth**deeper)))
-    bodies, value, at = (np.concatenate(each) for each in zip(*found, strict=True))
+        starts.append((body.astype(int), value, layer.points(i, j, levels.growth**deeper)))
+    bodies, value, at = (np.concatenate(each) for each in zip(*starts, strict=True))
     order = np.argsort(-value)
-    chosen = [order[bodies[order] == body][:CANDIDATES] for body in range(len(none))]
+    chosen = [order[bodies[order] == body][: _SEARCH.candidates] for body in range(len(none))]
     return bodies[np.concatenate(chosen)], at[np.concatenate(chosen)]
 
 
-def _climbed(
+def _climb_to_maxima(
     levels: MultiLevel | StripLevels,
     bodies: np.ndarray,
     at: np.ndarray,
     floor: float,
     surface: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Go up from places to the tops, by Newton steps on differences.
+    """Climb from points to maxima, by Newton steps on differences.
 
-    Ways that end where another one does, or lower, are given up, and those that the floor bars
-    below a higher surface. Bodies, places and stress of what is found.
+    A search path is abandoned if it ends at or below another one, or at the floor below a larger
+    stress at the surface.
+
+    Returns
+    -------
+    bodies, points, values : ndarray, shapes (n,), (n, 3) and (n,)
+        Body, position and stress of each maximum.
     """
     barred, best = np.zeros(len(bodies), dtype=bool), np.zeros(len(surface))
-    least = CLOSE * surface[bodies]
+    least = _SEARCH.close * surface[bodies]
     ended = []
-    for step in range(STEPS):
+    for step in range(_SEARCH.steps):
         values = levels.around(bodies, stencil(at), at)
         if step == 0:
-            highest = RISE * values[:, 0]
+            highest = _SEARCH.rise * values[:, 0]
         fates = climb(at, barred, best, values, bodies, highest, least, floor, step == 0)
         last, on = fates == ENDED, fates == GOES_ON
         ended.append((bodies[last], at[last]))

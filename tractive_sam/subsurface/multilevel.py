@@ -1,4 +1,4 @@
-"""The loaded part of a mesh at several resolutions: elements, and blocks of 2, 4, 8 ... of them."""
+"""The loaded part of a mesh at several resolutions: elements, and blocks of 2, 4, 8, ..."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,20 +11,6 @@ from tractive_sam.operators import Lattice, StressLayers, extent
 from tractive_sam.results import Grid, Point
 from tractive_sam.subsurface.surface import largest_at_surface
 
-FEWEST = 12
-"""Fewest blocks across the loaded rectangle."""
-
-MARGIN = 2
-"""Unloaded elements around the loaded ones."""
-
-WIDEST, NARROW = 0.5, 0.2
-"""Longest side of blocks of elements over their distance, where these are taken together on the way
-to a top, and at it: there the stress is right to 3e-5 (spheres of 31 to 91 elements)."""
-
-ROUND = 16
-"""Sides are multiples of this many elements: a contact that grows as it wears meets few of them,
-and the transforms of each are planned but once."""
-
 
 @dataclass(frozen=True, eq=False)
 class Layer:
@@ -33,9 +19,9 @@ class Layer:
     Attributes
     ----------
     depth : float
-        Where it lies, mm.
+        Depth, mm.
     first, steps : tuple of float
-        The first point (x, y), and the steps to the next ones, mm.
+        The first point (x, y), and the steps to the next points, mm.
     values : ndarray, shape (bodies, n_x, n_y)
         Equivalent stress, MPa.
     """
@@ -46,53 +32,62 @@ class Layer:
     values: np.ndarray
 
     def points(self, i: np.ndarray, j: np.ndarray, deeper: np.ndarray) -> np.ndarray:
-        """Points (n, 3) so many steps from the first one, and times as deep, mm."""
+        """Return points (n, 3) at i, j steps from the first one, at a multiple of the depth, mm."""
         (x, y), (dx, dy) = self.first, self.steps
         return np.stack((x + i * dx, y + j * dy, self.depth * deeper), axis=1)
 
 
 class _Side:
-    """One side of the rectangle around the loaded elements of a mesh.
+    """A side of the rectangle around the loaded elements of a mesh.
 
     Parameters
     ----------
     loaded : slice
-        Those of the mesh.
+        Loaded elements of the mesh.
     origin, step : float
-        Centre of its first element, and the length of each, mm.
+        Centre of its first element, and the element length, mm.
 
     Attributes
     ----------
     inside : slice
-        The loaded ones in the rectangle.
+        Loaded elements of the rectangle.
     coarsest : int
         Elements along the largest block of a layer, a power of two.
     count, unit : int
-        Elements along the side, and what they are a multiple of, a power of two.
+        Elements along the side, a multiple of `unit`, which is a power of two.
     half_width : float
-        Half of the length of the loaded ones, mm.
+        Half of the length of the loaded elements, mm.
     corner : float
-        Where it begins, mm.
+        Start of the side, mm.
+    margin : int
+        Unloaded elements around the loaded ones.
+    fewest : int
+        Smallest number of blocks across the rectangle.
+    multiple : int
+        The number of elements is a multiple of it: a contact that grows as it wears needs few
+        numbers, and the transforms of each are planned once.
     """
+
+    margin, fewest, multiple = 2, 12, 16
 
     def __init__(self, loaded: slice, origin: float, step: float) -> None:
         self.loaded, self.step = loaded, step
         number = loaded.stop - loaded.start
-        least = number + 2 * MARGIN
-        self.inside = slice(MARGIN, MARGIN + number)
-        self.coarsest = _power_of_two(least / FEWEST)
-        self.unit = max(ROUND, self.coarsest)
-        self.count = -(-least // self.unit) * self.unit
+        needed = number + 2 * self.margin
+        self.inside = slice(self.margin, self.margin + number)
+        self.coarsest = _power_of_two(needed / self.fewest)
+        self.unit = max(self.multiple, self.coarsest)
+        self.count = -(-needed // self.unit) * self.unit
         self.half_width = 0.5 * number * step
-        self.corner = float(origin + (loaded.start - MARGIN - 0.5) * step)
+        self.corner = float(origin + (loaded.start - self.margin - 0.5) * step)
 
     def block(self, longest: float) -> int:
-        """Elements along the longest block up to a length in mm."""
+        """Return the number of elements along the longest block up to a length in mm."""
         return min(_power_of_two(longest / self.step), self.coarsest)
 
 
 class MultiLevel:
-    """The tractions of bodies under one contact, and the stress that they cause.
+    """Stress of the bodies of a contact under its tractions, at several resolutions.
 
     Parameters
     ----------
@@ -101,11 +96,11 @@ class MultiLevel:
     tractions : ndarray, shape (3, n_x, n_y)
         (p_x, p_y, p_n) on body A, MPa.
     signs : sequence of float
-        Those of `SIGNS` for each body.
+        Sign of each body, see `SIGNS`.
     bodies : sequence of HalfSpaces
-        The half-spaces, as `HalfSpaces.single_body` gives them.
+        The half-spaces, see `HalfSpaces.single_body`.
     criterion : StressCriterion
-        What makes one number of a stress.
+        Criterion of the stress.
 
     Attributes
     ----------
@@ -115,9 +110,13 @@ class MultiLevel:
         Half of the shorter side of the rectangle around the loaded elements, mm.
     growth : float
         Ratio of the depths of successive layers.
+    widest, narrow : float
+        Largest side of blocks over their distance, during the search and at its end: there the
+        error of the stress is 3e-5 (spheres of 31 to 91 elements).
     """
 
     growth = 2.5
+    widest, narrow = 0.5, 0.2
 
     def __init__(
         self,
@@ -141,10 +140,7 @@ class MultiLevel:
         self._levels: dict[tuple[int, int], StressLayers] = {}
 
     def layer(self, depth: float) -> Layer:
-        """Stress by blocks with sides up to the depth; by elements where there are none.
-
-        At the centres of the blocks.
-        """
+        """Return the stress at the centres of blocks with sides up to the depth, or of elements."""
         x, y = self._x, self._y
         bx, by = x.block(depth), y.block(depth)
         if (bx, by) not in self._levels:
@@ -159,21 +155,21 @@ class MultiLevel:
     def around(
         self, bodies: np.ndarray, points: np.ndarray, around: np.ndarray, closely: bool = False
     ) -> np.ndarray:
-        """Equivalent stress (m, n) of bodies (m,) at points (m, n, 3) near some (m, 3).
+        """Return the equivalent stress (m, n) of bodies (m,) at points (m, n, 3) near some (m, 3).
 
-        Right to some thousandths, `closely` to some 1e-5, and smooth as it is exactly: elements
-        that are far are taken together in the same blocks for all the points.
+        The error is some 1e-3, with `closely` some 1e-5, and the stress is smooth: distant
+        elements are combined in equal blocks for all the points.
         """
-        widest = NARROW if closely else WIDEST
+        widest = self.narrow if closely else self.widest
         stress = np.empty((6, *points.shape[:2]))
         own = self._of_bodies.take(bodies, axis=1)  # contiguous rows, as the kernel is compiled for
         stress_sum.stress_around(stress, points, around, *own, *self._summed, widest)
         return self._criterion(stress)
 
     def surface(self, sliding: np.ndarray) -> list[tuple[float, Point]]:
-        """The largest stress of each body at the surface, MPa, and where.
+        """Return the largest stress of each body at the surface, MPa, and its position, mm.
 
-        Also where the mesh cannot follow it (`subsurface.surface`).
+        It includes positions where the mesh cannot resolve the stress (`subsurface.surface`).
 
         Parameters
         ----------
@@ -185,12 +181,12 @@ class MultiLevel:
         slips[x.inside, y.inside] = sliding[x.loaded, y.loaded]
         lattice = Lattice(slips.shape, x.step, y.step)
         own = self._bodies, self._signs, self._tractions
-        found = largest_at_surface(lattice, *own, slips, self._criterion)
+        largest = largest_at_surface(lattice, *own, slips, self._criterion)
         at_x, at_y = x.corner + 0.5 * x.step, y.corner + 0.5 * y.step
-        return [(value, (at_x + i * x.step, at_y + j * y.step, 0.0)) for value, i, j in found]
+        return [(value, (at_x + i * x.step, at_y + j * y.step, 0.0)) for value, i, j in largest]
 
     def _means(self, bx: int, by: int) -> np.ndarray:
-        """Tractions (3, ...) on blocks, each made of the two halves of its longer side."""
+        """Return tractions (3, ...) on blocks, as means of the two halves of the longer side."""
         if (bx, by) == (1, 1):
             return self._tractions
         if bx >= by:
@@ -200,6 +196,6 @@ class MultiLevel:
         return 0.5 * (halves[..., ::2] + halves[..., 1::2])
 
 
-def _power_of_two(most: float) -> int:
-    """Largest power of two up to a number, at least 1."""
-    return 1 << max(1, int(most)).bit_length() - 1
+def _power_of_two(largest: float) -> int:
+    """Return the largest power of two up to a number, at least 1."""
+    return 1 << max(1, int(largest)).bit_length() - 1

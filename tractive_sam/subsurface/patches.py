@@ -1,4 +1,4 @@
-"""Stress below the loaded elements of a mesh, summed over them."""
+"""Stress as a sum over the loaded elements of a mesh."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from tractive_sam.kernels import stress_sum
 
 @dataclass(frozen=True, eq=False)
 class Patches:
-    """The loaded elements of one half-space.
+    """Loaded elements of a half-space.
 
     Attributes
     ----------
@@ -30,15 +30,20 @@ class Patches:
 
     @classmethod
     def on_mesh(
-        cls, x: np.ndarray, y: np.ndarray, sides: tuple[float, float], tractions, poisson: float
+        cls,
+        x: np.ndarray,
+        y: np.ndarray,
+        sides: tuple[float, float],
+        tractions: np.ndarray,
+        poisson: float,
     ) -> "Patches":
-        """Take the loaded ones of a mesh with centres x, y and tractions (3, n_x, n_y)."""
+        """Return the loaded elements of a mesh with centres x, y and tractions (3, n_x, n_y)."""
         i, j = np.nonzero(tractions.any(axis=0))
         loads = np.ascontiguousarray(tractions[:, i, j].T)
         return cls(np.stack((x[i], y[j]), axis=1), loads, sides, poisson)
 
     def stress(self, points: np.ndarray) -> np.ndarray:
-        """Stresses (n, 6) at points (n, 3) of the half-space, MPa."""
+        """Return stresses (n, 6) at points (n, 3) of the half-space, MPa."""
         out = np.empty((len(points), 6))
         stress_sum.stress_at(out, points, self.centres, self.tractions, *self.sides, self.poisson)
         return out

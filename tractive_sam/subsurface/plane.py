@@ -11,7 +11,7 @@ from tractive_sam.contact import Laws
 from tractive_sam.kernels.stress import COMPONENTS
 from tractive_sam.results import PlaneStress, State
 from tractive_sam.scene import Plane
-from tractive_sam.subsurface.depth import checked, default_depths, semi_axes
+from tractive_sam.subsurface.depth import check_depths, default_depths, semi_axes
 from tractive_sam.subsurface.loaded import LoadedBodies
 
 
@@ -22,7 +22,7 @@ def stress_on_plane(
     depths: ArrayLike | None = None,
     laws: Laws | None = None,
 ) -> PlaneStress:
-    """Stress of one body on one plane.
+    """Return the stress of one body on one plane.
 
     Parameters
     ----------
@@ -30,13 +30,13 @@ def stress_on_plane(
         The solved contact.
     plane : Plane or str
         As in a scene: "y=0", "x=-0.3" (mm), "y=0.75a", "z=0.48a"; a, b are the semi-axes of the
-        unworn Hertz contact, or the half widths of the contact where there is none.
+        unworn Hertz contact, or the half widths of the contact without it.
     body : "A" or "B"
-        The body concerned.
+        The body.
     depths : array_like, optional
-        Depths of a vertical plane, mm; by default those of the scene's [subsurface].
+        Depths of a vertical plane, mm; by default those of [subsurface].
     laws : Laws, optional
-        Laws of the bodies; by default those that the contact was solved with.
+        Laws of the bodies; by default those of the solution.
 
     Raises
     ------
@@ -60,43 +60,48 @@ def stress_on_planes(
     depths: ArrayLike | None = None,
     laws: Laws | None = None,
 ) -> Iterator[PlaneStress]:
-    """Stress of several bodies on several planes: each plane, and on it each body.
+    """Yield the stress of bodies on planes: for each plane, each body.
 
-    Bodies cost little more than one: they share most of the work.
+    Two bodies cost little more than one: they share most of the work.
 
     Parameters
     ----------
     contact : State
         The solved contact.
     planes : sequence of Plane or str, optional
-        As for `stress_on_plane`; by default those of the scene's [subsurface].
+        See `stress_on_plane`; by default those of [subsurface].
     bodies : sequence of str, optional
-        By default those of the scene's [subsurface].
+        By default those of [subsurface].
     depths, laws : optional
-        As for `stress_on_plane`.
+        See `stress_on_plane`.
 
     Raises
     ------
     ValueError
-        As for `stress_on_plane`, or if planes or bodies are left to a scene without [subsurface].
+        See `stress_on_plane`; or if planes or bodies are not given and the scene has no
+        [subsurface].
 
     Examples
     --------
-    >>> [f"{one.body}, {one.plane}" for one in ts.stress_on_planes(contact, ("y=0",), ("A", "B"))]
+    >>> stresses = ts.stress_on_planes(contact, ("y=0",), ("A", "B"))
+    >>> [f"{stress.body}, {stress.plane}" for stress in stresses]
     ['A, y=0', 'B, y=0']
     """
-    asked = contact.scene.subsurface
-    if asked is None and (planes is None or bodies is None):
-        raise ValueError("the scene has no [subsurface]: say which planes and bodies")
-    planes = tuple(Plane.parse(plane) for plane in (asked.planes if planes is None else planes))
-    load = LoadedBodies.of(contact, asked.bodies if bodies is None else bodies, laws)
-    depths = default_depths(contact) if depths is None else checked(depths)
+    table = contact.scene.subsurface
+    if table is not None:
+        planes = table.planes if planes is None else planes
+        bodies = table.bodies if bodies is None else bodies
+    if planes is None or bodies is None:
+        raise ValueError("the scene has no [subsurface]: give planes and bodies")
+    load = LoadedBodies.from_contact(contact, bodies, laws)
+    depths = default_depths(contact) if depths is None else check_depths(depths)
     # Checked at the call, not at the first plane.
-    placed = [(plane, _position(contact, plane)) for plane in planes]
-    return (stress for where in placed for stress in _on_plane(contact, *where, load, depths))
+    placed = [(plane, _position(contact, plane)) for plane in map(Plane.parse, planes)]
+    return (stress for place in placed for stress in _on_plane(contact, *place, load, depths))
 
 
 def _position(contact: State, plane: Plane) -> float:
+    """Return the position of a plane in mm; raise a ValueError if it is infinite."""
     position = plane.value_in(*semi_axes(contact))
     if not np.isfinite(position):
         raise ValueError(f"{plane}: the semi-axis b of a line contact is infinite; use mm or a")
@@ -106,6 +111,7 @@ def _position(contact: State, plane: Plane) -> float:
 def _on_plane(
     contact: State, plane: Plane, position: float, load: LoadedBodies, depths: np.ndarray
 ) -> Iterator[PlaneStress]:
+    """Yield the stress of each body on a plane at a position, mm."""
     grid = contact.grid
     if plane.axis == "z":
         axes = {"x": grid.x, "y": grid.y}

@@ -1,4 +1,4 @@
-"""Stress at arbitrary points, and along the way of one."""
+"""Stress at points, and along the path of a material point."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from tractive_sam.subsurface.loaded import LoadedBodies
 def stress_at(
     contact: State, points: ArrayLike, body: str = "A", laws: Laws | None = None
 ) -> np.ndarray:
-    """Stress at points, summed over the loaded elements; exact for their constant tractions.
+    """Return the stress at points as a sum over the elements, exact for their constant tractions.
 
-    Some 0.1 microseconds a point and loaded element. At the surface, on the edge between two
-    elements of different tangential traction, the stress is infinite; what is infinite is left out
-    there (see `kernels.stress`).
+    The cost is about 0.1 microseconds per point and loaded element. At the surface, on the edge
+    between elements with different tangential traction, the stress is infinite; the infinite part
+    is omitted there (see `kernels.stress`).
 
     Parameters
     ----------
@@ -27,9 +27,9 @@ def stress_at(
     points : array_like, shape (n, 3)
         x, y and depth, mm.
     body : "A" or "B"
-        The body concerned.
+        The body.
     laws : Laws, optional
-        Laws of the bodies; by default those that the contact was solved with.
+        Laws of the bodies; by default those of the solution.
 
     Returns
     -------
@@ -39,7 +39,8 @@ def stress_at(
     Raises
     ------
     ValueError
-        If there is no such body, or points are not of that shape, finite and below the surface.
+        If there is no such body, or if points have another shape, are not finite or above the
+        surface.
 
     Examples
     --------
@@ -52,15 +53,8 @@ def stress_at(
         raise ValueError(f"points must have the shape (n, 3), not {points.shape}")
     if not np.isfinite(points).all() or (points[:, 2] < 0.0).any():
         raise ValueError("points must be finite, with a depth of at least 0")
-    load = LoadedBodies.of(contact, (body,), laws)
+    load = LoadedBodies.from_contact(contact, (body,), laws)
     return load.in_contact_axes(load.source.at(points))[0].T
-
-
-WAY = 4.0
-"""How far before and behind the contact the way of a material point begins and ends, over a."""
-
-POINTS = 401
-"""Points along it."""
 
 
 def stress_path(
@@ -70,25 +64,32 @@ def stress_path(
     body: str = "A",
     x: ArrayLike | None = None,
     laws: Laws | None = None,
+    number: int = 401,
+    reach: float = 4.0,
 ) -> dict[str, np.ndarray]:
-    """What a point of the material lives through as it rolls through the contact: its stress cycle.
+    """Return the stress path of a material point through the contact.
 
-    Exact for the constant tractions of the elements, as `stress_at`. At the surface take an x
-    within each element: between two of different tangential traction the stress is infinite.
+    It is exact for the constant tractions of the elements, as `stress_at`. At the surface give x
+    within the elements: between elements with different tangential traction the stress is
+    infinite.
 
     Parameters
     ----------
     contact : State
         The solved contact.
     y, depth : float
-        Where the point rolls, mm.
+        Position of the point, mm.
     body : "A" or "B"
-        The body concerned.
+        The body.
     x : array_like, shape (n,), optional
-        Where it is looked at, mm; by default `POINTS` times, from `WAY` semi-axes a before the
-        contact, on the leading side x > 0, to as many behind it.
+        Positions in x, mm; by default `number` points from `reach` semi-axes a before the contact,
+        on the leading side x > 0, to `reach` behind it.
     laws : Laws, optional
-        Laws of the bodies; by default those that the contact was solved with.
+        Laws of the bodies; by default those of the solution.
+    number : int
+        Number of points without `x`.
+    reach : float
+        Largest distance without `x`, over the semi-axis a.
 
     Returns
     -------
@@ -98,7 +99,7 @@ def stress_path(
     Raises
     ------
     ValueError
-        If there is no such body, x is no sequence, or a place is not finite or above the surface.
+        If there is no such body, x is no sequence, or a point is not finite or above the surface.
 
     Examples
     --------
@@ -109,8 +110,8 @@ def stress_path(
     0.4
     """
     if x is None:
-        far = WAY * semi_axes(contact)[0]
-        x = np.linspace(far, -far, POINTS)
+        distance = reach * semi_axes(contact)[0]
+        x = np.linspace(distance, -distance, number)
     x = np.asarray(x, dtype=float)
     if x.ndim != 1:
         raise ValueError("x must be a sequence of numbers")

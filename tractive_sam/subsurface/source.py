@@ -1,4 +1,4 @@
-"""Which machinery finds the stress in bodies: patches or strips of traction."""
+"""Methods that compute the stress in bodies: patches or strips of traction."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from functools import singledispatch
@@ -10,40 +10,40 @@ from tractive_sam.mechanics import Elasticity, HalfSpaces, StressCriterion, Stri
 from tractive_sam.operators import Lattice, StressLayers, StressPlane, StripLayers
 from tractive_sam.results import Grid
 from tractive_sam.subsurface.distant import DistantLoads
-from tractive_sam.subsurface.mirror import acting
+from tractive_sam.subsurface.mirror import tractions_on_bodies
 from tractive_sam.subsurface.multilevel import MultiLevel
 from tractive_sam.subsurface.patches import Patches
 from tractive_sam.subsurface.strips import StripLevels, StripLoads
 
 
 class StressSource(Protocol):
-    """Bodies z >= 0, z into the body, each under the tractions on it on the elements of one grid.
+    """Stress in half-spaces z >= 0 under the tractions on the elements of a grid.
 
-    Stresses are in the order of `results.plane_stress.COMPONENTS`, MPa.
+    Stresses have the order of `results.plane_stress.COMPONENTS`, MPa.
     """
 
     def layers(self, depths: Iterable[float], threads: int = 1) -> Iterator[np.ndarray]:
-        """Stresses (bodies, 6, n_x, n_y) at the centres of the grid, depth by depth."""
+        """Yield stresses (bodies, 6, n_x, n_y) at the centres of the grid, depth by depth."""
 
     def on_plane(
         self, axis: Literal["x", "y", "z"], position: float, depths: np.ndarray
     ) -> np.ndarray:
-        """Stresses on the plane axis = position at the centres along it.
+        """Return stresses on the plane axis = position, at the element centres along it.
 
-        Shape (bodies, 6, n, k) at k depths, or (bodies, 6, n_x, n_y) where the axis is z.
+        The shape is (bodies, 6, n, k) at k depths, or (bodies, 6, n_x, n_y) for the axis z.
         """
 
     def at(self, points: np.ndarray) -> np.ndarray:
-        """Stresses (bodies, 6, n) at points (n, 3)."""
+        """Return stresses (bodies, 6, n) at points (n, 3)."""
 
     def at_columns(self, x: np.ndarray, depths: np.ndarray) -> np.ndarray:
-        """Stresses (bodies, 6, n_x, n_y, k) at x (n_x,) outside the grid and k depths below 0.
+        """Return stresses (bodies, 6, n_x, n_y, k) at x (n_x,) outside the grid and k depths.
 
-        In all rows of the grid.
+        They are in all rows of the grid; depths are above 0.
         """
 
     def levels(self, criterion: StressCriterion) -> MultiLevel | StripLevels:
-        """What the largest equivalent stresses are sought in."""
+        """Return the resolutions in which the largest equivalent stress is searched."""
 
 
 @singledispatch
@@ -54,16 +54,16 @@ def stress_source(
     grid: Grid,
     tractions: np.ndarray,
 ) -> StressSource:
-    """The machinery that goes with the elasticity of bodies.
+    """Return the method for the elastic law of the bodies.
 
     Parameters
     ----------
     body : Elasticity
-        The first of the bodies, the kind of which decides.
+        The first body; its class selects the method.
     bodies : sequence of Elasticity
-        As `Elasticity.single_body` gives them.
+        The bodies, see `Elasticity.single_body`.
     signs : sequence of float
-        Those of `SIGNS` for each.
+        Sign of each body, see `SIGNS`.
     grid : Grid
         Elements; lengths in mm.
     tractions : ndarray, shape (3, n_x, n_y)
@@ -72,13 +72,13 @@ def stress_source(
     Raises
     ------
     ValueError
-        If none is registered for this kind.
+        If no method is registered for the class.
     """
-    raise ValueError(f"the stress in bodies is not known of {body!r}")
+    raise ValueError(f"there is no method for the stress in bodies with the law {body!r}")
 
 
 class PatchStress:
-    """Half-spaces under patches; arguments as of `stress_source`."""
+    """Half-spaces under patches of traction; see `stress_source` for the parameters."""
 
     def __init__(
         self,
@@ -110,9 +110,9 @@ class PatchStress:
     def at(self, points: np.ndarray) -> np.ndarray:
         """See `StressSource`."""
         grid, sides = self._grid, (self._grid.dx, self._grid.dy)
-        each = zip(acting(self._tractions, self._signs), self._poisson, strict=True)
+        each = zip(tractions_on_bodies(self._tractions, self._signs), self._poisson, strict=True)
         patches = [Patches.on_mesh(grid.x, grid.y, sides, own, nu) for own, nu in each]
-        return np.stack([one.stress(points).T for one in patches])
+        return np.stack([patch.stress(points).T for patch in patches])
 
     def at_columns(self, x: np.ndarray, depths: np.ndarray) -> np.ndarray:
         """See `StressSource`; see `DistantLoads` for the error."""
@@ -125,7 +125,7 @@ class PatchStress:
 
 
 class StripStress:
-    """Half-spaces under strips; arguments as of `stress_source`."""
+    """Half-spaces under strips of traction; see `stress_source` for the parameters."""
 
     def __init__(
         self, bodies: Sequence[Strips], signs: Sequence[float], grid: Grid, tractions: np.ndarray
@@ -151,9 +151,9 @@ class StripStress:
 
     def at(self, points: np.ndarray) -> np.ndarray:
         """See `StressSource`."""
-        each = zip(acting(self._tractions, self._signs), self._poisson, strict=True)
+        each = zip(tractions_on_bodies(self._tractions, self._signs), self._poisson, strict=True)
         strips = [StripLoads.on_grid(self._grid, own, nu) for own, nu in each]
-        return np.stack([one.stress(points).T for one in strips])
+        return np.stack([strip.stress(points).T for strip in strips])
 
     def at_columns(self, x: np.ndarray, depths: np.ndarray) -> np.ndarray:
         """See `StressSource`; exact."""
@@ -167,10 +167,10 @@ class StripStress:
 
 
 @stress_source.register
-def _of_patches(body: HalfSpaces, *of_bodies) -> PatchStress:
+def _patch_stress(body: HalfSpaces, *of_bodies) -> PatchStress:
     return PatchStress(*of_bodies)
 
 
 @stress_source.register
-def _of_strips(body: Strips, *of_bodies) -> StripStress:
+def _strip_stress(body: Strips, *of_bodies) -> StripStress:
     return StripStress(*of_bodies)

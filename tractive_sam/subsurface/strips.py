@@ -1,4 +1,4 @@
-"""Stress below a line contact, summed over its strips."""
+"""Stress below a line contact as a sum over its strips."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,21 +9,21 @@ from tractive_sam.kernels import strip_stress
 from tractive_sam.mechanics import StressCriterion, Strips
 from tractive_sam.operators import Lattice, StripLayers
 from tractive_sam.results import Grid, Point
-from tractive_sam.subsurface.mirror import acting
+from tractive_sam.subsurface.mirror import tractions_on_bodies
 from tractive_sam.subsurface.multilevel import Layer
 from tractive_sam.subsurface.surface import largest_at_surface
 
 
 @dataclass(frozen=True, eq=False)
 class StripLoads:
-    """The strips of one half-space, by their edges.
+    """Strips of traction on a half-space, by their edges.
 
     Attributes
     ----------
     edges : ndarray, shape (m,)
         x, mm.
     jumps : ndarray, shape (m, 3)
-        Increase of (p_x, p_y, p_n) across each, MPa.
+        Increase of (p_x, p_y, p_n) across each edge, MPa.
     width : float
         Width of a strip, mm.
     poisson : float
@@ -37,14 +37,14 @@ class StripLoads:
 
     @classmethod
     def on_grid(cls, grid: Grid, tractions: np.ndarray, poisson: float) -> "StripLoads":
-        """Take those of the grid of a line contact with tractions (3, n_x, 1)."""
+        """Return the strips of the grid of a line contact with tractions (3, n_x, 1)."""
         jumps = np.diff(tractions[:, :, 0].T, axis=0, prepend=0.0, append=0.0)
         edges = np.append(grid.x - 0.5 * grid.dx, grid.x[-1] + 0.5 * grid.dx)
         loaded = jumps.any(axis=1)
         return cls(edges[loaded], np.ascontiguousarray(jumps[loaded]), grid.dx, poisson)
 
     def stress(self, points: np.ndarray) -> np.ndarray:
-        """Stresses (n, 6) at points (n, 3) of the half-space, the same at every y, MPa."""
+        """Return stresses (n, 6) at points (n, 3) of the half-space, constant in y, MPa."""
         out = np.empty((len(points), 6))
         at = np.ascontiguousarray(points[:, [0, 2]])
         strip_stress.stress_at(out, at, self.edges, self.jumps, self.width, self.poisson)
@@ -52,23 +52,23 @@ class StripLoads:
 
 
 class StripLevels:
-    """The loaded strips in place of a `MultiLevel`: they are few, and need no blocks.
+    """Stress below a line contact, in place of `MultiLevel`: strips are few, and need no blocks.
 
     Parameters
     ----------
     grid : Grid
-        That of a line contact.
+        Grid of a line contact.
     tractions : ndarray, shape (3, n_x, 1)
         (p_x, p_y, p_n) on body A, MPa.
     signs : sequence of float
-        Those of `SIGNS` for each body.
+        Sign of each body, see `SIGNS`.
     bodies : sequence of Strips
-        The half-spaces, as `Strips.single_body` gives them.
+        The half-spaces, see `Strips.single_body`.
     criterion : StressCriterion
-        What makes one number of a stress.
+        Criterion of the stress.
     """
 
-    # Layers cost little; below a line the largest shear stress may have two tops, 2 % apart.
+    # Layers cost little; below a line the shear stress may have two maxima, which differ by 2 %.
     growth = 1.25
 
     def __init__(
@@ -86,11 +86,11 @@ class StripLevels:
         self._lattice = Lattice(grid.elements, grid.dx, grid.dy)
         poisson = [body.A.poisson for body in bodies]
         self._layers = StripLayers(self._lattice, tractions, poisson, signs)
-        each = zip(acting(tractions, signs), poisson, strict=True)
+        each = zip(tractions_on_bodies(tractions, signs), poisson, strict=True)
         self._strips = [StripLoads.on_grid(grid, own, nu) for own, nu in each]
 
     def layer(self, depth: float) -> Layer:
-        """Stress at the centres."""
+        """Return the stress at the element centres."""
         values = self._criterion(self._layers.at(depth).swapaxes(0, 1))
         return Layer(depth, (float(self._x[0]), 0.0), (self.side, 0.0), values)
 
@@ -106,5 +106,5 @@ class StripLevels:
     def surface(self, sliding: np.ndarray) -> list[tuple[float, Point]]:
         """See `MultiLevel`; at the edges of strips."""
         own = self._bodies, self._signs, self._tractions
-        found = largest_at_surface(self._lattice, *own, sliding, self._criterion)
-        return [(value, (float(self._x[0] + i * self.side), 0.0, 0.0)) for value, i, _ in found]
+        largest = largest_at_surface(self._lattice, *own, sliding, self._criterion)
+        return [(value, (float(self._x[0] + i * self.side), 0.0, 0.0)) for value, i, _ in largest]

@@ -1,7 +1,7 @@
-"""Where a surface is stressed most: between elements, at the edge of the contact, where stick ends.
+"""Largest stress at the surface: between elements, at the contact edge, at the border of stick.
 
-Friction and pressure have roots of the distance on either side of the last two, which no mesh
-follows; but each stress has its root on one side only, and is smooth on the other
+At the last two, traction and pressure depend on the root of the distance, which no mesh resolves;
+but each stress has the root on one side only, and is smooth on the other side
 (`kernels.surface_edges`).
 """
 
@@ -28,9 +28,9 @@ def largest_at_surface(
     sliding: np.ndarray,
     criterion: StressCriterion,
 ) -> list[tuple[float, float, float]]:
-    """The largest equivalent stress at the surface of each body under a contact, and where.
+    """Return the largest equivalent stress at the surface of each body, and its position.
 
-    Of the corners at which four loaded elements meet, of the edge of the contact, and of the border
+    Positions are the corners of four loaded elements, the edge of the contact, and the border
     between stick and slip.
 
     Parameters
@@ -38,31 +38,31 @@ def largest_at_surface(
     lattice : Lattice
         Elements, or strips; lengths in mm.
     bodies : sequence of HalfSpaces
-        The half-spaces, as `HalfSpaces.single_body` gives them.
+        The half-spaces, see `HalfSpaces.single_body`.
     signs : sequence of float
-        Those of `SIGNS` for each body.
+        Sign of each body, see `SIGNS`.
     tractions : ndarray, shape (3, n_x, n_y)
         (p_x, p_y, p_n) on body A, MPa.
     sliding : ndarray of bool, shape (n_x, n_y)
         Loaded elements that slip.
     criterion : StressCriterion
-        What makes one number of a stress.
+        Criterion of the stress.
 
     Returns
     -------
     list of (float, float, float)
-        The stress, MPa, and its place from the centre of the first element, in elements.
+        The stress, MPa, and its position (i, j) from the centre of the first element, in elements.
     """
     stress, pressure = _between_elements(lattice, bodies, signs, tractions), tractions[2]
     kinds = kinds_of_corners(pressure, sliding)
     if not kinds.any():  # nowhere wider than an element
         kinds[:] = BOTH
     poisson = tuple(body.A.poisson for body in bodies)
-    found = (
+    candidates = (
         where_loaded(stress, kinds),
         where_rough(stress, pressure, kinds, poisson, lattice.dx, lattice.dy),
     )
-    each, places = (np.concatenate(parts, axis=-1) for parts in zip(*found, strict=True))
+    each, places = (np.concatenate(parts, axis=-1) for parts in zip(*candidates, strict=True))
     values = criterion(each)
     at = values.argmax(axis=1)
     i, j = places[:, at] + np.array(((0.5,), (0.5 if pressure.shape[1] > 1 else 0.0,)))
@@ -75,7 +75,7 @@ def _between_elements(
     signs: Sequence[float],
     tractions: np.ndarray,
 ) -> np.ndarray:
-    """Stress (bodies, 6, ...) of `operators.surface_stress`, at once where bodies are alike."""
+    """Return the stress (bodies, 6, ...) of `operators.surface_stress`, once for equal bodies."""
     if all(body == bodies[0] for body in bodies):
         return surface_stress(lattice, bodies[0], tractions, signs)
     each = zip(bodies, signs, strict=True)
@@ -85,21 +85,21 @@ def _between_elements(
 def surface_cycles(
     lattice: Lattice, body: HalfSpaces, tractions: np.ndarray, sign: float, sliding: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """What the surface goes through, along every row of corners.
+    """Return the stress path of the surface along every row of corners.
 
-    At the places of `largest_at_surface` in the row, and where no element is loaded; the material
-    counts as unloaded elsewhere.
+    It contains the positions of `largest_at_surface` in the row, and corners without load;
+    elsewhere the material counts as unloaded.
 
     Parameters
     ----------
     lattice : Lattice
         Elements, or strips; lengths in mm.
     body : HalfSpaces
-        The half-space, as `HalfSpaces.single_body` gives it.
+        The half-space, see `HalfSpaces.single_body`.
     tractions : ndarray, shape (3, n_x, n_y)
         (p_x, p_y, p_n) on body A, MPa.
     sign : float
-        That of `SIGNS` for the body.
+        Sign of the body, see `SIGNS`.
     sliding : ndarray of bool, shape (n_x, n_y)
         Loaded elements that slip.
 
@@ -107,8 +107,8 @@ def surface_cycles(
     -------
     cycles : ndarray, shape (6, n, n_y - 1), of strips (6, n, 1)
         Stresses, in no order along the row, MPa.
-    known : ndarray of bool, shape (n_y - 1,), of strips (1,)
-        Rows in which that tells something: of those that only graze the contact it does not.
+    is_valid : ndarray of bool, shape (n_y - 1,), of strips (1,)
+        Rows with a valid path: not those that only touch the edge of the contact.
     """
     (stress,) = surface_stress(lattice, body, tractions, (sign,))
     pressure = tractions[2]
@@ -125,5 +125,5 @@ def surface_cycles(
     among = np.arange(row.size) - (np.cumsum(count) - count)[row]
     added = np.zeros((6, count.max(initial=0), stress.shape[2]))
     added[:, among, row] = rough
-    known = loaded.any(axis=0) | away.all(axis=0)
-    return np.concatenate((np.where(loaded | away, stress, 0.0), added), axis=1), known
+    is_valid = loaded.any(axis=0) | away.all(axis=0)
+    return np.concatenate((np.where(loaded | away, stress, 0.0), added), axis=1), is_valid

@@ -1,4 +1,4 @@
-"""Stress in a volume, one layer after another."""
+"""Stress in a volume, layer by layer."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def stress_volume(
     threads: int = 1,
     laws: Laws | None = None,
 ) -> Iterator[tuple[float, np.ndarray]]:
-    """Stress at the centres of the contact's mesh, layer by layer; nothing is kept of a layer.
+    """Yield the stress at the element centres, layer by layer, without storing it.
 
     Parameters
     ----------
@@ -28,11 +28,11 @@ def stress_volume(
     depths : array_like, shape (n,)
         Depths, in any order, mm.
     body : "A" or "B"
-        The body concerned.
+        The body.
     threads : int
-        Threads to use.
+        Number of threads.
     laws : Laws, optional
-        Laws of the bodies; by default those that the contact was solved with.
+        Laws of the bodies; by default those of the solution.
 
     Yields
     ------
