@@ -5,7 +5,9 @@
 Discs on a coarse mesh with two to four random blocks of load, creepage and place, of one to six
 revolutions each. Jumps roll whole cycles as their mean; every revolution rolls the blocks in their
 order. The difference of the damage of both is compared with `damage_error` of the jumps, for each
-body. The median of their ratio tells whether the error bar is useful: 1 is the smallest bar.
+body. The median of their ratio shows whether the error bar is useful: 1 is the smallest bar.
+
+Page: docs/theory/fatigue.md
 """
 
 import argparse
@@ -66,7 +68,7 @@ def case(chance: random.Random) -> ts.Scene:
 
 
 def compare(scene: ts.Scene) -> list[dict]:
-    """Jumps beside every revolution, a row for each body."""
+    """Return the difference of jumps and every revolution, a row for each body."""
     jumps = ts.roll(scene)
     each = ts.roll(scene.with_set(["wear.stepping=every-revolution"]))
     rows = []

@@ -7,6 +7,8 @@ from 1 on the package warns. Then random steps of a transient from steady rollin
 rest and from great speed.
 
     python benchmarks/branches.py [--scenes 30] [--steps 60]
+
+Page: docs/theory/friction.md
 """
 
 import argparse

@@ -3,6 +3,8 @@
 Each command runs twice, with an empty cache of kernels and with the one that this leaves behind.
 Seconds are those of the process, user and system together; the byte code of modules
 is there, as after an installation.
+
+Page: docs/changelog.md
 """
 
 import json
@@ -19,7 +21,7 @@ COMMANDS = {
     "version": ["--version"],
     "explain spheres": ["explain", "spheres"],
     "run spheres": ["run", "spheres"],
-    "run spheres, contact alone": ["run", "contact.toml"],
+    "run spheres, contact only": ["run", "contact.toml"],
     "run twin-discs": ["run", "twin-discs"],
 }
 

@@ -12,7 +12,7 @@ SAVED = (0, 50, 250, 1000, 4000, 15000)
 """Revolutions that the paper shows."""
 
 REFERENCES = Path(__file__).parent / "references"
-"""Every-revolution runs: minutes to hours, so they are kept, and rolled further where asked.
+"""Every-revolution runs: minutes to hours, so they are stored, and continued if more are needed.
 
 Delete them when the contact or the slip come to be computed otherwise."""
 
@@ -38,7 +38,7 @@ def timed(scene: ts.Scene) -> tuple[ts.History, float]:
 
 
 def every_revolution(revolutions: int, angle: float = 0.0) -> ts.History:
-    """The run in which every revolution is rolled; it may go on beyond the revolutions asked."""
+    """Return the run of every revolution; it may have more revolutions than requested."""
     kept = kept_reference(angle)
     if kept is not None and kept["revolution"][-1] >= revolutions:
         return kept

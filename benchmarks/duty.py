@@ -4,9 +4,11 @@ Twin discs on a coarse mesh, blocks of random load, creepage and place from one 
 revolutions the profile of adaptive jumps is compared with that of every revolution, block by block;
 contacts are counted against those of a single load. The order of blocks is turned round at a wear
 of a cycle that halves, over as much depth. With `--kills 40` a run of a spectrum is killed that
-often and compared with one that was not. With `--cores` it is told what blocks side by side could
-win: how much of a contact runs without the lock of the interpreter, which threads share, and after
-how many contacts a process more has paid for its start.
+often and compared with one that was not. With `--cores` the gain of blocks on threads is estimated:
+how much of a contact runs without the lock of the interpreter, which threads share, and after how
+many contacts a process more has paid for its start.
+
+Page: docs/howto/duty.md
 """
 
 import argparse
@@ -141,7 +143,7 @@ def free_seconds() -> list[float]:
 
 
 def cores() -> list[dict]:
-    """What of a contact may run beside another, over meshes; seconds of one processor."""
+    """Return the part of a contact that may run on threads, over meshes; in CPU seconds."""
     command = [
         sys.executable,
         "-c",
@@ -181,14 +183,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--kills", type=int, default=0)
     parser.add_argument("--cores", action="store_true")
-    asked = parser.parse_args()
-    if asked.cores:
+    options = parser.parse_args()
+    if options.cores:
         rows = cores()
         write("duty_cores", rows)
         show("what blocks side by side could win on two cores", rows)
         return
-    if asked.kills:
-        print(f"profile off by {killed(asked.kills):.1e} of its depth")
+    if options.kills:
+        print(f"profile off by {killed(options.kills):.1e} of its depth")
         return
     single = int(ts.roll(DISCS)["solves"].sum())
     rows = [adaptive(count, single) for count in (2, 5, 10)]

@@ -4,10 +4,12 @@ A Latin hypercube over aspect ratio 0.2 to 5, creepages and spin of any directio
 slip, friction 0.05 to 1 with a ratio of 1 to 4 at any angle, Poisson's ratios 0 to 0.49, and for
 two scenes in three moduli of different bodies up to ten times apart. Every fourth scene has
 different bodies and a thousandth to a hundredth of the creepage of full slip, in one half of those
-as spin alone. Every scene is solved to a tolerance, and again on a mesh with up to 4 x 4 elements
+as spin only. Every scene is solved to a tolerance, and again on a mesh with up to 4 x 4 elements
 for each one.
 
     python benchmarks/error_bars.py [--scenes 100] [--tolerance 3e-3] [--seed 2]
+
+Page: docs/theory/accuracy.md
 """
 
 import argparse
@@ -126,12 +128,12 @@ def main() -> None:
     parser.add_argument("--scenes", type=int, default=100)
     parser.add_argument("--tolerance", type=float, default=3e-3)
     parser.add_argument("--seed", type=int, default=2)
-    asked = parser.parse_args()
+    options = parser.parse_args()
     warnings.simplefilter("ignore", ts.SceneWarning)
     rows = []
-    for k, scene in enumerate(random_scenes(asked.scenes, asked.seed)):
-        rows += [{"scene": k, **row} for row in judged(scene, asked.tolerance, k % 4 == 3)]
-        print(f"\r{k + 1} of {asked.scenes} scenes", end="", flush=True)
+    for k, scene in enumerate(random_scenes(options.scenes, options.seed)):
+        rows += [{"scene": k, **row} for row in judged(scene, options.tolerance, k % 4 == 3)]
+        print(f"\r{k + 1} of {options.scenes} scenes", end="", flush=True)
     print()
     write("error_bars", rows)
     table = []
@@ -142,12 +144,12 @@ def main() -> None:
             {
                 "quantity": name,
                 "bar holds": f"{np.mean([row['holds'] for row in of]):.0%}",
-                "bar within tolerance": f"{np.mean(bars <= asked.tolerance):.0%}",
+                "bar within tolerance": f"{np.mean(bars <= options.tolerance):.0%}",
                 "median bar": float(np.median(bars)),
                 "bar over error, median": float(np.median(bars / np.maximum(errors, 1e-12))),
             }
         )
-    show(f"{asked.scenes} random scenes, tolerance {asked.tolerance:g}", table)
+    show(f"{options.scenes} random scenes, tolerance {options.tolerance:g}", table)
 
 
 if __name__ == "__main__":

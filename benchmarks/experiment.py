@@ -1,4 +1,4 @@
-"""Twin discs of wheel and rail steel: frictional work that was measured, beside the prediction.
+"""Twin discs of wheel and rail steel: measured and predicted frictional work.
 
 Lewis & Dwyer-Joyce 2004 (Proc. IMechE J 218, 467-478) ran discs of wheel steel R8T on rail steel
 UIC60 900A, dry, at 1500 MPa and 400 rpm, and print the heat that friction made over the slip (their
@@ -12,6 +12,8 @@ with their least and largest. Discs of 47 mm and a track of 10 mm are those of t
 not in the transcription, and are checked by its half width and its flash temperatures.
 
     python benchmarks/experiment.py
+
+Page: docs/validation.md
 """
 
 import warnings

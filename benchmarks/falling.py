@@ -2,9 +2,12 @@
 
 Each is solved as it is and with friction that stays as at rest, on the same mesh, from nothing to
 1e-8. A scene is refused where a prescribed force is beyond the top of its traction curve, or what
-friction can carry; it is told. Costs are applications of operators, coarser meshes by their share.
+friction can carry, with a message. Costs are
+applications of operators, coarser meshes by their share.
 
     python benchmarks/falling.py [--scenes 200] [--first 0]
+
+Page: docs/validation.md
 """
 
 import argparse
@@ -63,8 +66,8 @@ def falling_scene(seed: int) -> Scene:
         full *= 1.0 + 80e3 * friction["layer"] / a
     if rng.random() < 1 / 3:
         friction["strength"] = rng.uniform(0.3, 1.0) * mu * p0
-    size, way = full * log_uniform(0.03, 30.0), rng.uniform(0.0, 2.0 * math.pi)
-    creepage = {"longitudinal": size * math.cos(way), "lateral": size * math.sin(way)}
+    size, direction = full * log_uniform(0.03, 30.0), rng.uniform(0.0, 2.0 * math.pi)
+    creepage = {"longitudinal": size * math.cos(direction), "lateral": size * math.sin(direction)}
     if rng.random() < 0.5:
         creepage["spin"] = full * rng.uniform(-1.0, 1.0) / math.sqrt(a * b)
     changes = {f"creepage.{key}": min(max(value, -0.1), 0.1) for key, value in creepage.items()}
@@ -83,40 +86,40 @@ def constant(scene: Scene) -> Scene:
 
 
 def solved(scene: Scene) -> tuple[str, float, str]:
-    """How a solve ended, its applications, and what was said."""
+    """Return the outcome of a solve, its applications and the note of the contact."""
     contact = equilibrium(Model(scene))
-    told = "converged" if contact.converged else "not converged"
+    outcome = "converged" if contact.converged else "not converged"
     if any(why in contact.note for why in ("top of the traction curve", "what friction can carry")):
-        told = "refused"
-    return told, contact.cost.applications, contact.note
+        outcome = "refused"
+    return outcome, contact.cost.applications, contact.note
 
 
 def main() -> None:
-    """Solve all, tell how they ended and what they cost."""
+    """Solve all scenes; print their outcomes and costs."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--scenes", type=int, default=200)
     parser.add_argument("--first", type=int, default=0)
-    asked = parser.parse_args()
+    options = parser.parse_args()
     rows = []
-    for seed in range(asked.first, asked.first + asked.scenes):
+    for seed in range(options.first, options.first + options.scenes):
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             scene = falling_scene(seed)
-            told, cost, note = solved(scene)
-            told_rest, cost_rest, _ = solved(constant(scene))
+            outcome, cost, note = solved(scene)
+            constant_outcome, cost_rest, _ = solved(constant(scene))
         steep = any("friction.law" in str(one.message) for one in caught)
         rows.append(
             {
                 "seed": seed,
-                "ended": told,
-                "constant_ended": told_rest,
+                "ended": outcome,
+                "constant_ended": constant_outcome,
                 "too_steep": steep,
                 "applications": round(cost, 1),
                 "constant": round(cost_rest, 1),
                 "ratio": round(cost / cost_rest, 3),
             }
         )
-        if told == "not converged":
+        if outcome == "not converged":
             print(seed, note)
     write("falling", rows)
     ended = [row["ended"] for row in rows]

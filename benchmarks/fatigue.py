@@ -2,14 +2,16 @@
 
     python benchmarks/fatigue.py             # the twin discs: a CSV, half an hour
     python benchmarks/fatigue.py bounds      # shakedown of 200 random scenes: is lower <= upper?
-    python benchmarks/fatigue.py laws        # line contacts and ellipses beside closed forms
+    python benchmarks/fatigue.py laws        # line contacts and ellipses, against closed forms
 
 The discs roll 15,000 revolutions at beta = 0, 45 and 90, on the paper's mesh and on ones of half
-and of twice as many elements each way, at two tolerances of the stepping. The material: k = 300
-MPa, Dang Van with a = 1/3 and 250 MPa at 1e7 cycles, exponent 10. "without wear" is the damage that
-the unworn contact would do in as many revolutions. Rows are written as they come, those first that
-are worth their time, and what the code as it is has written is not computed again; seconds are
+and of twice as many elements along each axis, at two tolerances of the stepping. The material: k =
+300 MPa, Dang Van with a = 1/3 and 250 MPa at 1e7 cycles, exponent 10. "without wear" is the damage
+that the unworn contact would do in as many revolutions. Rows are written as they come, those first
+that are worth their time, and what the code as it is has written is not computed again; seconds are
 those of the process.
+
+Page: docs/theory/fatigue.md
 """
 
 import csv
@@ -61,20 +63,20 @@ def discs(beta: float, mesh: tuple[int, int], tolerance: float) -> ts.Scene:
 
 
 def row(beta: float, mesh: tuple[int, int], tolerance: float) -> dict:
-    """One roll, and the same without fatigue."""
+    """Return one roll, with its cost against the same roll without fatigue."""
     scene = discs(beta, mesh, tolerance)
     began = process_time()
-    alone_contacts = int(ts.roll(scene)["solves"].sum())
-    alone = process_time() - began
+    plain_contacts = int(ts.roll(scene)["solves"].sum())
+    plain_seconds = process_time() - began
     with tempfile.TemporaryDirectory() as folder:
         began = process_time()
         history = ts.roll(scene.replace(fatigue=MATERIAL), Path(folder) / "a.h5")
         seconds = process_time() - began
-        told = {}
+        columns = {}
         for k, body in enumerate("AB"):
             unworn = REVOLUTIONS / history["fatigue_life"][0, k]
             inside = REVOLUTIONS * _inside(history, body)
-            told |= {
+            columns |= {
                 f"most {body}": np.nanmax(history["damage"][:, k]),
                 f"damage {body}": history["damage"][-1, k],
                 f"error {body}": history["damage_error"][-1, k],
@@ -91,11 +93,11 @@ def row(beta: float, mesh: tuple[int, int], tolerance: float) -> dict:
     cost = {
         "records": len(history),
         "contacts": contacts,
-        "contacts without": alone_contacts,
+        "contacts without": plain_contacts,
         "seconds": seconds,
-        "without": alone,
+        "without": plain_seconds,
     }
-    return told | {"worn A, mm": float(worn)} | cost
+    return columns | {"worn A, mm": float(worn)} | cost
 
 
 def _inside(history: ts.History, body: str) -> float:
@@ -195,8 +197,8 @@ def between() -> list[dict]:
             by_root = interpolate_over_depth(depth, here[None], z)[0]
             by_depth = PchipInterpolator(depth, here)(z)
             errors = (trapezoid(u**10, z) / exact - 1.0 for u in (by_root, by_depth))
-            told = zip(("over the root", "over the depth"), errors, strict=True)
-            rows.append({"mu": mu, "element/a": element} | dict(told))
+            columns = zip(("over the root", "over the depth"), errors, strict=True)
+            rows.append({"mu": mu, "element/a": element} | dict(columns))
     show("Integral of the damage over the depth, relative error", rows)
     return rows
 
@@ -217,7 +219,7 @@ def _code() -> str:
 
 
 def main() -> None:
-    """Run what is asked for."""
+    """Run the benchmark named on the command line."""
     if sys.argv[1:] == ["bounds"]:
         return bounds()
     if sys.argv[1:] == ["laws"]:

@@ -1,8 +1,8 @@
 """Random hard scenes, to find where each method fails: which converge, at what cost.
 
-Half of the scenes have bodies of equal material, in which the pressure stands alone; the others
-have any. Each method is asked for a residual of 1e-8 from nothing; `uzawa` and `anderson` get
-`BUDGET` iterations for every correction of the load and take no prescribed tangential forces.
+Half of the scenes have bodies of equal material, whose tractions do not change the pressure; the
+others have any. Each method is options for a residual of 1e-8 from nothing; `uzawa` and `anderson`
+get `BUDGET` iterations for every correction of the load and take no prescribed tangential forces.
 `alternating` is what the coupled methods are to replace: the normal problem under the lift of the
 last tractions, then the tangential one under the pressure found. Costs are applications of
 operators and their approximate inverses.
@@ -12,6 +12,8 @@ and spin at 0.1 to 1 % of full slip, or combine creepages of any size; *lines* r
 hardly any force, at mu from 1e-4.
 
     python benchmarks/hard_scenes.py [--scenes 600] [--first 0] [--methods auto,newton]
+
+Page: docs/validation.md
 """
 
 import argparse
@@ -330,25 +332,25 @@ def main():
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--methods", default=",".join(METHODS))
     parser.add_argument("--name", default="hard_scenes")
-    asked = parser.parse_args()
+    options = parser.parse_args()
     warnings.simplefilter("ignore")  # of coarse meshes
-    counts = {"hard": asked.scenes, "gentle": asked.scenes // 6, "line": asked.scenes // 6}
-    methods, rows = asked.methods.split(","), []
-    seeds = {name: range(asked.first, asked.first + count) for name, count in counts.items()}
+    counts = {"hard": options.scenes, "gentle": options.scenes // 6, "line": options.scenes // 6}
+    methods, rows = options.methods.split(","), []
+    seeds = {name: range(options.first, options.first + count) for name, count in counts.items()}
     for row in chain(*(campaign(name, those, methods) for name, those in seeds.items())):
         rows.append(row)
         if row["method"] == "auto" and not row["converged"]:
-            told = {k: v if isinstance(v, str | int) else f"{v:.3g}" for k, v in row.items()}
-            print("auto failed:", told, flush=True)
-    print(f"written: {write(asked.name, rows)}")
+            values = {k: v if isinstance(v, str | int) else f"{v:.3g}" for k, v in row.items()}
+            print("auto failed:", values, flush=True)
+    print(f"written: {write(options.name, rows)}")
     show("All scenes", summary(rows, lambda row: True))
     hard = [row for row in rows if row["family"] == "hard"]
     show("Hard scenes, equal material", summary(hard, lambda row: row["seed"] % 2 == 0))
     show("Hard scenes, dissimilar bodies", summary(hard, lambda row: row["seed"] % 2 == 1))
     for family in ("gentle", "line"):
         show(f"Family {family}", summary(rows, lambda row, name=family: row["family"] == name))
-    ways = Counter(row["trace"] for row in rows if row["method"] == "auto")
-    show("Ways of auto", [{"scenes": n, "way": way} for way, n in ways.most_common()])
+    traces = Counter(row["trace"] for row in rows if row["method"] == "auto")
+    show("Steps of auto", [{"scenes": n, "trace": name} for name, n in traces.most_common()])
 
 
 if __name__ == "__main__":

@@ -1,11 +1,13 @@
-"""What flash temperature costs beside the contact that makes it, all in one run.
+"""Cost of the flash temperature compared with its contact, all in one run.
 
 The fast discs, mostly sliding: times of one core over that of their contact, from nothing to the
 tolerance of the scene, of sharing the heat between alike and unlike bodies, and of the tables of
 kernels that the first contact on a mesh at a speed needs; and applications of elastic operators
-with friction that answers to temperature over those with friction that does not.
+with friction that depends on temperature over those with friction that does not.
 
     python benchmarks/heat.py
+
+Page: docs/theory/heat.md
 """
 
 from timing import seconds, show, write
@@ -55,7 +57,7 @@ def row(elements: int, speed: float) -> dict:
 def main() -> None:
     """All meshes at both speeds."""
     rows = [row(elements, speed) for speed in SPEEDS for elements in ELEMENTS]
-    show("Times over that of the contact; applications where friction answers to heat", rows)
+    show("Times over that of the contact; applications if friction depends on heat", rows)
     print(write("heat", rows))
 
 

@@ -14,6 +14,8 @@ difference is above the bound of its change is listed, and the script ends with 
 The rows of a run that was cut are in `results/invariance.part.csv`; the same command continues.
 
     python benchmarks/invariance.py [--scenes 400] [--seed 1] [--kinds steady,heat]
+
+Page: docs/validation.md
 """
 
 import argparse
@@ -82,7 +84,7 @@ def gentle(rng: np.random.Generator) -> ts.Scene:
 
 
 def hard(rng: np.random.Generator) -> ts.Scene:
-    """Extremes of geometry, moduli and friction; rough, worn and stepped gaps."""
+    """Return extremes of geometry, moduli and friction; gaps are rough, worn or have a step."""
     return meshed(hard_scene(int(rng.integers(10**6)))[0], rng)
 
 
@@ -329,7 +331,7 @@ def natural_scale(name: str, found: Outcome) -> float:
 def _stored(name: str, found: Outcome) -> float:
     """Stored energy over the work of friction of a transient, where it is more.
 
-    That work is what remains of the work supplied, most of which may be stored, and wear is in
+    That work is what remains of the work supplied. Most of it may be stored, and wear is in
     proportion to it.
     """
     work = found.values.get("friction_work", np.zeros(1)).max(initial=0.0)

@@ -1,4 +1,4 @@
-"""Derivatives of a contact by the matrix of Newton's step, beside differences and a closed form.
+"""Derivatives of a contact by the matrix of Newton's step, against differences and a closed form.
 
 - spheres of 91 x 91 elements: applications of operators of the solve, of the Jacobian, and of
   central differences by all six parameters, each contact started from the solution and solved to
@@ -6,6 +6,8 @@
   is zero by 1e-3), over the largest such change of a row;
 - cylinders: the slope of Carter's curve of force over creepage, over the mesh, the largest relative
   error at ten creepages. Between two of them elements change from stick to slip.
+
+Page: docs/howto/jacobian.md
 """
 
 import numpy as np
@@ -48,7 +50,7 @@ def moved(scene: ts.Scene, parameter: str, step: float) -> tuple[ts.Scene, float
 
 
 def compared(name: str) -> dict:
-    """The Jacobian of a scene beside central differences."""
+    """Compare the Jacobian of a scene with central differences."""
     scene = ts.Scene.builtin("spheres").replace(**SCENES[name], **{"solver.tolerance": TOLERANCE})
     contact = ts.solve(scene, jacobian=True)
     jacobian = contact.jacobian

@@ -1,10 +1,12 @@
 """Large meshes: time and memory of a steady solve of `spheres`, from 128² to 2048² elements.
 
-Each mesh is solved in a process of its own, whose largest memory is what is told; twice, so that
-the second time is without planning and compilation. To a residual of 1e-6, far below the error of
-the mesh, on all cores (the environment variable OMP_NUM_THREADS bounds them).
+Each mesh is solved twice in a separate process, whose largest memory is reported; the second time
+is without planning and compilation. The residual is 1e-6, far below the error of the mesh. All
+cores are used (the environment variable OMP_NUM_THREADS bounds them).
 
     python benchmarks/large.py [--meshes 128 256 512 1024 2048]
+
+Page: docs/benchmarks.md
 """
 
 import argparse
@@ -15,10 +17,10 @@ import sys
 from time import perf_counter, process_time
 
 MESHES = (128, 256, 512, 1024, 2048)
-ALONE = "_TRACTIVE_SAM_MESH"
+MESH_VARIABLE = "_TRACTIVE_SAM_MESH"
 
 
-def alone(n: int) -> dict:
+def measure_mesh(n: int) -> dict:
     """Solve one mesh in this process."""
     import resource  # noqa: PLC0415 - not on every machine
 
@@ -56,7 +58,7 @@ def main():
     from timing import show, write  # noqa: PLC0415 - holds this process to one thread
 
     for n in parser.parse_args().meshes:
-        mesh = environment | {ALONE: str(n)}
+        mesh = environment | {MESH_VARIABLE: str(n)}
         ran = subprocess.run(
             [sys.executable, __file__], env=mesh, stdout=subprocess.PIPE, check=True
         )
@@ -66,7 +68,7 @@ def main():
 
 
 if __name__ == "__main__":
-    if ALONE in os.environ:
-        print(json.dumps(alone(int(os.environ[ALONE]))))
+    if MESH_VARIABLE in os.environ:
+        print(json.dumps(measure_mesh(int(os.environ[MESH_VARIABLE]))))
     else:
         main()

@@ -1,7 +1,10 @@
-"""The normal problem of `spheres` over meshes, beside Tamaas' Polonsky-Keer solver.
+"""The normal problem of `spheres` over meshes, compared with Tamaas' Polonsky-Keer solver.
 
 Tamaas (pip install .[benchmarks]) solves with its non-periodic operator `dcfft`; its tolerance is
-lowered until the natural residual of its pressure, computed here, meets the one asked of ours.
+lowered until the natural residual of its pressure, computed here, meets the tolerance of this
+package.
+
+Page: docs/benchmarks.md
 """
 
 import numpy as np

@@ -1,7 +1,7 @@
-"""How fast peak values converge, each as it is recorded and by other ways to the same quantity.
+"""Convergence of peak values: recorded values and other estimates of the same quantity.
 
 - cylinders at rest on each other (Hertz) by other elements of pressure: constant ones, which are
-  those of the package; bilinear ones; constant ones of which the outermost are cut to the contact;
+  those of the package; bilinear ones; constant ones, the outermost cut to the contact;
 - spheres in full slip: stress at the trailing edge (Hamilton 1983): at centres of elements,
   between them, and taken on to the edge;
 - cylinders in partial slip (Carter 1926), where the largest stress of body B is where stick ends;
@@ -17,6 +17,8 @@
 Errors are relative, the largest of several places of the edge or the middle in their elements; for
 the discs they are the largest distance from the smooth course, and the change of its mean to the
 finest mesh.
+
+Page: docs/validation.md
 """
 
 from itertools import product
@@ -63,11 +65,11 @@ def on_mesh(scene: ts.Scene, across: float, odd: bool = True) -> State:
 
 
 def surfaces(contact: State, body: str) -> dict[str, float]:
-    """The largest stress at a surface by each way."""
+    """The largest stress at a surface by each estimate."""
     ((_, at_centres),) = stress_volume(contact, [0.0], body)
     load, grid = LoadedBodies.from_contact(contact, (body,)), contact.grid
-    lattice, alone = Lattice(grid.elements, grid.dx, grid.dy), load.bodies[0]
-    (stress,) = surface_stress(lattice, alone, load.tractions, (SIGNS[body],))
+    lattice, loaded_body = Lattice(grid.elements, grid.dx, grid.dy), load.bodies[0]
+    (stress,) = surface_stress(lattice, loaded_body, load.tractions, (SIGNS[body],))
     between = von_mises(stress)
     touching = contact.touching[1:] & contact.touching[:-1]
     if not grid.line:
@@ -101,19 +103,25 @@ def rolling_cylinders() -> list[dict]:
 
 
 def compared(case: str, scene: ts.Scene, body: str, truth: float) -> list[dict]:
-    """A row for every mesh and way: the largest error of contacts a little wider."""
+    """A row for every mesh and estimate: the largest error of contacts a little wider."""
     rows = []
     for across in ACROSS:
         contacts = [on_mesh(scene, across + shift) for shift in SHIFTS]
         found = [surfaces(contact, body) for contact in contacts]
-        for way in found[0]:
-            errors = [one[way] / scene.hertz.p0 / truth - 1.0 for one in found]
-            rows.append(row(case, "von Mises, surface", way, across, max(errors, key=abs)))
+        for estimate in found[0]:
+            errors = [one[estimate] / scene.hertz.p0 / truth - 1.0 for one in found]
+            rows.append(row(case, "von Mises, surface", estimate, across, max(errors, key=abs)))
     return rows
 
 
-def row(case: str, quantity: str, way: str, across: int, error: float) -> dict:
-    return {"case": case, "quantity": quantity, "way": way, "across": across, "error": error}
+def row(case: str, quantity: str, estimate: str, across: int, error: float) -> dict:
+    return {
+        "case": case,
+        "quantity": quantity,
+        "estimate": estimate,
+        "across": across,
+        "error": error,
+    }
 
 
 def largest_traction() -> list[dict]:
@@ -130,23 +138,23 @@ def largest_traction() -> list[dict]:
                 contact = on_mesh(
                     scene.replace(**{"creepage.longitudinal": creepage}), across + shift
                 )
-                for way, value in of_traction(contact, mu).items():
-                    found = errors.setdefault(("largest traction", way), [])
+                for estimate, value in of_traction(contact, mu).items():
+                    found = errors.setdefault(("largest traction", estimate), [])
                     found.append(value / truth - 1.0)
                 counted = np.count_nonzero(contact.sticking) / np.count_nonzero(contact.touching)
-                for way, value in (("counted", counted), ("recorded", contact.stick_fraction)):
-                    errors.setdefault(("share that sticks", way), []).append(
+                for estimate, value in (("counted", counted), ("recorded", contact.stick_fraction)):
+                    errors.setdefault(("share that sticks", estimate), []).append(
                         value / (1.0 - share) - 1.0
                     )
         rows += [
-            row("cylinders, partial slip", quantity, way, across, max(found, key=abs))
-            for (quantity, way), found in errors.items()
+            row("cylinders, partial slip", quantity, estimate, across, max(found, key=abs))
+            for (quantity, estimate), found in errors.items()
         ]
     return rows
 
 
 def of_traction(contact: State, mu: float) -> dict[str, float]:
-    """The largest traction of a line that sticks at its leading edge, by each way."""
+    """The largest traction of a line that sticks at its leading edge, by each estimate."""
     p, q = contact.pressure[:, 0], np.abs(contact.traction[0, :, 0])
     lacks = np.where(contact.sticking[:, 0], np.maximum(mu * p - q, 0.0), 0.0)
     before = beyond(lacks[::-1, None])[::-1, 0]
@@ -171,10 +179,14 @@ def hertz_peak() -> list[dict]:
             lean = -(x * ends[:, None] + y * ends[None, :]) * side / radius
             gap = ts.Gap(x=ends, y=ends, separation=lean - lean.min())
             contact = on_mesh(scene.replace(gap=gap), across)
-            for way, of in (("element (recorded)", np.max), ("parabolas", top), ("squares", roots)):
-                errors.setdefault(way, []).append(of(contact.pressure) / p0 - 1.0)
-        for way, found in errors.items():
-            rows.append(row("spheres, Hertz", "p_max", way, across, max(found, key=abs)))
+            for estimate, of in (
+                ("element (recorded)", np.max),
+                ("parabolas", top),
+                ("squares", roots),
+            ):
+                errors.setdefault(estimate, []).append(of(contact.pressure) / p0 - 1.0)
+        for estimate, found in errors.items():
+            rows.append(row("spheres, Hertz", "p_max", estimate, across, max(found, key=abs)))
     return rows
 
 
@@ -213,22 +225,22 @@ def to_the_rim(p: np.ndarray) -> float:
 def worn_discs() -> list[dict]:
     """The course of the pressure at the rim, and of `p_95`, over the mesh."""
     late = list(range(WORN, 15001, 500))
-    ways = {
+    estimates = {
         ("p_max", "element (recorded)"): lambda state: state.p_max,
         ("p_max", "parabolas"): lambda state: top(state.pressure),
         ("p_max", "three rows"): lambda state: three_rows(state.pressure),
         ("p_max", "to the rim"): lambda state: to_the_rim(state.pressure),
         ("p_95", "recorded"): lambda state: state.p_95,
     }
-    courses: dict[tuple[str, str], dict] = {way: {} for way in ways}
+    courses: dict[tuple[str, str], dict] = {estimate: {} for estimate in estimates}
     for mesh in MESHES:
         scene = discs(15000, f"grid.elements={list(mesh)}").replace(**{"wear.save": late})
         history, _ = timed(scene)
         states = [history.state(revolution) for revolution in late]
-        for way, of in ways.items():
-            courses[way][mesh] = np.array([of(state) for state in states])
+        for estimate, of in estimates.items():
+            courses[estimate][mesh] = np.array([of(state) for state in states])
     rows, over = [], np.log(late)
-    for (quantity, way), course in courses.items():
+    for (quantity, estimate), course in courses.items():
         smooth = {
             mesh: np.polynomial.Polynomial.fit(over, values, 4)(over)
             for mesh, values in course.items()
@@ -236,8 +248,8 @@ def worn_discs() -> list[dict]:
         for mesh, values in course.items():
             zigzag = float(np.abs(values / smooth[mesh] - 1.0).max())
             off = float((smooth[mesh] / smooth[MESHES[-1]] - 1.0).mean())
-            rows.append(row("worn discs, zigzag", quantity, way, mesh[0], zigzag))
-            rows.append(row("worn discs, to the finest", quantity, way, mesh[0], off))
+            rows.append(row("worn discs, zigzag", quantity, estimate, mesh[0], zigzag))
+            rows.append(row("worn discs, to the finest", quantity, estimate, mesh[0], off))
     return rows
 
 
@@ -275,8 +287,8 @@ def elements_of_pressure() -> list[dict]:
                 errors.setdefault((kind, "element"), []).append(p[k] - 1.0)
                 errors.setdefault((kind, "parabola"), []).append(parabola - 1.0)
         rows += [
-            row("cylinders, Hertz", "p_max", f"{kind}, {way}", across, max(found, key=abs))
-            for (kind, way), found in errors.items()
+            row("cylinders, Hertz", "p_max", f"{kind}, {estimate}", across, max(found, key=abs))
+            for (kind, estimate), found in errors.items()
         ]
     return rows
 
@@ -317,9 +329,15 @@ def main():
         *worn_discs(),
     ]
     table = []
-    for case, quantity, way in dict.fromkeys((r["case"], r["quantity"], r["way"]) for r in rows):
-        own = [r for r in rows if (r["case"], r["quantity"], r["way"]) == (case, quantity, way)]
-        line = {"case": case, "quantity": quantity, "way": way, "order": ""}
+    for case, quantity, estimate in dict.fromkeys(
+        (r["case"], r["quantity"], r["estimate"]) for r in rows
+    ):
+        own = [
+            r
+            for r in rows
+            if (r["case"], r["quantity"], r["estimate"]) == (case, quantity, estimate)
+        ]
+        line = {"case": case, "quantity": quantity, "estimate": estimate, "order": ""}
         errors = np.abs([r["error"] for r in own])
         if case not in ("worn discs, zigzag", "worn discs, to the finest"):
             slope = np.polyfit(np.log([r["across"] for r in own]), np.log(errors), 1)[0]

@@ -1,4 +1,7 @@
-"""Run the example of the README and keep its picture."""
+"""Run the example of the README and keep its picture.
+
+Page: README.md
+"""
 
 import os
 import re

@@ -1,4 +1,4 @@
-"""Changes of a scene that leave its physics alone, and what each does to the results.
+"""Changes of a scene that do not change its physics, and their effect on the results.
 
 A change maps the tables of a scene, and maps results of the changed scene back, so that they equal
 those of the scene itself. Axes and signs are those of docs/theory/conventions.md:
@@ -26,7 +26,7 @@ BODIES = {"A": "B", "B": "A"}
 UNCHECKED = re.compile(
     r"seconds|operator_applications|solves|jump|residual|next_step|stretch|.*_at|.*_error|revolution"
 )
-"""Columns that count work or steps, and places, of which a symmetric scene may have several."""
+"""Columns that count work or steps, and places: a symmetric scene may have several."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Outcome:
     values : dict of str to ndarray
         Columns, one row a record, and fields, one row a stored record.
     dims, units : dict
-        Dimensions beside the record, and unit, of each.
+        Dimensions other than the record, and unit, of each.
     """
 
     scene: ts.Scene

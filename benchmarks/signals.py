@@ -11,6 +11,8 @@ that of its length, both of programs that reached the next one; `signals` counts
 longest time from a signal to the end, in s. Run it with bytecode in place: once is not counted.
 
     python benchmarks/signals.py [--signals 200] [--within 60] [ARGUMENT ...]
+
+Page: none
 """
 
 import argparse
@@ -70,7 +72,7 @@ class Ending:
 
     @property
     def stage(self) -> int:
-        """Number of the stage in which the signal came; signals that were lost came early."""
+        """Return the stage in which the signal arrived; lost signals arrived early."""
         return sum(mark <= self.sent for mark in self.marks)
 
     @property

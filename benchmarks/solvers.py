@@ -2,8 +2,10 @@
 
 All start cold from the same pressure and stop at a residual of 1e-8; Uzawa's method takes the
 upwind slip as in the paper, Newton's both. Newton's method includes its
-coarser meshes; their applications count by their share of the elements, and are listed as they are
-beside it.
+coarser meshes; their applications count by their share of the elements, and are also listed
+unweighted.
+
+Page: docs/benchmarks.md
 """
 
 import numpy as np

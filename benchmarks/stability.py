@@ -1,4 +1,4 @@
-"""Stability maps: where each method breaks, measured, with theory beside it where there is one.
+"""Stability maps: where each method breaks, measured and, where there is a theory, predicted.
 
     python benchmarks/stability.py [uzawa coupling slip wear control]
 
@@ -8,6 +8,8 @@ eigenvalues of the slip operator on the contact and the estimate that the solver
 friction. `slip`: odd-even waves of the traction over the point at which the slip is taken.
 `wear`: growth of a ripple in one jump by explicit, stabilised and implicit steps. `control`: cost
 under a given load and under the approach that it takes.
+
+Page: docs/validation.md
 """
 
 import sys
@@ -57,15 +59,15 @@ def ball(n: int, aspect: float = 1.0, **tables) -> Scene:
 
 
 def figure(columns: int, width: float = 4.6):
-    drawn = Figure(figsize=(width * columns, 3.8), layout="constrained")
-    axes = np.atleast_1d(drawn.subplots(1, columns))
+    picture = Figure(figsize=(width * columns, 3.8), layout="constrained")
+    axes = np.atleast_1d(picture.subplots(1, columns))
     for one in axes:
         one.grid(alpha=0.3)
-    return drawn, axes
+    return picture, axes
 
 
-def finished(name: str, title: str, rows: list[dict], drawn: Figure) -> None:
-    drawn.savefig(RESULTS / f"stability_{name}.png", dpi=150)
+def finished(name: str, title: str, rows: list[dict], picture: Figure) -> None:
+    picture.savefig(RESULTS / f"stability_{name}.png", dpi=150)
     show(title, rows)
     print(f"written: {write(f'stability_{name}', rows)} and its figure", flush=True)
 
@@ -120,7 +122,7 @@ def uzawa_step():
             row["measured"] = longest_step(problem, 5.0 * bound)
             row["measured/estimate"] = row["measured"] / bound
             rows.append(row)
-    drawn, (axes,) = figure(1, 6.0)
+    picture, (axes,) = figure(1, 6.0)
     for aspect, colour in ((0.2, "C0"), (1.0, "C1"), (5.0, "C2")):
         mine = [row for row in rows if row["a/b"] == aspect]
         n = [row["n"] for row in mine]
@@ -136,7 +138,7 @@ def uzawa_step():
     axes.minorticks_off()
     axes.set_ylim(top=30.0)
     axes.legend(fontsize=8, ncols=2)
-    finished("uzawa", "Longest step of Uzawa's iteration", rows, drawn)
+    finished("uzawa", "Longest step of Uzawa's iteration", rows, picture)
 
 
 # Dissimilar bodies
@@ -171,8 +173,8 @@ def coupling():
                     solved, _, cost, *_ = solve(scene, Model(scene))
                     row[name] = round(cost) if solved else np.inf
                 rows.append(row)
-    drawn = Figure(figsize=(11.0, 6.4), layout="constrained")
-    axes = drawn.subplots(2, 3, sharex=True, sharey=True)
+    picture = Figure(figsize=(11.0, 6.4), layout="constrained")
+    axes = picture.subplots(2, 3, sharex=True, sharey=True)
     for line, slips in zip(axes, (False, True), strict=True):
         shown = [row for row in rows if row["n"] == 21 and row["full slip"] == slips]
         for one, name in zip(line, methods, strict=True):
@@ -188,10 +190,12 @@ def coupling():
             one.set_title(f"{name}, {'full slip' if slips else 'stick and slip'}", fontsize=10)
             one.set_xticks(range(len(coefficients)), [f"{mu:g}" for mu in coefficients])
             one.set_yticks(range(len(betas)), [f"{beta:g}" for beta in betas])
-    drawn.supxlabel("mu")
-    drawn.supylabel("Dundurs' beta")
-    drawn.colorbar(image, ax=axes, label="applications to 1e-8, 21 x 21")
-    finished("coupling", "Dissimilar bodies: applications to 1e-8, inf where it fails", rows, drawn)
+    picture.supxlabel("mu")
+    picture.supylabel("Dundurs' beta")
+    picture.colorbar(image, ax=axes, label="applications to 1e-8, 21 x 21")
+    finished(
+        "coupling", "Dissimilar bodies: applications to 1e-8, inf where it fails", rows, picture
+    )
 
 
 # Odd-even waves
@@ -266,7 +270,7 @@ def slip():
                         "applications": contact.cost.applications + contact.cost.preconditioner,
                     }
                 )
-    drawn, (left, right) = figure(2)
+    picture, (left, right) = figure(2)
     offsets = [row["offset"] for row in rows]
     for name in ("x", "y", "45", "spin"):
         left.semilogy(offsets, [row[f"odd-even, {name}"] for row in rows], "o-", label=name)
@@ -276,19 +280,19 @@ def slip():
     for scheme, marker in (("upwind", "s"), ("auto", "o")):
         for spin, style in ((0.0, "-"), (1.0, ":")):
             mine = [s for s in solved if s["scheme"] == scheme and s["spin a/creepage"] == spin]
-            told = scheme + (", spin" if spin else "")
+            label = scheme + (", spin" if spin else "")
             right.plot(
                 [s["direction"] for s in mine],
                 [s["odd-even"] for s in mine],
                 marker + style,
-                label=told,
+                label=label,
             )
     right.set(xlabel="direction of creepage, degrees", ylabel="odd-even share, stick and slip")
     right.set_ylim(0.0)
     right.legend(fontsize=8)
     show("Stick and slip, 41 x 41", solved)
     write("stability_slip_schemes", solved)
-    finished("slip", "Full stick over the point of the slip", rows, drawn)
+    finished("slip", "Full stick over the point of the slip", rows, picture)
 
 
 # Wear steps
@@ -383,7 +387,7 @@ def wear():
                     after, base = (step(rate, p, jump, response) for p in (ripple, flat))
                     row[name] = left(after, base)
                 rows.append(row)
-    drawn, (axes,) = figure(1, 6.5)
+    picture, (axes,) = figure(1, 6.5)
     z = np.geomspace(0.2, 110.0, 400)
     theory = {
         "explicit": np.abs(1.0 - z),
@@ -403,7 +407,7 @@ def wear():
     )
     axes.set_ylim(3e-3, 300.0)
     axes.legend(fontsize=8, ncols=2)
-    finished("wear", "Ripple after a jump over before", rows, drawn)
+    finished("wear", "Ripple after a jump over before", rows, picture)
 
 
 # Load or approach
@@ -426,26 +430,28 @@ def control():
                 touching = int(np.count_nonzero(reference.touching))
                 row = {"bodies": kind, "n": n, "load": load, "in contact": touching}
                 for method in ("newton", "anderson"):
-                    for name, asked in (("load", scene), ("approach", given)):
-                        contact = equilibrium(Model(asked.replace(**{"solver.method": method})))
+                    for name, given_scene in (("load", scene), ("approach", given)):
+                        contact = equilibrium(
+                            Model(given_scene.replace(**{"solver.method": method}))
+                        )
                         cost = contact.cost.applications + contact.cost.preconditioner
                         row[f"{method}, {name}"] = round(cost) if contact.converged else np.inf
                         if method == "newton" and name == "approach":
                             row["loads differ by"] = abs(contact.P / load - 1.0)
                 rows.append(row)
-    drawn, axes = figure(2)
+    picture, axes = figure(2)
     for one, kind in zip(axes, ("equal", "dissimilar"), strict=True):
         for method, colour in (("newton", "C0"), ("anderson", "C1")):
             for name, style in (("load", "o-"), ("approach", "s:")):
                 mine = sorted(
                     (r["in contact"], r[f"{method}, {name}"]) for r in rows if r["bodies"] == kind
                 )
-                told = f"{method}, given {name}"
-                one.loglog(*zip(*mine, strict=True), style, color=colour, label=told, ms=4)
+                label = f"{method}, given {name}"
+                one.loglog(*zip(*mine, strict=True), style, color=colour, label=label, ms=4)
         one.set(title=f"{kind} bodies", xlabel="elements in contact")
         one.set_ylabel("applications to 1e-8")
         one.legend(fontsize=8)
-    finished("control", "Load against approach", rows, drawn)
+    finished("control", "Load against approach", rows, picture)
 
 
 MAPS = {"uzawa": uzawa_step, "coupling": coupling, "slip": slip, "wear": wear, "control": control}

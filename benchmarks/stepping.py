@@ -1,4 +1,4 @@
-"""Contact solves and time of the twin discs' wear over the tolerance, for each way of stepping.
+"""Contact solves and time of the twin discs' wear over the tolerance, for each stepping scheme.
 
 The profile E with which material enters obeys E(n + 1) = E(n) + R(E(n)). Every stepping here
 goes through the sum over the revolutions to second order: the package's in the profile halfway
@@ -14,6 +14,8 @@ same step control, to 15,000 revolutions of `twin-discs` at beta = 0 on the pape
 
 They are measured against the run in which every revolution is rolled (`benchmarks/references`; the
 first time some ten minutes). Seconds are those of the process, on its one thread.
+
+Page: docs/benchmarks.md
 """
 
 from collections.abc import Callable

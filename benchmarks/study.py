@@ -3,10 +3,12 @@
 A scheduler and two workers are started by their command lines. The creep-force map of
 `spheres-orthotropic` over 10 creepages and 7 angles, and `twin-discs` over 7 angles, run on them
 through ``tractive-sam study`` while a worker is killed in each (SIGKILL): of the first its process,
-which its nanny starts anew; of the second the nanny as well, so that one worker is left. Results
+which its nanny starts again; of the second the nanny as well, so that one worker is left. Results
 are compared with those of one process. Then both run on one worker and on two, 2,000 cases that do
-nothing tell what the engine itself costs, and a folder of 10,000 cases what it costs to read one.
+nothing measure the cost of the engine, and a folder of 10,000 cases that of reading one.
 The last table says on paper what 10,000 cases would take on 500 cores, from these figures.
+
+Page: docs/howto/cluster.md
 """
 
 import json
@@ -64,7 +66,7 @@ def started(*arguments: str, folder: Path) -> subprocess.Popen:
 
 @contextmanager
 def cluster(workers: int, folder: Path) -> Iterator[str]:
-    """A scheduler and workers, each a program of its own; yields the address."""
+    """Start a scheduler and workers as separate programs; yields the address."""
     file = folder / f"scheduler-{workers}.json"
     file.unlink(missing_ok=True)
     programs = [started("scheduler", "--port", "0", "--no-dashboard", "--no-show",
@@ -161,11 +163,11 @@ def survived(study: ts.Study, wanted: ts.StudyResults, folder: Path, with_nanny:
     return row
 
 
-def scaling(study: ts.Study, alone: dict, scratch: Path) -> list[dict]:
+def scaling(study: ts.Study, single: dict, scratch: Path) -> list[dict]:
     """Time on one worker and on two; that of the CPU does not know what else the machine does."""
-    count = alone["cases"]
-    of_one = {"workers": "none, in one process", "s": count * alone["s a case"], "busy": 1.0}
-    rows = [{"study": study.title, **of_one, "s of CPU": count * alone["s of CPU a case"]}]
+    count = single["cases"]
+    of_one = {"workers": "none, in one process", "s": count * single["s a case"], "busy": 1.0}
+    rows = [{"study": study.title, **of_one, "s of CPU": count * single["s of CPU a case"]}]
     for workers in (1, 2):
         folder, busy = scratch / f"scaling-{len(study)}-{workers}", []
         with cluster(workers, scratch) as address:
@@ -249,14 +251,14 @@ def many(done: ts.StudyResults, scratch: Path) -> dict:
     }
 
 
-def on_paper(alone: dict, engine: dict, large: dict) -> dict:
+def on_paper(single: dict, engine: dict, large: dict) -> dict:
     """Time of many cases on many cores like these, and what they write."""
-    cores = MANY_CASES * alone["s of CPU a case"] / CORES
+    cores = MANY_CASES * single["s of CPU a case"] / CORES
     scheduler = MANY_CASES * engine["ms of scheduler"] / 1e3
-    disks = MANY_CASES * alone["MB written a case"] / 1e3 / SHARED_DISKS
+    disks = MANY_CASES * single["MB written a case"] / 1e3 / SHARED_DISKS
     took = max(cores, scheduler, disks)
     return {
-        "study": alone["study"],
+        "study": single["study"],
         "cases": MANY_CASES,
         "cores": CORES,
         "s of the cores": cores,
@@ -264,8 +266,8 @@ def on_paper(alone: dict, engine: dict, large: dict) -> dict:
         "s of the client": MANY_CASES * engine["ms of client"] / 1e3,
         f"s of disks of {SHARED_DISKS:g} GB/s": disks,
         "s to begin": large["s to check"] + large["s to estimate"],
-        "GB in files": MANY_CASES * alone["MB a file"] / 1e3,
-        "writes/s": MANY_CASES * alone["writes a case"] / took,
+        "GB in files": MANY_CASES * single["MB a file"] / 1e3,
+        "writes/s": MANY_CASES * single["writes a case"] / took,
         "files/s": MANY_CASES / took,
     }
 
@@ -276,14 +278,14 @@ def main():
     tables = {name: [] for name in ("case", "killed", "scaling", "engine", "many", "on_paper")}
     for name, study, with_nanny in (("map", MAP, False), ("discs", DISCS, True)):
         serial(study, scratch / f"{name}-warm")  # kernels, plans and the disk
-        wanted, alone = serial(study, scratch / f"{name}-serial")
-        tables["case"].append(alone)
+        wanted, single = serial(study, scratch / f"{name}-serial")
+        tables["case"].append(single)
         tables["killed"].append(survived(study, wanted, scratch / name, with_nanny))
-        tables["scaling"] += scaling(study, alone, scratch)
+        tables["scaling"] += scaling(study, single, scratch)
     tables["engine"].append(engine(scratch))
     tables["many"].append(many(wanted, scratch))
     tables["on_paper"] = [
-        on_paper(alone, *tables["engine"], *tables["many"]) for alone in tables["case"]
+        on_paper(single, *tables["engine"], *tables["many"]) for single in tables["case"]
     ]
     titles = {
         "case": "Cases in one process",

@@ -2,10 +2,12 @@
 
 Bare FFTs are the transforms that the work needs and no more, executed on its own arrays: per layer
 four packed tables forward and six stresses back, per depth of a plane eight packed rows an edge.
-The usual way takes 18 tables forward instead of four; `over 18 + 6` compares with that. Ratios are
-of medians over layers or depths, so that other work on the machine weighs on both sides alike. The
-volume of 512 x 512 x 64 runs in a process of its own, whose peak resident memory is that of all it
-loads.
+The usual method takes 18 tables forward instead of four; `over 18 + 6` compares with that. Ratios
+are of medians over layers or depths, so that other work on the machine weighs on both sides alike.
+The volume of 512 x 512 x 64 runs in a separate process, whose peak resident memory is that of all
+it loads.
+
+Page: docs/benchmarks.md
 """
 
 import os
@@ -71,7 +73,7 @@ def volume(contact: State) -> dict:
     layers = StressLayers(lattice, load.tractions, (poisson,), (1.0,))
     transform = layer_transform(lattice.shape, layers._padded)
     arrays = (transform.tables, transform.packs, transform.spectra, layers._loads)
-    held = sum(array.nbytes for array in arrays) + 6 * n * layers._padded[1] * 8
+    array_bytes = sum(array.nbytes for array in arrays) + 6 * n * layers._padded[1] * 8
     stream(contact, 1)
     took = seconds(lambda: stream(contact, DEPTHS))
     layer = median(stream(contact, DEPTHS))
@@ -84,7 +86,7 @@ def volume(contact: State) -> dict:
         "over its FFTs": layer / bare,
         "over 18 + 6": layer / textbook(n),
         "MiB": most / 2**20,
-        "over its arrays": most / held,
+        "over its arrays": most / array_bytes,
     }
 
 
@@ -116,8 +118,8 @@ def plane(contact: State, text: str, count: int) -> dict:
     bare = seconds(lambda: (transform.forward(), np.fft.irfft(spectra, operator._padded)), 0.5, 200)
     depth = seconds(lambda: operator.at(z[count // 2]), 0.5, count)
     took = seconds(lambda: stress_on_plane(contact, text, depths=z))
-    held = transform.tables.nbytes + transform.packs.nbytes + operator._loads.nbytes
-    held += 6 * n * count * 8  # the result
+    array_bytes = transform.tables.nbytes + transform.packs.nbytes + operator._loads.nbytes
+    array_bytes += 6 * n * count * 8  # the result
     edge_transform.cache_clear()
     most = peak(lambda: stress_on_plane(contact, text, depths=z))
     return {
@@ -126,12 +128,12 @@ def plane(contact: State, text: str, count: int) -> dict:
         "over its FFTs": depth / bare,
         "over 18 + 6": "",
         "MiB": most / 2**20,
-        "over its arrays": most / held,
+        "over its arrays": most / array_bytes,
     }
 
 
 def large(threads: int) -> None:
-    """In a process of its own: sliding spheres under Hertz pressure on a large mesh."""
+    """Measure, in a separate process, sliding spheres under Hertz pressure on a large mesh."""
     small = spheres(31)
     grid = Grid(small.grid.half_length, (LARGE, LARGE))
     pressure = small.scene.hertz.pressure(grid.x[:, None], grid.y)

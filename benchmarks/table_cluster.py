@@ -1,11 +1,13 @@
 """A table made by the workers of a scheduler, one of them killed meanwhile.
 
 A table of circular contacts is made in this process, and by ``tractive-sam table --scheduler`` on
-two workers that are started by their command lines, of which one is killed (SIGKILL) while it
+two workers that are started by their command lines, one of them killed (SIGKILL) while it
 solves contacts; its nanny starts another. Both have the same nodes; what differs is compared, and
 what each cost.
 
     python benchmarks/table_cluster.py
+
+Page: docs/howto/cluster.md
 """
 
 import os
@@ -38,11 +40,17 @@ def kill_one_at_work(address: str, running: subprocess.Popen) -> int:
     return len(calls)
 
 
-def row(way: str, table: ts.CreepTable, took: float) -> dict:
+def row(build: str, table: ts.CreepTable, took: float) -> dict:
     """What a table cost."""
     hours = float(table.about["cpu_seconds"]) / 3600.0
     contacts = int(table.about["contacts"])
-    return {"way": way, "nodes": table.nodes, "contacts": contacts, "s": took, "core-hours": hours}
+    return {
+        "build": build,
+        "nodes": table.nodes,
+        "contacts": contacts,
+        "s": took,
+        "core-hours": hours,
+    }
 
 
 def main() -> None:
@@ -53,8 +61,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         began = perf_counter()
-        alone = ts.build_table(DESIGN)
-        rows = [row("one process", alone, perf_counter() - began)]
+        serial = ts.build_table(DESIGN)
+        rows = [row("one process", serial, perf_counter() - began)]
         (folder / "table.toml").write_text(DESIGN.to_toml())
         with cluster(2, folder) as address:
             command = [
@@ -73,9 +81,9 @@ def main() -> None:
             took = perf_counter() - began
         together = ts.open_table(folder / "table.nc")
     rows.append(row(f"two workers, one killed with {lost} batches", together, took))
-    for one, other in zip(alone.law.axes, together.law.axes, strict=True):
+    for one, other in zip(serial.law.axes, together.law.axes, strict=True):
         np.testing.assert_array_equal(one, other)
-    values = [one.law.coefficients[..., 0, :] for one in (alone, together)]
+    values = [one.law.coefficients[..., 0, :] for one in (serial, together)]
     for one in rows:
         one["largest difference"] = float(np.abs(values[0] - values[1]).max())
     show("A table by a scheduler", rows)

@@ -7,6 +7,8 @@ of 29 to 131 elements across the contact. Then gradients at random points, as
 sqrt(K_ii K_jj), K_ii the slopes at rest.
 
     python benchmarks/table_gradients.py [POINTS]
+
+Page: docs/howto/tables.md
 """
 
 import math

@@ -3,11 +3,14 @@
 A thousand points that no table has seen: a/b between those of the built-in table of steel, scaled
 creepages of normal distribution up to full slip, spin as well. The reference is a contact of twice
 to three times the elements of any node of the table. Errors are those of (Q_x, Q_y) over mu P, the
-larger one, and of the moment over mu P c where a way tells one. Times are those of one evaluation
-on one core, of the table also in arrays of a million points, with gradients and errors, and in C.
-The points that were held out when the table was made are drawn beside what it tells of them.
+larger one, and of the moment over mu P c where a method gives one. Times are those of one
+evaluation on one core, of the table also in arrays of a million points, with gradients and errors,
+and in C. The figure compares the points held out when the table was made with the errors that the
+table reports.
 
     python benchmarks/tables.py [POINTS]
+
+Page: docs/howto/tables.md
 """
 
 import math
@@ -87,7 +90,7 @@ def at_once(found: list[tuple[float, np.ndarray]]) -> tuple[np.ndarray, dict]:
 
 
 def within(table: ts.CreepTable, found: list, errors: np.ndarray) -> float:
-    """Share of the points whose errors are within those told."""
+    """Return the share of the points whose errors are within the reported ones."""
     w, contact = at_once(found)
     return float((errors <= table(*w, **contact).error.T).all(axis=1).mean())
 
@@ -138,8 +141,10 @@ int main(void) {
         Path(folder, "steel.h").write_text(c_header(table, "steel"))
         Path(folder, "main.c").write_text(program)
         subprocess.run(["cc", "-O2", "main.c", "-o", "main", "-lm"], cwd=folder, check=True)
-        told = subprocess.run(["./main"], cwd=folder, capture_output=True, text=True, check=True)
-    return float(told.stdout)
+        completed = subprocess.run(
+            ["./main"], cwd=folder, capture_output=True, text=True, check=True
+        )
+    return float(completed.stdout)
 
 
 def main() -> None:
@@ -159,7 +164,7 @@ def main() -> None:
         f = table(*w, **contact_of(ratio))
         return np.array([f.Qx, f.Qy, f.Mz])
 
-    ways = {
+    methods = {
         f"{TABLE}, one by one": looked_up,
         "Kalker's linear theory": linear,
         "Vermeulen-Johnson": by_vermeulen_johnson,
@@ -167,23 +172,23 @@ def main() -> None:
         "first order, 12 x 12": FirstOrder(),
     }
     rows = []
-    for name, way in ways.items():
-        way(*found[0])
+    for name, method in methods.items():
+        method(*found[0])
         began = process_time()
-        values = np.array([way(*one) for one in found])
+        values = np.array([method(*one) for one in found])
         spent = (process_time() - began) / count
         errors = np.abs(values - exact)
         force = errors[:, :2].max(axis=1)
         rows.append(
             {
-                "way": name,
+                "method": name,
                 "s": spent,
                 "median": float(np.median(force)),
                 "worst": float(force.max()),
                 "moment": float(np.median(errors[:, 2])),
             }
         )
-        if way is looked_up:
+        if method is looked_up:
             inside = within(table, found, errors)
     table_row = rows[0]
     w, contact = at_once(found * max(1, MANY // count))
@@ -194,13 +199,13 @@ def main() -> None:
         began = process_time()
         what(table(*w, **contact))
         each = (process_time() - began) / w.shape[1]
-        rows.append(table_row | {"way": f"{TABLE}, {name}", "s": each})
+        rows.append(table_row | {"method": f"{TABLE}, {name}", "s": each})
     in_c = seconds_in_c(table)
     if math.isfinite(in_c):
-        rows.append(table_row | {"way": f"{TABLE}, in C", "s": in_c})
+        rows.append(table_row | {"method": f"{TABLE}, in C", "s": in_c})
     title = f"{count} points: errors over mu P, and time of one; {inside:.1%} are inside the error"
     made = f"{table.nodes} nodes, {table.about['cpu_seconds'] / 3600.0:.3f} core-hours to make"
-    show(f"{title} that the table tells; {made}", rows)
+    show(f"{title} that the table reports; {made}", rows)
     print(write("tables", rows))
     about = {"points": count, "inside": inside, "nodes": table.nodes,
              "tolerance": float(table.about["tolerance"]),
@@ -212,7 +217,7 @@ def main() -> None:
     print(path)
 
 
-LABELS = {  # by the way: where its label is, in points from its median, and how it is aligned
+LABELS = {  # by the method: where its label is, in points from its median, and how it is aligned
     "Kalker's linear theory": (8, 0, "left"),
     "Vermeulen-Johnson": (8, -5, "left"),
     "FASTSIM, 30 x 30": (0, -14, "center"),
@@ -225,7 +230,7 @@ def draw(rows: list[dict]) -> Path:
     figure, axes = plt.subplots(figsize=(7.0, 4.2), layout="constrained")
     others = iter(("C1", "C2", "C3", "C4"))
     for row in rows:
-        name, _, how = row["way"].partition(f"{TABLE}, ")
+        name, _, how = row["method"].partition(f"{TABLE}, ")
         color = "C0" if how else next(others)
         axes.plot([row["s"]] * 2, [row["median"], row["worst"]], "-", color=color, alpha=0.6)
         axes.plot(row["s"], row["median"], "o", color=color)
@@ -234,7 +239,7 @@ def draw(rows: list[dict]) -> Path:
         axes.annotate(how or name, (row["s"], row["median"]), (x, y), color=color, ha=aligned,
                       textcoords="offset points", rotation=30 if how else 0,
                       rotation_mode="anchor", va="top" if how else "center")  # fmt: skip
-    table = next(row for row in rows if row["way"].startswith(TABLE))
+    table = next(row for row in rows if row["method"].startswith(TABLE))
     axes.annotate(TABLE, (table["s"], table["worst"]), (10, -4), color="C0", va="top",
                   textcoords="offset points")  # fmt: skip
     axes.set(xscale="log", yscale="log", xlim=(5e-7, 5e-2), ylim=(3e-5, 1.5),

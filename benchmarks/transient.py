@@ -12,6 +12,8 @@
   that slides to and fro against the closed form, over the mesh and the step.
 
     python benchmarks/transient.py [courses killed steps order wear]
+
+Page: docs/theory/transient.md
 """
 
 import sys

@@ -1,12 +1,14 @@
 """The paper's twin discs over 15,000 revolutions, against what the paper finds and against others.
 
 - findings: beta = 0, 45, 90 degrees (paper, section 8.2 and appendix C, Figs. 16-18);
-- every revolution: jumps beside a roll of every revolution, 300 of them from the new discs and 300
+- every revolution: jumps against a roll of every revolution, 300 of them from the new discs and 300
   from the discs worn at N = 4,000, and all 15,000 where `benchmarks/references` has them;
 - mesh: the state at N = 15,000 over the mesh;
-- GIWM: `twin-discs-isotropic` beside the global incremental wear model (paper, Fig. 15, Table 1).
+- GIWM: `twin-discs-isotropic` against the global incremental wear model (paper, Fig. 15, Table 1).
 
 The convergence in the tolerance and the time of the paper's scheme are in `wear.py`.
+
+Page: docs/validation.md
 """
 
 import shutil
@@ -82,7 +84,7 @@ def _check(rows: list[dict]) -> None:
         values = [sign * np.diff([row[name] for row in course]) for course in courses.values()]
         return all((one >= 0).all() and one.sum() > 0 for one in values)
 
-    told = {
+    findings = {
         "a falls with N": grows("a", -1),
         "b rises with N": grows("b"),
         "wear is deepest at beta = 0": last[0.0]["wear_max"]
@@ -100,7 +102,7 @@ def _check(rows: list[dict]) -> None:
         > max(last[45.0]["largest slip"], last[90.0]["largest slip"]),
     }
     print("\nThe paper's findings")
-    for finding, holds in told.items():
+    for finding, holds in findings.items():
         print(f"{'yes' if holds else 'NO':>4}  {finding}")
 
 
@@ -136,7 +138,7 @@ def every_revolution() -> None:
     for angle in ANGLES:
         cold, _ = timed(discs(MORE, angle=angle))
         every, _ = timed(discs(MORE, EVERY, angle=angle))
-        rows.append(_beside(angle, f"0 to {MORE}", cold, every, MORE))
+        rows.append(_compare(angle, f"0 to {MORE}", cold, every, MORE))
         with tempfile.TemporaryDirectory() as folder:
             jumped, one_by_one = Path(folder) / "jumps.h5", Path(folder) / "every.h5"
             ts.roll(discs(RESTART, angle=angle), jumped)
@@ -144,17 +146,17 @@ def every_revolution() -> None:
             there = RESTART + MORE
             on = ts.roll(discs(there, angle=angle), jumped, resume=True)
             every = ts.roll(discs(there, EVERY, angle=angle), one_by_one, resume=True)
-            rows.append(_beside(angle, f"{RESTART} to {there}", on, every, there))
+            rows.append(_compare(angle, f"{RESTART} to {there}", on, every, there))
         whole = kept_reference(angle)
         if whole is not None:
             history, _ = timed(discs(SAVED[-1], angle=angle))
             reached = [N for N in SAVED if MORE < N <= whole["revolution"][-1]]
-            rows += [_beside(angle, f"0 to {N}", history, whole, N) for N in reached]
-    show("Jumps beside every revolution", rows)
+            rows += [_compare(angle, f"0 to {N}", history, whole, N) for N in reached]
+    show("Jumps against every revolution", rows)
     write("twin_discs_every_revolution", rows)
 
 
-def _beside(angle: float, between: str, history, every, revolution: int) -> dict:
+def _compare(angle: float, between: str, history, every, revolution: int) -> dict:
     found = errors(history, every, revolution)
     return {"beta": angle, "revolutions": between} | {
         f"{name} error": error for name, error in found.items()
@@ -162,7 +164,7 @@ def _beside(angle: float, between: str, history, every, revolution: int) -> dict
 
 
 def mesh_convergence() -> None:
-    """The state at N = 15,000 over the mesh, beta = 0; the tolerance does not show beside it."""
+    """Compare meshes at N = 15,000, beta = 0; the error of the tolerance is much smaller."""
     rows = []
     for mesh in MESHES:
         settings = f"grid.elements={list(mesh)}", "wear.tolerance=2e-4"
@@ -189,7 +191,7 @@ def mesh_convergence() -> None:
 
 
 def wear_models() -> None:
-    """Largest depth beside the global incremental wear model."""
+    """Compare the largest depth with the global incremental wear model."""
     scene = ts.Scene.builtin("twin-discs-isotropic")
     history, seconds = timed(scene)
     print(f"\nisotropic: {history.totals['contact_solves']:.0f} contact solves, {seconds:.1f} s")
@@ -219,7 +221,7 @@ def wear_models() -> None:
                 "Qx/mu P": float(history["Qx_over_P"][i] / 0.6),
             }
         )
-    show("Twin discs, isotropic, beside GIWM", rows)
+    show("Twin discs, isotropic, against GIWM", rows)
     write("twin_discs_giwm", rows)
     figure = Figure(figsize=(5.4, 3.6), layout="constrained")
     axes = figure.subplots()

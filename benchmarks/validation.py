@@ -3,6 +3,8 @@
 Hertz and the mesh-converged Q_x of `spheres`; its creep-force curve; Kalker's creep coefficients;
 orthotropic friction over all angles. Numbers of the independent program CONTACT and Kalker's table
 are those of tests/data/reference.json.
+
+Page: docs/validation.md
 """
 
 import json

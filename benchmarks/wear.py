@@ -1,9 +1,11 @@
-"""Contact solves and time of the twin discs' wear over the tolerance, beside the paper's scheme.
+"""Contact solves and time of the twin discs' wear over the tolerance, against the paper's scheme.
 
 `twin-discs` at beta = 0, the paper's mesh. The reference rolls every revolution, 1,000 of them or,
 with `--full`, all 15,000 (some ten minutes; kept in `benchmarks/references`). The paper's own
 scheme, Uzawa's iteration with wear in its loop and the upwind slip, is timed over a few revolutions
 in the same run. Seconds are those of the process, on its one thread.
+
+Page: docs/benchmarks.md
 """
 
 import sys

@@ -5,13 +5,15 @@ or orthotropic with mu1/mu2 = 2.5 at 35 degrees. Where i/mu is the same along bo
 the work supplied is the section worn, whatever the mesh.
 
 - by work: `ArchardByWork`, the package's;
-- by pressure: Archard's law p_n |s|_i with the same slip, in which elements that stick beside one
+- by pressure: Archard's law p_n |s|_i with the same slip, in which elements that stick next to one
   that slips wear as if they slipped;
 - by traction: with what an element carries in place of its pressure, ||p_t||_mu |s|_i;
 - upwind: the paper's slip and law. Its slip misses some of the work, and with it of the wear.
 
-Then the error of the section where i/mu differs, and there is no law to hold it against: beside
+Then the error of the section where i/mu differs, and there is no law to compare with: against
 the section by work on meshes of 192 and 256 elements, extrapolated.
+
+Page: docs/theory/wear.md
 """
 
 from collections.abc import Iterator
@@ -89,20 +91,20 @@ def balances() -> list[dict]:
             contact = solved(across, friction, creepage, share, "auto")
             intensity = INTENSITY["as friction"](contact.scene.friction.mu)
             worn = 1e-6 * contact.work_supplied
-            told = {law: section / worn for law, section in sections(contact, intensity).items()}
+            ratios = {law: section / worn for law, section in sections(contact, intensity).items()}
             upwind = solved(across, friction, creepage, share, "upwind")
-            told["upwind"] = sections(upwind, intensity)["by pressure"] / (
+            ratios["upwind"] = sections(upwind, intensity)["by pressure"] / (
                 1e-6 * upwind.work_supplied
             )
             about = {"friction": friction, "creepage": creepage, "of full slip": share}
-            rows.append(about | {"across": across} | told)
+            rows.append(about | {"across": across} | ratios)
     show("Worn section over i/mu times the work supplied", rows)
     write("wear_balance", rows)
     return rows
 
 
 def errors() -> None:
-    """Errors of the section with the intensities the other way round than friction."""
+    """Errors of the section with the intensities exchanged against those of friction."""
     rows = []
     for creepage in ("longitudinal", "spin"):
         for share in SHARES:
@@ -115,8 +117,10 @@ def errors() -> None:
             # The rest is of first order where the slip zone is thinner than an element.
             truth = finer + (finer - coarser) * FINER[0] ** 2 / (FINER[1] ** 2 - FINER[0] ** 2)
             for across in ACROSS:
-                told = {law: section / truth - 1.0 for law, section in found[across].items()}
-                rows.append({"creepage": creepage, "of full slip": share, "across": across} | told)
+                ratios = {law: section / truth - 1.0 for law, section in found[across].items()}
+                rows.append(
+                    {"creepage": creepage, "of full slip": share, "across": across} | ratios
+                )
     show("Error of the worn section, i/mu not the same along both axes", rows)
     write("wear_balance_errors", rows)
 

@@ -1,8 +1,10 @@
 """Where the time of a whole roll goes: contacts, largest stress of every record, storing, the rest.
 
 The built-in twin discs over all 15,000 revolutions, in one process on one core, after one roll that
-is not counted; medians of the rolls. Beside it what is found: the largest stress inside either disc
+is not counted; medians of the rolls. Also reported: the largest stress inside either disc
 against the exact sum over the elements at its place.
+
+Page: docs/benchmarks.md
 """
 
 import contextlib

@@ -6,6 +6,8 @@ reference is that of the second-order slip on the finest mesh; its uncertainty, 
 distance to what the upwind slip extrapolates to from its finest meshes (linearly in the element).
 
     python benchmarks/work_precision.py [--scenes spheres twin-discs]
+
+Page: docs/benchmarks.md
 """
 
 import argparse

@@ -196,7 +196,7 @@ def peaks() -> str:
     found = defaultdict(dict)
     for row in read_rows("peaks.csv"):
         if not row["case"].startswith("worn"):
-            case = row["case"], row["quantity"], row["way"]
+            case = row["case"], row["quantity"], row["estimate"]
             found[case][int(row["across"])] = abs(100.0 * float(row["error"]))
     lines = []
     for case, errors in found.items():
@@ -217,7 +217,7 @@ def peaks_worn() -> str:
     """Return scatter and mean error of the peaks of worn discs, in per cent, for each mesh."""
     found = defaultdict(list)
     for row in read_rows("peaks.csv", lambda r: r["case"].startswith("worn")):
-        found[row["quantity"], row["way"], row["across"]].append(100.0 * float(row["error"]))
+        found[row["quantity"], row["estimate"], row["across"]].append(100.0 * float(row["error"]))
     head = (
         "quantity",
         "evaluation",
@@ -486,7 +486,7 @@ def jacobian_carter() -> str:
 def tables() -> str:
     """Return time and error of creep forces from tables and from other methods."""
     columns = {
-        "method": ("way", str),
+        "method": ("method", str),
         "time per point, µs": ("s", number(".2g", 1e6)),
         "median error / (mu P)": ("median", number(".1e")),
         "largest error / (mu P)": ("worst", number(".1e")),
@@ -533,7 +533,7 @@ def table_gradients() -> str:
 def table_cluster() -> str:
     """Return the build of a table by one process, and by workers, one of them killed."""
     columns = {
-        "build": ("way", str),
+        "build": ("build", str),
         "contacts": ("contacts", str),
         "seconds": ("s", number(".0f")),
         "core-hours": ("core-hours", number(".1e")),

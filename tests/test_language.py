@@ -36,9 +36,9 @@ PHRASES = re.compile(
 """Phrases of docstrings, comments, messages and pages."""
 
 LIMITS = {  # names, phrases
-    "tractive_sam/**/*.py": (373, 544),
+    "tractive_sam/**/*.py": (299, 411),
     "tests/**/*.py": (389, 121),
-    "benchmarks/**/*.py": (59, 24),
+    "benchmarks/**/*.py": (0, 0),
     "benchmarks/*.md": (0, 0),
     "docs/**/*.py": (0, 0),
     "docs/**/*.md": (0, 0),
