@@ -9,7 +9,7 @@ from numba.core import event
 from typer.testing import CliRunner
 
 from tractive_sam.cli import app
-from tractive_sam.cli.output import compiling_told
+from tractive_sam.cli.output import report_compiling
 from tractive_sam.cli.scene_input import complete_keys, complete_scenes
 from tractive_sam.input_file import read_piped
 from tractive_sam.scene import Scene
@@ -256,7 +256,7 @@ def test_completion_of_scenes_and_keys(folder):
 
 @pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
 def test_compiling_is_reported_without_a_terminal(capsys):
-    with compiling_told():
+    with report_compiling():
         for _ in range(2):
             with event.trigger_event("numba:compile"):
                 pass

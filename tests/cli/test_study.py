@@ -108,7 +108,7 @@ def test_explain(call, file, monkeypatch):
         (["missing.toml", "-o", "done"], ["missing.toml", "no such file"]),
         (["study.toml"], ["Missing option"]),
         (["study.toml", "-o", "study.toml"], ["is not a folder"]),
-        (["study.toml", "-o", "other"], ["a study needs a folder of its own"]),
+        (["study.toml", "-o", "other"], ["contains other files"]),
         (["study.toml", "-o", "done", "--workers", "-1"], ["workers"]),
         (["study.toml", "-o", "done", "--workers", "1", "--scheduler", "x"], ["--workers"]),
         (["study.toml", "-o", "done", "--scheduler", "nonsense:x"], ["nonsense"]),

@@ -162,7 +162,7 @@ def test_an_earlier_run_is_replaced(tmp_path, monkeypatch):
     monkeypatch.setattr(module, "CHAPTERS", (Chapter("One", "Fig. 0", one_figure),))
     told = []
     for format in ("png", "pdf"):
-        page = reproduce(tmp_path, format=format, tell=lambda *line: told.append(line))
+        page = reproduce(tmp_path, format=format, progress=lambda *line: told.append(line))
         assert [file.name for file in (tmp_path / "figures").iterdir()] == [f"fig-00.{format}"]
     assert told == [(0, "figure fig-00")] * 2
     assert escape(FULL.name) in page.read_text("utf-8")
@@ -175,7 +175,7 @@ def test_an_earlier_run_is_replaced(tmp_path, monkeypatch):
 def test_chapters_and_formats():
     assert len(CHAPTERS) == 5
     assert [*Format] == ["png", "pdf", "svg"]
-    assert Statement("Fig. 1", "a", "b", Verdict.OPEN).verdict == "cannot be told"
+    assert Statement("Fig. 1", "a", "b", Verdict.OPEN).verdict == "cannot be decided"
 
 
 REPORT = """addEventListener("load", () => parent.postMessage({

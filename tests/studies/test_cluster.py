@@ -264,14 +264,14 @@ def test_keys_need_cryptography(tmp_path, monkeypatch):
 
 
 def test_no_scheduler(tmp_path, monkeypatch):
-    monkeypatch.setattr(cluster, "FIRST_CONTACT", 0.1)
+    monkeypatch.setattr(cluster, "WAITS", cluster.Waits(first=0.1))
     with pytest.raises(SchedulerLostError, match=r"tcp://127\.0\.0\.1:9"):
         study(STUDY, tmp_path, scheduler="tcp://127.0.0.1:9")
 
 
 def test_a_missing_scheduler_is_found_without_a_client(tmp_path, monkeypatch):
     """A client without scheduler closes itself when it is collected, and may wait for a lock."""
-    monkeypatch.setattr(cluster, "FIRST_CONTACT", 0.1)
+    monkeypatch.setattr(cluster, "WAITS", cluster.Waits(first=0.1))
     monkeypatch.setattr("distributed.Client", lambda *_, **__: pytest.fail("a client was made"))
     with pytest.raises(SchedulerLostError, match="start one"):
         study(STUDY, tmp_path, scheduler="tcp://127.0.0.1:9")

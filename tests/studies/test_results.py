@@ -128,9 +128,9 @@ def test_every_status_is_told(tmp_path):
     def killed(record):
         raise Killed
 
-    with folder.taken(asked):
+    with folder.lock(asked):
         roll(found[0].scene, files[0])
-        folder.fail(found[1], Outcome("failed", "no space left"))
+        folder.log_failure(found[1], Outcome("failed", "no space left"))
         with results_writer(files[2]):
             statuses = [row.status for row in open_study(tmp_path).rows]
         files[4].write_text("no HDF5")
@@ -193,7 +193,7 @@ def test_figures_of_samples(tmp_path):
 
 
 def test_figures_while_nothing_is_known(tmp_path):
-    with Folder(tmp_path).taken(small()):
+    with Folder(tmp_path).lock(small()):
         results = open_study(tmp_path)
     assert save_figures(results, tmp_path) == []
     assert results.quantities == {}
@@ -237,7 +237,7 @@ def test_bad_figures(done, tmp_path, options, told):
 
 def test_three_axes_are_too_many_for_a_figure(tmp_path):
     loads = {"key": "load.normal", "values": [0.3, 0.4]}
-    with Folder(tmp_path).taken(small(CREEPAGE, MU, loads)):
+    with Folder(tmp_path).lock(small(CREEPAGE, MU, loads)):
         results = open_study(tmp_path)
     with pytest.raises(ValueError, match=r"3 axes.*--at"):
         save_figures(results, tmp_path)

@@ -148,7 +148,7 @@ def test_interrupted_case_goes_on_from_its_last_record(tmp_path):
         if record.revolution >= 50:
             raise Stop
 
-    with Folder(tmp_path).taken(worn()):
+    with Folder(tmp_path).lock(worn()):
         pass
     with pytest.raises(Stop):
         roll(case.scene, file, progress=stop)
@@ -214,7 +214,7 @@ def test_a_case_has_one_writer(tmp_path):
     file = tmp_path / f"{case.name}.h5"
     with results_writer(file):
         outcome = worker.run_case(case.scene, str(file))
-    assert outcome.status == worker.HELD
+    assert outcome.status == worker.LOCKED
     assert not file.exists()
 
 
@@ -238,7 +238,7 @@ def test_worker_that_does_not_see_the_folder(tmp_path):
 
 def test_folder_belongs_to_one_client(tmp_path):
     with (
-        Folder(tmp_path).taken(small()),
+        Folder(tmp_path).lock(small()),
         pytest.raises(ResultsError, match=re.escape(str(tmp_path))),
     ):
         study(small(), tmp_path, workers=0)
@@ -269,7 +269,7 @@ def test_folder_that_cannot_be_made(tmp_path, monkeypatch):
 
 
 def test_what_goes_wrong_in_a_run_is_not_laid_to_the_folder(tmp_path):
-    with pytest.raises(FileExistsError), Folder(tmp_path).taken(small()):
+    with pytest.raises(FileExistsError), Folder(tmp_path).lock(small()):
         raise FileExistsError
 
 
@@ -280,7 +280,7 @@ def test_without_dask_the_cure_is_told(tmp_path, monkeypatch):
 
 
 def test_study_whose_file_was_spoilt(tmp_path):
-    with Folder(tmp_path).taken(small()):
+    with Folder(tmp_path).lock(small()):
         (tmp_path / "study.toml").write_text("scene = 3")
     with pytest.raises(StudyError, match="scene: given 3"):
         open_study(tmp_path)
@@ -304,7 +304,7 @@ def test_more_processes_than_the_memory_holds_are_refused(tmp_path, monkeypatch)
 def test_long_cases_first(tmp_path):
     revolutions = {"key": "wear.revolutions", "values": [1, 100, 10]}
     asked = Study(scene="twin-discs", set=["grid.elements=[15, 41]"], axis=[revolutions])
-    tasks, done = run._left(Folder(tmp_path), cases(asked), asked)
+    tasks, done = run._remaining_tasks(Folder(tmp_path), cases(asked), asked)
     assert [task.case.changes["wear.revolutions"] for task in tasks] == [100, 10, 1]
     assert done == 0
 

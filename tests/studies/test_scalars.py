@@ -154,7 +154,7 @@ def test_failed_case_is_told_and_stops_no_other(tmp_path):
 
 def test_neighbours_are_beside_each_other():
     asked = scalars()
-    order = np.argsort(chain.in_turn(asked.shape))
+    order = np.argsort(chain.neighbour_order(asked.shape))
     found = cases(asked)
     for one, two in pairwise(order):
         before, after = found[one].changes, found[two].changes
@@ -162,11 +162,11 @@ def test_neighbours_are_beside_each_other():
 
 
 def test_chains_are_short_and_whole():
-    tasks = [Task(case, None, chain.SPAN / 4.5) for case in cases(scalars())]
-    assert [len(one) for one in chain.chained(tasks)] == [4, 2]
+    tasks = [Task(case, None, 2.0 / 4.5) for case in cases(scalars())]
+    assert [len(one) for one in chain.make_chains(tasks)] == [4, 2]
     alone = {tasks[1].case.digest}
-    assert [len(one) for one in chain.chained(tasks, alone)] == [1, 1, 4]
-    assert [task for one in chain.chained(tasks, alone) for task in one] == tasks
+    assert [len(one) for one in chain.make_chains(tasks, alone)] == [1, 1, 4]
+    assert [task for one in chain.make_chains(tasks, alone) for task in one] == tasks
 
 
 def test_work_is_that_of_no_files(tmp_path):

@@ -1,16 +1,16 @@
-"""What the program says: tables on the standard output, notes and errors beside it."""
+"""Print results on the standard output, and notes and errors on the standard error."""
 
 import codecs
 import os
 import sys
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 from enum import IntEnum
 from io import TextIOWrapper
-from typing import TYPE_CHECKING, Annotated, TextIO, TypeAlias
+from typing import Annotated, Any, TextIO, TypeAlias
 
 import typer
 from rich.console import Console
@@ -18,12 +18,6 @@ from rich.text import Text
 
 from tractive_sam.interrupt import mark_reported
 from tractive_sam.safe_text import printable_text
-
-if TYPE_CHECKING:
-    from rich.progress import Progress
-
-PIPE_WIDTH = 120
-"""Columns where the output is no terminal."""
 
 
 class Status(IntEnum):
@@ -35,55 +29,60 @@ class Status(IntEnum):
 
 
 class _Console(Console):
-    """A console that falls silent when its reader leaves, like `head` after the first lines.
+    """A console that prints nothing once its reader has left, like `head` after the first lines.
 
-    What titles, messages and names hold that would command the terminal does not get there.
+    Control characters in titles, messages and names do not reach the terminal.
     """
 
-    def render_str(self, text: str, **options) -> Text:
-        """A cell or a line as it is printed."""
+    def render_str(self, text: str, **options: Any) -> Text:
+        """Return a cell or a line as it is printed."""
         return super().render_str(printable_text(text), **options)
 
     def on_broken_pipe(self) -> None:
-        """Write what is left to nowhere; the exit status is that of the command."""
-        silence(sys.stderr if self.stderr else sys.stdout)
+        """Discard the rest of the output; the exit status is that of the command."""
+        discard_output(sys.stderr if self.stderr else sys.stdout)
 
 
-def spell_what_has_no_sign() -> None:
-    """Have streams whose encoding lacks a sign write it in other ones, as um for µm."""
+def replace_missing_signs() -> None:
+    """Write signs that the encoding of an output lacks in other signs, such as um for µm."""
+    signs = {"µ": "u", "±": "+-", "²": "2", "³": "3", "…": "...", "°": "deg", "–": "-", "’": "'"}
 
-    def spelt(error: UnicodeError) -> tuple[str, int]:
+    def replace(error: UnicodeError) -> tuple[str, int]:
         if not isinstance(error, UnicodeEncodeError):
             raise error
-        lacking = error.object[error.start : error.end]
-        return "".join(_SPELT.get(sign, "?") for sign in lacking), error.end
+        missing = error.object[error.start : error.end]
+        return "".join(signs.get(sign, "?") for sign in missing), error.end
 
-    codecs.register_error("spelt", spelt)
+    codecs.register_error("replace_signs", replace)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
-            stream.reconfigure(errors="spelt")
+            stream.reconfigure(errors="replace_signs")
 
 
-_SPELT = {"µ": "u", "±": "+-", "²": "2", "³": "3", "…": "...", "°": "deg", "–": "-", "’": "'"}
+def discard_output(stream: TextIO) -> None:
+    """Discard everything that is written to a stream from now on."""
+    null = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(null, stream.fileno())
+    os.close(null)
 
 
-def silence(stream: TextIO) -> None:
-    """Have a stream lead nowhere from here on."""
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, stream.fileno())
-    os.close(nowhere)
+def console(stderr: bool = False, error: bool = False, width: int = 120) -> Console:
+    """Return a console of the standard output or the standard error, as they are at present.
 
-
-def console(stderr: bool = False, error: bool = False) -> Console:
-    """Console of this moment's standard output, or of the standard error.
-
-    After `--quiet` the standard error takes errors alone.
+    Parameters
+    ----------
+    stderr : bool
+        Whether to print on the standard error; after `--quiet` it prints nothing.
+    error : bool
+        Whether to print an error, also after `--quiet`.
+    width : int
+        Columns of an output that is no terminal.
     """
     if stderr and not error and _running().quiet:
         return _Console(stderr=True, quiet=True, force_terminal=False)
     found = _Console(stderr=stderr, highlight=False, markup=False)
     if not found.is_terminal:
-        found.width = PIPE_WIDTH
+        found.width = width
     return found
 
 
@@ -94,7 +93,7 @@ class _Command:
     Attributes
     ----------
     quiet : bool
-        Whether it prints errors alone.
+        Whether it prints only errors.
     notes : set of str
         Notes that it has printed.
     """
@@ -121,7 +120,7 @@ def _running() -> _Command:
     return _RUNNING.get(None) or _Command()
 
 
-def _be_quiet(quiet: bool) -> bool:
+def _set_quiet(quiet: bool) -> bool:
     _running().quiet = quiet
     return quiet
 
@@ -132,45 +131,65 @@ Quiet: TypeAlias = Annotated[
         "--quiet",
         "-q",
         help="Print errors alone: no progress, notes or results.",
-        callback=_be_quiet,
+        callback=_set_quiet,
         is_eager=True,
     ),
 ]
 
 
-def note(text: str) -> None:
-    """Print a note, once in a command, also where it is of a block and of the whole scene."""
+def print_note(text: str) -> None:
+    """Print a note, once in a command, even if it concerns a block and the whole scene."""
     printed = _running().notes
     if (content := text.removeprefix("duty: ")) not in printed:
         printed.add(content)
-        say(("note: ", "bold yellow"), text)
+        print_message(("note: ", "bold yellow"), text)
 
 
-def say(*parts: str | tuple[str, str], error: bool = False) -> None:
-    """Print a line on the standard error; parts are text, or pairs of text and style.
+def print_message(*parts: str | tuple[str, str], error: bool = False) -> None:
+    """Print a line on the standard error; after `--quiet` only if it is an error.
 
-    Where that is full, or its terminal is gone, there is nobody to tell it to. After `--quiet`
-    errors alone are printed.
+    If the disk is full or the terminal is closed, the line is lost.
+
+    Parameters
+    ----------
+    *parts : str or (str, str)
+        Text, or pairs of text and style.
+    error : bool
+        Whether it is an error.
     """
     try:
-        pairs = ((one, "") if isinstance(one, str) else one for one in parts)
+        pairs = ((part, "") if isinstance(part, str) else part for part in parts)
         line = Text.assemble(*((printable_text(text), style) for text, style in pairs))
         console(stderr=True, error=error).print(line, soft_wrap=True)
     except OSError:
-        silence(sys.stderr)
+        discard_output(sys.stderr)
 
 
-def tell(text: object) -> None:
-    """Print a line on the standard output, whole and without styles."""
+def print_line(text: object) -> None:
+    """Print a line on the standard output, without line breaks and styles."""
     console().print(Text(printable_text(str(text), max_length=None)), soft_wrap=True)
 
 
+def error_exit(status: Status, *parts: str | tuple[str, str]) -> typer.Exit:
+    """Print an error, and return the exception that ends the command with a status."""
+    print_message(("error: ", "bold red"), *parts, error=True)
+    mark_reported()
+    return typer.Exit(status)
+
+
 @contextmanager
-def progress_bar() -> Iterator["Progress | None"]:
-    """A bar on the standard error, with the time taken and left; None where that is no terminal."""
+def show_progress() -> Iterator[Callable[[float, str, str], None]]:
+    """Show the progress of a command on the standard error.
+
+    Yields
+    ------
+    callable
+        Function of the share that is done, a description for the progress bar of a terminal, and
+        a line that is printed if the standard error is no terminal, unless it is empty.
+    """
     terminal = console(stderr=True)
     if not terminal.is_terminal:
-        yield None
+        yield lambda _share, _description, line: print_message(line) if line else None
         return
     from rich import progress as bars
 
@@ -183,38 +202,32 @@ def progress_bar() -> Iterator["Progress | None"]:
         bars.TimeRemainingColumn(),
     )
     with bars.Progress(*columns, console=terminal, transient=True) as bar:
-        yield bar
-
-
-def stop(status: Status, *parts: str | tuple[str, str]) -> typer.Exit:
-    """Print an error; returns what is to be raised."""
-    say(("error: ", "bold red"), *parts, error=True)
-    mark_reported()
-    return typer.Exit(status)
+        task = bar.add_task("starting", total=1.0)
+        yield lambda share, text, _line: bar.update(task, completed=share, description=text)
 
 
 @contextmanager
-def warnings_told() -> Iterator[list[warnings.WarningMessage]]:
-    """Print warnings as notes, each once; yields those so far."""
-    with warnings.catch_warnings(record=True) as notes:
+def report_warnings() -> Iterator[list[warnings.WarningMessage]]:
+    """Print warnings as notes, each once; yield those recorded so far."""
+    with warnings.catch_warnings(record=True) as recorded:
         warnings.simplefilter("always")
-        yield notes
-    for text in dict.fromkeys(str(note.message) for note in notes):
-        note(text)
+        yield recorded
+    for text in dict.fromkeys(str(warning.message) for warning in recorded):
+        print_note(text)
 
 
 @contextmanager
-def compiling_told() -> Iterator[None]:
-    """Print a note that the first run takes longer, once it does."""
-    from tractive_sam.kernels.compiled import compiling_told as told
+def report_compiling() -> Iterator[None]:
+    """Print a note once kernels are compiled, as the first run takes longer."""
+    from tractive_sam.kernels import compiled
 
     line = "compiling kernels for this machine, once: 10 to 30 seconds; later runs load them"
-    with told(lambda: note(line)):
+    with compiled.compiling_told(lambda: print_note(line)):
         yield
 
 
 @contextmanager
-def bad_input_told() -> Iterator[None]:
+def report_errors() -> Iterator[None]:
     """Turn errors that the user can cure into messages and an exit status."""
     from tractive_sam.extras import MissingExtraError
     from tractive_sam.output_file import OutputError, OutputPlaceError
@@ -224,34 +237,35 @@ def bad_input_told() -> Iterator[None]:
     try:
         yield
     except SceneError as error:
-        raise _faults(error.faults, error.subject) from None
+        raise _fault_exit(error.faults, error.subject) from None
     except GapError as error:
-        raise _faults([error]) from None
+        raise _fault_exit([error]) from None
     except OutputPlaceError as error:
-        raise stop(Status.INVALID, str(error)) from None
+        raise error_exit(Status.INVALID, str(error)) from None
     except (StorageError, OutputError) as error:
-        raise stop(Status.INCOMPLETE, str(error)) from None
+        raise error_exit(Status.INCOMPLETE, str(error)) from None
     except (ResultsError, MissingExtraError) as error:
-        raise stop(Status.INVALID, str(error)) from None
+        raise error_exit(Status.INVALID, str(error)) from None
     except OSError as error:
         if error.filename is None:
             raise  # of the output itself
-        told = f"{error.filename} cannot be used: {error.strerror}; choose another, or ask for it"
-        raise stop(Status.INVALID, told) from None
+        cure = "choose another file, or change its permissions"
+        message = f"{error.filename} cannot be used: {error.strerror}; {cure}"
+        raise error_exit(Status.INVALID, message) from None
     except MemoryError:
-        cure = "a coarser [grid]; tractive-sam explain tells what a scene takes"
-        raise stop(Status.INVALID, f"the memory does not suffice; choose {cure}") from None
+        cure = "choose a coarser [grid]; tractive-sam explain estimates the memory of a scene"
+        raise error_exit(Status.INVALID, f"the memory is too small; {cure}") from None
 
 
-def _faults(faults: Sequence, subject: str = "scene") -> typer.Exit:
-    """List faults: anything with key, given and allowed."""
+def _fault_exit(faults: Sequence[Any], subject: str = "scene") -> typer.Exit:
+    """Print faults, which have a key, the given value and the allowed ones; return the exit."""
     from tractive_sam.schema import SceneError
 
     count = f"{len(faults)} faults" if len(faults) > 1 else "1 fault"
-    leave = stop(Status.INVALID, f"{count} in the {subject}")
+    leave = error_exit(Status.INVALID, f"{count} in the {subject}")
     for fault in faults[: SceneError.most_listed]:
-        told = f": given {fault.given}; allowed: {fault.allowed}"
-        say("  ", (fault.key, "bold"), told, error=True)
+        text = f": given {fault.given}; allowed: {fault.allowed}"
+        print_message("  ", (fault.key, "bold"), text, error=True)
     if len(faults) > SceneError.most_listed:
-        say(f"  and {len(faults) - SceneError.most_listed} more", error=True)
+        print_message(f"  and {len(faults) - SceneError.most_listed} more", error=True)
     return leave

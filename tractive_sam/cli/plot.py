@@ -1,12 +1,13 @@
-"""``tractive-sam plot``: figures of a results file."""
+"""``tractive-sam plot``: draw the figures of a results file."""
 
+import re
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from tractive_sam.cli.output import Status, bad_input_told, note, stop, tell
+from tractive_sam.cli.output import Status, error_exit, print_line, print_note, report_errors
 from tractive_sam.cli.show import Results
 
 
@@ -25,60 +26,99 @@ class Units(StrEnum):
     SI_MM = "si-mm"
 
 
+def _parse_width(text: str) -> float:
+    """Return a width in mm; the unit mm may be omitted."""
+    number = re.fullmatch(r"(\d+(?:\.\d+)?)\s*(?:mm)?", text.strip())
+    if number is None or not 30.0 <= float(number[1]) <= 1000.0:
+        raise typer.BadParameter(f"{text!r} is no width; use 30mm to 1000mm, such as 84mm")
+    return float(number[1])
+
+
+Output = Annotated[
+    Path | None,
+    typer.Option(
+        "--output",
+        "-o",
+        metavar="DIR",
+        help="Folder of the figures; by default, FILE-figures in the working folder.",
+    ),
+]
+Scales = Annotated[
+    Units,
+    typer.Option(help="Divide by the half widths and pressure of Hertz, or use mm and MPa."),
+]
+Dpi = Annotated[int, typer.Option(min=20, max=1200, help="Dots per inch of PNG figures.")]
+Blocks = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="BLOCK",
+        help="Draw a block of a duty cycle as well, by its name or its index from 0, into a "
+        "separate folder; all: every block. May be repeated.",
+    ),
+]
+Titles = Annotated[bool, typer.Option("--title/--no-title", help="Draw titles.")]
+Width = Annotated[
+    float | None,
+    typer.Option(
+        parser=_parse_width,
+        metavar="WIDTH",
+        help="Width of every figure, such as 84mm for a column of a journal.",
+    ),
+]
+Measured = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FILE.csv",
+        help="Draw measured points: a CSV file with the columns revolution (or distance) and "
+        "names such as Qx_over_P or 'worn_mass B'.",
+    ),
+]
+Animated = Annotated[
+    bool,
+    typer.Option("--animate", help="Write evolution.gif as well, over the stored revolutions."),
+]
+
+
 def plot(
     file: Results,
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="DIR",
-            help="Folder of the figures; by default, FILE-figures in the working folder.",
-        ),
-    ] = None,
+    output: Output = None,
     format: Annotated[Format, typer.Option(help="Format of the figures.")] = Format.PNG,
-    units: Annotated[
-        Units,
-        typer.Option(help="Over the half widths and pressure of Hertz, or in mm and MPa."),
-    ] = Units.HERTZ,
-    dpi: Annotated[int, typer.Option(min=20, max=1200, help="Dots per inch of PNG figures.")] = 200,
-    block: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="BLOCK",
-            help="Draw a block of a duty cycle as well, by its name, or its place from 0, into a "
-            "folder of its own; all: every block. May be repeated.",
-        ),
-    ] = None,
-    animated: Annotated[
-        bool,
-        typer.Option("--animate", help="Write evolution.gif as well, over the stored revolutions."),
-    ] = False,
+    units: Scales = Units.HERTZ,
+    dpi: Dpi = 200,
+    block: Blocks = None,
+    title: Titles = True,
+    width: Width = None,
+    measured: Measured = None,
+    animated: Animated = False,
 ) -> None:
-    """Draw every figure that a results file has something to show in."""
-    with bad_input_told():
-        from tractive_sam.plot import animate, save_all
+    """Draw every figure that applies to a results file."""
+    with report_errors():
+        from tractive_sam.plot import Measurements, animate, save_all
         from tractive_sam.store import open_history
 
         history = open_history(file)
         try:
             every = range(len(history.block_names))
-            blocks = every if block == ["all"] else [history.place_of(one) for one in block or ()]
+            blocks = every if block == ["all"] else [history.place_of(name) for name in block or ()]
         except LookupError as error:
-            raise stop(Status.INVALID, str(error)) from None
+            raise error_exit(Status.INVALID, str(error)) from None
         try:
+            points = None if measured is None else Measurements.from_file(measured)
             folder = output or Path(f"{file.stem}-figures")
-            paths = save_all(history, folder, format, units=units, dpi=dpi, blocks=blocks)
+            paths = save_all(
+                history, folder, format, units=units, dpi=dpi, blocks=blocks, titles=title,
+                width=width, measured=points,
+            )  # fmt: skip
             if animated:
                 paths.append(animate(history, folder / "evolution.gif"))
         except ValueError as error:
-            raise stop(Status.INVALID, str(error)) from None
+            raise error_exit(Status.INVALID, str(error)) from None
     if not paths:
-        raise stop(Status.INVALID, f"{file} holds no record to draw yet")
+        raise error_exit(Status.INVALID, f"{file} contains no record to draw yet")
     if not history.finished:
-        note(f"{file} is {history.status}: {history.message}")
+        print_note(f"{file} is {history.status}: {history.message}")
     if history.block_names and not block:
         names = ", ".join(history.block_names)
-        note(f"--block NAME draws a block of the duty cycle, of {names}; --block all each")
+        print_note(f"--block NAME draws a block of the duty cycle: {names}; --block all draws each")
     for path in paths:
-        tell(path)
+        print_line(path)

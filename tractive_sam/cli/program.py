@@ -3,7 +3,7 @@
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
@@ -14,11 +14,11 @@ from tractive_sam.cli.export import export
 from tractive_sam.cli.keys import keys
 from tractive_sam.cli.output import (
     Status,
+    discard_output,
+    error_exit,
+    print_line,
+    replace_missing_signs,
     running_command,
-    silence,
-    spell_what_has_no_sign,
-    stop,
-    tell,
 )
 from tractive_sam.cli.plot import plot
 from tractive_sam.cli.report import report
@@ -33,18 +33,18 @@ from tractive_sam.safe_text import printable_text
 
 
 @contextmanager
-def _ended_well() -> Iterator[None]:
-    """What may end any command: that it is asked to stop, or that its reader leaves."""
+def _handle_end() -> Iterator[None]:
+    """Handle signals that stop a command, and readers of its output that leave."""
     try:
         interrupt.raise_if_interrupted()
         yield
     except KeyboardInterrupt:
-        raise stop(Status.INCOMPLETE, "interrupted") from None
-    except (BrokenPipeError, SystemExit):  # which rich makes of it while it prints help
-        silence(sys.stdout)
+        raise error_exit(Status.INCOMPLETE, "interrupted") from None
+    except (BrokenPipeError, SystemExit):  # rich raises the latter while it prints help
+        discard_output(sys.stdout)
         raise typer.Exit(Status.DONE) from None
     except Exception as error:
-        # What the library of commands has to say, it says with arguments as they were given.
+        # The messages of typer contain arguments as they were given.
         message = getattr(error, "message", None)
         if isinstance(message, str):
             vars(error)["message"] = printable_text(message)
@@ -52,70 +52,58 @@ def _ended_well() -> Iterator[None]:
 
 
 class _Program(TyperGroup):
-    """All commands, ended well; help is printed while the context is made."""
+    """All commands; help is printed while the context is made."""
 
-    def make_context(self, *arguments, **options):
-        with _ended_well():
+    def make_context(self, *arguments: Any, **options: Any) -> Any:
+        with _handle_end():
             return super().make_context(*arguments, **options)
 
-    def invoke(self, ctx):
-        with running_command(), _ended_well():
+    def invoke(self, ctx: Any) -> Any:
+        with running_command(), _handle_end():
             return super().invoke(ctx)
 
 
 app = typer.Typer(
     cls=_Program,
     name="tractive-sam",
-    help="Tractive rolling contact: forces, stick and slip, wear.",
+    help="Compute tractive rolling contact: forces, stick and slip, wear.",
     epilog="Exit status: 0 done; 2 the input is not valid; 3 not converged or stopped early.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
+# fmt: off
 for command in (
-    run,
-    show,
-    plot,
-    report,
-    export,
-    explain,
-    keys,
-    scenes,
-    reproduce,
-    study,
-    study_show,
-    table,
+    run, show, plot, report, export, explain, keys, scenes, reproduce, study, study_show, table,
 ):
     app.command()(command)
+# fmt: on
 
 
 def run_program() -> None:
     """Run the program on the arguments of the process."""
-    spell_what_has_no_sign()
+    replace_missing_signs()
     try:
         app()
-    except OSError as error:  # of the output itself: commands tell of all others
-        silence(sys.stdout)
-        raise SystemExit(
-            stop(Status.INCOMPLETE, f"the output is lost: {error}").exit_code
-        ) from None
+    except OSError as error:  # of the output itself: commands report all others
+        discard_output(sys.stdout)
+        leave = error_exit(Status.INCOMPLETE, f"the output is lost: {error}")
+        raise SystemExit(leave.exit_code) from None
 
 
 def _print_version(wanted: bool) -> None:
     if wanted:
         from importlib.metadata import version
 
-        tell(f"tractive-sam {version('tractive-sam')}")
+        print_line(f"tractive-sam {version('tractive-sam')}")
         raise typer.Exit
 
 
+_Version = typer.Option(
+    "--version", "-V", help="Print the version.", callback=_print_version, is_eager=True
+)
+
+
 @app.callback()
-def _options(
-    version: Annotated[
-        bool,
-        typer.Option(
-            "--version", "-V", help="Print the version.", callback=_print_version, is_eager=True
-        ),
-    ] = False,
-) -> None:
+def _options(version: Annotated[bool, _Version] = False) -> None:
     pass

@@ -1,11 +1,11 @@
-"""``tractive-sam report``: a results file as one interactive page."""
+"""``tractive-sam report``: write a results file as one interactive page."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from tractive_sam.cli.output import Status, bad_input_told, note, stop, tell
+from tractive_sam.cli.output import Status, error_exit, print_line, print_note, report_errors
 from tractive_sam.cli.show import Results
 
 
@@ -17,20 +17,21 @@ def report(
             "--output",
             "-o",
             metavar="FILE.html",
-            help="The page, replaced if it is there; by default FILE.html in the working folder.",
+            help="The page; an earlier one is replaced. By default FILE.html in the working "
+            "folder.",
         ),
     ] = None,
 ) -> None:
     """Write a results file as one interactive page, which needs no other file and no network."""
-    with bad_input_told():
+    with report_errors():
         from tractive_sam import pages
         from tractive_sam.store import open_history
 
         history = open_history(file)
         if not len(history):
-            raise stop(Status.INVALID, f"{file} holds no record to show yet")
+            raise error_exit(Status.INVALID, f"{file} contains no record to show yet")
         path = output or Path(f"{file.stem}.html")
         pages.report(history, path)
     if not history.finished:
-        note(f"{file} is {history.status}: {history.message}")
-    tell(path)
+        print_note(f"{file} is {history.status}: {history.message}")
+    print_line(path)

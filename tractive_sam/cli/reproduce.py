@@ -1,7 +1,5 @@
-"""``tractive-sam reproduce``: the paper's figures and tables, and a page about them."""
+"""``tractive-sam reproduce``: reproduce the figures and tables of the paper, with a page."""
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
@@ -9,62 +7,57 @@ import typer
 
 from tractive_sam.cli.output import (
     Status,
-    bad_input_told,
-    progress_bar,
-    say,
-    stop,
-    tell,
-    warnings_told,
+    error_exit,
+    print_line,
+    print_message,
+    report_errors,
+    report_warnings,
+    show_progress,
 )
 from tractive_sam.cli.plot import Format
 
+Output = Annotated[
+    Path,
+    typer.Option(
+        "--output",
+        "-o",
+        metavar="DIR",
+        help="Folder of the page, the figures and the results files; earlier ones are replaced.",
+    ),
+]
+Reduced = Annotated[
+    bool,
+    typer.Option(
+        "--reduced", help="Coarse meshes and few revolutions, as a quick check; the page says so."
+    ),
+]
+
 
 def reproduce(
-    output: Annotated[
-        Path,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="DIR",
-            help="Folder of the page, the figures and the results files; those of an earlier run "
-            "are replaced.",
-        ),
-    ] = Path("paper"),
-    reduced: Annotated[
-        bool,
-        typer.Option(
-            "--reduced",
-            help="Coarse meshes and few revolutions, to see that it works; the page says so.",
-        ),
-    ] = False,
+    output: Output = Path("paper"),
+    reduced: Reduced = False,
     format: Annotated[Format, typer.Option(help="Format of the figures.")] = Format.PNG,
 ) -> None:
-    """Reproduce every figure and table of the paper, with its statements beside our numbers."""
+    """Reproduce every figure and table of the paper, and compare its statements with results."""
     from tractive_sam import paper
     from tractive_sam.results import NotConverged
 
-    size = paper.REDUCED if reduced else paper.FULL
-    with bad_input_told():
+    size, chapters = paper.REDUCED if reduced else paper.FULL, len(paper.CHAPTERS)
+    with report_errors():
         try:
-            with _progress(len(paper.CHAPTERS)) as advance, warnings_told():
-                page = paper.reproduce(output, size=size, format=format, tell=advance)
+            with show_progress() as update, report_warnings():
+                page = paper.reproduce(
+                    output,
+                    size=size,
+                    format=format,
+                    progress=lambda done, text: update(done / chapters, text, ""),
+                )
         except KeyboardInterrupt:
-            told = "interrupted; the page was not written"
-            raise stop(Status.INCOMPLETE, told) from None
+            message = "interrupted; the page was not written"
+            raise error_exit(Status.INCOMPLETE, message) from None
         except NotConverged as error:
-            raise stop(Status.INCOMPLETE, f"not a solution: {error}") from None
+            raise error_exit(Status.INCOMPLETE, f"not a solution: {error}") from None
         except RuntimeError as error:
-            raise stop(Status.INCOMPLETE, str(error)) from None
-    say(f"{page} needs no network and no other file: open it in any browser, or print it")
-    tell(page)
-
-
-@contextmanager
-def _progress(chapters: int) -> Iterator[Callable[[int, str], None]]:
-    """Show what is being done, on a terminal."""
-    with progress_bar() as bar:
-        if bar is None:
-            yield lambda done, line: None
-            return
-        task = bar.add_task("", total=chapters)
-        yield lambda done, line: bar.update(task, completed=done, description=line)
+            raise error_exit(Status.INCOMPLETE, str(error)) from None
+    print_message(f"{page} needs no network and no other file: open it in any browser, or print it")
+    print_line(page)

@@ -1,36 +1,34 @@
-"""The scene that a command is given."""
+"""Read the scene of a command, and complete names of scenes and keys."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, TypeAlias
+from typing import Annotated, TypeAlias
 
 import typer
 
-from tractive_sam.cli.output import Status, stop, warnings_told
-
-if TYPE_CHECKING:
-    from tractive_sam.scene import Scene
+import tractive_sam as ts
+from tractive_sam.cli.output import Status, error_exit, report_warnings
 
 RESULTS = (".h5", ".hdf5")
 """Suffixes that distinguish a results file from a scene."""
 
 STANDARD_INPUT = "-"
-"""Name of a scene that another program pipes in."""
+"""Name of a scene from the standard input."""
 
 
 def complete_scenes(incomplete: str) -> list[str]:
-    """Return built-in scenes, scene files and folders that begin so."""
+    """Return the built-in scenes, scene files and folders that begin with a text."""
     from glob import escape
 
     from tractive_sam.scene import builtin_names
 
     files = Path().glob(f"{escape(incomplete)}*") if not Path(incomplete).is_absolute() else ()
-    found = [f"{one}/" if one.is_dir() else str(one) for one in files]
-    named = [one for one in builtin_names() if one.startswith(incomplete)]
-    return [*named, *sorted(one for one in found if one.endswith(("/", ".toml")))]
+    paths = [f"{file}/" if file.is_dir() else str(file) for file in files]
+    names = [name for name in builtin_names() if name.startswith(incomplete)]
+    return [*names, *sorted(path for path in paths if path.endswith(("/", ".toml")))]
 
 
 def complete_keys(incomplete: str) -> list[str]:
-    """Return keys of a scene that begin so, as ``load.normal=``."""
+    """Return the keys of a scene that begin with a text, such as ``load.normal=``."""
     from tractive_sam.scene import Scene
     from tractive_sam.schema import key_groups
 
@@ -57,15 +55,21 @@ Settings: TypeAlias = Annotated[
     typer.Option(
         "--set",
         metavar="TABLE.KEY=VALUE",
-        help="Change an entry of the scene; may be repeated. One of two alternatives removes the "
-        "other.",
+        help="Change a key of the scene; may be repeated. An alternative removes the other one.",
         autocompletion=complete_keys,
     ),
 ]
 
 
-def read_scene(name: str, settings: list[str] | None) -> "Scene":
-    """Read a scene, change its settings, and print a note of each warning about the result.
+def read_scene(name: str, settings: list[str] | None) -> "ts.Scene":
+    """Read a scene, change its settings, and print its warnings as notes.
+
+    Parameters
+    ----------
+    name : str
+        A scene file, a built-in scene, or `STANDARD_INPUT`.
+    settings : list of str or None
+        Settings such as ``load.normal=300``.
 
     Raises
     ------
@@ -75,20 +79,20 @@ def read_scene(name: str, settings: list[str] | None) -> "Scene":
     from tractive_sam.scene import Scene
     from tractive_sam.schema import SceneError
 
-    with warnings_told() as notes:
+    with report_warnings() as notes:
         try:
             scene = _from_standard_input() if name == STANDARD_INPUT else Scene.from_name(name)
         except SceneError:
             _refuse_other_files(name)
             raise
         if settings:
-            notes.clear()  # the settings may have cured what was warned of
+            notes.clear()  # the settings may have removed the cause of a warning
             scene = scene.with_set(settings)
     return scene
 
 
-def _from_standard_input(most: int = 2**26) -> "Scene":
-    """Read a scene from the standard input, which may have as many bytes as a scene file."""
+def _from_standard_input(most: int = 2**26) -> "ts.Scene":
+    """Read a scene from the standard input, of at most that many bytes."""
     from tractive_sam.input_file import read_piped
     from tractive_sam.scene import Scene
 
@@ -96,16 +100,16 @@ def _from_standard_input(most: int = 2**26) -> "Scene":
         return Scene.from_toml_text(read_piped(most))
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "no text in UTF-8"
-        raise stop(Status.INVALID, f"standard input: {reason}") from None
+        raise error_exit(Status.INVALID, f"standard input: {reason}") from None
 
 
 def _refuse_other_files(name: str) -> None:
-    """Report which command takes a file of results, or one with axes."""
+    """Refuse a results file and a study, and name the commands that read them."""
     from tractive_sam.studies import is_study
 
     if Path(name).suffix in RESULTS and Path(name).is_file():
-        cure = f"tractive-sam show, plot or report {name}; run SCENE --start {name} begins with it"
-        raise stop(Status.INVALID, f"{name} is a results file, and no scene: {cure}")
+        cure = f"tractive-sam show, plot or report {name}; run SCENE --start {name} starts from it"
+        raise error_exit(Status.INVALID, f"{name} is a results file and no scene: {cure}")
     if is_study(name):
         cure = f"tractive-sam study {name} -o DIR, or tractive-sam table {name} -o FILE.nc"
-        raise stop(Status.INVALID, f"{name} has axes and is no single scene: {cure}")
+        raise error_exit(Status.INVALID, f"{name} has axes and is no single scene: {cure}")

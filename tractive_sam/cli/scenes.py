@@ -1,4 +1,4 @@
-"""``tractive-sam scenes``: the built-in scenes."""
+"""``tractive-sam scenes``: list or write the built-in scenes."""
 
 from pathlib import Path
 from typing import Annotated
@@ -6,36 +6,28 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from tractive_sam.cli.output import bad_input_told, console, tell
+from tractive_sam.cli.output import console, print_line, report_errors
 
 
 def scenes(
     write: Annotated[
         str | None,
         typer.Option(
-            metavar="NAME",
-            help="Write this scene into NAME.toml, with a word on every key: a file to start from.",
+            metavar="NAME", help="Write this scene into NAME.toml, with a comment on every key."
         ),
     ] = None,
 ) -> None:
     """List the built-in scenes, or write one as a file to start from."""
-    from tractive_sam.scene import Scene, builtin_names
+    from tractive_sam.output_file import write_file
+    from tractive_sam.scene import Scene, builtin_names, commented_scene
 
     if write is not None:
-        _write(write)
+        path = Path(f"{write}.toml")
+        with report_errors():
+            write_file(path, commented_scene(write), exclusive=True)
+        print_line(path)
         return
     table = Table.grid(padding=(0, 2))
     for name in builtin_names():
         table.add_row(name, Scene.builtin(name).title)
     console().print(table)
-
-
-def _write(name: str) -> None:
-    from tractive_sam.output_file import write_file
-    from tractive_sam.scene import commented_scene
-
-    path = Path(f"{name}.toml")
-    with bad_input_told():
-        text = commented_scene(name)
-        write_file(path, text, exclusive=True)
-    tell(path)

@@ -1,137 +1,148 @@
-"""``tractive-sam table``: creep forces for vehicle, gear and bearing models."""
+"""``tractive-sam table``: build creep-force tables for vehicle, gear and bearing models."""
 
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
+import tractive_sam as ts
 from tractive_sam.cli.output import (
     Quiet,
     Status,
-    bad_input_told,
-    note,
-    progress_bar,
-    say,
-    stop,
-    warnings_told,
+    error_exit,
+    print_message,
+    print_note,
+    report_errors,
+    report_warnings,
+    show_progress,
 )
+from tractive_sam.cli.study import check_workers
 
-if TYPE_CHECKING:
-    from tractive_sam.tables import Progress
+File = Annotated[
+    str,
+    typer.Argument(
+        metavar="TABLE.toml|FILE.nc|NAME",
+        help="The design of a table (TOML); or a table, a file or the built-in steel, to write it "
+        "as a header or as text, or with --output to add error bars of gradients.",
+    ),
+]
+Output = Annotated[
+    Path | None, typer.Option("--output", "-o", metavar="FILE.nc", help="The table (netCDF).")
+]
+Header = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FILE.h", help="Write it as a C header too; its function has the file's name."
+    ),
+]
+Fmu = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FILE.fmu",
+        help="Write it as a unit of FMI 2.0 too, compiled by cc if that is installed.",
+    ),
+]
+NodeText = Annotated[
+    Path | None,
+    typer.Option("--text", metavar="FILE.txt", help="Write its nodes as columns of text too."),
+]
+Figure = Annotated[
+    Path | None, typer.Option(metavar="FILE.png", help="Draw the errors at the check points.")
+]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        metavar="ADDRESS", help="Scheduler of dask.distributed whose workers solve contacts."
+    ),
+]
+Workers = Annotated[
+    int,
+    typer.Option(
+        min=0, metavar="N", help="Processes on this machine, without a scheduler; 0: this process."
+    ),
+]
 
 
 def table(
-    file: Annotated[
-        str,
-        typer.Argument(
-            metavar="TABLE.toml|FILE.nc|NAME",
-            help="A file (TOML) that describes the table; or a table, a file or the built-in "
-            "steel, to write it as a header or as text, or with --output to add error bars of "
-            "gradients.",
-        ),
-    ],
-    output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", metavar="FILE.nc", help="The table (netCDF)."),
-    ] = None,
-    header: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE.h", help="Write it as a C header too; its function has the file's name."
-        ),
-    ] = None,
-    fmu: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE.fmu",
-            help="Write it as a unit of FMI 2.0 too, compiled by cc where there is one.",
-        ),
-    ] = None,
-    text: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE.txt", help="Write its nodes as columns of text too."),
-    ] = None,
-    figure: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE.png", help="Draw the errors of the points held out."),
-    ] = None,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(
-            metavar="ADDRESS", help="Scheduler of dask.distributed whose workers solve contacts."
-        ),
-    ] = None,
-    workers: Annotated[
-        int,
-        typer.Option(
-            min=0, metavar="N", help="Without a scheduler: processes on this machine; 0: this one."
-        ),
-    ] = 0,
+    file: File,
+    output: Output = None,
+    header: Header = None,
+    fmu: Fmu = None,
+    text: NodeText = None,
+    figure: Figure = None,
+    scheduler: Scheduler = None,
+    workers: Workers = 0,
     quiet: Quiet = False,
 ) -> None:
-    """Make a table of creep forces with gradients and error bars."""
-    from tractive_sam.studies import SchedulerLostError
-    from tractive_sam.tables import build_table, builtin_tables, is_table, open_table
-
-    made = is_table(file)
-    if not (made or Path(file).exists()):
-        named = ", ".join(builtin_tables())
-        raise stop(Status.INVALID, f"{file}: no such file, and no built-in table; one of {named}")
-    writes: tuple[tuple[Path | None, Callable[[Any, Path], None]], ...] = (
-        (header, _header), (fmu, _fmu), (text, _text), (figure, _figure),
-    )  # fmt: skip
-    if output is None and not (made and any(path for path, _ in writes)):
-        needed = "--output, --header, --fmu, --text or --figure" if made else "--output FILE.nc"
-        raise stop(Status.INVALID, f"{file}: {needed} is needed")
-    if scheduler is not None and workers:
-        refusal = "--workers: a scheduler has its own, start them by dask worker ADDRESS"
-        raise stop(Status.INVALID, refusal)
-    for path in (output, *(path for path, _ in writes)):
-        _check_folder(path)
-    _check_code(header, fmu)
-    with bad_input_told():
-        if made and output is None:
-            found = open_table(file)
-        else:
-            try:
-                with _progress() as progress, warnings_told():
-                    found = build_table(
-                        file, output, progress, scheduler=scheduler, workers=workers,
-                        say=note,
-                    )  # fmt: skip
-            except SchedulerLostError as error:
-                raise stop(Status.INCOMPLETE, str(error)) from None
-            except RuntimeError as error:
-                raise stop(Status.INCOMPLETE, str(error)) from None
-        for path, write in writes:
+    """Build a table of creep forces with gradients and error bars."""
+    writers: dict[Path | None, Callable[[Any, Path], None]] = {
+        header: _write_header, fmu: _write_fmu, text: _write_text, figure: _write_figure,
+    }  # fmt: skip
+    writers.pop(None, None)
+    _check_arguments(file, output, writers)
+    check_workers(scheduler, workers or None)
+    _check_names(header, fmu)
+    with report_errors():
+        built = _build(file, output, scheduler, workers) if output else ts.open_table(file)
+        for path, write in writers.items():
             if path is not None:
-                write(found, path)
-    say(f"{output or file}: {found.nodes} nodes{_errors(found.about)}")
+                write(built, path)
+    print_message(f"{output or file}: {built.nodes} nodes{_describe_cost(built.about)}")
 
 
-def _errors(about: Mapping[str, Any]) -> str:
+def _check_arguments(file: str, output: Path | None, writers: Mapping[Path | None, Any]) -> None:
+    """Refuse a file that does not exist, a missing output, and folders that do not exist."""
+    from tractive_sam.tables import builtin_tables, is_table
+
+    exists = is_table(file)
+    if not (exists or Path(file).exists()):
+        names = ", ".join(builtin_tables())
+        message = f"{file} is no file and no built-in table; the built-in tables are: {names}"
+        raise error_exit(Status.INVALID, message)
+    if output is None and not (exists and writers):
+        needed = "--output, --header, --fmu, --text or --figure" if exists else "--output FILE.nc"
+        raise error_exit(Status.INVALID, f"{file}: {needed} is needed")
+    for path in filter(None, (output, *writers)):
+        if not path.absolute().parent.is_dir():
+            message = f"{path}: the folder {path.parent} does not exist; create it first"
+            raise error_exit(Status.INVALID, message)
+
+
+def _build(file: str, output: Path, scheduler: str | None, workers: int) -> "ts.CreepTable":
+    """Build a table into a file, and print the number of its nodes whenever some are added."""
+    rounds: list[int] = []
+    try:
+        with show_progress() as update, report_warnings():
+
+            def report(state: "ts.tables.Progress") -> None:
+                nodes = f"{state.nodes} nodes"
+                update(state.done / state.nodes, nodes, "" if state.round in rounds else nodes)
+                rounds.append(state.round)
+
+            return ts.build_table(
+                file, output, report, scheduler=scheduler, workers=workers, say=print_note
+            )
+    except (ConnectionError, RuntimeError) as error:  # no scheduler, or an unsolved contact
+        raise error_exit(Status.INCOMPLETE, str(error)) from None
+
+
+def _describe_cost(about: Mapping[str, Any]) -> str:
     """Describe the cost of a table and its errors, as far as its file states them."""
     cost = {"contacts": "{} contacts", "cpu_seconds": "{:.3g} s of one core"}
-    told = [form.format(about[name]) for name, form in cost.items() if name in about]
-    found = ", ".join(["", *told])
+    parts = [form.format(about[name]) for name, form in cost.items() if name in about]
+    text = ", ".join(["", *parts])
     if "held_out" not in about:
-        return found
-    return found + (
-        f"; {about['held_out']} points held out are off by {about['held_out_median']:.1e} of mu P "
-        f"in the median, {about['held_out_worst']:.1e} at most, {about['held_out_inside']:.0%} "
-        "within what the table tells"
+        return text
+    return text + (
+        f"; the error at {about['held_out']} check points is {about['held_out_median']:.1e} of "
+        f"mu P in the median, {about['held_out_worst']:.1e} at most, and at "
+        f"{about['held_out_inside']:.0%} of them within the reported error"
     )
 
 
-def _check_folder(file: Path | None) -> None:
-    if file is not None and not file.absolute().parent.is_dir():
-        raise stop(Status.INVALID, f"{file}: there is no folder {file.parent}; make it first")
-
-
-def _check_code(header: Path | None, fmu: Path | None) -> None:
-    """Refuse what could not be written, before anything is computed."""
+def _check_names(header: Path | None, fmu: Path | None) -> None:
+    """Refuse names and missing packages before anything is computed."""
     from tractive_sam.extras import check_extra
     from tractive_sam.lookup import check_name
 
@@ -139,59 +150,39 @@ def _check_code(header: Path | None, fmu: Path | None) -> None:
         for path in filter(None, (header, fmu)):
             check_name(path.stem)
     except ValueError as error:
-        raise stop(Status.INVALID, str(error)) from None
+        raise error_exit(Status.INVALID, str(error)) from None
     if fmu is not None:
-        with bad_input_told():
+        with report_errors():
             check_extra("fmpy", "--fmu")
 
 
-def _header(found, path: Path) -> None:
+def _write_header(built: "ts.CreepTable", path: Path) -> None:
     from tractive_sam.lookup import c_header
     from tractive_sam.output_file import write_file
 
-    write_file(path, c_header(found, path.stem))
+    write_file(path, c_header(built, path.stem))
 
 
-def _fmu(found, path: Path) -> None:
-    from tractive_sam.tables import write_fmu
-
+def _write_fmu(built: "ts.CreepTable", path: Path) -> None:
     try:
-        if not write_fmu(found, path):
-            cure = "fmpy compile adds what a machine with one needs"
-            note(f"{path} has sources alone, there is no cc; {cure}")
+        if not ts.write_fmu(built, path):
+            cure = "fmpy compile adds the binary on a machine with a compiler"
+            print_note(f"{path} contains only sources, as cc is not installed; {cure}")
     except RuntimeError as error:
-        raise stop(Status.INCOMPLETE, str(error)) from None
+        raise error_exit(Status.INCOMPLETE, str(error)) from None
 
 
-def _text(found, path: Path) -> None:
+def _write_text(built: "ts.CreepTable", path: Path) -> None:
     from tractive_sam.lookup import columns_of
     from tractive_sam.output_file import write_file
 
-    write_file(path, columns_of(found))
+    write_file(path, columns_of(built))
 
 
-def _figure(found, path: Path) -> None:
+def _write_figure(built: "ts.CreepTable", path: Path) -> None:
     from tractive_sam.plot import DPI, table_errors
 
     try:
-        table_errors(found).savefig(path, dpi=DPI)
+        table_errors(built).savefig(path, dpi=DPI)
     except ValueError as error:
-        raise stop(Status.INVALID, f"{path}: {error}") from None
-
-
-@contextmanager
-def _progress() -> Iterator[Callable[["Progress"], None] | None]:
-    """Show how far the table is, on a terminal; elsewhere, a line whenever nodes are added."""
-    with progress_bar() as bar:
-        told = [-1]
-        task = None if bar is None else bar.add_task("starting", total=1.0)
-
-        def tell(now: "Progress") -> None:
-            if bar is not None and task is not None:
-                about = f"{now.nodes} nodes"
-                bar.update(task, completed=now.done, total=now.nodes, description=about)
-            elif now.round != told[0]:
-                told[0] = now.round
-                say(f"{now.nodes} nodes")
-
-        yield tell
+        raise error_exit(Status.INVALID, f"{path}: {error}") from None

@@ -1,78 +1,89 @@
-"""Results as tables for people."""
+"""Results as tables for terminals."""
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass
 
 from rich import box
 from rich.table import Table
 
+import tractive_sam as ts
 from tractive_sam.results import describe_history, numbers
 from tractive_sam.scene import describe_load
 
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Mapping
 
-    from tractive_sam.results import History, Quantity
+@dataclass(frozen=True)
+class Column:
+    """A column of the table of records.
 
-COURSE = (
-    ("Qx_over_P", "Qx/P", 1, "z.4f"),
-    ("Qy_over_P", "Qy/P", 1, "z.4f"),
-    ("p_max", "p_max\nMPa", 1, ".4g"),
-    ("p_95", "p_95\nMPa", 1, ".4g"),
-    ("half_width_x", "half x\nmm", 1, ".4g"),
-    ("half_width_y", "half y\nmm", 1, ".4g"),
-    ("wear_max", "wear\nµm", 1e3, ".4g"),
-    ("stick_fraction", "stick\n%", 100, ".1f"),
-    ("residual", "residual", 1, ".0e"),
+    Attributes
+    ----------
+    name : str
+        Column of the history.
+    heading : str
+        Heading, with the unit in the second line.
+    format : str
+        Format of its numbers.
+    factor : float
+        Factor of the numbers.
+    """
+
+    name: str
+    heading: str
+    format: str = ".4g"
+    factor: float = 1
+
+    def format_value(self, value: float) -> str:
+        """Return a value of the column as text."""
+        value *= self.factor
+        return format(int(value) if self.format == "d" else value, self.format)
+
+
+FORCES = (Column("Qx_over_P", "Qx/P", "z.4f"), Column("Qy_over_P", "Qy/P", "z.4f"))
+CREEPAGES = (Column("xi_x", "xi_x", ".3e"), Column("xi_y", "xi_y", ".3e"))
+PRESSURES = (Column("p_max", "p_max\nMPa"), Column("p_95", "p_95\nMPa"))
+WIDTHS = (Column("half_width_x", "half x\nmm"), Column("half_width_y", "half y\nmm"))
+SHIFTS = (
+    Column("shift_x", "shift x\nµm", factor=1e3),
+    Column("shift_y", "shift y\nµm", factor=1e3),
+    Column("friction_work", "friction\nN mm"),
 )
-"""What is told of every record, after the coordinate: name, heading, factor and format."""
-
-MOVED = (
-    ("shift_x", "shift x\nµm", 1e3, ".4g"),
-    ("shift_y", "shift y\nµm", 1e3, ".4g"),
-    ("friction_work", "friction\nN mm", 1, ".4g"),
+ENDS = (
+    Column("wear_max", "wear\nµm", factor=1e3),
+    Column("stick_fraction", "stick\n%", ".1f", 100),
+    Column("residual", "residual", ".0e"),
 )
-"""The same of transients, in place of half widths."""
-
-FOUND = (("xi_x", "xi_x", 1, ".3e"), ("xi_y", "xi_y", 1, ".3e"))
-"""The same of creepages, where forces are prescribed."""
-
-STEPPING = {
-    "operator_applications", "convolutions", "jump", "converged", "solves", "seconds",
-    "next_step", "stretch",
-}  # fmt: skip
-"""Columns of a record that say how it was computed: the totals tell it, and --json and --csv."""
-
-MAIN = (
-    "P", "Qx", "Qy", "Mz", "Qx_over_P", "worn_mass", "fatigue_life", "shift_x", "friction_work",
-    "p_max", "p_95", "half_width_x", "half_width_y", "stick_fraction", "wear_max",
-    "temperature_max", "stress_max", "von_mises_max", "utilisation", "xi_x", "xi_y",
-)  # fmt: skip
-"""Main results of a run, in their order: forces, wear or life, contact, stress."""
-
-MOST_ROWS = 20
+"""Columns of the table of records, in groups."""
 
 
-def course(columns: "Collection[str]") -> tuple[tuple[str, str, float, str], ...]:
-    """Return what to print of every record with such columns, as `COURSE`."""
-    if "shift_x" not in columns:
-        return COURSE
-    kept = [one for one in COURSE if not one[0].startswith("half_width")]
-    return (*kept[:3], *MOVED, *kept[3:])
+def select_columns(columns: Collection[str], creepages: bool = False) -> list[Column]:
+    """Return the columns of the table of records.
+
+    Parameters
+    ----------
+    columns : collection of str
+        Columns of the history; shifts of a transient replace the half widths.
+    creepages : bool
+        Whether to print the creepages, which follow from prescribed forces.
+    """
+    found = CREEPAGES if creepages else ()
+    if "shift_x" in columns:
+        return [*FORCES, *found, PRESSURES[0], *SHIFTS, PRESSURES[1], *ENDS]
+    return [*FORCES, *found, *PRESSURES, *WIDTHS, *ENDS]
 
 
-def about(history: "History") -> Table:
-    """Return what was computed, and how it ended."""
+def run_table(history: "ts.History") -> Table:
+    """Return a table of the scene and the status, the balances and the cost of a history."""
     rows = {"scene": history.title, "status": history.status, "message": history.message}
-    return _rows(rows | describe_history(history))
+    return _label_table(rows | describe_history(history))
 
 
-def load(history: "History") -> Table:
-    """Return the load and the wear of the scene, in the units of its keys and in others."""
-    return _rows(describe_load(history.scene))
+def load_table(history: "ts.History") -> Table:
+    """Return a table of the load and the wear of the scene, in several units."""
+    return _label_table(describe_load(history.scene))
 
 
-def _rows(rows: "Mapping[str, str]") -> Table:
+def _label_table(rows: Mapping[str, str]) -> Table:
     """Return a table of labels and texts."""
     table = Table.grid(padding=(0, 2))
     for label, text in rows.items():
@@ -80,13 +91,25 @@ def _rows(rows: "Mapping[str, str]") -> Table:
     return table
 
 
-def last_record(history: "History", solver: bool = False) -> Table:
-    """Return the last record, one quantity a row; those of `STEPPING` only with `solver`."""
-    return _quantities(row for row in numbers(history, -1) if solver or row[0] not in STEPPING)
+def last_record(history: "ts.History", solver: bool = False) -> Table:
+    """Return a table of the last record, one quantity a row.
+
+    Parameters
+    ----------
+    history : History
+        At least one record.
+    solver : bool
+        Whether to include the quantities of the solver, which the totals summarize.
+    """
+    hidden: set[str] = set() if solver else {
+        "operator_applications", "convolutions", "jump", "converged", "solves", "seconds",
+        "next_step", "stretch",
+    }  # fmt: skip
+    return _quantity_table(row for row in numbers(history, -1) if row[0] not in hidden)
 
 
-def main_results(history: "History", most: int = 15) -> Table:
-    """Return the main results of the last record, those of `MAIN` that are not zero.
+def main_results(history: "ts.History", most: int = 15) -> Table:
+    """Return a table of the main results of the last record that are not zero.
 
     Parameters
     ----------
@@ -95,49 +118,57 @@ def main_results(history: "History", most: int = 15) -> Table:
     most : int
         Most rows: they fit a terminal of 24 lines together with the load.
     """
-    found = [row for row in numbers(history, -1) if row[1] not in ("0", "nan", "none")]
-    ordered = [row for name in MAIN for row in found if row[0].split()[0] == name]
-    table = _quantities(ordered[:most])
+    order = (
+        "P", "Qx", "Qy", "Mz", "Qx_over_P", "worn_mass", "fatigue_life", "shift_x",
+        "friction_work", "p_max", "p_95", "half_width_x", "half_width_y", "stick_fraction",
+        "wear_max", "temperature_max", "stress_max", "von_mises_max", "utilisation", "xi_x", "xi_y",
+    )  # fmt: skip
+    rows = [row for row in numbers(history, -1) if row[1] not in ("0", "nan", "none")]
+    table = _quantity_table(
+        [row for name in order for row in rows if row[0].split()[0] == name][:most]
+    )
     table.caption = "run --verbose prints all quantities, show FILE those of every record"
     return table
 
 
-def _quantities(rows: "Iterable[tuple[str, str, Quantity]]") -> Table:
+def _quantity_table(rows: "Iterable[tuple[str, str, ts.Quantity]]") -> Table:
     """Return a table of quantities: name, number, unit and meaning."""
     table = Table(box=box.SIMPLE_HEAD, show_header=False)
     table.add_column(style="bold")
     table.add_column(justify="right")
     table.add_column()
     table.add_column(style="dim")
-    for name, text, one in rows:
-        table.add_row(name, text, "" if one.unit == "1" else one.unit, one.long_name)
+    for name, text, quantity in rows:
+        table.add_row(name, text, _unit_of(quantity), quantity.long_name)
     return table
 
 
-def records(history: "History") -> Table:
-    """Records about equally far apart along the course, one a row."""
-    count = len(history)
+def record_table(history: "ts.History", most: int = 20) -> Table:
+    """Return a table of records at about equal distances along the course, one a row."""
+    count, coordinate = len(history), history.coordinate
+    heading = "\n".join(filter(None, (coordinate.symbol or coordinate.name, _unit_of(coordinate))))
+    found = "creepage_found" in history.columns and any(map(math.isfinite, history["xi_x"]))
+    columns = select_columns(history.columns, creepages=found)
+    columns = [Column(coordinate.name, heading, coordinate.format), *columns]
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    along = history.coordinate
-    heading = (along.symbol or along.name) + ("" if along.unit == "1" else f"\n{along.unit}")
-    takes = "creepage_found" in history.columns and any(map(math.isfinite, history["xi_x"]))
-    found = FOUND if takes else ()
-    told = course(history.columns)
-    told = ((along.name, heading, 1, along.format), *told[:2], *found, *told[2:])
-    for _, heading, _, _ in told:
-        table.add_column(heading, justify="right", no_wrap=True)
-    shown = _apart(history[along.name].tolist())
+    for column in columns:
+        table.add_column(column.heading, justify="right", no_wrap=True)
+    shown = _select_spaced(history[coordinate.name].tolist(), most)
     for row in shown:
-        table.add_row(*(format(history[name][row] * f, form) for name, _, f, form in told))
+        table.add_row(*(column.format_value(history[column.name][row]) for column in columns))
     if len(shown) < count:
-        table.caption = f"{len(shown)} of {count} records; show --json tells all"
+        table.caption = f"{len(shown)} of {count} records; show --json prints all"
     return table
 
 
-def _apart(places: list[float]) -> list[int]:
-    """At most `MOST_ROWS` ascending places, those nearest to equal distances."""
-    if len(places) <= MOST_ROWS:
+def _unit_of(quantity: "ts.Quantity") -> str:
+    return "" if quantity.unit == "1" else quantity.unit
+
+
+def _select_spaced(places: list[float], most: int) -> list[int]:
+    """Return the rows of at most that many ascending places, close to equal distances."""
+    if len(places) <= most:
         return list(range(len(places)))
     first, last = places[0], places[-1]
-    aims = (first + k * (last - first) / (MOST_ROWS - 1) for k in range(MOST_ROWS))
+    aims = (first + k * (last - first) / (most - 1) for k in range(most))
     return sorted({min(range(len(places)), key=lambda n: abs(places[n] - aim)) for aim in aims})

@@ -1,8 +1,8 @@
 """Reproduction of the paper: every figure and table, and its statements with computed results.
 
-The paper is Juliá & Rodríguez-Tembleque, Int. J. Mech. Sci. 294 (2025) 110195. Every chapter
-computes a group of its figures and yields statements, figures and tables. No computed number is
-stored in the source: each run computes the numbers that it reports.
+After Juliá & Rodríguez-Tembleque, Int. J. Mech. Sci. 294 (2025) 110195. Every chapter computes a
+group of the paper's figures and yields its findings one by one: statements, figures, tables. Every
+result on the page is computed in the same run.
 """
 
 from tractive_sam.paper.finding import Chapter, Finding, Picture, Statement, Table, Verdict

@@ -1,6 +1,7 @@
 """Transmitted force against creepage, isotropic and orthotropic friction (Fig. 6)."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -14,9 +15,9 @@ from tractive_sam.paper.finding import (
     Table,
     Verdict,
     Work,
-    listed,
+    join,
 )
-from tractive_sam.paper.scenes import ANGLES, ANGLES_TOLD, orthotropic_spheres, spheres
+from tractive_sam.paper.scenes import ANGLE_TEXT, ANGLES, orthotropic_spheres, spheres
 from tractive_sam.reference import (
     creep_parameter,
     kalker_simplified,
@@ -30,37 +31,32 @@ from tractive_sam.scene import Scene
 LAST = 1.3
 """Largest creep parameter: full slip is reached at about 1."""
 
-AT = (0.05, 0.2, 0.5, 0.8)
-"""Creep parameters of the table over meshes."""
-
-VERY_HIGH = 0.01
+VERY_WELL = 0.01
 """Relative distance of two curves that agree very well."""
 
-STICKS = 0.01
-"""Share of the contact below which nothing sticks."""
-
 NOTHING = 1e-6
-"""Force over mu1 P that is zero: far above what the solver leaves."""
+"""Force over mu1 P that is zero: far above the errors of the solver."""
 
 
 def find(work: Work) -> Iterator[Finding]:
-    """Yield what the paper says of Fig. 6, and what we find."""
+    """Yield the statements of the paper on Fig. 6, each with the computed result."""
     yield from _isotropic(work)
     yield from _orthotropic(work)
 
 
 def _isotropic(work: Work) -> Iterator[Finding]:
+    """Yield the findings of isotropic friction."""
     scene = spheres(work.size)
     xi = np.linspace(0.05, LAST, work.size.creepages)
-    work.tell("creep-force curve, isotropic")
-    Q_x, Q_y, _ = _curve(scene, xi)
+    work.report("creep-force curve, isotropic")
+    Q_x, Q_y, _ = _solve_curve(scene, xi)
     rises = np.all(np.diff(Q_x[xi < 1]) > 0) and abs(Q_x[-1] - 1) < 1e-2
     yield Statement(
         "Fig. 6(a)",
         "Q_x increases with the creep parameter ξ until it reaches a constant value; Q_y = 0.",
         f"Q_x rises at every step to {Q_x[-1]:.4f} µP at ξ = {LAST}; the largest |Q_y| is "
         f"{abs(Q_y).max():.0e} µP.",
-        Verdict.of(rises and abs(Q_y).max() < NOTHING),
+        Verdict.from_conditions(rises and abs(Q_y).max() < NOTHING),
     )
     below = np.linspace(0.0, 1.0, 101)[1:-1]
     above = vermeulen_johnson(below) / kalker_simplified(below) - 1
@@ -69,10 +65,10 @@ def _isotropic(work: Work) -> Iterator[Finding]:
         "Vermeulen & Johnson predict more than Kalker for every ξ (after Zaazaa & Schwab).",
         f"Eq. (41) is above eq. (42) at all of {below.size} points between 0 and 1, by up to "
         f"{above.max():.1%}.",
-        Verdict.of(np.all(above > 0)),
+        Verdict.from_conditions(np.all(above > 0)),
     )
-    yield _against_kalker(scene, xi, Q_x)
-    yield _over_meshes(work)
+    yield _compare_with_kalker(scene, xi, Q_x)
+    yield _compare_meshes(work)
     yield Picture(
         "fig-06a",
         plot.creep_force_curve({"computed": (xi, Q_x)}),
@@ -81,103 +77,87 @@ def _isotropic(work: Work) -> Iterator[Finding]:
     )
 
 
-def _against_kalker(scene: Scene, xi: np.ndarray, Q_x: np.ndarray) -> Statement:
+def _compare_with_kalker(scene: Scene, xi: np.ndarray, Q_x: np.ndarray) -> Statement:
+    """Return the comparison with Kalker's simplified curve."""
     partial = xi < 1
     deviation = Q_x[partial] / kalker_simplified(xi[partial]) - 1
     worst = abs(deviation).argmax()
     material, mu, a = scene.material, scene.friction.mu[0], scene.hertz.a
     small = 1e-3
-    linear = linear_creep_forces(a, a, material.shear, material.poisson, xi_x=-small / _unit(scene))
+    linear = linear_creep_forces(
+        a, a, material.shear, material.poisson, xi_x=-small / _creep_unit(scene)
+    )
     slope = kalker_simplified(small) * mu * scene.load.normal / linear.Fx
     return Statement(
         "Fig. 6(a)",
         "Our numerical results agree very well with Kalker's curve, eq. (42).",
-        f"They lie {deviation[worst]:+.1%} from it at ξ = {xi[worst]:.2f}, and come nearer up to "
+        f"The deviation is {deviation[worst]:+.1%} at ξ = {xi[worst]:.2f}, and decreases to "
         f"{deviation[-1]:+.1%} at ξ = {xi[partial][-1]:.2f}. Eq. (42) is a simplified theory: its "
         f"slope at the origin is {slope:.3f} of that of Kalker's own exact linear theory (his "
         f"coefficient C_11), to which the solution on the half-space tends.",
-        Verdict.of(abs(deviation[worst]) < VERY_HIGH),
-        f"if within {VERY_HIGH:.0%}",
+        Verdict.from_conditions(abs(deviation[worst]) < VERY_WELL),
+        f"if within {VERY_WELL:.0%}",
     )
 
 
-def _over_meshes(work: Work) -> Table:
-    columns = []
+def _compare_meshes(work: Work) -> Table:
+    """Return the creep-force curve on several meshes and by both formulas."""
+    parameters, columns = (0.05, 0.2, 0.5, 0.8), []
     for elements in work.size.meshes:
-        work.tell(f"creep-force curve, {elements} × {elements} elements")
-        columns.append(_curve(spheres(work.size, elements), np.array(AT))[0])
-    formulas = kalker_simplified(AT), vermeulen_johnson(AT)
-    rows = zip((f"{xi:g}" for xi in AT), *(_cells(c) for c in (*columns, *formulas)), strict=True)
+        work.report(f"creep-force curve, {elements} × {elements} elements")
+        columns.append(_solve_curve(spheres(work.size, elements), np.array(parameters))[0])
+    formulas = kalker_simplified(parameters), vermeulen_johnson(parameters)
+    cells = [[f"{value:.4f}" for value in column] for column in (*columns, *formulas)]
+    rows = zip((f"{xi:g}" for xi in parameters), *cells, strict=True)
     heads = (f"{n} × {n}" for n in work.size.meshes)
     return Table(
-        "Q_x/(µP): the mesh-converged curve beside both formulas.",
+        "Q_x/(µP): the mesh-converged curve and both formulas.",
         ("ξ", *heads, "eq. (42)", "eq. (41)"),
         list(rows),
     )
 
 
-def _cells(values: Sequence[float]) -> list[str]:
-    return [f"{value:.4f}" for value in values]
+@dataclass(frozen=True)
+class _AngleCurve:
+    """The creep-force curve at one angle.
+
+    Attributes
+    ----------
+    forces : ndarray, shape (2, n)
+        Q_x and Q_y over mu1 P.
+    full_slip : ndarray, shape (2,)
+        The same for uniform sliding, in closed form.
+    sliding_from : float
+        First creep parameter at which less than 1 % of the contact sticks.
+    """
+
+    forces: np.ndarray
+    full_slip: np.ndarray
+    sliding_from: float
+
+    @property
+    def share(self) -> float:
+        """Last Q_x over that of uniform sliding."""
+        return self.forces[0, -1] / self.full_slip[0]
 
 
 def _orthotropic(work: Work) -> Iterator[Finding]:
-    xi = np.linspace(0.05, LAST, work.size.creepages)
-    curves, share, sliding_from = {}, {}, {}
+    """Yield the findings of orthotropic friction."""
+    xi, curves = np.linspace(0.05, LAST, work.size.creepages), {}
     for angle in ANGLES:
-        work.tell(f"creep-force curve, β = {angle:g}°")
+        work.report(f"creep-force curve, β = {angle:g}°")
         scene = orthotropic_spheres(work.size, angle)
-        *forces, stick = _curve(scene, xi)
-        curves[angle] = forces
+        Q_x, Q_y, stick = _solve_curve(scene, xi)
         mu, P = scene.friction.mu, scene.load.normal
-        full = full_slip_force(P, mu, np.radians(angle), (-1.0, 0.0))
-        share[angle] = np.array(full) / (mu[0] * P)
-        sliding_from[angle] = float(xi[np.argmax(stick < STICKS)])
-    ends = {angle: np.array(forces)[:, -1] for angle, forces in curves.items()}
-    starts = list(sliding_from.values())
-    yield Statement(
-        "Fig. 6(b)",
-        "The lower the effective friction (the larger β), the sooner the contact slides.",
-        f"Less than {STICKS:.0%} of it sticks from ξ = {listed(starts, '.2f')} on, for β = "
-        f"{ANGLES_TOLD}, at the {work.size.creepages} points computed.",
-        Verdict.of(all(first > second for first, second in pairwise(starts))),
-    )
-    last = np.array(curves[45.0])[:, -2:]
-    yield Statement(
-        "Fig. 6(b)",
-        "In all cases Q_x increases until it reaches a constant value, as the contact slides.",
-        f"At ξ = {LAST}, Q_x is {listed([ends[one][0] / share[one][0] for one in ANGLES], '.4f')} "
-        f"of the closed form for uniform sliding, for β = {ANGLES_TOLD}. For 45° the elastic slip "
-        "still turns the direction of sliding from place to place: over the last step, Q_x changes "
-        f"by {last[0, 1] / last[0, 0] - 1:+.2%} and Q_y by {last[1, 1] / last[1, 0] - 1:+.2%}.",
-        Verdict.of(*(ends[one][0] / share[one][0] > 1 - VERY_HIGH for one in ANGLES)),
-        f"if within {VERY_HIGH:.0%} of it",
-    )
-    values = [ends[angle][0] for angle in ANGLES]
-    yield Statement(
-        "Fig. 6(b)",
-        "Q_x decreases with the effective friction coefficient in the rolling direction.",
-        f"Q_x/(µ_1 P) = {listed(values, '.3f')} at ξ = {LAST} for β = {ANGLES_TOLD}; uniform "
-        f"sliding in the closed form gives {listed([share[angle][0] for angle in ANGLES], '.3f')}.",
-        Verdict.of(values[0] > values[1] > values[2]),
-    )
-    ratio = ends[90.0][0] / ends[0.0][0]
-    yield Statement(
-        "Sec. 8.1.2",
-        "At full slip, Q_x(β = 90°) = Q_x(β = 0°)/2.",
-        f"The ratio is {ratio:.5f}.",
-        Verdict.of(abs(ratio / 0.5 - 1) < VERY_HIGH),
-        f"if within {VERY_HIGH:.0%}",
-    )
-    lateral = {angle: float(abs(curves[angle][1]).max()) for angle in ANGLES}
-    yield Statement(
-        "Sec. 8.1.2",
-        "Q_y is zero for β = 0° and 90°, and not for 45°.",
-        f"The largest |Q_y|/(µ_1 P) is {lateral[0.0]:.0e} and {lateral[90.0]:.0e}, and "
-        f"{lateral[45.0]:.3f} for 45° (uniform sliding in the closed form: {share[45.0][1]:.3f}).",
-        Verdict.of(max(lateral[0.0], lateral[90.0]) < NOTHING, lateral[45.0] > 1e-2),
-    )
-    series = {f"$Q_x$, {angle:g}°": (xi, curves[angle][0]) for angle in ANGLES}
-    series["$Q_y$, 45°"] = xi, curves[45.0][1]
+        force = full_slip_force(P, mu, np.radians(angle), (-1.0, 0.0))
+        sliding_from = float(xi[np.argmax(stick < 0.01)])
+        curves[angle] = _AngleCurve(
+            np.array([Q_x, Q_y]), np.array(force) / (mu[0] * P), sliding_from
+        )
+    yield from _compare_sliding(curves, work.size.creepages)
+    yield from _compare_angles(curves)
+    series = {f"$Q_x$, {angle:g}°": (xi, curves[angle].forces[0]) for angle in ANGLES}
+    series["$Q_y$, 45°"] = xi, curves[45.0].forces[1]
     yield Picture(
         "fig-06b",
         plot.creep_force_curve(series, theory=False),
@@ -186,27 +166,81 @@ def _orthotropic(work: Work) -> Iterator[Finding]:
     )
 
 
-def _unit(scene: Scene) -> float:
-    """Creep parameter, eq. (40), of a creepage of -1."""
-    material = scene.material
-    return float(
-        creep_parameter(
-            -1.0,
-            shear=material.shear,
-            a=scene.hertz.a,
-            mu=scene.friction.mu[0],
-            load=scene.load.normal,
-            poisson=material.poisson,
-        )
+def _compare_sliding(curves: Mapping[float, _AngleCurve], points: int) -> Iterator[Statement]:
+    """Yield the statements on the transition to sliding."""
+    starts = [curve.sliding_from for curve in curves.values()]
+    yield Statement(
+        "Fig. 6(b)",
+        "The lower the effective friction (the larger β), the sooner the contact slides.",
+        f"Less than 1% of it sticks from ξ = {join(starts, '.2f')} on, for β = "
+        f"{ANGLE_TEXT}, at the {points} points computed.",
+        Verdict.from_conditions(all(first > second for first, second in pairwise(starts))),
+    )
+    (x_before, x_last), (y_before, y_last) = curves[45.0].forces[:, -2:]
+    shares = [curve.share for curve in curves.values()]
+    yield Statement(
+        "Fig. 6(b)",
+        "In all cases Q_x increases until it reaches a constant value, as the contact slides.",
+        f"At ξ = {LAST}, Q_x is {join(shares, '.4f')} of the closed form for uniform "
+        f"sliding, for β = {ANGLE_TEXT}. For 45° the direction of sliding still varies over the "
+        f"contact, due to the elastic slip: over the last step, Q_x changes by "
+        f"{x_last / x_before - 1:+.2%} and Q_y by {y_last / y_before - 1:+.2%}.",
+        Verdict.from_conditions(*(share > 1 - VERY_WELL for share in shares)),
+        f"if within {VERY_WELL:.0%} of it",
     )
 
 
-def _curve(scene: Scene, xi: np.ndarray) -> np.ndarray:
-    """Forces Q_x, Q_y over mu1 P at creep parameters, and what sticks, shape (3, n)."""
-    unit, scale = _unit(scene), scene.friction.mu[0] * scene.load.normal
-    forces, neighbour = [], None
+def _compare_angles(curves: Mapping[float, _AngleCurve]) -> Iterator[Statement]:
+    """Yield the statements on the forces at the three angles."""
+    values = [curve.forces[0, -1] for curve in curves.values()]
+    uniform = [curve.full_slip[0] for curve in curves.values()]
+    yield Statement(
+        "Fig. 6(b)",
+        "Q_x decreases with the effective friction coefficient in the rolling direction.",
+        f"Q_x/(µ_1 P) = {join(values, '.3f')} at ξ = {LAST} for β = {ANGLE_TEXT}; uniform "
+        f"sliding in the closed form gives {join(uniform, '.3f')}.",
+        Verdict.from_conditions(values[0] > values[1] > values[2]),
+    )
+    ratio = values[2] / values[0]
+    yield Statement(
+        "Sec. 8.1.2",
+        "At full slip, Q_x(β = 90°) = Q_x(β = 0°)/2.",
+        f"The ratio is {ratio:.5f}.",
+        Verdict.from_conditions(abs(ratio / 0.5 - 1) < VERY_WELL),
+        f"if within {VERY_WELL:.0%}",
+    )
+    lateral = {angle: float(abs(curve.forces[1]).max()) for angle, curve in curves.items()}
+    yield Statement(
+        "Sec. 8.1.2",
+        "Q_y is zero for β = 0° and 90°, and not for 45°.",
+        f"The largest |Q_y|/(µ_1 P) is {lateral[0.0]:.0e} and {lateral[90.0]:.0e}, and "
+        f"{lateral[45.0]:.3f} for 45° (uniform sliding in the closed form: "
+        f"{curves[45.0].full_slip[1]:.3f}).",
+        Verdict.from_conditions(max(lateral[0.0], lateral[90.0]) < NOTHING, lateral[45.0] > 1e-2),
+    )
+
+
+def _creep_unit(scene: Scene) -> float:
+    """Return the creep parameter, eq. (40), of a creepage of -1."""
+    material = scene.material
+    parameter = creep_parameter(
+        -1.0,
+        shear=material.shear,
+        a=scene.hertz.a,
+        mu=scene.friction.mu[0],
+        load=scene.load.normal,
+        poisson=material.poisson,
+    )
+    return float(parameter)
+
+
+def _solve_curve(scene: Scene, xi: np.ndarray) -> np.ndarray:
+    """Return Q_x and Q_y over mu1 P at creep parameters, and the share of stick, shape (3, n)."""
+    unit, scale = _creep_unit(scene), scene.friction.mu[0] * scene.load.normal
+    rows: list[tuple[float, float, float]] = []
+    contact: State | None = None
     for parameter in xi:
-        at = scene.replace(**{"creepage.longitudinal": -parameter / unit})
-        neighbour: State = solve(at, start=neighbour)
-        forces.append((neighbour.Qx / scale, neighbour.Qy / scale, neighbour.stick_fraction))
-    return np.transpose(forces)
+        creeping = scene.replace(**{"creepage.longitudinal": -parameter / unit})
+        contact = solve(creeping, start=contact)
+        rows.append((contact.Qx / scale, contact.Qy / scale, contact.stick_fraction))
+    return np.transpose(rows)

@@ -1,6 +1,6 @@
-"""What a chapter yields: statements, figures and tables."""
+"""The findings of a chapter: statements, figures and tables."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
@@ -8,33 +8,32 @@ from io import BytesIO
 from pathlib import Path
 from typing import IO, Any, Protocol, TypeAlias
 
-from tractive_sam.paper.size import Size
+import numpy as np
 
-DOTS = 150
-"""Of the parts of a picture that are no vectors, per inch."""
+from tractive_sam.paper.size import Size
 
 
 class Figure(Protocol):
-    """What is asked of a figure."""
+    """A figure that can be saved."""
 
     def savefig(self, target: Path | IO[bytes], **options: Any) -> None:
-        """Write it."""
+        """Write the figure."""
 
     def get_figwidth(self) -> float:
-        """Tell its width, inches."""
+        """Return the width, inches."""
 
 
 class Verdict(StrEnum):
-    """What comes of holding our numbers against a statement."""
+    """Agreement of the results with a statement of the paper."""
 
     AGREES = "agrees"
     PARTLY = "agrees in part"
     DIFFERS = "differs"
-    OPEN = "cannot be told"
+    OPEN = "cannot be decided"
 
     @classmethod
-    def of(cls, *conditions: bool) -> "Verdict":
-        """Agreement where all of the conditions hold, in part where some do."""
+    def from_conditions(cls, *conditions: bool | np.bool_) -> "Verdict":
+        """Return agreement if all of the conditions hold, and in part if some do."""
         if all(conditions):
             return cls.AGREES
         return cls.PARTLY if any(conditions) else cls.DIFFERS
@@ -42,22 +41,22 @@ class Verdict(StrEnum):
 
 @dataclass(frozen=True)
 class Statement:
-    """What the paper says and what we find.
+    """A statement of the paper and the computed result.
 
-    Texts are plain; a letter, an underscore and what follows are a symbol and its index, as "Q_x".
+    Texts are plain; a letter, an underscore and more letters are a symbol and its index: "Q_x".
 
     Attributes
     ----------
     place : str
-        Where the paper says it: "Sec. 8.1.1", "Fig. 6(a)".
+        Place in the paper: "Sec. 8.1.1", "Fig. 6(a)".
     paper : str
-        What it says.
+        Its statement.
     ours : str
-        What we find, in numbers.
+        The computed result, in numbers.
     verdict : Verdict
         Whether the two agree.
     rule : str
-        When they do, where that is not plain: "within 1%".
+        Criterion of the agreement, if it is not obvious: "if within 1%".
     """
 
     place: str
@@ -74,11 +73,11 @@ class Picture:
     Attributes
     ----------
     name : str
-        Of its file, without the ending.
+        Name of its file, without the ending.
     figure : Figure
         The figure.
     caption : str
-        What it shows, starting with the paper's figure that it stands for.
+        Caption, which begins with the figure of the paper.
     """
 
     name: str
@@ -87,9 +86,9 @@ class Picture:
 
     @cached_property
     def svg(self) -> bytes:
-        """The figure as vectors."""
+        """The figure as vectors, with images of 150 dots per inch."""
         memory = BytesIO()
-        self.figure.savefig(memory, format="svg", dpi=DOTS, metadata={"Date": None})
+        self.figure.savefig(memory, format="svg", dpi=150, metadata={"Date": None})
         return memory.getvalue()
 
 
@@ -100,9 +99,9 @@ class Table:
     Attributes
     ----------
     caption : str
-        What it lists.
+        Caption.
     heads : sequence of str
-        One a column, with the unit.
+        Heading of each column, with the unit.
     rows : sequence of sequence of str
         Cells.
     """
@@ -117,7 +116,7 @@ Finding: TypeAlias = Statement | Picture | Table
 
 @dataclass(frozen=True)
 class Work:
-    """What a chapter is given.
+    """Settings of a chapter.
 
     Attributes
     ----------
@@ -125,13 +124,13 @@ class Work:
         Meshes, creepages and revolutions.
     results : Path
         Folder of the results files.
-    tell : callable
-        Takes a line that says what is being done.
+    report : callable
+        Called with a line that describes the running computation.
     """
 
     size: Size
     results: Path
-    tell: Callable[[str], None]
+    report: Callable[[str], None]
 
 
 @dataclass(frozen=True)
@@ -141,11 +140,11 @@ class Chapter:
     Attributes
     ----------
     title : str
-        What it is about.
+        Title.
     figures : str
-        The paper's figures and tables.
+        Figures and tables of the paper.
     find : callable
-        Takes the work, yields the findings.
+        Yields the findings of a `Work`.
     """
 
     title: str
@@ -153,12 +152,12 @@ class Chapter:
     find: Callable[[Work], Iterator[Finding]]
 
 
-def percent(value: float, reference: float) -> str:
-    """Deviation of a value from a reference, "+1.2%"."""
+def format_deviation(value: float, reference: float) -> str:
+    """Return the deviation of a value from a reference, such as "+1.2%"."""
     return f"{value / reference - 1:+.1%}"
 
 
-def listed(values: Sequence[float], form: str) -> str:
-    """Numbers one after another: "0.1, 0.2 and 0.3"."""
+def join(values: Iterable[float], form: str) -> str:
+    """Return a list of numbers: "0.1, 0.2 and 0.3"."""
     texts = [format(value, form) for value in values]
     return " and ".join([", ".join(texts[:-1]), texts[-1]]) if len(texts) > 1 else texts[0]

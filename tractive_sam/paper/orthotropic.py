@@ -5,27 +5,26 @@ from collections.abc import Iterator
 import numpy as np
 
 from tractive_sam import plot
-from tractive_sam.paper.finding import Finding, Picture, Statement, Table, Verdict, Work, listed
+from tractive_sam.paper.finding import (
+    Finding,
+    Picture,
+    Statement,
+    Table,
+    Verdict,
+    Work,
+    join,
+)
 from tractive_sam.paper.scenes import ANGLES, orthotropic_spheres
 from tractive_sam.results import Maximum, State
 from tractive_sam.run import solve
 from tractive_sam.subsurface import stress_maximum, stress_on_plane
 
-PAPER_INTERIOR = 0.6
-"""Largest equivalent stress inside, over p_0, of the paper: given to one digit."""
-
-SAME = 0.05
-"""Relative spread of values that remain approximately the same."""
-
-SYMMETRIC = 1e-3
-"""Share of the largest stress by which the two sides of a symmetric field may differ."""
-
 
 def find(work: Work) -> Iterator[Finding]:
-    """Yield what the paper says of Figs. 7 and 8, and what we find."""
+    """Yield the statements of the paper on Figs. 7 and 8, each with the computed result."""
     contacts = {}
     for angle in ANGLES:
-        work.tell(f"two spheres, β = {angle:g}°")
+        work.report(f"two spheres, β = {angle:g}°")
         contacts[angle] = solve(orthotropic_spheres(work.size, angle))
     yield _lateral(contacts)
     maxima = {angle: stress_maximum(contact, "A") for angle, contact in contacts.items()}
@@ -49,6 +48,7 @@ def find(work: Work) -> Iterator[Finding]:
 
 
 def _lateral(contacts: dict[float, State]) -> Statement:
+    """Return the comparison of the lateral traction."""
     p_y = [
         float(abs(contact.traction[1]).max() / contact.scene.hertz.p0)
         for contact in contacts.values()
@@ -58,37 +58,45 @@ def _lateral(contacts: dict[float, State]) -> Statement:
         "Fig. 7",
         "For 0° < β < 90° the traction has a component p_y.",
         f"The largest |p_y|/p_0 is {turned:.3f} for β = 45°, and {along:.3f} and {across:.3f} for "
-        "0° and 90°, where only the curvature of the slip makes it.",
-        Verdict.of(turned > 2 * max(along, across)),
+        "0° and 90°, where only the curvature of the slip causes it.",
+        Verdict.from_conditions(turned > 2 * max(along, across)),
     )
 
 
-def _inside_and_surface(maxima: dict[float, Maximum], p0: float) -> Iterator[Finding]:
+def _inside_and_surface(
+    maxima: dict[float, Maximum], p0: float, expected: float = 0.6, same: float = 0.05
+) -> Iterator[Finding]:
+    """Yield the comparison of the largest stresses inside and at the surface.
+
+    The paper has one digit of the stress inside over p_0; values within a relative distance of
+    `same` remain approximately the same.
+    """
     inside = np.array([top.interior for top in maxima.values()]) / p0
     surface = np.array([top.surface for top in maxima.values()]) / p0
     yield Statement(
         "Fig. 8",
-        "The largest equivalent stress inside remains approximately the same, 0.6 p_0, as β "
-        "increases.",
-        f"{listed(inside, '.3f')} p_0: the same within {np.ptp(inside) / inside.mean():.1%}, but "
+        f"The largest equivalent stress inside remains approximately the same, {expected} p_0, "
+        "as β increases.",
+        f"{join(inside, '.3f')} p_0: the same within {np.ptp(inside) / inside.mean():.1%}, but "
         f"nearer to {inside.mean():.2f} p_0.",
-        Verdict.of(
-            bool(np.ptp(inside) / inside.mean() < SAME),
-            bool(np.all(np.round(inside, 1) == PAPER_INTERIOR)),
+        Verdict.from_conditions(
+            bool(np.ptp(inside) / inside.mean() < same),
+            bool(np.all(np.round(inside, 1) == expected)),
         ),
-        f"if the same within {SAME:.0%}, and {PAPER_INTERIOR} p_0 when rounded",
+        f"if the same within {same:.0%}, and {expected} p_0 when rounded",
     )
     yield Statement(
         "Fig. 8",
         "At the surface the stress clearly decreases as β increases; in the end only the maximum "
         "inside is left.",
-        f"{listed(surface, '.3f')} p_0 at the surface: for β = 90° it is "
+        f"{join(surface, '.3f')} p_0 at the surface: for β = 90° it is "
         f"{surface[-1] / inside[-1]:.2f} of the maximum inside.",
-        Verdict.of(bool(np.all(np.diff(surface) < 0)), bool(surface[-1] < inside[-1])),
+        Verdict.from_conditions(bool(np.all(np.diff(surface) < 0)), bool(surface[-1] < inside[-1])),
     )
 
 
-def _sides(contacts: dict[float, State]) -> Statement:
+def _sides(contacts: dict[float, State], symmetric: float = 1e-3) -> Statement:
+    """Return the comparison of the two sides; those of symmetric fields are equal to a share."""
     differences = []
     for contact in contacts.values():
         values = stress_on_plane(contact, "x=0", "A").von_mises
@@ -99,11 +107,12 @@ def _sides(contacts: dict[float, State]) -> Statement:
         "In the yz plane the stress for β = 45° is not symmetric about the xz plane.",
         f"Its two sides differ by up to {turned:.1%} of its largest value; for 0° and 90° by "
         f"{along:.0e} and {across:.0e}.",
-        Verdict.of(turned > 0.01, max(along, across) < SYMMETRIC),
+        Verdict.from_conditions(turned > 0.01, max(along, across) < symmetric),
     )
 
 
 def _table(contacts: dict[float, State], maxima: dict[float, Maximum]) -> Table:
+    """Return the forces and the maxima of the stress at each angle."""
     rows = []
     for angle, contact in contacts.items():
         top, hertz = maxima[angle], contact.scene.hertz

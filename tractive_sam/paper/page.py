@@ -14,16 +14,6 @@ from tractive_sam.pages import style
 from tractive_sam.paper.finding import Chapter, Finding, Picture, Statement, Table, Verdict
 from tractive_sam.paper.size import FULL, Size
 
-WIDE = 7.0
-"""Width of a figure that takes a row for itself, inches."""
-
-COARSE = (
-    "A reduced size, with coarse meshes and few revolutions. It shows that everything runs: "
-    "neither its numbers nor its verdicts are those of the paper's size."
-)
-
-PROGRAMS = ("tractive-sam", "numpy", "scipy", "pyfftw", "numba")
-
 
 def chapter(number: int, about: Chapter, findings: Iterable[Finding]) -> Html:
     """Render a chapter; findings are taken one by one as they are rendered."""
@@ -47,13 +37,13 @@ def page(
     Parameters
     ----------
     chapters : sequence of (Chapter, Html)
-        In their order, as `chapter` renders them.
+        Chapters in their order, each with its HTML from `chapter`.
     statements : sequence of Statement
-        All of them.
+        All statements.
     size : Size
-        What was computed.
+        Meshes and revolutions.
     seconds : float
-        Spent on it.
+        Time of the computation.
     """
     counts = Counter(statement.verdict for statement in statements)
     item = '<li><a href="#chapter-$number">$title</a><br><small>$figures</small></li>'
@@ -62,16 +52,21 @@ def page(
         for k, (about, _) in enumerate(chapters)
     )
     count = '<li class="count"><b>$count</b>$badge</li>'
-    versions = ", ".join(f"{name} {version(name)}" for name in PROGRAMS)
-    parts = {name: files(__package__).joinpath(name).read_text("utf-8") for name in _PARTS}
-    look = Html(f"\n{style()}{parts['page.css']}")
+    programs = ("tractive-sam", "numpy", "scipy", "pyfftw", "numba")
+    versions = ", ".join(f"{name} {version(name)}" for name in programs)
+    folder = files(__package__)
+    look = Html(f"\n{style()}{folder.joinpath('page.css').read_text('utf-8')}")
+    notice = (
+        "A reduced size, with coarse meshes and few revolutions, as a quick check: its numbers and "
+        "verdicts differ from those of the full size."
+    )
     return fill(
-        parts["page.html"],
+        folder.joinpath("page.html").read_text("utf-8"),
         policy=security_policy(styles=[look]),
         style=look,
         seconds=f"{seconds:.0f}",
         size=text(size.name),
-        notice="" if size == FULL else fill('<p class="notice">$text</p>', text=text(COARSE)),
+        notice="" if size == FULL else fill('<p class="notice">$text</p>', text=text(notice)),
         counts=(
             fill(count, count=str(counts[verdict]), badge=_badge(verdict)) for verdict in Verdict
         ),
@@ -81,11 +76,8 @@ def page(
     )
 
 
-_PARTS = ("page.html", "page.css")
-
-
 def text(plain: str) -> Html:
-    """Escape plain text, with the indices of its symbols lowered and its minus signs drawn."""
+    """Return plain text as HTML, with lowered indices of symbols and minus signs."""
     lowered = re.sub(
         r"(?<![A-Za-z])([A-Za-zξσµ])_([A-Za-z0-9]+)", r"\1<sub>\2</sub>", as_html(plain)
     )
@@ -93,7 +85,7 @@ def text(plain: str) -> Html:
 
 
 def _blocks(findings: Iterable[Finding]) -> Iterator[Html]:
-    """Statements that follow one another in one table, figures in one grid."""
+    """Yield successive statements as one table, and successive figures as one grid."""
     for kind, group in groupby(findings, type):
         if kind is Statement:
             yield fill(_STATEMENTS, rows=Html("\n".join(map(_statement, group))))
@@ -106,49 +98,54 @@ def _blocks(findings: Iterable[Finding]) -> Iterator[Html]:
 
 _STATEMENTS = (
     '<table class="statements"><thead><tr><th class="place">Where</th><th>The paper says</th>'
-    '<th>We find</th><th class="told">Verdict</th></tr></thead><tbody>\n$rows\n</tbody></table>'
+    '<th>We find</th><th class="verdict-cell">Verdict</th></tr></thead><tbody>\n$rows\n'
+    "</tbody></table>"
 )
 
 
-def _statement(one: Statement) -> Html:
+def _statement(statement: Statement) -> Html:
+    """Return a row of the table of statements."""
     return fill(
         '<tr><td class="place">$place</td><td data-head="The paper says">$paper</td>'
         '<td data-head="We find">$ours</td>'
-        '<td class="told">$badge <small>$rule</small></td></tr>',
-        place=text(one.place),
-        paper=text(one.paper),
-        ours=text(one.ours),
-        badge=_badge(one.verdict),
-        rule=text(one.rule),
+        '<td class="verdict-cell">$badge <small>$rule</small></td></tr>',
+        place=text(statement.place),
+        paper=text(statement.paper),
+        ours=text(statement.ours),
+        badge=_badge(statement.verdict),
+        rule=text(statement.rule),
     )
 
 
 def _badge(verdict: Verdict) -> Html:
+    """Return a verdict as a coloured label."""
     kind = verdict.replace(" ", "-")
     return fill('<span class="verdict $kind">$verdict</span>', kind=kind, verdict=str(verdict))
 
 
-def _picture(one: Picture) -> Html:
+def _picture(picture: Picture, wide: float = 7.0) -> Html:
+    """Return a figure with its caption; figures wider than `wide`, inches, take a whole row."""
     return fill(
         '<figure$wide><label title="enlarge"><input type="checkbox" aria-label="enlarge">'
         '<img alt="$alt" src="data:image/svg+xml;base64,$data"></label>'
         "<figcaption>$caption</figcaption></figure>",
-        wide=Html(' class="wide"') if one.figure.get_figwidth() > WIDE else "",
-        alt=one.caption,
-        data=b64encode(one.svg).decode(),
-        caption=text(one.caption),
+        wide=Html(' class="wide"') if picture.figure.get_figwidth() > wide else "",
+        alt=picture.caption,
+        data=b64encode(picture.svg).decode(),
+        caption=text(picture.caption),
     )
 
 
-def _table(one: Table) -> Html:
+def _table(table: Table) -> Html:
+    """Return a table with its caption."""
     rows = (
         fill("<tr>$cells</tr>\n", cells=(fill("<td>$cell</td>", cell=text(cell)) for cell in row))
-        for row in one.rows
+        for row in table.rows
     )
     return fill(
         '<p class="caption">$caption</p>\n<div class="scroll"><table class="numbers"><thead><tr>'
         "$heads</tr></thead><tbody>\n$rows</tbody></table></div>",
-        caption=text(one.caption),
-        heads=(fill("<th>$head</th>", head=text(head)) for head in one.heads),
+        caption=text(table.caption),
+        heads=(fill("<th>$head</th>", head=text(head)) for head in table.heads),
         rows=rows,
     )

@@ -1,4 +1,4 @@
-"""The run: every chapter computed, its figures saved, the page written."""
+"""Compute every chapter of the paper, save its figures, and write the page."""
 
 import json
 from collections.abc import Callable, Iterator
@@ -22,7 +22,7 @@ CHAPTERS = (
     Chapter("Wear against a global model", "Fig. 15, Table 1", wear_depth.find),
     Chapter("Twin discs: wear over the revolutions", "Figs. 9-14, 16-18", discs.find),
 )
-"""The paper's figures, by groups."""
+"""Groups of figures of the paper."""
 
 
 def reproduce(
@@ -30,22 +30,22 @@ def reproduce(
     *,
     size: Size = FULL,
     format: str = "png",
-    tell: Callable[[int, str], None] = lambda done, line: None,
+    progress: Callable[[int, str], None] = lambda done, line: None,
 ) -> Path:
-    """Compute every figure and table of the paper, and set its statements beside our numbers.
+    """Compute every figure and table of the paper, and compare its statements with the results.
 
     Parameters
     ----------
     directory : path-like
-        Where to; made if it does not exist, and what an earlier run left there is replaced:
-        `index.html`, the page, which needs no other file; `statements.json`; the figures in
-        `figures`; the results files of the discs in `results`.
+        Folder of the output, which is created and whose earlier files are replaced: `index.html`,
+        the page, which needs no other file; `statements.json`; the figures in `figures`; the
+        results files of the discs in `results`.
     size : Size
         `FULL`, the paper's, or `REDUCED`.
     format : str
-        Of the figures in their files, one of `plot.FORMATS`.
-    tell : callable, optional
-        Called with the number of chapters done and a line that says what is being done.
+        Format of the figures, one of `plot.FORMATS`.
+    progress : callable, optional
+        Called with the number of complete chapters and a description of the running computation.
 
     Returns
     -------
@@ -55,7 +55,7 @@ def reproduce(
     Raises
     ------
     ValueError
-        If there is no such format.
+        If the format is unknown.
     NotConverged, RuntimeError
         If a contact was not solved.
     """
@@ -67,29 +67,30 @@ def reproduce(
         make_folder(folder)
     target, list_of_statements = directory / "index.html", directory / "statements.json"
     for old in (target, list_of_statements):
-        old.unlink(missing_ok=True)  # a run that is interrupted must not leave the page of another
+        old.unlink(missing_ok=True)  # an interrupted run must not leave an earlier page
     began, chapters, statements = perf_counter(), [], []
     for number, about in enumerate(CHAPTERS):
-        told = partial(tell, number)
-        findings = _kept(about.find(Work(size, results, told)), figures, format, statements, told)
+        report = partial(progress, number)
+        found = about.find(Work(size, results, report))
+        findings = _store_findings(found, figures, format, statements, report)
         chapters.append((about, chapter(number, about, findings)))
     seconds = perf_counter() - began
-    listed = [asdict(statement) for statement in statements]
-    write_file(list_of_statements, json.dumps(listed, indent=1, ensure_ascii=False))
+    entries = [asdict(statement) for statement in statements]
+    write_file(list_of_statements, json.dumps(entries, indent=1, ensure_ascii=False))
     return write_file(target, page(chapters, statements, size, seconds))
 
 
-def _kept(
+def _store_findings(
     findings: Iterator[Finding],
     figures: Path,
     format: str,
     statements: list[Statement],
-    tell: Callable[[str], None],
+    report: Callable[[str], None],
 ) -> Iterator[Finding]:
-    """Findings as they come, figures saved and statements listed."""
+    """Yield findings, save their figures and collect their statements."""
     for finding in findings:
         if isinstance(finding, Picture):
-            tell(f"figure {finding.name}")
+            report(f"figure {finding.name}")
             _save(finding, figures, format)
         elif isinstance(finding, Statement):
             statements.append(finding)
@@ -97,7 +98,7 @@ def _kept(
 
 
 def _save(picture: Picture, figures: Path, format: str) -> None:
-    """Write a figure in place of its file of an earlier run, in whatever format that was."""
+    """Write a figure, and remove its file of an earlier run, of any format."""
     for old in FORMATS:
         (figures / f"{picture.name}.{old}").unlink(missing_ok=True)
     path = figures / f"{picture.name}.{format}"

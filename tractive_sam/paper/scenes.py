@@ -1,13 +1,13 @@
-"""The paper's scenes, on meshes of the size asked for."""
+"""The scenes of the paper, on meshes of a given size."""
 
 from tractive_sam.paper.size import Size
 from tractive_sam.scene import Scene
 
 ANGLES = (0.0, 45.0, 90.0)
-"""Of the tribological axis e1 from the rolling direction, degrees."""
+"""Angles of the tribological axis e1 from the rolling direction, degrees."""
 
-ANGLES_TOLD = "0°, 45° and 90°"
-"""The same, in words."""
+ANGLE_TEXT = "0°, 45° and 90°"
+"""These angles as text."""
 
 
 def spheres(size: Size, elements: int | None = None) -> Scene:
@@ -25,16 +25,17 @@ def orthotropic_spheres(size: Size, angle: float) -> Scene:
 
 def discs(size: Size, angle: float) -> Scene:
     """Twin discs, orthotropic friction and wear (Sec. 8.2); angle in degrees."""
-    settings = [*_rolled(size, size.discs), f"friction.angle={angle}"]
+    settings = [*_wear_settings(size, size.discs), f"friction.angle={angle}"]
     return Scene.builtin("twin-discs").with_set(settings)
 
 
 def flat_discs(size: Size) -> Scene:
     """Twin discs with a flatter crown, isotropic friction and wear (Appendix B)."""
-    return Scene.builtin("twin-discs-isotropic").with_set(_rolled(size, size.flat_discs))
+    return Scene.builtin("twin-discs-isotropic").with_set(_wear_settings(size, size.flat_discs))
 
 
-def _rolled(size: Size, elements: tuple[int, int]) -> list[str]:
+def _wear_settings(size: Size, elements: tuple[int, int]) -> list[str]:
+    """Return the settings of the mesh, the revolutions and the stored fields."""
     return [
         f"grid.elements={list(elements)}",
         f"wear.revolutions={size.revolutions}",

@@ -1,4 +1,4 @@
-"""How finely and how long the paper's problems are computed."""
+"""Meshes and revolutions of the problems of the paper."""
 
 from dataclasses import dataclass
 
@@ -10,17 +10,17 @@ class Size:
     Attributes
     ----------
     name : str
-        What is said of it on the page.
+        Description on the page.
     spheres : int
-        Elements on a side, of the spheres.
+        Elements on a side of the mesh of the spheres.
     meshes : tuple of int
-        The same, of the meshes on which the creep-force curve is held against itself.
+        Elements on a side of the meshes on which creep-force curves are compared.
     creepages : int
-        Points of a creep-force curve.
+        Number of points of a creep-force curve.
     discs, flat_discs : tuple of int
         Elements in x and y of the twin discs, and of those with the flatter crown.
     saved : tuple of int
-        Revolutions whose fields are kept; the last is the last rolled.
+        Revolutions whose fields are stored; the last one ends the run.
     """
 
     name: str
@@ -33,7 +33,7 @@ class Size:
 
     @property
     def revolutions(self) -> int:
-        """Revolutions rolled."""
+        """Number of revolutions."""
         return self.saved[-1]
 
 
@@ -48,7 +48,7 @@ FULL = Size(
 )
 
 REDUCED = Size(
-    "a reduced size: coarse meshes and few revolutions, to see that it works",
+    "a reduced size: coarse meshes and few revolutions, as a quick check",
     spheres=31,
     meshes=(15, 31),
     creepages=6,

@@ -5,53 +5,62 @@ from collections.abc import Iterator
 import numpy as np
 
 from tractive_sam import plot
-from tractive_sam.paper.finding import Finding, Picture, Statement, Table, Verdict, Work, percent
-from tractive_sam.paper.rolled import at_saved, rolled
+from tractive_sam.paper.finding import (
+    Finding,
+    Picture,
+    Statement,
+    Table,
+    Verdict,
+    Work,
+    format_deviation,
+)
 from tractive_sam.paper.scenes import flat_discs
+from tractive_sam.paper.wear_runs import read_saved, roll_into_file
 from tractive_sam.reference import GlobalWear, giwm
 from tractive_sam.results import History
 from tractive_sam.scene import Scene
 
-GOOD = 0.1
-"""Relative distance of depths that agree well."""
 
+def find(work: Work, good: float = 0.1) -> Iterator[Finding]:
+    """Yield the statements of the paper on Fig. 15, each with the computed result.
 
-def find(work: Work) -> Iterator[Finding]:
-    """Yield what the paper says of Fig. 15, and what we find."""
+    Depths within a relative distance of `good` agree well.
+    """
     scene = flat_discs(work.size)
-    history = rolled(work, scene, "twin-discs-isotropic")
+    history = roll_into_file(work, scene, "twin-discs-isotropic")
     course = _giwm(scene, work.size.revolutions)
     saved = [N for N in history.field_revolutions.tolist() if N]
-    depth = at_saved(history, "wear_max")[1:]
+    depth = read_saved(history, "wear_max")[1:]
     both = depth / course.depth[saved] - 1
-    one = 0.5 * depth / course.depth[saved] - 1
+    single = 0.5 * depth / course.depth[saved] - 1
     first, last = saved[0], saved[-1]
     yield Statement(
         "Fig. 15",
-        "The depth worn agrees well with the global incremental wear model (GIWM).",
+        "The worn depth agrees well with the global incremental wear model (GIWM).",
         f"Of both discs together {1e3 * depth[-1]:.2f} µm at N = {last}, GIWM "
         f"{1e3 * course.depth[last]:.2f} µm ({both[-1]:+.0%}; {both[0]:+.0%} at N = {first}). "
-        f"Of one disc alone, half of it: {one[0]:+.0%} at N = {first}, {one[-1]:+.0%} at N = "
+        f"Of a single disc, half of it: {single[0]:+.0%} at N = {first}, {single[-1]:+.0%} at N = "
         f"{last}. GIWM has a mean pressure, full slip, and a contact whose half width in x falls "
         f"to {course.a[1] / course.a[0]:.0%} in the first revolution.",
-        Verdict.of(bool(np.all(abs(both) < GOOD)), bool(np.all(abs(one) < GOOD))),
-        f"if within {GOOD:.0%} at every stored N",
+        Verdict.from_conditions(bool(np.all(abs(both) < good)), bool(np.all(abs(single) < good))),
+        f"if within {good:.0%} at every stored N",
     )
     yield _table(history, course, saved)
     N = np.arange(course.depth.size)
     yield Picture(
         "fig-15",
         plot.compare({"computed": history}, "wear_max", {"GIWM": (N, course.depth)}),
-        "Fig. 15. Largest depth worn off both discs together.",
+        "Fig. 15. Largest worn depth of both discs together.",
     )
     yield Picture(
         "fig-15-half-width",
         plot.compare({"computed": history}, "half_width_y", {"GIWM": (N, course.b)}),
-        "Table 1. Half width across the rolling direction, as both have it.",
+        "Table 1. Half width across the rolling direction, computed and by GIWM.",
     )
 
 
 def _giwm(scene: Scene, revolutions: int) -> GlobalWear:
+    """Return the wear by the global incremental wear model."""
     A, B = scene.body.A, scene.body.B
     return giwm(
         load=scene.load.normal,
@@ -66,20 +75,21 @@ def _giwm(scene: Scene, revolutions: int) -> GlobalWear:
 
 
 def _table(history: History, course: GlobalWear, saved: list[int]) -> Table:
-    depth, b = (at_saved(history, name)[1:] for name in ("wear_max", "half_width_y"))
+    """Return depths and half widths, computed and by GIWM."""
+    depth, b = (read_saved(history, name)[1:] for name in ("wear_max", "half_width_y"))
     rows = [
         (
             f"{N:,}",
             f"{1e3 * depth[k]:.4g}",
             f"{1e3 * course.depth[N]:.4g}",
-            percent(depth[k], course.depth[N]),
+            format_deviation(depth[k], course.depth[N]),
             f"{b[k]:.3f}",
             f"{course.b[N]:.3f}",
         )
         for k, N in enumerate(saved)
     ]
     return Table(
-        "Depth worn off both discs, and half width b of the contact, beside GIWM (Table 1).",
+        "Worn depth of both discs and half width b of the contact, computed and by GIWM (Table 1).",
         ("N", "depth, µm", "GIWM, µm", "difference", "b, mm", "GIWM, mm"),
         rows,
     )

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from matplotlib.axes import Axes
 
+import tractive_sam as ts
 from tractive_sam import mechanics  # its laws load the compiler when first used
 from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.needs import Need
@@ -23,10 +22,6 @@ from tractive_sam.plot.style import (
     new_axes,
 )
 from tractive_sam.results import BODIES, PARTS, SHARE, History, State
-
-if TYPE_CHECKING:
-    from tractive_sam.contact import Laws
-    from tractive_sam.mechanics import WearLaw
 
 _BLOCK_COLUMNS = (PARTS.name, SHARE.name)
 
@@ -100,7 +95,7 @@ def _has_wear_regimes(history: History) -> bool:
 
 
 @history_figure("wear-regimes", shown=_has_wear_regimes)
-def wear_regimes(source: History | State, laws: Laws | None = None) -> Figure:
+def wear_regimes(source: History | State, laws: ts.Laws | None = None) -> Figure:
     """Rate of wear of the elements over their frictional work, T-gamma/A.
 
     A history shows its last stored contact, a duty cycle that of each block. A dot is an element
@@ -163,7 +158,7 @@ def _last_contacts(source: History | State) -> dict[str, State]:
     return {name: history.state() for name, history in (blocks or {"": source}).items()}
 
 
-def _wear_law(contact: State, laws: Laws | None, *, warm: bool) -> WearLaw | None:
+def _wear_law(contact: State, laws: ts.Laws | None, *, warm: bool) -> ts.WearLaw | None:
     """Return the law of wear, at the temperature of the contact or as it is without heat."""
     # Loads compilers, which no other figure needs.
     from tractive_sam.contact import Laws, Model, wear_law_in  # noqa: PLC0415
@@ -173,7 +168,7 @@ def _wear_law(contact: State, laws: Laws | None, *, warm: bool) -> WearLaw | Non
     return wear_law_in(model, contact) if warm else model.wear_law
 
 
-def _wear_rates(contact: State, laws: Laws | None) -> dict[str, np.ndarray]:
+def _wear_rates(contact: State, laws: ts.Laws | None) -> dict[str, np.ndarray]:
     """Return the wear rate of the elements of each body, µg/(m mm²), shape (n_x, n_y)."""
     law = _wear_law(contact, laws, warm=True)
     fields = contact.pressure, contact.traction, contact.slip
@@ -197,7 +192,9 @@ def _frictional_work(contact: State) -> np.ndarray:
     return np.maximum(-(contact.traction * contact.slip).sum(axis=0), 0.0)
 
 
-def _draw_elements(axes: Axes, name: str, contact: State, laws: Laws | None, lowest: float) -> bool:
+def _draw_elements(
+    axes: Axes, name: str, contact: State, laws: ts.Laws | None, lowest: float
+) -> bool:
     """Draw the elements of a contact with more than the lowest work; return whether any wears."""
     work, rates = _frictional_work(contact), _wear_rates(contact, laws)
     alike = len(rates) == 2 and np.allclose(rates["A"], rates["B"], rtol=1e-9)
@@ -212,7 +209,9 @@ def _draw_elements(axes: Axes, name: str, contact: State, laws: Laws | None, low
     return drawn
 
 
-def _draw_laws(axes: Axes, contact: State, laws: Laws | None, limits: tuple[float, float]) -> None:
+def _draw_laws(
+    axes: Axes, contact: State, laws: ts.Laws | None, limits: tuple[float, float]
+) -> None:
     """Draw the laws of the bodies that have regimes of work, and where these begin."""
     law, wear = _wear_law(contact, laws, warm=False), contact.scene.wear
     label = "law, without heat" if wear is not None and wear.temperature else "law"

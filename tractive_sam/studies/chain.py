@@ -1,4 +1,4 @@
-"""Neighbours that one worker computes in turn."""
+"""Chains of neighbouring cases, which one worker computes one after another."""
 
 from collections.abc import Container, Iterable
 
@@ -8,29 +8,38 @@ from tractive_sam.run import snake
 from tractive_sam.studies.task import Task
 
 Chain = tuple[Task, ...]
-"""What a worker is handed at once."""
-
-SPAN = 2.0
-"""Time that a chain is expected to take at most, s, unless it is of one case: what a worker that
-dies takes with it, and what others wait for at the end."""
+"""Tasks that a worker receives together."""
 
 
-def in_turn(shape: tuple[int, ...]) -> np.ndarray:
-    """When each case of a study comes, by its number, if each is to be beside the one before."""
+def neighbour_order(shape: tuple[int, ...]) -> np.ndarray:
+    """Return the position of each case, by its number, if each follows one of its neighbours."""
     places = np.array([np.ravel_multi_index(place, shape) for place in snake(shape)])
     return np.argsort(places)
 
 
-def chained(tasks: Iterable[Task], alone: Container[str] = ()) -> list[Chain]:
-    """Cut tasks into chains: those with a results file are alone, and those named by digest."""
+def make_chains(
+    tasks: Iterable[Task], single: Container[str] = (), *, longest: float = 2.0
+) -> list[Chain]:
+    """Divide tasks into chains.
+
+    Parameters
+    ----------
+    tasks : iterable of Task
+        Tasks in their order.
+    single : container of str
+        Hashes of cases that are chains of their own, as are those with a results file.
+    longest : float
+        Expected seconds of a chain of several cases: the loss if a worker dies, and the time for
+        which others wait at the end.
+    """
     chains: list[list[Task]] = []
-    room = 0.0
+    left = 0.0
     for task in tasks:
-        joins = task.file is None and task.case.digest not in alone
-        room -= task.seconds
-        if joins and room >= 0.0:
+        joins = task.file is None and task.case.digest not in single
+        left -= task.seconds
+        if joins and left >= 0.0:
             chains[-1].append(task)
         else:
             chains.append([task])
-            room = SPAN - task.seconds if joins else 0.0
+            left = longest - task.seconds if joins else 0.0
     return [tuple(chain) for chain in chains]

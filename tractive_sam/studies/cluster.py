@@ -1,7 +1,7 @@
 """Cases on the workers of dask.distributed.
 
-The scheduler is asked for nothing but to hand out cases, long ones first. Whatever it forgets is in
-the files: a case that was cut off is handed out again and goes on from its last record.
+The scheduler only distributes cases, long ones first. All state is in the files: an interrupted
+case is submitted again and resumes from its last record.
 """
 
 import gc
@@ -10,6 +10,7 @@ import signal
 import socket
 from collections.abc import Callable, Iterator, Sequence, Sized
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from importlib.util import find_spec
 from multiprocessing import resource_tracker
 from time import monotonic, sleep
@@ -20,8 +21,8 @@ from uuid import uuid4
 from tractive_sam import interrupt
 from tractive_sam.extras import describe_missing
 from tractive_sam.store import ResultsError
-from tractive_sam.studies.chain import Chain, chained
-from tractive_sam.studies.task import FAILED, HELD, Outcome, Task
+from tractive_sam.studies.chain import Chain, make_chains
+from tractive_sam.studies.task import FAILED, LOCKED, Outcome, Task
 from tractive_sam.studies.worker import ONE_THREAD, run_case, run_chain
 
 if TYPE_CHECKING:
@@ -30,75 +31,71 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-FIRST_CONTACT = 30.0
-"""Longest wait for a scheduler that was never there, s."""
 
-PATIENCE = 600.0
-"""Longest wait for a scheduler that was lost, s."""
+@dataclass(frozen=True)
+class Waits:
+    """Waiting times for a scheduler and its workers, s.
 
-PAUSE = 1.0
-"""Before what was cut off or held is handed out again, s."""
+    Attributes
+    ----------
+    first : float
+        Longest wait for a scheduler that has not been reached yet.
+    lost : float
+        Longest wait for a scheduler that was lost.
+    answer : float
+        Longest wait for an answer of a scheduler.
+    pause : float
+        Pause before tasks that were interrupted or locked are submitted again.
+    poll : float
+        Time between checks for tasks that have ended.
+    """
+
+    first: float = 30.0
+    lost: float = 600.0
+    answer: float = 5.0
+    pause: float = 1.0
+    poll: float = 0.05
 
 
-GLANCE = 0.05
-"""Between looks at what has ended, s."""
+WAITS = Waits()
 
 
 class SchedulerLostError(ConnectionError):
-    """There is no scheduler (any more); what is complete remains so.
+    """The scheduler does not exist or was lost; complete cases remain complete.
 
     Examples
     --------
     >>> from tractive_sam import studies
-    >>> def patiently(study, folder, address):
+    >>> def run_somewhere(study, folder, address):
     ...     try:
     ...         return studies.study(study, folder, scheduler=address)
     ...     except studies.SchedulerLostError:
-    ...         return studies.study(study, folder)  # on this machine, from where it ended
+    ...         return studies.study(study, folder)  # on this machine, the remaining cases
     """
 
 
-CONNECTING = 5.0
-"""Longest time to wait for an answer of a scheduler, s."""
-
-
-class _CutOffError(Exception):
-    """The connection to the scheduler broke, or it forgot what it was asked for."""
-
-
-NO_CRYPTOGRAPHY = (
-    "the package cryptography, of the extra study, makes the keys of workers: pip install "
-    "cryptography; or encrypted=False (--unencrypted), where no other user of this machine is one "
-    "that could run programs in your name"
-)
-
-
-NO_PAGES: dict[str, list[str]] = {
-    "distributed.scheduler.http.routes": [],
-    "distributed.worker.http.routes": [],
-}
-"""What a local cluster shows at its ports for browsers, until they close: a worker that is started
-in place of one that died has one again."""
+class _DisconnectedError(Exception):
+    """The connection to the scheduler broke, or it lost its tasks."""
 
 
 @contextmanager
 def local_cluster(workers: int, encrypted: bool = True) -> Iterator[tuple[str, "Security | None"]]:
-    """Processes on this machine.
+    """Start processes on this machine.
 
-    They listen to this machine alone, and none of them shows a page of its state. Whoever reaches
-    a port of dask without TLS has it run any program, other users of this machine included.
+    They accept connections from this machine only, and show no web page of their state. Everyone
+    who reaches a port of dask without TLS can run any program through it, also other users.
 
     Parameters
     ----------
     workers : int
-        Their number.
+        Number of processes.
     encrypted : bool
-        Whether they speak TLS, with keys made for this cluster and stored in memory alone.
+        Whether they use TLS, with keys that are made for this cluster and stored only in memory.
 
     Yields
     ------
     str, Security or None
-        Address of their scheduler, and what a client of it needs.
+        Address of their scheduler, and the keys that a client needs.
 
     Raises
     ------
@@ -119,137 +116,145 @@ def local_cluster(workers: int, encrypted: bool = True) -> Iterator[tuple[str, "
     try:
         security = Security.temporary() if encrypted else None
     except ImportError:
-        raise ResultsError(NO_CRYPTOGRAPHY) from None
-    _closed_before()
-    with _signals_kept_from_threads(), config.set(NO_PAGES):
+        raise ResultsError(
+            "encryption needs the package cryptography, of the extra study: pip install "
+            "cryptography; or use encrypted=False (--unencrypted) if no other user of this machine "
+            "could misuse the processes"
+        ) from None
+    _close_unused_clients()
+    # No pages at the ports for browsers, also of workers that replace dead ones.
+    kinds = ("scheduler", "worker")
+    pages: dict[str, list[str]] = {f"distributed.{kind}.http.routes": [] for kind in kinds}
+    with _signals_blocked(), config.set(pages):
         cluster = LocalCluster(
             n_workers=workers,
             threads_per_worker=1,
             processes=True,
             host="127.0.0.1",
-            memory_limit=0,  # a scene takes what it takes; `explain` tells how much
+            memory_limit=0,  # no limit; `explain` estimates the memory of a scene
             dashboard_address=None,
-            scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},  # of its server: any free port
+            scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},  # any free port
             security=security,
             silence_logs=logging.ERROR,
             env=ONE_THREAD,
         )
     with cluster:
         with Client(cluster.scheduler_address, security=security, set_as_default=False) as client:
-            client.run(_quiet)
-            client.run_on_scheduler(_without_pages)
+            client.run(_silence_worker)
+            client.run_on_scheduler(_close_pages)
         yield cluster.scheduler_address, security
 
 
-def _closed_before() -> None:
-    """Have clients closed that found nobody, before another loop is started.
+def _close_unused_clients() -> None:
+    """Close clients that found no scheduler, before another event loop is started.
 
-    Such a client is left to the garbage collector, and closes itself in whatever is being done
-    then: where that holds the lock of the loops, it would wait for ever.
+    The garbage collector closes such a client at any time. If the lock of the loops is held at
+    that time, it would wait forever.
     """
     gc.collect()
 
 
-def _quiet(dask_worker: "Worker") -> None:
-    """Have a worker say nothing of a case that it leaves when it is ended: the client does."""
+def _silence_worker(dask_worker: "Worker") -> None:
+    """Suppress messages of a worker about cases that it aborts: the client reports them."""
     logging.getLogger("distributed.worker.state_machine").setLevel(logging.ERROR)
     dask_worker.http_server.stop()
 
 
-def _without_pages(dask_scheduler: "Scheduler") -> None:
+def _close_pages(dask_scheduler: "Scheduler") -> None:
     """Close the port at which a scheduler shows its state."""
     dask_scheduler.http_server.stop()
 
 
 @contextmanager
-def _signals_kept_from_threads() -> Iterator[None]:
-    """Have threads that are started meanwhile, and processes that they start, see no Ctrl-C.
+def _signals_blocked() -> Iterator[None]:
+    """Block Ctrl-C in threads that are started in this block, and in their processes.
 
-    A terminal sends it to all processes of a command. It is for the client to end the workers;
-    those that died of it as well would fill the terminal with their ends.
+    A terminal sends it to all processes of a command. The client ends the workers; otherwise each
+    worker would print a traceback.
     """
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
-    resource_tracker.ensure_running()  # to start it later would let the thread see Ctrl-C again
+    resource_tracker.ensure_running()  # started later, it would unblock Ctrl-C
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP})
     try:
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)  # those that came meanwhile come now
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)  # blocked signals are delivered now
 
 
 def on_cluster(
     tasks: list[Task],
     address: str,
-    reached: Callable[[Task], int],
+    count_records: Callable[[Task], int],
     say: Callable[[str], None],
     security: "Security | None" = None,
 ) -> Iterator[tuple[Task, Outcome]]:
-    """Have tasks done by the workers of a scheduler; yields them as they end.
+    """Run tasks on the workers of a scheduler; yield them with their outcomes as they end.
 
     Parameters
     ----------
     tasks : list of Task
-        What is to be done.
+        The tasks.
     address : str
-        Of the scheduler.
-    reached : callable
-        Records that the results file of a task holds.
+        Address of the scheduler.
+    count_records : callable
+        Returns the number of records in the results file of a task.
     say : callable
-        Told when something has to be waited for.
+        Called with a message about what is waited for.
     security : Security, optional
-        What a client of it needs; by default what dask's configuration says.
+        Keys that a client needs; by default those of the configuration of dask.
 
     Raises
     ------
     ResultsError
-        If that is no address.
+        If the address is invalid.
     SchedulerLostError
-        If there is no scheduler there, or none any more for `PATIENCE`.
+        If no scheduler answers within the time of `WAITS`.
     """
-    left = {task.case.digest: task for task in tasks}
+    remaining = {task.case.digest: task for task in tasks}
     killed: dict[str, int] = {}
 
-    def turn(client: "Client") -> Iterator[tuple[Task, Outcome]]:
-        for task, together, outcome in _handed_out(client, chained(left.values(), alone=killed)):
+    def submit_remaining(client: "Client") -> Iterator[tuple[Task, Outcome]]:
+        chains = make_chains(remaining.values(), single=killed)
+        for task, together, outcome in _submit_chains(client, chains):
             if outcome is None and together > 1:
-                killed[task.case.digest] = 0  # which of them it was is seen alone
+                killed[task.case.digest] = 0  # single cases show which one killed the worker
                 continue
-            ended = outcome or _after_deaths(task, reached(task), killed)
-            if ended is not None and ended.status != HELD:
-                del left[task.case.digest]
+            ended = outcome or _judge_death(task, count_records(task), killed)
+            if ended is not None and ended.status != LOCKED:
+                del remaining[task.case.digest]
                 yield task, ended
 
-    yield from _turns(turn, left, address, say, security)
+    yield from _repeat_until_done(submit_remaining, remaining, address, say, security)
 
 
-def _turns(
-    turn: Callable[["Client"], Iterator[T]],
-    left: Sized,
+def _repeat_until_done(
+    submit: Callable[["Client"], Iterator[T]],
+    remaining: Sized,
     address: str,
     say: Callable[[str], None],
     security: "Security | None",
 ) -> Iterator[T]:
-    """What turns with a client yield, one after another until none of `left` is left."""
-    patience = FIRST_CONTACT
-    while left:
+    """Yield the results of `submit` with ever new clients, until nothing remains."""
+    patience = WAITS.first
+    while remaining:
         try:
             with _client(address, patience, say, security) as client:
-                patience = PATIENCE
-                _look_at_workers(client, say)
-                yield from turn(client)
-        except _CutOffError:
-            say("the scheduler was lost; what is not complete is handed out again")
+                patience = WAITS.lost
+                _report_workers(client, say)
+                yield from submit(client)
+        except _DisconnectedError:
+            say("the scheduler was lost; the remaining cases are submitted again")
         else:
-            if left:
-                say(f"waiting for {len(left)} cases that an earlier client began")
-        if left:
-            sleep(PAUSE)
+            if remaining:
+                say(f"waiting for {len(remaining)} cases of an earlier client")
+        if remaining:
+            sleep(WAITS.pause)
 
 
-def _look_at_workers(client: "Client", say: Callable[[str], None]) -> None:
-    """Say what would leave the user waiting."""
+def _report_workers(client: "Client", say: Callable[[str], None]) -> None:
+    """Report missing workers, and workers that are slow."""
     threads = client.nthreads()
     if not threads:
         say("the scheduler has no workers yet; dask worker ADDRESS --nthreads 1 starts one")
@@ -258,13 +263,13 @@ def _look_at_workers(client: "Client", say: Callable[[str], None]) -> None:
         say(f"{many} workers have several threads, which slows them; start them with --nthreads 1")
 
 
-def _after_deaths(task: Task, records: int, killed: dict[str, int]) -> Outcome | None:
-    """A failure, unless the case came further than when its workers died before."""
+def _judge_death(task: Task, records: int, killed: dict[str, int]) -> Outcome | None:
+    """Return a failure, or None if the case has more records than at the previous death."""
     before = killed.get(task.case.digest, 0)
     killed[task.case.digest] = records
     if records > before:
         return None
-    cure = "memory may not suffice: tractive-sam explain tells what a scene takes"
+    cure = "the memory may be too small: tractive-sam explain estimates what a scene needs"
     return Outcome(FAILED, f"every worker that computed it died; {cure}")
 
 
@@ -272,27 +277,28 @@ def _after_deaths(task: Task, records: int, killed: dict[str, int]) -> Outcome |
 def _client(
     address: str, patience: float, say: Callable[[str], None], security: "Security | None"
 ) -> Iterator["Client"]:
+    """Connect to a scheduler, and wait for it as long as patience allows, s."""
     from distributed import Client  # of an extra
     from distributed.comm import get_address_host_port  # of an extra
 
-    client, began, told = None, monotonic(), False
+    client, began, waiting = None, monotonic(), False
     while client is None:
         interrupt.raise_if_interrupted()
         try:
-            _closed_before()
-            socket.create_connection(get_address_host_port(address), CONNECTING).close()
-            client = Client(address, timeout=CONNECTING, set_as_default=False, security=security)
+            _close_unused_clients()
+            socket.create_connection(get_address_host_port(address), WAITS.answer).close()
+            client = Client(address, timeout=WAITS.answer, set_as_default=False, security=security)
         except (OSError, TimeoutError) as error:
             if monotonic() - began > patience:
                 cure = "start one and run the study again: complete cases are not run again"
-                told_by = error.with_traceback(None)  # which would keep such a client
-                raise SchedulerLostError(f"there is no scheduler at {address}; {cure}") from told_by
-            if not told:
+                reason = error.with_traceback(None)  # the traceback refers to the client
+                raise SchedulerLostError(f"no scheduler answers at {address}; {cure}") from reason
+            if not waiting:
                 say(f"waiting for a scheduler at {address}")
-            told = True
-            sleep(PAUSE)
+            waiting = True
+            sleep(WAITS.pause)
         except ValueError:
-            cure = "give it as tcp://HOST:PORT, as the scheduler says it"
+            cure = "use tcp://HOST:PORT, as the scheduler prints it"
             raise ResultsError(f"{address} is no address of a scheduler; {cure}") from None
     try:
         yield client
@@ -301,44 +307,46 @@ def _client(
             client.close(timeout=5)
 
 
-def _handed_out(
+def _submit_chains(
     client: "Client", chains: list[Chain]
 ) -> Iterator[tuple[Task, int, Outcome | None]]:
-    """Hand out every chain once.
+    """Submit every chain once.
 
     Yields each task with the length of its chain and its outcome, None if its workers died.
     """
-    calls = [(f"case-{chain[0].case.number}", chain[0].seconds, _work(chain)) for chain in chains]
-    for k, future in _ended(client, calls):
+    calls = [
+        (f"case-{chain[0].case.number}", chain[0].seconds, _call_of(chain)) for chain in chains
+    ]
+    for k, future in _submit_calls(client, calls):
         for task, outcome in zip(chains[k], _outcomes(future, len(chains[k])), strict=True):
             yield task, len(chains[k]), outcome
 
 
 Call = tuple[str, float, tuple[Any, ...]]
-"""A name, a priority, and what a worker calls with what."""
+"""A name, a priority, and a function with its arguments."""
 
 
-def _ended(client: "Client", calls: list[Call]) -> Iterator[tuple[int, "Future"]]:
-    """Hand out calls; yields the number of each, and its future, as they end."""
+def _submit_calls(client: "Client", calls: list[Call]) -> Iterator[tuple[int, "Future"]]:
+    """Submit calls; yield the number of each, and its future, as they end."""
     from distributed import as_completed  # of an extra
 
-    round_of = uuid4().hex  # so that the scheduler takes it for nothing that it was asked before
+    unique = uuid4().hex  # the scheduler must not take a call for an earlier one
     futures = {
-        client.submit(*what, key=f"{name}-{round_of}", priority=priority, pure=False): k
-        for k, (name, priority, what) in enumerate(calls)
+        client.submit(*call, key=f"{name}-{unique}", priority=priority, pure=False): k
+        for k, (name, priority, call) in enumerate(calls)
     }
     try:
         ended = as_completed(futures, loop=client.loop)
         while not ended.is_empty():
             interrupt.raise_if_interrupted()
             if not ended.has_ready():
-                sleep(GLANCE)
+                sleep(WAITS.poll)
                 continue
             future = next(ended)
             yield futures.pop(future), future
             future.release()
     finally:
-        # Where the client goes before its cases are done, those not begun yet are forgotten.
+        # If the client stops early, the scheduler drops the cases that have not begun.
         for future in futures:
             with suppress(OSError, TimeoutError):
                 future.release()
@@ -350,28 +358,28 @@ def computed(
     say: Callable[[str], None],
     security: "Security | None" = None,
 ) -> Iterator[tuple[int, Any]]:
-    """Have functions called by the workers of a scheduler; yields number and result as they end.
+    """Call functions on the workers of a scheduler; yield number and result as they end.
 
-    What a worker that dies was at is handed to others, and all that is left again where the
-    scheduler is lost.
+    The calls of a worker that dies are submitted to others. If the scheduler is lost, all remaining
+    calls are submitted again.
 
     Parameters
     ----------
     calls : sequence of tuple
         A function and its arguments each.
     address : str
-        Of the scheduler.
+        Address of the scheduler.
     say : callable
-        Told when something has to be waited for.
+        Called with a message about what is waited for.
     security : Security, optional
-        What a client of it needs; by default what dask's configuration says.
+        Keys that a client needs; by default those of the configuration of dask.
 
     Raises
     ------
     ResultsError
         If that is no address.
     RuntimeError
-        If every worker died that was handed a call; else whatever a call raises.
+        If every worker of a call died. Other errors are those of the calls.
     SchedulerLostError
         If there is no scheduler there, or none any more for `PATIENCE`.
 
@@ -384,39 +392,40 @@ def computed(
     ...     with studies.local_cluster(workers) as (address, security):
     ...         return dict(studies.computed(calls, address, print, security))
     """
-    left = dict(enumerate(calls))
+    remaining = dict(enumerate(calls))
 
-    def turn(client: "Client") -> Iterator[tuple[int, Any]]:
-        numbers = [*left]
-        asked = [(f"call-{k}", -float(k), left[k]) for k in numbers]
-        for place, future in _ended(client, asked):
-            found = _result(future)
-            del left[numbers[place]]
-            yield numbers[place], found
+    def submit_remaining(client: "Client") -> Iterator[tuple[int, Any]]:
+        numbers = [*remaining]
+        named = [(f"call-{k}", -float(k), remaining[k]) for k in numbers]
+        for place, future in _submit_calls(client, named):
+            result = _result(future)
+            del remaining[numbers[place]]
+            yield numbers[place], result
 
-    yield from _turns(turn, left, address, say, security)
+    yield from _repeat_until_done(submit_remaining, remaining, address, say, security)
 
 
 def _result(future: "Future") -> Any:
+    """Return the result of a call, or raise its error."""
     from distributed.scheduler import KilledWorker  # of an extra
 
     if future.status == "finished":
         return future.result()
     if future.status != "error":
-        raise _CutOffError
+        raise _DisconnectedError
     error = future.exception()
     if isinstance(error, KilledWorker):
-        raise RuntimeError("every worker that computed it died; memory may not suffice")
+        raise RuntimeError("every worker that computed it died; the memory may be too small")
     raise error
 
 
 def check_installed() -> None:
-    """See that there is dask.distributed.
+    """Check that dask.distributed is installed.
 
     Raises
     ------
     ResultsError
-        If there is none.
+        If it is not.
 
     Examples
     --------
@@ -425,11 +434,11 @@ def check_installed() -> None:
     """
     if find_spec("distributed") is None:
         missing = describe_missing("processes that share the work", "distributed")
-        raise ResultsError(f"{missing}; or ask for 0 workers")
+        raise ResultsError(f"{missing}; or use 0 workers")
 
 
-def _work(chain: Chain) -> tuple[Any, ...]:
-    """What a worker calls, and with what."""
+def _call_of(chain: Chain) -> tuple[Any, ...]:
+    """Return the function that a worker calls for a chain, and its arguments."""
     first = chain[0]
     if first.file is not None:
         return run_case, first.case.scene, str(first.file)
@@ -437,16 +446,16 @@ def _work(chain: Chain) -> tuple[Any, ...]:
 
 
 def _outcomes(future: "Future", number: int) -> Sequence[Outcome | None]:
-    """What became of the cases of a chain."""
+    """Return the outcomes of the cases of a chain, None if its workers died."""
     from distributed.scheduler import KilledWorker  # of an extra
 
     if future.status == "finished":
-        found = future.result()
-        return found if isinstance(found, list) else [found]
+        result = future.result()
+        return result if isinstance(result, list) else [result]
     if future.status != "error":
-        raise _CutOffError
+        raise _DisconnectedError
     error = future.exception()
     if isinstance(error, KilledWorker):
         return [None] * number
-    where = "".join(format_exception(error))
-    return [Outcome(FAILED, f"{type(error).__name__}: {error}", traceback=where)] * number
+    traceback = "".join(format_exception(error))
+    return [Outcome(FAILED, f"{type(error).__name__}: {error}", traceback=traceback)] * number

@@ -1,4 +1,4 @@
-"""What a study will take, from its scenes."""
+"""Estimate the time, memory and disk space of a study from its scenes."""
 
 from collections import defaultdict
 from functools import cache
@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 
 from tractive_sam.contact import Model
-from tractive_sam.description import Section, format_duration, format_setting
+from tractive_sam.description import Description, Section, format_duration, format_setting
 from tractive_sam.operators import available
 from tractive_sam.results import FIELDS, STRESS, columns
 from tractive_sam.run import explain, memory
@@ -15,28 +15,16 @@ from tractive_sam.store import read_gap
 from tractive_sam.studies.case import Case, cases
 from tractive_sam.studies.design import Study, StudyError
 
-EMPTY_FILE = 2e5
-"""Size of a results file without anything in it, bytes."""
 
-OF_A_LINE = 2e3
-"""Size of the last record of a case, bytes."""
-
-OF_A_FILE = 0.1
-"""Time that a results file takes, whatever is in it, s (benchmarks/study.py)."""
-
-UZAWA = 20.0
-"""Applications of Uzawa's method over those of the default one, roughly: it orders the cases."""
-
-
-def explain_study(study: Study, workers: int) -> list[Section]:
-    """Say what a study is made of, and estimate the time and the room that it takes.
+def explain_study(study: Study, workers: int) -> Description:
+    """Describe the cases of a study, and estimate their time and disk space.
 
     Parameters
     ----------
     study : Study
-        What is asked.
+        The study.
     workers : int
-        Processes at work.
+        Number of processes.
 
     Raises
     ------
@@ -51,74 +39,73 @@ def explain_study(study: Study, workers: int) -> list[Section]:
     >>> axes, work = ts.explain_study(study, workers=2)
     >>> axes.rows
     [('friction.angle', '7 values: 0, 15, 30 ... 90'), ('in all', '7 cases')]
-    >>> [what for what, told in work.rows]
+    >>> [label for label, text in work.rows]
     ['a case', 'all cases', 'with 2 workers', 'memory', 'results']
     """
     found = cases(study)
     models = _models(found)
     files = study.keep == "all"
-    seconds = np.array(_times(models, files))
-    volume = sum(map(_bytes, models)) if files else OF_A_LINE * len(found)
-    room = f"about {max(map(memory.of_scene, models)) / 2**20:.0f} MiB"
-    whole = max(seconds.sum() / workers, seconds.max())
-    duration = format_duration
-    return [
-        Section("Cases", [*_axes(study), ("in all", f"{len(found)} cases")]),
-        Section(
-            "Work",
-            [
-                ("a case", " to ".join(dict.fromkeys(map(duration, (min(seconds), max(seconds)))))),
-                ("all cases", f"about {duration(seconds.sum())} of one core"),
-                (f"with {workers} workers", f"about {duration(whole)}; --workers N for others"),
-                ("memory", f"{room} a worker, and {explain.OF_PROGRAMS} MiB for programs"),
-                ("results", _room(volume, len(found) if files else 1)),
-            ],
-        ),
+    seconds = np.array(_estimate_times(models, files))
+    # The last record of a case takes 2 kB.
+    volume = sum(map(_file_size, models)) if files else 2e3 * len(found)
+    memory_each = f"about {max(map(memory.of_scene, models)) / 2**20:.0f} MiB a worker"
+    total = max(seconds.sum() / workers, seconds.max())
+    shortest, longest = format_duration(min(seconds)), format_duration(max(seconds))
+    work = [
+        ("a case", " to ".join(dict.fromkeys((shortest, longest)))),
+        ("all cases", f"about {format_duration(seconds.sum())} of one core"),
+        (f"with {workers} workers", f"about {format_duration(total)}; set others by --workers N"),
+        ("memory", f"{memory_each}, and {explain.OF_PROGRAMS} MiB for programs"),
+        ("results", _describe_space(volume, len(found) if files else 1)),
     ]
+    axes = [*_describe_axes(study), ("in all", f"{len(found)} cases")]
+    return Description((Section("Cases", axes), Section("Work", work)))
 
 
-def _room(volume: float, files: int) -> str:
-    """Room on the disk, bytes."""
+def _describe_space(volume: float, files: int) -> str:
+    """Describe space on the disk, bytes."""
     size = f"{volume / 1e6:.0f} MB" if volume > 1e6 else f"{volume / 1e3:.0f} kB"
     return f"at most about {size} in {'one file' if files == 1 else f'{files} files'}"
 
 
 def estimates(found: list[Case], with_files: bool = True) -> list[float]:
-    """Time that each case is expected to take on a core like this one, s."""
-    return _times(_models(found), with_files)
+    """Return the expected time of each case on a core of this machine, s."""
+    return _estimate_times(_models(found), with_files)
 
 
 def check_memory(found: list[Case], workers: int) -> None:
-    """See that so many processes at once fit into the memory of this machine.
+    """Check that the memory of this machine suffices for that many processes.
 
     Raises
     ------
     StudyError
-        With the number that does.
+        With the number of processes for which it suffices.
     """
     each = max(map(memory.of_scene, _models(found)), default=0.0) + explain.OF_PROGRAMS * 2**20
     free, workers = available(), min(workers, len(found))
     if workers * each > free:
         mebi = 2**20
-        told = f"{workers} of about {each / mebi:.0f} MiB each, and {free / mebi:.0f} are free"
+        given = f"{workers} of about {each / mebi:.0f} MiB each, and {free / mebi:.0f} are free"
         fits = int(free / each)
-        allowed = f"here at most {fits}" if fits else "coarser scenes, or more memory"
-        raise StudyError([Fault("workers", told, allowed)])
+        allowed = f"at most {fits} on this machine" if fits else "coarser scenes, or more memory"
+        raise StudyError([Fault("workers", given, allowed)])
 
 
-def _axes(study: Study) -> list[tuple[str, str]]:
+def _describe_axes(study: Study) -> list[tuple[str, str]]:
+    """Return the keys that vary, with the number of values, the first ones and the last."""
     rows = []
-    for one in study.dimensions:
-        for key, column in one.columns.items():
-            told = ", ".join(map(format_setting, column[:3]))
+    for dimension in study.dimensions:
+        for key, column in dimension.columns.items():
+            values = ", ".join(map(format_setting, column[:3]))
             if len(column) > 3:
-                told += f" ... {format_setting(column[-1])}"
-            rows.append((key, f"{len(column)} values: {told}"))
+                values += f" ... {format_setting(column[-1])}"
+            rows.append((key, f"{len(column)} values: {values}"))
     return rows
 
 
 def _models(found: list[Case]) -> list[Model]:
-    read = cache(read_gap)  # many cases share a measured gap
+    """Return the model of each case; cases may share a measured gap, which is read once."""
+    read = cache(read_gap)
     models = []
     for case in found:
         gap = case.scene.gap
@@ -126,41 +113,56 @@ def _models(found: list[Case]) -> list[Model]:
     return models
 
 
-def _times(models: list[Model], with_files: bool) -> list[float]:
-    """Seconds of each; one mesh of a kind is timed, for others it follows from their size."""
+def _estimate_times(
+    models: list[Model], with_files: bool, *, file: float = 0.1, uzawa: float = 20.0
+) -> list[float]:
+    """Return the seconds of each case: one mesh of a kind is timed, others follow from their size.
+
+    Parameters
+    ----------
+    models : list of Model
+        Models of the cases.
+    with_files : bool
+        Whether a results file is written for each.
+    file : float
+        Seconds for a results file, whatever its content (benchmarks/study.py).
+    uzawa : float
+        Applications of Uzawa's method over those of the default one, roughly: it orders the cases.
+    """
     kinds = defaultdict(list)
     for model in models:
         kinds[memory.fields_together(model), type(model.elasticity)].append(model)
     pace = {kind: _pace(alike) for kind, alike in kinds.items()}
     return [
-        OF_A_FILE * with_files
+        file * with_files
         + pace[memory.fields_together(model), type(model.elasticity)]
-        * _size(model)
+        * _work(model)
         * explain.applications(model)
-        * (1.0 if model.method.predictable else UZAWA)
+        * (1.0 if model.method.predictable else uzawa)
         for model in models
     ]
 
 
 def _pace(alike: list[Model]) -> float:
-    typical = sorted(alike, key=_size)[len(alike) // 2]
-    return explain.seconds_per_application(typical) / _size(typical)
+    """Return the measured seconds of an application over its work, for the median model."""
+    typical = sorted(alike, key=_work)[len(alike) // 2]
+    return explain.seconds_per_application(typical) / _work(typical)
 
 
-def _size(model: Model) -> float:
+def _work(model: Model) -> float:
+    """Return a measure of the work of an application."""
     return explain.work(model.grid.elements)
 
 
-def _bytes(model: Model) -> float:
-    """Size of a results file, if nothing in it could be compressed."""
+def _file_size(model: Model, empty: float = 2e5) -> float:
+    """Return the size of an uncompressed results file, bytes; an empty one has `empty`."""
     scene, (nx, ny) = model.scene, model.grid.elements
-    kept = len(scene.schedule.save)
-    numbers = (kept + 1) * len(FIELDS) * nx * ny  # and the state from which a run goes on
-    numbers += explain.records(model) * sum(
-        ny if one.dims else 1 for one in columns(scene).values()
-    )
+    saved = len(scene.schedule.save)
+    numbers = (saved + 1) * len(FIELDS) * nx * ny  # also the state from which a run resumes
+    sizes = (ny if column.dims else 1 for column in columns(scene).values())
+    numbers += explain.records(model) * sum(sizes)
     if scene.subsurface is not None:
         below = scene.subsurface
         planes = len(below.planes) * len(below.bodies)
-        numbers += kept * planes * len(STRESS) * below.elements * (nx + ny) // 2
-    return EMPTY_FILE + 8.0 * numbers
+        numbers += saved * planes * len(STRESS) * below.elements * (nx + ny) // 2
+    return empty + 8.0 * numbers

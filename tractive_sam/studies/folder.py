@@ -1,20 +1,20 @@
-"""The folder of a study: what was asked, one results file a case, and what went wrong.
+"""The folder of a study: its design, a results file for each case, and the failures.
 
     study.toml                  the study, with its scene
     00012-0123456789abcdef.h5   results of a case: its number when it was first run, and the hash of
                                 its scene
-    00012-0123456789abcdef.damaged    what was found there and could not be read
+    00012-0123456789abcdef.damaged    a results file that could not be read
     0123456789abcdef.txt        why a case failed: the message, and after an empty line the version
                                 of this package, the worker and its traceback
     complete.jsonl              last records of complete cases, to be read at once, each
                                 with a checksum (see `case_log`)
 
-Results files are written by workers, everything else by the one client that runs the study. There
-is no other state: what is complete is what these files say. Other files are let alone.
+Workers write the results files; the client that runs the study writes all others. There is no other
+state: these files determine which cases are complete. Other files are not changed.
 
-A study that keeps scalars has no results files: complete.jsonl is all there is, a line for each
-case that ended. A line is written before the case is reported as complete, and counts only if it
-agrees with its checksum.
+A study that keeps scalars has no results files: complete.jsonl has a line for each complete case. A
+line is written before the case is reported as complete, and counts only if it agrees with its
+checksum.
 """
 
 import os
@@ -39,7 +39,7 @@ class Folder:
     Parameters
     ----------
     path : path-like
-        Where it is.
+        The folder.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
@@ -47,22 +47,21 @@ class Folder:
         self._study, self.log = self.path / "study.toml", CaseLog(self.path / "complete.jsonl")
 
     @contextmanager
-    def taken(self, study: Study) -> Iterator[None]:
-        """Make the folder that of a study, for one client alone.
+    def lock(self, study: Study) -> Iterator[None]:
+        """Create the folder of a study, and lock it for one client.
 
         Raises
         ------
         ResultsError
-            If it cannot be written, is used for something else, or another client runs it.
+            If it cannot be written, has other files, or another client runs it.
         """
-        with ExitStack() as held:
+        with ExitStack() as locks:
             try:
                 self.path.mkdir(parents=True, exist_ok=True)
                 if not self._study.exists() and any(self.path.glob("[!.]*")):
-                    raise ResultsError(
-                        f"{self.path} holds other files; a study needs a folder of its own"
-                    )
-                held.enter_context(locked(self.path / ".client.lock"))
+                    message = f"{self.path} contains other files; choose an empty folder"
+                    raise ResultsError(message)
+                locks.enter_context(locked(self.path / ".client.lock"))
                 write_file(self._study, study.to_toml())
             except HeldError:
                 raise ResultsError(
@@ -83,24 +82,24 @@ class Folder:
             yield
 
     def study(self) -> Study:
-        """The study that is run here.
+        """Return the study of the folder.
 
         Raises
         ------
         ResultsError
-            If there is none.
+            If the folder has no study.
         StudyError
-            If its file is not valid any more.
+            If its file is no longer valid.
         """
         if not self._study.is_file():
             raise ResultsError(
                 f"{self.path} is not the folder of a study; tractive-sam study STUDY.toml -o "
-                f"{self.path} makes it"
+                f"{self.path} creates it"
             )
         return Study.from_toml(self._study)
 
     def results(self) -> dict[str, Path]:
-        """Results files by the hash of their scenes."""
+        """Return the results files by the hash of their scenes."""
         with os.scandir(self.path) as files:
             names = [file.name for file in files if file.name.endswith(".h5")]
         return {
@@ -110,33 +109,34 @@ class Folder:
         }
 
     def file_of(self, case: Case, results: dict[str, Path]) -> Path:
-        """The results file of a case, be it there already or not."""
+        """Return the results file of a case, whether it exists or not."""
         return results.get(case.digest, self.path / f"{case.name}.h5")
 
-    def keep(self, task: Task, outcome: Outcome) -> None:
-        """Remember the last record of a complete case; its size is 0 where it has no file."""
-        kept = {
+    def log_complete(self, task: Task, outcome: Outcome) -> None:
+        """Log the last record of a complete case; the size is 0 if it has no file."""
+        entry = {
             "digest": task.case.digest,
             "size": 0 if task.file is None else task.file.stat().st_size,
             "version": outcome.version,
             "message": outcome.message,
             "row": outcome.row,
         }
-        self.log.append(kept)
-        self._fault(task.case).unlink(missing_ok=True)
+        self.log.append(entry)
+        self._failure_file(task.case).unlink(missing_ok=True)
 
-    def fail(self, case: Case, outcome: Outcome) -> None:
-        """Say why a case failed."""
+    def log_failure(self, case: Case, outcome: Outcome) -> None:
+        """Write why a case failed."""
         by = f"tractive-sam {outcome.version or 'of unknown version'} on {outcome.worker or '?'}"
-        write_file(self._fault(case), f"{outcome.message}\n\n{by}\n{outcome.traceback}")
+        write_file(self._failure_file(case), f"{outcome.message}\n\n{by}\n{outcome.traceback}")
 
     def failures(self) -> dict[str, str]:
-        """Why cases failed, by the hash of their scenes."""
+        """Return why cases failed, by the hash of their scenes."""
         return {
             file.stem: file.read_text(encoding="utf-8", errors="replace").partition("\n\n")[0]
             for file in self.path.glob("*.txt")
             if _DIGEST.fullmatch(file.stem) and file.is_file()
         }
 
-    def _fault(self, case: Case) -> Path:
+    def _failure_file(self, case: Case) -> Path:
+        """Return the file with the reason of a failure."""
         return self.path / f"{case.digest}.txt"

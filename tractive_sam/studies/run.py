@@ -13,48 +13,42 @@ from tractive_sam.run import InTurn
 from tractive_sam.store import ResultsError, open_history
 from tractive_sam.studies import cluster
 from tractive_sam.studies.case import Case, cases
-from tractive_sam.studies.chain import in_turn
+from tractive_sam.studies.chain import neighbour_order
 from tractive_sam.studies.cost import check_memory, estimates
 from tractive_sam.studies.design import Study
 from tractive_sam.studies.folder import Folder
 from tractive_sam.studies.results import StudyResults, open_study
-from tractive_sam.studies.task import COMPLETE, HELD, Outcome, Task
+from tractive_sam.studies.task import COMPLETE, LOCKED, Outcome, Task
 from tractive_sam.studies.worker import run_case, run_neighbour
 
 SCHEDULER_ENCRYPTS = (
-    "a scheduler has its own encryption, of which dask's configuration tells; its address then "
-    "begins with tls://"
+    "a scheduler is encrypted by the configuration of dask; its address then begins with tls://"
 )
-
-
-STARTING = 10.0
-"""Work that is done in this process unless others are asked for, s: they take seconds to start."""
 
 
 @dataclass(frozen=True)
 class Progress:
-    """How far a study is, after a case has ended.
+    """Progress of a study after a case has ended.
 
     Attributes
     ----------
     cases, ended, failed : int
-        Number of cases in all, of those that need no more work, and of those among them that
-        failed.
+        Number of all cases, of those that have ended, and of those that failed.
     share : float
         Share of the expected work that is done.
     case : Case or None
         The case that has ended; None at the beginning.
     outcome : Outcome or None
-        What became of it.
+        Its outcome.
 
     Examples
     --------
     >>> import tractive_sam as ts
     >>> mu = {"key": "friction.mu", "values": [0.2, 0.4]}
     >>> study = ts.Study(scene="spheres", without=["subsurface"], axis=[mu])
-    >>> def tell(progress: ts.studies.Progress) -> None:
+    >>> def report(progress: ts.studies.Progress) -> None:
     ...     print(f"{progress.ended} of {progress.cases}, {progress.share:.0%} of the work")
-    >>> results = ts.study(study, "friction", workers=0, progress=tell)
+    >>> results = ts.study(study, "friction", workers=0, progress=report)
     0 of 2, 0% of the work
     1 of 2, 50% of the work
     2 of 2, 100% of the work
@@ -69,7 +63,7 @@ class Progress:
 
 
 def study(
-    asked: Study | str | PathLike[str],
+    requested: Study | str | PathLike[str],
     directory: str | PathLike[str],
     *,
     scheduler: str | None = None,
@@ -80,35 +74,34 @@ def study(
 ) -> StudyResults:
     """Run the cases of a study that are not complete, long ones first.
 
-    Where it keeps scalars, neighbours are computed in turn and start from each other: numbers hang
-    on where that was cut, as by another number of workers or by going on later, by no more than the
-    tolerance of the solver.
+    If it keeps scalars, neighbours are computed one after another and start from each other:
+    numbers depend on the number of workers and on interruptions, by at most the tolerance of the
+    solver.
 
-    A script that calls it without a scheduler of its own must do so under ``if __name__ ==
-    "__main__":``, as the workers are processes that import the script.
+    A script that calls it without a scheduler must do so under ``if __name__ == "__main__":``, as
+    the workers are processes that import the script.
 
     Parameters
     ----------
-    asked : Study or path-like
+    requested : Study or path-like
         The study, or its file.
     directory : path-like
-        Its folder; where it is that of an earlier run, the study goes on: complete cases are not
-        run again, others go on from their last record.
+        Its folder. In the folder of an earlier run, complete cases are not run again, and others
+        resume from their last record.
     scheduler : str, optional
-        Address of a scheduler of dask.distributed whose workers are to do it; they have to see the
-        folder under the same name.
+        Address of a scheduler of dask.distributed whose workers compute; they must see the folder
+        under the same name.
     workers : int, optional
         Without a scheduler: number of processes on this machine. With 0, the cases are computed in
-        this process, one after another. By default as many as cores, or 0 where the work is done
-        sooner than they would have started.
+        this process, one after another. By default one for each core, or 0 if the work is shorter
+        than their start.
     encrypted : bool, optional
-        Whether the processes of this machine speak TLS among each other, so that no other user of
-        it can hand them work; needs the package cryptography, of the extra study. They do unless
-        it is False.
+        Whether the processes of this machine use TLS, so that no other user of it can submit work
+        to them; needs the package cryptography, of the extra study. They do unless it is False.
     progress : callable, optional
         Called at the beginning, and whenever a case has ended.
     say : callable, optional
-        Called with a word about what is waited for.
+        Called with a message about what the study waits for.
 
     Returns
     -------
@@ -118,16 +111,16 @@ def study(
     Raises
     ------
     StudyError
-        With the faults of the study and of all its scenes, or where so many processes do not fit
-        into the memory; nothing has been run then.
+        With the faults of the study and of all its scenes, or if the memory is too small for the
+        processes; no case has been run then.
     ValueError
-        If encryption is asked of a scheduler, which has its own.
+        If `encrypted` is set together with a scheduler.
     ResultsError
         If the folder cannot be used or made, or dask is not installed or cannot read the address.
     SchedulerLostError
-        If there is no scheduler, or none any more; what is complete remains so.
+        If the scheduler does not exist or was lost; complete cases remain complete.
     OSError
-        If the folder cannot be written any more; what is complete remains so.
+        If the folder cannot be written any more; complete cases remain complete.
 
     Examples
     --------
@@ -142,73 +135,75 @@ def study(
     """
     if scheduler is not None and encrypted:
         raise ValueError(f"encrypted: {SCHEDULER_ENCRYPTS}")
-    asked = asked if isinstance(asked, Study) else Study.from_toml(asked)
-    found, folder = cases(asked), Folder(directory)
-    tell, say = progress or (lambda _: None), say or (lambda _: None)
-    with folder.taken(asked):
+    requested = requested if isinstance(requested, Study) else Study.from_toml(requested)
+    found, folder = cases(requested), Folder(directory)
+    report, say = progress or (lambda _: None), say or (lambda _: None)
+    with folder.lock(requested):
         if note := folder.log.read().damage_note:
             say(note)
             folder.log.drop_damaged()
-        tasks, done = _left(folder, found, asked)
-        # Cases that are complete already are of no interest to the bar: it shows the work left.
+        tasks, done = _remaining_tasks(folder, found, requested)
+        # The progress refers to the remaining work, without cases that are complete already.
         total = sum(task.seconds for task in tasks) or 1.0
         ended, failed, share = done, 0, 0.0
-        tell(Progress(len(found), ended, failed, share))
-        for task, outcome in _ended(tasks, scheduler, workers, encrypted, say):
+        report(Progress(len(found), ended, failed, share))
+        for task, outcome in _run_tasks(tasks, scheduler, workers, encrypted, say):
             if outcome.status == COMPLETE:
-                folder.keep(task, outcome)
+                folder.log_complete(task, outcome)
             else:
-                folder.fail(task.case, outcome)
+                folder.log_failure(task.case, outcome)
             if outcome.note:
                 say(f"{task.case}: {outcome.note}")
             ended += 1
             failed += outcome.status != COMPLETE
             share += task.seconds / total
-            tell(Progress(len(found), ended, failed, share, task.case, outcome))
+            report(Progress(len(found), ended, failed, share, task.case, outcome))
     return open_study(directory)
 
 
-def _left(folder: Folder, found: list[Case], asked: Study) -> tuple[list[Task], int]:
-    """What is to be done, and the number of cases that are complete.
+def _remaining_tasks(folder: Folder, found: list[Case], requested: Study) -> tuple[list[Task], int]:
+    """Return the remaining tasks and the number of complete cases.
 
-    Long cases come first; where scalars are kept, neighbours come one after another.
+    Long cases are first; if scalars are kept, neighbours follow each other.
     """
     files, complete = folder.results(), folder.log.read().entries
-    scalars = asked.keep == "scalars"
-    left = []
+    scalars = requested.keep == "scalars"
+    remaining = []
     for case in found:
         interrupt.raise_if_interrupted()
-        kept = complete.get(case.digest)
-        if kept and scalars and not kept["size"]:
+        entry = complete.get(case.digest)
+        if entry and scalars and not entry["size"]:
             continue
-        if not (kept and case.digest in files and _is_complete(files[case.digest])):
-            left.append(case)
-    seconds = estimates(left, with_files=not scalars)
+        if not (entry and case.digest in files and _is_complete(files[case.digest])):
+            remaining.append(case)
+    seconds = estimates(remaining, with_files=not scalars)
     tasks = [
         Task(case, None if scalars else folder.file_of(case, files), time)
-        for case, time in zip(left, seconds, strict=True)
+        for case, time in zip(remaining, seconds, strict=True)
     ]
     if scalars:
-        turn = in_turn(asked.shape)
-        tasks.sort(key=lambda task: turn[task.case.number])
+        order = neighbour_order(requested.shape)
+        tasks.sort(key=lambda task: order[task.case.number])
     else:
         tasks.sort(key=lambda task: -task.seconds)
-    return tasks, len(found) - len(left)
+    return tasks, len(found) - len(remaining)
 
 
-def _ended(
+def _run_tasks(
     tasks: list[Task],
     scheduler: str | None,
     workers: int | None,
     encrypted: bool | None,
     say: Callable[[str], None],
 ) -> Iterator[tuple[Task, Outcome]]:
+    """Yield the tasks with their outcomes, as they end."""
     if not tasks:
         return
-    if scheduler is None and workers is None and sum(task.seconds for task in tasks) < STARTING:
+    # Processes take seconds to start: less work is done in this one.
+    if scheduler is None and workers is None and sum(task.seconds for task in tasks) < 10.0:
         workers = 0
     if workers == 0 and scheduler is None:
-        yield from _one_after_another(tasks, say)
+        yield from _run_in_process(tasks, say)
         return
     cluster.check_installed()
     if scheduler is not None:
@@ -218,38 +213,39 @@ def _ended(
         check_memory([task.case for task in tasks], count)
         chosen = cluster.local_cluster(count, encrypted is not False)
     with chosen as (address, security):
-        yield from cluster.on_cluster(tasks, address, _reached, say, security)
+        yield from cluster.on_cluster(tasks, address, _count_records, say, security)
 
 
-def _one_after_another(
+def _run_in_process(
     tasks: list[Task], say: Callable[[str], None]
 ) -> Iterator[tuple[Task, Outcome]]:
+    """Yield the tasks with their outcomes, computed in this process."""
     neighbours = InTurn()
     for task in tasks:
         if task.file is None:
             interrupt.raise_if_interrupted()
             yield task, run_neighbour(task.case.scene, neighbours)
             continue
-        told = False
-        while (outcome := run_case(task.case.scene, str(task.file))).status == HELD:
-            if not told:
+        waiting = False
+        while (outcome := run_case(task.case.scene, str(task.file))).status == LOCKED:
+            if not waiting:
                 say(f"waiting for {task.case}, which another process computes")
-            told = True
+            waiting = True
             interrupt.raise_if_interrupted()
-            sleep(cluster.PAUSE)
+            sleep(cluster.WAITS.pause)
         yield task, outcome
 
 
 def _is_complete(file: Path) -> bool:
-    """Whether a results file can be read and says so."""
+    """Return whether a results file can be read and is complete."""
     try:
         return open_history(file).finished
     except ResultsError:
         return False
 
 
-def _reached(task: Task) -> int:
-    """Records in the results file of a task."""
+def _count_records(task: Task) -> int:
+    """Return the number of records in the results file of a task."""
     if task.file is None:
         return 0
     try:

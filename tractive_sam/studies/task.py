@@ -1,4 +1,4 @@
-"""What a worker is handed, and what it hands back."""
+"""The task of a worker, and its outcome."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -7,21 +7,21 @@ from typing import Any
 from tractive_sam.results import BODIES, History
 from tractive_sam.studies.case import Case
 
-COMPLETE, FAILED, HELD = "complete", "failed", "held"
+COMPLETE, FAILED, LOCKED = "complete", "failed", "locked"
 
 
 @dataclass(frozen=True)
 class Task:
-    """A case that is to be computed.
+    """A case to compute.
 
     Attributes
     ----------
     case : Case
         The case.
     file : Path or None
-        Its results file; None where the study keeps scalars.
+        Its results file; None if the study keeps scalars.
     seconds : float
-        Time that it is expected to take; long ones go first.
+        Expected time; long cases are first.
     """
 
     case: Case
@@ -31,26 +31,26 @@ class Task:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a case.
+    """The outcome of a case.
 
     Attributes
     ----------
     status : str
-        `COMPLETE`, `FAILED`, or `HELD` by another process.
+        `COMPLETE`, `FAILED`, or `LOCKED` by another process.
     message : str
         How it ended.
     row : mapping of str to number
-        The last record, see `summary`.
+        The last record, from `summary`.
     worker : str
         Machine and process.
     seconds : float
         Time it took on the worker.
     version : str
-        Of this package, on the worker.
+        Version of this package on the worker.
     note : str
-        What else there is to say.
+        A note for the user.
     traceback : str
-        Where the worker failed.
+        Traceback of a failure.
     """
 
     status: str
@@ -64,11 +64,11 @@ class Outcome:
 
 
 def summary(history: History, record: int = -1) -> dict[str, Any]:
-    """A record of a history, the last by default, as plain numbers; of bodies as ``Name A``."""
+    """Return a record of a history as plain numbers; quantities of a body end in its name."""
     if not len(history):
         return {}
     row = {name: history[name][record].item() for name in history.of_dims()}
-    for name, one in history.of_dims("body").items():
-        for body in one.bodies(history.scene):
+    for name, quantity in history.of_dims("body").items():
+        for body in quantity.bodies(history.scene):
             row[f"{name} {body}"] = float(history[name][record, BODIES.index(body)])
     return row | history.totals

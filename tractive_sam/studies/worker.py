@@ -1,4 +1,4 @@
-"""What a worker does: one case, into the results file that it alone writes."""
+"""Compute cases on a worker, which alone writes their results files."""
 
 import os
 import socket
@@ -14,7 +14,7 @@ from tractive_sam.results import History
 from tractive_sam.run import InTurn, roll
 from tractive_sam.scene import Scene
 from tractive_sam.store import DamagedError, HeldError, lock_of, locked, open_history, versions
-from tractive_sam.studies.task import COMPLETE, FAILED, HELD, Outcome, summary
+from tractive_sam.studies.task import COMPLETE, FAILED, LOCKED, Outcome, summary
 
 ONE_THREAD = {
     "OMP_NUM_THREADS": "1",
@@ -23,34 +23,36 @@ ONE_THREAD = {
     "NUMBA_NUM_THREADS": "1",
     "OMP_WAIT_POLICY": "passive",
 }
-"""Environment of a worker: cores are filled with cases, not with threads of one. (FFTW has one
-thread wherever nothing else is asked for.)"""
+"""Environment of a worker: the cores compute several cases, not several threads of one. (FFTW has
+one thread by default.)"""
 
 
 def run_case(scene: Scene, path: str) -> Outcome:
-    """Roll a scene, from where its results file ends if there is one.
+    """Compute a scene into a results file, which is resumed if it exists.
 
     Parameters
     ----------
     scene : Scene
-        What is computed.
+        The scene.
     path : str
         Its results file, in a folder that all machines share.
     """
     file = Path(path)
     if not file.parent.is_dir():
         cure = "the folder of a study must be on a file system that all its machines share"
-        return Outcome(FAILED, f"{_here()} finds no folder {file.parent}; {cure}", {}, _here())
-    return _outcome(partial(_rolled_or_again, scene, file))
+        return Outcome(
+            FAILED, f"{_worker_name()} finds no folder {file.parent}; {cure}", {}, _worker_name()
+        )
+    return _outcome(partial(_compute_or_repeat, scene, file))
 
 
 def run_chain(scenes: Sequence[Scene]) -> list[Outcome]:
-    """Roll neighbours one after another, each from the one before it; no file is written.
+    """Compute neighbours, each from the solution of the previous one; no file is written.
 
     Parameters
     ----------
     scenes : sequence of Scene
-        What is computed.
+        The scenes.
     """
     neighbours, outcomes = InTurn(), []
     for scene in scenes:
@@ -60,49 +62,51 @@ def run_chain(scenes: Sequence[Scene]) -> list[Outcome]:
 
 
 def run_neighbour(scene: Scene, neighbours: InTurn) -> Outcome:
-    """Roll a scene from the one that was rolled before it; no file is written."""
-    return _outcome(lambda: _of(neighbours.roll(scene), versions()["tractive-sam"]))
+    """Compute a scene from the solution of the previous one; no file is written."""
+    return _outcome(lambda: _history_outcome(neighbours.roll(scene), versions()["tractive-sam"]))
 
 
-def _here() -> str:
+def _worker_name() -> str:
+    """Return the machine and the process."""
     return f"{socket.gethostname()}:{os.getpid()}"
 
 
 def _outcome(compute: Callable[[], Outcome]) -> Outcome:
-    """What became of a case, whatever goes wrong."""
+    """Return the outcome of a case, also if it fails."""
     began = perf_counter()
     try:
         outcome = compute()
     except HeldError:
-        outcome = Outcome(HELD, "another process computes it")
-    except Exception as error:  # whatever it is, the other cases go on
+        outcome = Outcome(LOCKED, "another process computes it")
+    except Exception as error:  # whatever the error, the other cases are computed
         outcome = Outcome(FAILED, f"{type(error).__name__}: {error}", traceback=format_exc())
-    here = outcome.version or versions()["tractive-sam"]
-    return replace(outcome, worker=_here(), seconds=perf_counter() - began, version=here)
+    found = outcome.version or versions()["tractive-sam"]
+    return replace(outcome, worker=_worker_name(), seconds=perf_counter() - began, version=found)
 
 
-def _rolled_or_again(scene: Scene, file: Path) -> Outcome:
-    """Roll a scene; where its results file is damaged, from the beginning."""
+def _compute_or_repeat(scene: Scene, file: Path) -> Outcome:
+    """Compute a scene, from the beginning if its results file is damaged."""
     try:
-        return _rolled(scene, file)
+        return _compute(scene, file)
     except DamagedError as error:
-        aside = file.with_suffix(".damaged")
+        damaged = file.with_suffix(".damaged")
         with locked(lock_of(file)):
-            os.replace(file, aside)
-        note = f"{error}; it was set aside as {aside.name} and computed again"
-        return replace(_rolled(scene, file), note=note)
+            os.replace(file, damaged)
+        note = f"{error}; it was renamed to {damaged.name} and computed again"
+        return replace(_compute(scene, file), note=note)
 
 
-def _rolled(scene: Scene, file: Path) -> Outcome:
+def _compute(scene: Scene, file: Path) -> Outcome:
+    """Compute a scene into its results file, or resume it."""
     if file.exists():
         history = open_history(file)
         if history.finished and history.scene == scene:
-            return _of(history)
-    return _of(roll(scene, file, resume=True, progress=False))
+            return _history_outcome(history)
+    return _history_outcome(roll(scene, file, resume=True, progress=False))
 
 
-def _of(history: History, version: str = "") -> Outcome:
-    """What a history says became of its case."""
+def _history_outcome(history: History, version: str = "") -> Outcome:
+    """Return the outcome of the case of a history."""
     status = COMPLETE if history.finished else FAILED
     by = version or history.versions.get("tractive-sam", "")
     return Outcome(status, history.message, summary(history), version=by)
