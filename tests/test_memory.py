@@ -1,11 +1,13 @@
 """What does not fit into the memory is refused before any of it is taken."""
 
+from dataclasses import replace
+
 import pytest
 
 import tractive_sam as ts
 from tractive_sam.contact import Model
 from tractive_sam.run import explain, memory
-from tractive_sam.solvers import Sparing
+from tractive_sam.solvers import NEARBY
 
 FREE = 256 * 2**20
 """As if so much were free; the machine has more for what is then said to fit."""
@@ -60,10 +62,10 @@ def test_time_of_a_large_mesh_is_that_of_a_part(monkeypatch):
     assert "slip" not in vars(model.operators)  # nothing of the whole mesh was made
 
 
-def test_a_transient_counts_the_vectors_that_a_step_may_hold(monkeypatch):
+def test_memory_counts_the_vectors_of_a_linear_system(monkeypatch):
     model = Model(ts.Scene.builtin("fretting"))
     before, more = memory.of_contact(model), 10
-    monkeypatch.setattr(Sparing, "krylov", Sparing.krylov + more)
+    monkeypatch.setattr(memory, "NEARBY", replace(NEARBY, krylov=NEARBY.krylov + more))
     tractions = 2 * model.grid.elements[0] * model.grid.elements[1]
     # Vectors, the responses to them and their basis, in doubles.
     assert memory.of_contact(model) - before == 3 * more * tractions * 8

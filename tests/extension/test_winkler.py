@@ -125,8 +125,8 @@ def test_mixed_slip_is_of_second_order_on_any_mesh():
         np.testing.assert_allclose(contact.traction[0, :, 0], truth, atol=0.1 * order * truth.max())
         assert contact.Qx == pytest.approx(force, rel=0.5 * order)
         applications.append(contact.cost.applications)
-    # A Newton method on nested meshes: 13 to 15 of the finest.
-    assert max(applications) < 1.3 * min(applications)
+    # A Newton method on nested meshes: 10 to 13 of the finest, and no more of finer ones.
+    assert max(applications) < 1.4 * min(applications)
 
 
 def test_it_rolls_and_wears():

@@ -14,7 +14,7 @@ from tractive_sam.operators import ConvolutionMeter
 from tractive_sam.results import State, Status
 from tractive_sam.scene import FewestElements
 from tractive_sam.schema import warn
-from tractive_sam.solvers import ALONE, METHODS, FromRest, Outcome, Problem, Start
+from tractive_sam.solvers import ALONE, Outcome, Problem, Start, falling_method
 from tractive_sam.solvers import steepness as steepness_of
 
 GROWTHS = 8
@@ -84,9 +84,7 @@ def _equilibrium(
     elif not model.transmits:
         solver = ALONE
     elif model.friction_law.falls:
-        newton = METHODS["newton"] if model.method is METHODS["auto"] else model.method
-        nearby = newton.dissimilar if model.elasticity.coupled else newton.alike
-        solver = FromRest(solver, nearby, model.starts_sliding)
+        solver = falling_method(solver, model.starts_sliding, once=False)
     outcome = solver.solve(problem, tolerance, first)
     return _contact(model, problem, outcome, depth)
 

@@ -20,15 +20,13 @@ from tractive_sam.operators import ConvolutionMeter, Lattice, StepOperators, Way
 from tractive_sam.results import Cost, Grid, State, Status, widened
 from tractive_sam.solvers import (
     ALONE,
-    METHODS,
-    STEPS,
     InSequence,
     NormalProblem,
     Note,
     Outcome,
     Start,
     StepProblem,
-    single_solution_method,
+    falling_method,
 )
 
 
@@ -312,7 +310,7 @@ class Stepper:
 
     def _solved(self, problem: StepProblem, before: Stepped, start: Start | None) -> Outcome:
         model, past, tolerance = self.model, before.contact, self.model.scene.solver.tolerance
-        method = STEPS if model.method is METHODS["auto"] else model.method
+        method = model.method
         coupled = model.elasticity.coupled
         solver = method.dissimilar if coupled else method.alike
         normal = problem.normal
@@ -322,7 +320,7 @@ class Stepper:
         if coupled and not past.touching.any():
             start = None  # Newton's method has no contact area to begin with
         if problem.friction.law.falls:
-            solver = single_solution_method(solver, model.starts_sliding)
+            solver = falling_method(solver, model.starts_sliding, once=True)
         if isinstance(solver, InSequence) and before.presses_like(normal):
             gap, approach = past.gap / model.units.gap, past.approach / model.units.gap
             pressure = past.pressure / model.units.pressure

@@ -8,7 +8,7 @@ from tractive_sam.operators import available
 from tractive_sam.results import FIELDS
 from tractive_sam.rolling import process_of
 from tractive_sam.schema import Fault, SceneError
-from tractive_sam.solvers import Sparing
+from tractive_sam.solvers import NEARBY
 
 BESIDE = 3.5
 """Numbers that are held beside all planes while the stress of one is computed and written, over
@@ -26,12 +26,11 @@ def fields_together(model: Model) -> int:
 def of_contact(model: Model) -> float:
     """Memory that a solve takes, bytes."""
     fields, lattice = fields_together(model), model.operators.lattice
-    # Of large meshes, in doubles: spectra and buffers of the transforms, both in double and single
-    # precision, tables on the way to them, and a Krylov space in single precision.
-    krylov, padded, elements = 25, math.prod(lattice.padded), math.prod(lattice.shape)
-    if not model.scene.schedule.revolves:
-        # In double all vectors of a system, the responses to them and their orthonormal basis.
-        krylov = 3 * Sparing.krylov
+    # In doubles: spectra and buffers of the transforms, both in double and single precision, tables
+    # on the way to them, and the Krylov space: of a large mesh in single precision, of others all
+    # vectors of a system, the responses to them and their orthonormal basis.
+    padded, elements = math.prod(lattice.padded), math.prod(lattice.shape)
+    krylov = 25 if elements >= NEARBY.large else 3 * NEARBY.krylov
     spectra = 1.5 * (9 if fields == 3 else 3)
     one = 8.0 * (padded * (spectra + 3.75 * fields + 7) + krylov * fields * elements)
     observers = process_of(model).following

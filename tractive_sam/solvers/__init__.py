@@ -22,10 +22,10 @@ from tractive_sam.solvers.gmres import gmres as gmres
 from tractive_sam.solvers.in_sequence import InSequence, OneAfterTheOther
 from tractive_sam.solvers.ladder import ALONE as ALONE
 from tractive_sam.solvers.ladder import METHODS as METHODS
-from tractive_sam.solvers.ladder import STEPS as STEPS
+from tractive_sam.solvers.ladder import NEARBY as NEARBY
 from tractive_sam.solvers.ladder import Ladder
 from tractive_sam.solvers.ladder import Method as Method
-from tractive_sam.solvers.ladder import single_solution_method as single_solution_method
+from tractive_sam.solvers.ladder import falling_method as falling_method
 from tractive_sam.solvers.nested import Nested
 from tractive_sam.solvers.newton import Newton
 from tractive_sam.solvers.newton_system import Iterate as Iterate
@@ -33,7 +33,6 @@ from tractive_sam.solvers.newton_system import System as System
 from tractive_sam.solvers.outcome import Note, Outcome, Solver, Start
 from tractive_sam.solvers.problem import Held, NormalProblem, PrescribedForces, Problem
 from tractive_sam.solvers.problem import WearInPass as WearInPass
-from tractive_sam.solvers.sparing import Sparing as Sparing
 from tractive_sam.solvers.step import StepProblem as StepProblem
 from tractive_sam.solvers.uniqueness import steepness as steepness
 from tractive_sam.solvers.uzawa import Uzawa

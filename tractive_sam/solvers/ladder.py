@@ -12,7 +12,6 @@ from tractive_sam.solvers.nested import Nested
 from tractive_sam.solvers.newton import Newton
 from tractive_sam.solvers.outcome import Outcome, Solver, Start
 from tractive_sam.solvers.problem import Problem
-from tractive_sam.solvers.sparing import Sparing
 from tractive_sam.solvers.uniqueness import OneSolution
 from tractive_sam.solvers.uzawa import Uzawa
 
@@ -92,11 +91,22 @@ ALONE = InSequence(NORMAL)
 """Bodies without cause for traction."""
 
 HELD, COUPLED = Newton(krylov=120), Newton(krylov=150)
-NEWTON = InSequence(NORMAL, Nested(HELD))
+NEARBY = Newton(
+    krylov=60,  # three vectors of each iteration are held
+    halvings=3,
+    rise=0.5,  # the response to a shorter step is known as well
+    bounded=False,
+    loosest=0.03,  # iterations cost less than the linearisations that they save
+    aim=0.6,
+    large=50_000,  # elements from which the three vectors would take most of the memory
+)
+"""Newton's method from a start nearby: a step or a revolution before."""
+
+NEWTON = InSequence(NORMAL, Nested(HELD, nearby=NEARBY))
 ONE_AFTER_THE_OTHER = OneAfterTheOther(NORMAL, Nested(HELD))
 """Where the method for dissimilar bodies starts."""
 
-COUPLED_NEWTON = Nested(COUPLED, begin=ONE_AFTER_THE_OTHER)
+COUPLED_NEWTON = Nested(COUPLED, begin=ONE_AFTER_THE_OTHER, nearby=NEARBY)
 
 _NOT_AUTO = 'try solver.method = "auto"'
 
@@ -104,7 +114,10 @@ METHODS = {
     "auto": Method(
         alike=InSequence(
             NORMAL,
-            Ladder((Nested(HELD), Bracketing(HELD, Continuation(HELD)), Anderson()), with_forces=2),
+            Ladder(
+                (NEWTON.tangential, Bracketing(HELD, Continuation(HELD)), Anderson()),
+                with_forces=2,
+            ),
         ),
         dissimilar=Ladder(
             (COUPLED_NEWTON, Bracketing(COUPLED, Continuation(COUPLED)), Anderson()),
@@ -120,39 +133,23 @@ METHODS = {
 }
 """By the names that ``solver.method`` may have."""
 
-STEPS = Method(
-    alike=InSequence(
-        NORMAL,
-        Ladder(
-            (Nested(Sparing()), Bracketing(HELD, Continuation(HELD)), Anderson()),
-            with_forces=2,
-        ),
-    ),
-    dissimilar=Ladder(
-        (
-            Nested(Sparing(), begin=ONE_AFTER_THE_OTHER),
-            Bracketing(COUPLED, Continuation(COUPLED)),
-            Anderson(),
-        ),
-        with_forces=2,
-        begin=ONE_AFTER_THE_OTHER,
-    ),
-    told="newton, from the two steps before; where that fails as auto",
-)
-"""That of a step of a transient."""
 
-
-def single_solution_method(solver: Solver, sliding: bool) -> Solver:
-    """Return a method of steps for friction that falls with sliding.
+def falling_method(solver: Solver, sliding: bool, once: bool) -> Solver:
+    """Return a method for friction that falls with sliding.
 
     Parameters
     ----------
     solver : Solver
-        The method of steps whose friction does not.
+        The method for friction that does not.
     sliding : bool
         Of several solutions, whether the one reached from great speed is sought, not from rest.
+    once : bool
+        Whether the solution must not depend on the start, as in a step of a transient.
     """
     if isinstance(solver, InSequence):
-        return replace(solver, tangential=single_solution_method(solver.tangential, sliding))
+        return replace(solver, tangential=falling_method(solver.tangential, sliding, once))
     nearby = solver.rungs[0] if isinstance(solver, Ladder) else solver
-    return OneSolution(nearby, FromRest(solver, nearby, sliding))
+    # On the path from rest no start is near enough for less than the whole of Newton's method.
+    far = replace(nearby, nearby=None) if isinstance(nearby, Nested) else nearby
+    path = FromRest(solver, far, sliding)
+    return OneSolution(nearby, path) if once else path

@@ -59,7 +59,9 @@ def refine_pressure(pressure: np.ndarray, gap: np.ndarray, shape: tuple[int, int
 
 @dataclass(frozen=True)
 class Nested:
-    """Solves on successively finer meshes, each started from the one before; with a start at once.
+    """Solves on successively finer meshes, each started from the one before.
+
+    From a start that is given it solves on the finest mesh at once.
 
     Attributes
     ----------
@@ -68,6 +70,8 @@ class Nested:
     begin : Solver, optional
         Finds the start on the coarsest mesh, or above a mesh that was not solved; without it
         `solver` starts from nothing there.
+    nearby : Solver, optional
+        Method from a start that is given; by default `solver`.
     coarsest : int
         A mesh is coarsened as long as its shorter side has more elements than this.
     coarse_tolerance : float
@@ -76,6 +80,7 @@ class Nested:
 
     solver: Solver
     begin: Solver | None = None
+    nearby: Solver | None = None
     coarsest: int = 24
     coarse_tolerance: float = 1e-3
 
@@ -87,7 +92,7 @@ class Nested:
     ) -> Outcome:
         """Solve a problem of either kind; see `Solver`."""
         if start is not None:
-            return self.solver.solve(problem, tolerance, start)
+            return (self.nearby or self.solver).solve(problem, tolerance, start)
         earlier, share = [], 1.0
         if _shorter_side(problem) > self.coarsest:
             coarse_problem = problem.coarsened()

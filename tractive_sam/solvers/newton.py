@@ -7,8 +7,11 @@ under a pressure that is held; pressure makes dissimilar surfaces slip and tract
 so that neither problem can be solved by itself, and alternating between them diverges for strong
 coupling: then both are unknowns of the same iteration.
 
-The linear systems are solved by GMRES, preconditioned by the circulant inverse for the pressure and
-the upwind sweep (`mechanics.friction.Linearisation`) for the tractions.
+The linear systems are preconditioned by the circulant inverse for the pressure and by the
+kinematics for the tractions (`operators.kinematics`). They are solved by generalised conjugate
+residuals, so that no application of the elastic operator is lost: the response to a step is known
+unless something has to be brought back to a bound. On large meshes they are solved by GMRES in
+single precision, which holds one vector of each iteration instead of three.
 """
 
 from collections.abc import Callable
@@ -18,9 +21,10 @@ import numpy as np
 
 from tractive_sam.results import Cost, Status
 from tractive_sam.solvers.conjugate_gradients import ConjugateGradients
+from tractive_sam.solvers.conjugate_residuals import conjugate_residuals
 from tractive_sam.solvers.gmres import gmres
 from tractive_sam.solvers.newton_system import Iterate, System
-from tractive_sam.solvers.outcome import Note, Outcome, Start
+from tractive_sam.solvers.outcome import Note, Outcome, Start, closed
 from tractive_sam.solvers.problem import Held, Problem
 from tractive_sam.solvers.watched import tell
 
@@ -36,35 +40,42 @@ class Newton:
     steps : int
         Most steps.
     krylov : int
-        Most iterations of GMRES in a step.
+        Largest number of iterations of the linear solver in a step.
     halvings : int
         Most lengths of a step that are tried.
     rise : float
         Merit over that before up to which a length is taken at once.
+    bounded : bool
+        Whether tractions are brought back to their bound after each step (`Iterate`), which takes
+        an application, or stay outside of it on their way.
     patience : int
-        Steps without a smaller residual after which tractions may leave the bound on their way
-        (`Iterate`), and, once they may, after which one is taken as far only as it helps.
+        Steps without a smaller residual after which `bounded` is reversed, and, once it is, after
+        which a step is taken only as far as it helps.
     hopeless : int
         Steps without a smaller residual after which no more are taken.
     loosest : float
         Loosest relative residual of the linear system of a step.
     sharpest : float
-        Sharpest one, but where a step is taken only as far as it helps.
+        Smallest relative residual of the linear system, of undamped steps.
     sharp : float
-        That of a step which is taken only as far as it helps: where the residual has stalled, only
-        a sharp step is sure to lead down.
+        Relative residual of a step that is taken only as far as it helps: where the residual has
+        stalled, only a sharp step is sure to lead down.
     aim : float
         Part of the tolerance that a linear system is to leave.
     rough : float
         Relative residual down to which a linear system may be solved in single precision.
-    large : int
-        Elements from which single precision pays: below, planning its transforms costs as much.
+    large : float
+        Number of elements from which single precision pays: below, planning its transforms costs as
+        much.
+    inside : float
+        Share of the bound below which a first guess is taken to stick.
     """
 
     steps: int = 60
     krylov: int = 150
     halvings: int = 6
     rise: float = 1.5
+    bounded: bool = True
     patience: int = 3
     hopeless: int = 20
     loosest: float = 0.3
@@ -72,7 +83,8 @@ class Newton:
     sharp: float = 1e-5
     aim: float = 0.3
     rough: float = 1e-4
-    large: int = 5_000
+    large: float = 5_000
+    inside: float = 0.999
 
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
@@ -97,11 +109,12 @@ class Newton:
         if problem.wear is not None:
             raise ValueError("problem.wear: Newton's method takes wear as part of the gap only")
         at, cost = self._first(problem, start)
-        least, since, before, bounded = np.inf, 0, np.inf, True
+        least, since, before, bounded = np.inf, 0, np.inf, self.bounded
         status, taken = Status.OUT_OF_ITERATIONS, 0
         for taken in range(self.steps + 1):
             tell(problem.operators.lattice.shape, at.residual)
-            if at.residual <= tolerance and not (bounded and self._is_closed(at)):
+            if at.residual <= tolerance and not (at.is_admissible or problem.joint):
+                # Only the slip by the very tractions dissipates what drives the bodies.
                 at, bounded, cost = at.within_bound(problem), True, cost + Cost(1.0)
             if at.residual <= tolerance:
                 status = Status.CONVERGED
@@ -116,23 +129,24 @@ class Newton:
             if taken - since > self.hopeless or taken == self.steps:
                 break
             stalled = taken - since >= self.patience
-            if stalled and bounded:
-                bounded, stalled = False, False
+            if stalled and bounded is self.bounded:
+                bounded, stalled = not bounded, False
                 least, since = at.residual, taken
             goal = self.sharp if stalled else self.forcing(at.residual, before, tolerance)
             before = at.residual
             at, spent = self._advanced(problem, at, goal, stalled, bounded)
             cost = cost + spent
-        if not bounded:
-            at, cost = at.within_bound(problem), cost + Cost(1.0)
+        # What is beyond a bound, or remains where the gap is open, is part of the residual.
+        pressure = at.pressure if problem.held else closed(at.pressure, at.gap)
+        bound = problem.bound(pressure).radius
         return Outcome(
             status,
             float(at.residual),
             taken,
             cost,
-            pressure=at.pressure,
+            pressure=pressure,
             gap=at.gap,
-            traction=at.traction,
+            traction=problem.project(at.traction, bound, physical=True),
             slip=at.slip,
             approach=float(at.approach),
             creepage=at.creepage,
@@ -157,26 +171,32 @@ class Newton:
             approach = normal.approach
         known = answer is not None
         at = Iterate(problem, pressure, traction, approach, creepage, 1.0, not known, answer)
+        if len(problem.forces) and start.creepage is not None and not self.bounded:
+            at = self._with_least_slip(problem, at)
         return at, cost + Cost(at.applications)
 
-    def _is_closed(self, at: Iterate) -> bool:
-        """Whether an iterate may be returned as it is; else it is evaluated once more, cleaned."""
-        return at.is_closed
+    def _with_least_slip(self, problem: Problem, at: Iterate) -> Iterate:
+        """Return an iterate with the creepages by which what is to stick slips least."""
+        sticks = np.hypot(*at.traction) < self.inside * at.bound.radius
+        if not sticks.any():
+            return at
+        slip = at.slip[:, sticks].mean(axis=1)
+        change = np.linalg.lstsq(problem.forces.vectors.T, -slip, rcond=None)[0]
+        return at.creeping(problem, at.creepage + change)
 
     def _advanced(
         self, problem: Problem, at: Iterate, goal: float, stalled: bool, bounded: bool
     ) -> tuple[Iterate, Cost]:
         """The iterate after a step whose linear system is solved to a relative residual."""
         system = System(problem, at, self.precision(goal, at.pressure.size))
-        rhs = system.right_hand_side()
-        vector, _ = gmres(system.operator, system.preconditioner, rhs, goal, self.krylov)
-        # What the step leads to is evaluated in double precision.
-        vector = vector.astype(float)
+        if system.kind is np.float64:
+            vector, response = conjugate_residuals(system, goal, self.krylov)
+        else:
+            rhs, response = system.right_hand_side(), None
+            vector, _ = gmres(system.operator, system.preconditioner, rhs, goal, self.krylov)
+            vector = vector.astype(float)  # what the step leads to is evaluated in double precision
         step, extra = system.fields(vector), vector[system.size :]
-        if not problem.held:
-            # The row of an element that leaves is solved exactly: nothing remains on an open gap.
-            step[0] = np.where(at.active, step[0], -at.pressure)
-        ahead, trials = self._led(problem, at, step, extra, None, stalled, bounded)
+        ahead, trials = self._led(problem, at, step, extra, response, stalled, bounded)
         return ahead, Cost(system.applications + trials, system.preconditionings)
 
     def _led(

@@ -44,7 +44,7 @@ class Iterate:
         held, normal, forces = problem.held, problem.normal, problem.forces
         self.pressure = pressure if held else np.maximum(pressure, 0.0)
         self.bound = problem.bound(self.pressure)
-        self.traction = traction
+        self.traction, self._bounded = traction, bounded
         if bounded:
             self.traction = problem.project(traction, self.bound.radius, physical=True)
         self.approach, self.creepage = approach, creepage
@@ -104,12 +104,12 @@ class Iterate:
         return Iterate(problem, *fields, creepage, 1.0, False, self.response)
 
     @property
-    def is_closed(self) -> bool:
-        """Whether no element has a pressure and an open gap."""
-        return not (self.pressure[~self.active] > 0.0).any()
+    def is_admissible(self) -> bool:
+        """Whether no pressure is on an open gap, and tractions are within the bound."""
+        return self._bounded and not (self.pressure[~self.active] > 0.0).any()
 
     def within_bound(self, problem: Problem) -> "Iterate":
-        """The same without pressure where the gap is open, and with tractions within the bound."""
+        """Return the iterate without pressure on open gaps, and with tractions within the bound."""
         pressure = self.pressure if problem.held else closed(self.pressure, self.gap)
         return Iterate(problem, pressure, self.traction, self.approach, self.creepage)
 
