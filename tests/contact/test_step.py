@@ -7,7 +7,7 @@ import pytest
 
 import tractive_sam as ts
 from tractive_sam.contact import Asked, Model, Stepper
-from tractive_sam.operators import Way
+from tractive_sam.operators import Advection
 
 SPHERES = ts.Scene.builtin("spheres").replace(subsurface=None)
 P, MU, SHEAR, NU = SPHERES.normal_load, SPHERES.friction.mu[0], 1.0, 0.28
@@ -126,7 +126,7 @@ def test_work_is_dissipated_or_stored(builtin, length):
 @pytest.mark.parametrize("whole", [0, 2])
 def test_places_between_nodes_are_those_of_a_parabola(whole, part):
     x = np.arange(12.0)[:, None]
-    way = Way.of(whole + part)
+    way = Advection.from_distance(whole + part)
     assert (way.elements, way.part) == (whole, pytest.approx(part))
     nodes = np.stack((x**2 - 3.0 * x, 2.0 * x + 1.0))
     held = np.ones((12 - way.reach, 1), bool)
@@ -143,7 +143,7 @@ def test_what_particles_carry_is_kept_and_never_below_zero():
     step = np.where((x > 12) & (x < 20), 1.0, 0.0) * np.ones((1, 2))
     now = step
     for length in (0.3, 1.0, 0.75, 2.5, 0.45):
-        now = Way.of(length).carried(now)
+        now = Advection.from_distance(length).carried(now)
         assert now.min() >= 0.0
         assert now.max() <= 1.0 + 1e-15
         assert now.sum() == pytest.approx(step.sum(), rel=1e-14)
@@ -159,7 +159,7 @@ def test_what_particles_carry_is_of_second_order():
         x = np.linspace(0.0, 10.0, n, endpoint=False)[:, None]
         now = np.exp(-((x - 6.0) ** 2))
         for _ in range(n // 10):
-            now = Way.of(0.4).carried(now)
+            now = Advection.from_distance(0.4).carried(now)
         # The limiter flattens the top alone: the mean error is of second order.
         missed.append(np.abs(now - np.exp(-((x - 5.6) ** 2))).mean())
     assert missed[1] < 0.3 * missed[0]

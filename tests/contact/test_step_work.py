@@ -5,14 +5,14 @@ import pytest
 
 from tests.contact.test_step import builtin_on, pressed
 from tractive_sam.contact import Asked, Model
-from tractive_sam.operators import Way
+from tractive_sam.operators import Advection
 
 LENGTHS = (0.1, 0.55, 0.37, 1.0, 1.6, 0.83, 2.3)
 
 
 @pytest.mark.parametrize("length", [0.3, 1.0, 1.7, 2.25])
 def test_spreading_is_the_adjoint_of_interpolation(length):
-    random, way = np.random.default_rng(1), Way.of(length)
+    random, way = np.random.default_rng(1), Advection.from_distance(length)
     parabola = random.random((9, 4)) > 0.5
     values, nodes = random.normal(size=(2, 9, 4)), random.normal(size=(2, 9 + way.reach, 4))
     there = (way.spread(values, parabola) * nodes).sum()
@@ -21,7 +21,7 @@ def test_spreading_is_the_adjoint_of_interpolation(length):
 
 def test_places_after_a_step_lie_on_a_straight_line():
     x = np.arange(10.0)[:, None]
-    at = Way.of(2.3).after(x)
+    at = Advection.from_distance(2.3).after(x)
     np.testing.assert_allclose(at[3:], (x - 2.3)[3:], rtol=1e-12)
 
 
@@ -36,7 +36,7 @@ def rolled(builtin, slip, n=21):
         by = (share * creepage.longitudinal, share * creepage.lateral + 1e-4, creepage.spin)
         before, now = now, stepper.step(now, Asked(length * model.grid.dx, by, load))
         assert now.contact.converged
-        yield stepper, before, now, Way.of(length), by
+        yield stepper, before, now, Advection.from_distance(length), by
 
 
 @pytest.mark.parametrize("slip", ["auto", "upwind"])

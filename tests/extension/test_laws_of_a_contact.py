@@ -170,4 +170,4 @@ def test_a_law_of_wear_of_another_package_has_no_wear_balance(tmp_path):
     assert np.isnan(own.wear_balance).all()
     friction = Wearing((0.6, 0.3), 0.0)
     same = ts.roll(PLAIN, laws=law(PLAIN, friction=friction))
-    np.testing.assert_allclose(same.wear_balance[1:], 1.0, rtol=1e-9)  # of work: to rounding
+    np.testing.assert_allclose(same.wear_balance[1:], 1.0, rtol=1e-7)  # of work: ten residuals

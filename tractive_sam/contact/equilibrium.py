@@ -7,15 +7,13 @@ import numpy as np
 
 from tractive_sam.contact.heat import warmed
 from tractive_sam.contact.mesh import grown
-from tractive_sam.contact.message import message, not_resolved, too_steep
+from tractive_sam.contact.message import not_resolved
 from tractive_sam.contact.model import Model
-from tractive_sam.mechanics import Coulomb
+from tractive_sam.contact.solution import solve_problem, state_of, traction_of
 from tractive_sam.operators import ConvolutionMeter
 from tractive_sam.results import State, Status
 from tractive_sam.scene import FewestElements
-from tractive_sam.schema import warn
-from tractive_sam.solvers import ALONE, Outcome, Problem, Start, falling_method
-from tractive_sam.solvers import steepness as steepness_of
+from tractive_sam.solvers import Outcome, Problem, Start
 
 GROWTHS = 8
 """Most enlargements of a mesh that the scene left to us."""
@@ -78,14 +76,7 @@ def _equilibrium(
         gap = gap + depth
     problem = model.problem(gap / model.units.gap, in_pass)
     first = None if start is None else start_of(model, start)
-    solver = model.method.dissimilar if model.elasticity.coupled else model.method.alike
-    if model.load is None and problem.normal.gap.min() >= model.given_approach:
-        solver, first = ALONE, None  # worn until they do not touch: nothing to solve
-    elif not model.transmits:
-        solver = ALONE
-    elif model.friction_law.falls:
-        solver = falling_method(solver, model.starts_sliding, once=False)
-    outcome = solver.solve(problem, tolerance, first)
+    outcome = solve_problem(model, problem, tolerance, first)
     return _contact(model, problem, outcome, depth)
 
 
@@ -134,7 +125,7 @@ def _dimensionless(model: Model, depth: DepthInPass) -> DepthInPass:
     units = model.units
 
     def scaled(pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        fields = units.pressure * pressure, _traction(model, traction), _slip(model, slip)
+        fields = units.pressure * pressure, traction_of(model, traction), _slip(model, slip)
         return depth(*fields) / units.gap
 
     return scaled
@@ -143,11 +134,6 @@ def _dimensionless(model: Model, depth: DepthInPass) -> DepthInPass:
 def _slip(model: Model, scaled: np.ndarray) -> np.ndarray:
     """s/V that wears and dissipates, from what the stencil solves for."""
     return model.stencil.at_centres(model.units.slip * model.frame.slip_to_physical(scaled))
-
-
-def _traction(model: Model, scaled: np.ndarray) -> np.ndarray:
-    """p_t in MPa."""
-    return model.units.pressure * model.frame.to_physical(scaled)
 
 
 def _rolling_resistance(
@@ -176,7 +162,7 @@ def _contact(
 ) -> State:
     units = model.units
     pressure = units.pressure * outcome.pressure
-    traction, gap = _traction(model, outcome.traction), units.gap * outcome.gap
+    traction, gap = traction_of(model, outcome.traction), units.gap * outcome.gap
     slip = _slip(model, outcome.slip)
     if callable(depth):
         depth = depth(pressure, traction, np.where(pressure > 0.0, slip, 0.0))
@@ -184,81 +170,4 @@ def _contact(
         depth = np.zeros(model.grid.elements)
     creepages = model.creepages(outcome.creepage)
     resistance = _rolling_resistance(model, pressure, gap, depth)
-    return finished(model, problem, outcome, slip, creepages, depth, resistance)
-
-
-def _traction_bound(model: Model, pressure: np.ndarray, radius: np.ndarray) -> np.ndarray | None:
-    """Largest traction that friction allows, MPa; None where it is the pressure (Coulomb's law)."""
-    is_coulomb = type(model.friction_law) is Coulomb
-    if is_coulomb and (np.abs(radius - pressure) <= 1e-12 * pressure).all():  # up to rounding
-        return None
-    return model.units.pressure * radius
-
-
-def finished(
-    model: Model,
-    problem: Problem,
-    outcome: Outcome,
-    slip: np.ndarray,
-    creepages: tuple[float, float, float],
-    depth: np.ndarray,
-    resistance: float = 0.0,
-) -> State:
-    """An outcome in mm, N and MPa.
-
-    Parameters
-    ----------
-    model : Model
-        What was solved, and on which mesh.
-    problem : Problem
-        What the outcome solves.
-    outcome : Outcome
-        Solved or not.
-    slip : ndarray, shape (2, n_x, n_y)
-        Slip to report, s/V.
-    creepages : tuple of float
-        Longitudinal and lateral creepage and spin.
-    depth : ndarray, shape (n_x, n_y)
-        Depth worn off both bodies, mm.
-    resistance : float
-        Rolling resistance, N.
-    """
-    units = model.units
-    touching = outcome.pressure > 0.0
-    pressure = units.pressure * outcome.pressure
-    traction, gap = _traction(model, outcome.traction), units.gap * outcome.gap
-    sliding, steepness, bound = touching, 0.0, None
-    if model.laws.friction is not None:
-        fields = outcome.pressure, outcome.gap, outcome.traction, outcome.slip
-        sliding, allowed = problem.sliding(*fields)
-        bound = _traction_bound(model, outcome.pressure, allowed.radius)
-        if model.friction_law.falls:
-            known = outcome.steepness
-            steepness = steepness_of(problem, *fields) if known is None else known
-    contact = State(
-        model.scene,
-        model.grid,
-        pressure,
-        traction,
-        np.where(touching, slip, 0.0),
-        gap,
-        depth,
-        units.gap * outcome.approach,
-        *creepages,
-        resistance,
-        sliding,
-        outcome.status,
-        message(outcome.status, outcome, model, steepness),
-        outcome.residual,
-        outcome.cost,
-        tuple(map(str, outcome.trace)),
-        frame=None if model.laws.friction is None else model.frame,
-        traction_bound=bound,
-        laws=model.laws,
-    )
-    if contact.converged and steepness >= 1.0:
-        warn(too_steep(steepness))
-    if contact.converged and any(contact.at_edge):
-        status = Status.OFF_GRID
-        contact = replace(contact, status=status, note=message(status, outcome, model))
-    return contact
+    return state_of(model, problem, outcome, slip, creepages, depth, resistance)

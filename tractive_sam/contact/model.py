@@ -11,7 +11,7 @@ from tractive_sam.contact.measured import Gap, lowest, resampled
 from tractive_sam.contact.mesh import choose_grid
 from tractive_sam.contact.worn import Worn
 from tractive_sam.mechanics import Coulomb, Frame, Friction, FrictionLaw, WearLaw
-from tractive_sam.operators import STAGGERED, UPWIND, Lattice, Operators, Stencil
+from tractive_sam.operators import STAGGERED, UPWIND, Lattice, Operators, SteadyRolling, Stencil
 from tractive_sam.results import Grid
 from tractive_sam.scene import Scene
 from tractive_sam.solvers import (
@@ -209,9 +209,7 @@ class Model:
         """Operators on the whole mesh."""
         lattice = Lattice(self.grid.elements, self.grid.dx, self.grid.dy)
         pressure, gap, slip = astuple(self.units)
-        return Operators(
-            lattice, self.elasticity, gap / pressure, slip / pressure, self.frame, self.stencil
-        )
+        return Operators(lattice, self.elasticity, gap / pressure, slip / pressure, self.frame)
 
     @cached_property
     def free(self) -> tuple[bool, bool]:
@@ -288,7 +286,8 @@ class Model:
         normal = NormalProblem(self.operators, gap, self.load, self.given_approach)
         x, y = self.grid.x[:, None], self.grid.y[None, :]
         friction = Friction(self.friction_law, x, y, self.units.pressure, self.units.slip)
-        return Problem(normal, self.scaled_rigid_slip, friction, self.forces, wear)
+        kinematics = SteadyRolling(self.stencil)
+        return Problem(normal, self.scaled_rigid_slip, friction, self.forces, wear, kinematics)
 
     def creepages(self, found: np.ndarray | None) -> tuple[float, float, float]:
         """(xi_x, xi_y, spin), those given and those found."""

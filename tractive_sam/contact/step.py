@@ -6,27 +6,25 @@ its pressure, tractions and gap.
 
 import math
 from collections.abc import Callable
-from dataclasses import astuple, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from tractive_sam.contact.equilibrium import finished
 from tractive_sam.contact.measured import sampled
 from tractive_sam.contact.model import Model
+from tractive_sam.contact.solution import solve_problem, state_of
 from tractive_sam.contact.step_work import Particles, StepWork
 from tractive_sam.mechanics import Friction, FrictionLaw, PreviousShare, WearConditions, WearLaw
-from tractive_sam.operators import ConvolutionMeter, Lattice, StepOperators, Way
+from tractive_sam.operators import Advection, ConvolutionMeter, RollingStep
 from tractive_sam.results import Cost, Grid, State, Status, widened
 from tractive_sam.solvers import (
     ALONE,
-    InSequence,
     NormalProblem,
     Note,
     Outcome,
+    Problem,
     Start,
-    StepProblem,
-    falling_method,
 )
 
 
@@ -57,7 +55,7 @@ class Asked:
     Attributes
     ----------
     distance : float
-        Way rolled, mm; 0: a shift.
+        Advection rolled, mm; 0: a shift.
     creepages : tuple of float
         Longitudinal, lateral and spin creepage, means over the way; of a shift the shifts in x and
         y, mm, and the turn, radians. Where a force is given, that one does not count.
@@ -104,7 +102,7 @@ class Stepped:
     friction : float
         Work of friction, N mm.
     distance : float
-        Way rolled in the step, mm.
+        Advection rolled in the step, mm.
     shifted : bool
         Whether it was a shift.
     energy : float
@@ -168,10 +166,10 @@ class Carriage:
 
     Attributes
     ----------
-    way : Way
+    way : Advection
         Their way.
     held : ndarray of bool, shape (n_x, n_y)
-        Which of them are interpolated by a parabola, see `Way.before`.
+        Which of them are interpolated by a parabola, see `Advection.before`.
     displacement : ndarray, shape (2 or 3, n_x, n_y)
         Dimensionless displacements that they had before.
     rigid : ndarray, shape (2, n_x, n_y)
@@ -182,7 +180,7 @@ class Carriage:
         That of friction at rest, with what the particles remember.
     """
 
-    way: Way
+    way: Advection
     held: np.ndarray
     displacement: np.ndarray
     rigid: np.ndarray
@@ -208,15 +206,7 @@ class Stepper:
         if model.elasticity.layer:
             raise ValueError("laws: a transient takes no interfacial layer")
         self.model, self.wear_law, self.work = model, model.wear_law, StepWork(model)
-        grid, (pressure, gap, slip) = model.grid, astuple(model.units)
-        self.operators = StepOperators(
-            Lattice(grid.elements, grid.dx, grid.dy),
-            model.elasticity,
-            gap / pressure,
-            slip / pressure,
-            model.frame,
-            model.stencil,
-        )
+        self.operators = model.operators
 
     def step(
         self, before: Stepped, asked: Asked, earlier: Stepped | None = None, ratio: float = 0.0
@@ -248,7 +238,7 @@ class Stepper:
         self, before: Stepped, asked: Asked, earlier: Stepped | None, ratio: float
     ) -> Stepped:
         model, grid = self.model, self.model.grid
-        way = Way.of(asked.distance / grid.dx)
+        way = Advection.from_distance(asked.distance / grid.dx)
         past, displacement = before.contact, self._displacement(before, way.reach)
         touching = _ahead(past.pressure, way.reach) > 0.0
         held = way.held(touching) & model.stencil.staggered
@@ -256,18 +246,24 @@ class Stepper:
         came = way.before(displacement, held)
 
         worn = way.carried(before.worn)
-        foreseen = worn + self._expected(before, earlier, ratio)
+        expected = worn + self._expected(before, earlier, ratio)
         gap = np.where(past.touching, 0.0, past.gap) / model.units.gap
         ahead = _ahead(gap, way.reach, edge=True)
         law = self._law(before, asked, way)
         problem = replace(
-            self._problem(asked, foreseen.sum(axis=0), law),
+            self._problem(asked, expected.sum(axis=0), law),
             rigid=rigid - came[-2:],
             forces=model.forces_of(asked.forces),
-            entering=self._entering(way.before(ahead, held), ahead),
-            ahead=way.length,
+            kinematics=RollingStep(
+                model.stencil, self._entering(way.before(ahead, held), ahead), way.length
+            ),
         )
-        outcome = self._solved(problem, before, self._start(before, way, asked, earlier, ratio))
+        start = self._start(before, way, asked, earlier, ratio)
+        if before.presses_like(problem.normal):
+            pressure, height = past.pressure / model.units.pressure, past.gap / model.units.gap
+            approach = past.approach / model.units.gap
+            start = replace(start, pressure=pressure, gap=height, approach=approach)
+        outcome = solve_problem(model, problem, model.scene.solver.tolerance, start)
         if outcome.top is not None:  # its creepage is over an element's length, like the slip
             force, creepage = outcome.top
             outcome = replace(outcome, top=(force, creepage / way.length))
@@ -308,26 +304,6 @@ class Stepper:
             return 0.0
         return ratio * before.gained if ratio >= 0.0 else -ratio * earlier.gained
 
-    def _solved(self, problem: StepProblem, before: Stepped, start: Start | None) -> Outcome:
-        model, past, tolerance = self.model, before.contact, self.model.scene.solver.tolerance
-        method = model.method
-        coupled = model.elasticity.coupled
-        solver = method.dissimilar if coupled else method.alike
-        normal = problem.normal
-        if normal.load is None and normal.gap.min() >= normal.approach:
-            # They do not touch: nothing to solve.
-            return ALONE.solve(problem, tolerance)
-        if coupled and not past.touching.any():
-            start = None  # Newton's method has no contact area to begin with
-        if problem.friction.law.falls:
-            solver = falling_method(solver, model.starts_sliding, once=True)
-        if isinstance(solver, InSequence) and before.presses_like(normal):
-            gap, approach = past.gap / model.units.gap, past.approach / model.units.gap
-            pressure = past.pressure / model.units.pressure
-            outcome = solver.solve(problem.holding(pressure, gap), tolerance, start)
-            return replace(outcome, pressure=pressure, gap=gap, approach=approach)
-        return solver.solve(problem, tolerance, start)
-
     def open_beside(self, stepped: Stepped, separation: np.ndarray | float) -> Stepped:
         """A step whose mesh was widened, with the gap and the wear beside the mesh that it had."""
         contact, units = stepped.contact, self.model.units
@@ -343,7 +319,7 @@ class Stepper:
         contact = replace(contact, gap=np.where(unknown, gap, contact.gap), wear=depth)
         return replace(stepped, contact=contact)
 
-    def _law(self, before: Stepped, asked: Asked, way: Way) -> FrictionLaw:
+    def _law(self, before: Stepped, asked: Asked, way: Advection) -> FrictionLaw:
         """Return the law of friction in a step, with what its particles remember.
 
         Raises
@@ -371,7 +347,7 @@ class Stepper:
 
     def _problem(
         self, asked: Asked, worn: np.ndarray | float = 0.0, law: FrictionLaw | None = None
-    ) -> StepProblem:
+    ) -> Problem:
         """The normal problem and the friction of a step, with what was worn since the start."""
         model, grid, units = self.model, self.model.grid, self.model.units
         load = None if asked.load is None else asked.load / (units.pressure * grid.element_area)
@@ -381,10 +357,11 @@ class Stepper:
         x, y = grid.x[:, None], grid.y[None, :]
         # A slip of a step is over an element's length, the speed of sliding over the way rolled.
         per_way = units.slip * grid.dx / (asked.distance or grid.dx)
-        return StepProblem(
+        return Problem(
             NormalProblem(self.operators, undeformed / units.gap, load, approach),
             np.zeros((2, *grid.elements)),
             Friction(law, x, y, units.pressure, per_way),
+            kinematics=RollingStep(model.stencil),
         )
 
     def off(self, worn: np.ndarray | float) -> np.ndarray:
@@ -398,7 +375,7 @@ class Stepper:
         outcome = ALONE.solve(problem, self.model.scene.solver.tolerance)
         slip = np.zeros_like(problem.rigid)
         creepages, depth = (0.0, 0.0, 0.0), self.off(0.0)
-        return finished(self.model, problem, outcome, slip, creepages, depth)
+        return state_of(self.model, problem, outcome, slip, creepages, depth)
 
     def at_rest(self, contact: State) -> Stepped:
         """A contact from which steps may be taken: its energy and displacements."""
@@ -425,16 +402,18 @@ class Stepper:
             return of.displacement[:, : nx + reach]
         fields = _ahead(self._fields(of.contact), reach)
         operators = self.operators.part(fields.shape[1:]) if reach else self.operators
-        return (operators.coupled if len(fields) == 3 else operators.tangential)(fields)
+        return (operators.coupled_displacement if len(fields) == 3 else operators.tangential)(
+            fields
+        )
 
-    def _rigid(self, asked: Asked, way: Way, middle: np.ndarray | float) -> np.ndarray:
+    def _rigid(self, asked: Asked, way: Advection, middle: np.ndarray | float) -> np.ndarray:
         """Slip of the undeformed bodies in a step, dimensionless, shape (2, n_x, n_y).
 
         Parameters
         ----------
         asked : Asked
             Creepages of the step; one in place of which a force is given does not count.
-        way : Way
+        way : Advection
             Its length.
         middle : ndarray, shape (n_x, n_y), or float
             Distance from the nodes to the places where the rigid slip is taken, in elements.
@@ -453,36 +432,36 @@ class Stepper:
         return model.frame.slip_to_scaled(slip) * (over / model.units.slip)
 
     def _start(
-        self, before: Stepped, way: Way, asked: Asked, earlier: Stepped | None, ratio: float
+        self, before: Stepped, way: Advection, asked: Asked, earlier: Stepped | None, ratio: float
     ) -> Start:
         """Where the solution is sought first: on the line through the two steps before."""
         units, frame, columns = self.model.units, self.model.frame, self.model.grid.elements[0]
         over = (way.length or 1.0 / self.model.grid.dx) / units.slip
         first, share = (before, 0.0) if earlier is None else (earlier, ratio)
 
-        def foreseen(of: Callable[[Stepped], Any]) -> Any:
+        def extrapolate(of: Callable[[Stepped], Any]) -> Any:
             now = of(before)
             return now + share * (now - of(first)) if share else now
 
-        pressure = foreseen(lambda one: one.contact.pressure)
+        pressure = extrapolate(lambda one: one.contact.pressure)
         found = [
-            foreseen(lambda one, k=k: getattr(one.contact, k))
+            extrapolate(lambda one, k=k: getattr(one.contact, k))
             for k, force in zip(("xi_x", "xi_y"), asked.forces, strict=True)
             if force is not None
         ]
-        response = foreseen(lambda one: self._displacement(one, 0)[:, :columns])
+        response = extrapolate(lambda one: self._displacement(one, 0)[:, :columns])
         pulled = pressure < 0.0
         coupled = self.model.elasticity.coupled
         return Start(
             np.maximum(pressure, 0.0) / units.pressure,
-            frame.to_scaled(foreseen(lambda one: one.contact.traction)) / units.pressure,
-            foreseen(lambda one: one.contact.approach) / units.gap,
+            frame.to_scaled(extrapolate(lambda one: one.contact.traction)) / units.pressure,
+            extrapolate(lambda one: one.contact.approach) / units.gap,
             np.nan_to_num(found) * over,
             None if coupled and pulled.any() else response,
         )
 
     def _ended(
-        self, asked: Asked, way: Way, problem: StepProblem, outcome: Outcome, worn: np.ndarray
+        self, asked: Asked, way: Advection, problem: Problem, outcome: Outcome, worn: np.ndarray
     ) -> Stepped:
         """Return the contact at the end of a step in mm, N and MPa, without its work."""
         model, units = self.model, self.model.units
@@ -495,7 +474,7 @@ class Stepper:
         if way.length:
             slip = model.stencil.at_centres(slip)
         depth = self.off(worn.sum(axis=0))
-        contact = finished(model, problem, outcome, slip, tuple(creepages), depth)
+        contact = state_of(model, problem, outcome, slip, tuple(creepages), depth)
         return Stepped(
             contact,
             distance=asked.distance,
@@ -545,7 +524,7 @@ class Stepper:
         )
         return replace(after, weight=0.5), replace(earlier, weight=0.5)
 
-    def _later(self, now: Stepped, way: Way, held: np.ndarray) -> np.ndarray:
+    def _later(self, now: Stepped, way: Advection, held: np.ndarray) -> np.ndarray:
         """Displacements after a step of the particles that were at the nodes before it.
 
         Of dissimilar bodies the adjoint of the interpolation, as the pressure does work on them. Of
@@ -555,7 +534,7 @@ class Stepper:
         if not self.model.elasticity.coupled:
             return way.after(now.displacement[:, :columns])
         spread = way.spread(self._fields(now.contact), held)
-        return self.operators.part(spread.shape[1:]).coupled(spread)[:, :columns]
+        return self.operators.part(spread.shape[1:]).coupled_displacement(spread)[:, :columns]
 
     def _wear(
         self, asked: Asked, now: Stepped, carried: Carriage, groups: tuple[Particles, ...]
@@ -574,7 +553,7 @@ class Stepper:
             contact = replace(contact, status=Status.OUT_OF_ITERATIONS, note=TOO_DEEP)
         return replace(now, contact=contact, worn=worn, gained=gained, deep=deep)
 
-    def _rubbing(self, now: Stepped, particles: Particles, way: Way) -> Particles:
+    def _rubbing(self, now: Stepped, particles: Particles, way: Advection) -> Particles:
         """Return particles with the tractions that wear.
 
         A shift slips with the traction that it ends with: where that has turned round on the way,
@@ -611,12 +590,12 @@ class Stepper:
         step over the elastic depth of the ripple: beyond r = 1.15 ripples grow.
         """
         units = self.model.units
-        elastic = self.operators.ripple * units.gap * pressure / units.pressure
+        elastic = self.operators.ripple_compliance * units.gap * pressure / units.pressure
         worn = gained.sum(axis=0)
         return float(np.max(worn[worn > 0.0] / (MOST_WORN * elastic[worn > 0.0]), initial=0.0))
 
 
-def _without_contact(problem: StepProblem, outcome: Outcome) -> Outcome:
+def _without_contact(problem: Problem, outcome: Outcome) -> Outcome:
     """What comes of forces where the bodies have parted: none can be had."""
     none = np.zeros(len(problem.forces))
     if not problem.forces.target.any():

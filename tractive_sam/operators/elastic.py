@@ -18,12 +18,14 @@ from functools import cached_property, lru_cache, partial
 import numpy as np
 
 from tractive_sam.kernels import spectral
-from tractive_sam.mechanics import Elasticity, Frame, Linearisation
+from tractive_sam.mechanics import Elasticity, Frame
 from tractive_sam.operators import influence
 from tractive_sam.operators.convolution import Convolution
 from tractive_sam.operators.fft import spectrum
 from tractive_sam.operators.influence import Lattice
-from tractive_sam.operators.stencil import UPWIND, FrictionSlip, Stencil
+
+Entries = tuple[float, float, float]
+"""Entries (11, 12, 22) of a symmetric matrix."""
 
 
 class Operators:
@@ -39,8 +41,6 @@ class Operators:
         Units of gap and of slip over that of pressure, g*/p*, mm/MPa, and s*/p*, 1/MPa.
     frame : Frame
         Scaled tribological frame.
-    stencil : Stencil
-        How the friction law takes the slip; the operators are those of the leading faces for any.
     """
 
     def __init__(
@@ -50,29 +50,29 @@ class Operators:
         gap: float,
         slip: float,
         frame: Frame | None = None,
-        stencil: Stencil = UPWIND,
     ):
         self.lattice = lattice
         self.elasticity = elasticity
         self._per_gap, self._per_slip = 1.0 / gap, 1.0 / slip
         self._units = gap, slip
         self.frame = frame or Frame()
-        self.stencil = stencil
 
     def on(self, lattice: Lattice) -> "Operators":
-        """The same bodies and units on another mesh."""
-        return type(self)(lattice, self.elasticity, *self._units, self.frame, self.stencil)
+        """Return the operators of the same bodies and units on another mesh."""
+        return Operators(lattice, self.elasticity, *self._units, self.frame)
 
     @cached_property
     def coarsened(self) -> "Operators":
-        """The same bodies and units on elements of twice the size."""
+        """Operators of the same bodies and units on elements of twice the size."""
         return self.on(self.lattice.coarsened())
 
     @cached_property
     def part(self) -> Callable[[tuple[int, int]], "Operators"]:
-        """Operators on fewer elements of the mesh, by their numbers; the last eight are kept."""
-        whole = (self.lattice, self.elasticity, *self._units, self.frame, self.stencil)
-        return lru_cache(8)(partial(_on_part, type(self), *whole))
+        """Operators on other numbers of the same elements, (n_x, n_y); stores the last eight."""
+        # Not a method of these operators: a cache of those would hold itself.
+        return lru_cache(8)(
+            partial(_on_part, self.lattice, self.elasticity, *self._units, self.frame)
+        )
 
     def _displacement(self, component: str, period: tuple[int, int] | None = None) -> np.ndarray:
         return spectrum(influence.displacement(self.lattice, self.elasticity, component, period))
@@ -134,41 +134,47 @@ class Operators:
         return self._convolution(self._slip_spectra, spectral.symmetric_2x2, 2)
 
     @cached_property
-    def self_influence(self) -> tuple[float, float, float]:
+    def self_influence(self) -> Entries:
         """Entries (11, 12, 22) of D_tt of an element on itself."""
         alone = self.lattice.of((1, 1))
         tables = (influence.slip(alone, self.elasticity, k) for k in ("xx", "xy", "yy"))
         entries = self._tangential(*(table[0, 0] for table in tables))
-        return tuple(float(self._per_slip * e) for e in entries)
+        first, mixed, second = (float(self._per_slip * e) for e in entries)
+        return first, mixed, second
 
-    def friction_slip(self, bound: np.ndarray, gap: np.ndarray) -> FrictionSlip:
-        """The slip that the friction law sees under dimensionless pressure and gap.
+    @cached_property
+    def self_displacement(self) -> Entries:
+        """Entries (11, 12, 22) of `tangential` of an element on itself."""
+        alone = self.on(self.lattice.of((1, 1))).tangential
+        first, second = (alone(unit.reshape(2, 1, 1)).ravel() for unit in np.eye(2))
+        return float(first[0]), float(first[1]), float(second[1])
 
-        What the tractions displace ahead of an edge is told by `Elasticity.opening`.
+    @cached_property
+    def ripple_compliance(self) -> float:
+        """Response of A_nn to a pressure of one that changes its sign from element to element."""
+        first, second = (_alternating(n) for n in self.lattice.shape)
+        signs = np.outer(first, second)
+        response = self.on(self.lattice.of(signs.shape)).normal(signs[None])[0]
+        i, j = first.size // 2, second.size // 2
+        return float(signs[i, j] * response[i, j])
+
+    @property
+    def layer_slip(self) -> np.ndarray | None:
+        """Slip of an interfacial layer over an element by the traction it gains there, (2, 2)."""
+        layer, F = self.elasticity.layer, self.frame.matrix
+        return self._per_slip * layer / self.lattice.dx * F @ F.T if layer else None
+
+    def opening(self, angle: np.ndarray) -> np.ndarray:
+        """Return the slip of the surfaces by a unit of gap that closes at an edge, (m, 2, 2).
+
+        Parameters
+        ----------
+        angle : ndarray, shape (m,)
+            Angles of the edges (`operators.stencil.edge_angles`).
         """
-        leading, layer, F = (
-            self.stencil.leading(bound, gap),
-            self.elasticity.layer,
-            self.frame.matrix,
-        )
-        ahead, dx = (leading[0] + 1, leading[1]), self.lattice.dx
-        sheared = self._per_slip * layer / dx * F @ F.T if layer else None
-        seen = self.stencil.staggered, bound, gap, leading, ahead, dx / self.lattice.dy
-        return FrictionSlip(*seen, self._opening, sheared)
-
-    def _opening(self, angle: np.ndarray) -> np.ndarray:
-        """What the surfaces slip by a unit of gap that closes, by angles of the edge, (m, 2, 2)."""
         per_gap, F = self._per_slip / (self._per_gap * self.lattice.dx), self.frame.matrix
         normal = np.stack((np.cos(angle), np.sin(angle)))
         return per_gap * F @ self.elasticity.opening(normal, self.lattice.dx, self.lattice.dy) @ F.T
-
-    def approximate_inverse(
-        self, law: Linearisation, rows: np.ndarray, stiffness: np.ndarray
-    ) -> np.ndarray:
-        """Tractions whose rows of a friction law are nearly those given: the upwind sweep."""
-        return law.approximate_inverse(
-            rows, self.tangential_inverse, self.self_influence, stiffness
-        )
 
     @cached_property
     def tangential(self) -> Convolution:
@@ -192,31 +198,46 @@ class Operators:
     @cached_property
     def coupled(self) -> Convolution:
         """(pi_n, pi_t) -> (A_nn pi_n + A_nt pi_t, D_tn pi_n + D_tt pi_t)."""
-        d11, d12, d22 = self._slip_spectra
-        F, per_gap, per_slip = self.frame.matrix, self._per_gap, self._per_slip
+        drag = (self._per_slip * self._slip(k) for k in ("xz", "yz"))
+        return self._with_pressure(*drag, self._slip_spectra)
+
+    @cached_property
+    def coupled_displacement(self) -> Convolution:
+        """(pi_n, pi_t) -> (A_nn pi_n + A_nt pi_t, (A_tn pi_n + A_tt pi_t) / dx)."""
+        per_dx = self._per_slip / self.lattice.dx
+        drag = (per_dx * 1j * self._displacement(k).imag for k in ("xz", "yz"))
+        return self._with_pressure(*drag, self._displacement_per_dx())
+
+    def _with_pressure(self, drag_x, drag_y, own) -> Convolution:
+        """Convolution of pressure and tractions.
+
+        Parameters
+        ----------
+        drag_x, drag_y : ndarray
+            Spectra of the tangential response along x and y to the pressure.
+        own : ndarray
+            Spectra (11, 12, 22) of the tangential response to the tractions, in the scaled frame.
+        """
+        F, (t11, t12, t22) = self.frame.matrix, own
         # Reciprocity: u_n from p_x is minus u_x from p_n, A_zx = -A_xz.
-        gap = [-1j * self._displacement(k).imag for k in ("xz", "yz")]
-        drag = [self._slip(k) for k in ("xz", "yz")]
-        entries = np.stack(
-            (
-                self._normal_spectrum() + 0j,
-                per_gap * (F[0, 0] * gap[0] + F[0, 1] * gap[1]),
-                per_gap * (F[1, 0] * gap[0] + F[1, 1] * gap[1]),
-                per_slip * (F[0, 0] * drag[0] + F[0, 1] * drag[1]),
-                d11,
-                d12,
-                per_slip * (F[1, 0] * drag[0] + F[1, 1] * drag[1]),
-                d12,
-                d22,
-            )
-        )
-        return self._convolution(entries, spectral.full_3x3, 3)
-
-    def slip_by_pressure(self, pressure: np.ndarray) -> np.ndarray:
-        """D_tn pi_n, shape (2, n_x, n_y), of a pressure of shape (n_x, n_y)."""
-        none = np.zeros((2, *pressure.shape))
-        return self.coupled(np.concatenate((pressure[None], none)))[1:]
+        lift_x, lift_y = (-1j * self._per_gap * self._displacement(k).imag for k in ("xz", "yz"))
+        lift_1, lift_2 = (row[0] * lift_x + row[1] * lift_y for row in F)
+        drag_1, drag_2 = (row[0] * drag_x + row[1] * drag_y for row in F)
+        rows = (self._normal_spectrum(), lift_1, lift_2, drag_1, t11, t12, drag_2, t12, t22)
+        return self._convolution(np.stack([one + 0j for one in rows]), spectral.full_3x3, 3)
 
 
-def _on_part(kind, lattice, elasticity, gap, slip, frame, stencil, shape) -> Operators:
-    return kind(lattice.of(shape), elasticity, gap, slip, frame, stencil)
+def _on_part(lattice, elasticity, gap, slip, frame, shape) -> Operators:
+    return Operators(lattice.of(shape), elasticity, gap, slip, frame)
+
+
+def _alternating(elements: int, ripples: int = 15) -> np.ndarray:
+    """Return 1 and -1 in turn on an odd number of elements in a row, with a sum of zero.
+
+    The ends count half; a single element is 1.
+    """
+    if elements == 1:
+        return np.ones(1)
+    signs = (-1.0) ** np.arange(ripples)
+    signs[[0, -1]] *= 0.5
+    return signs

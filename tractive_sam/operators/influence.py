@@ -14,6 +14,9 @@ import numpy as np
 from tractive_sam.mechanics import Elasticity
 from tractive_sam.operators.fft import fast_length, padded_length
 
+Box = tuple[slice, slice]
+"""Rectangle of elements."""
+
 _PARITY = {"xx": (1, 1), "xy": (-1, -1), "yy": (1, 1), "zz": (1, 1), "xz": (-1, 1), "yz": (1, -1)}
 
 
@@ -121,3 +124,12 @@ def slip(lattice: Lattice, elasticity: Elasticity, component: str) -> np.ndarray
     coefficients, parity = _coefficients(lattice, elasticity, component), _PARITY[component]
     here, ahead = (_periodic(coefficients, parity, lattice.padded, shift) for shift in (0, 1))
     return (here - ahead) / lattice.dx
+
+
+def block_mean(values: np.ndarray, block: tuple[int, int], mode: str) -> np.ndarray:
+    """Return means over blocks of the last two axes; `mode` fills up the last as `numpy.pad`."""
+    (nx, ny), (bx, by) = values.shape[-2:], block
+    pad = [(0, 0)] * (values.ndim - 2) + [(0, -nx % bx), (0, -ny % by)]
+    v = np.pad(values, pad, mode=mode)
+    parts = [v[..., i::bx, j::by] for i in range(bx) for j in range(by)]
+    return sum(parts) / len(parts)

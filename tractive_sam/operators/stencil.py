@@ -32,12 +32,16 @@ Between dissimilar bodies the share changes with the logarithm of the distance f
 the leading edge remains of first order.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from tractive_sam.kernels.friction import lead
+
+Places = tuple[np.ndarray, ...]
+"""Indices (i, j) of elements, two arrays of shape (m,)."""
 
 FARTHEST = 1e3
 """Largest ratio of `entry_beyond`: an edge so near a centre is as good as on it."""
@@ -174,9 +178,23 @@ class FrictionSlip:
         of an edge, shape (m,) to (m, 2, 2).
     layer : ndarray, shape (2, 2), optional
         What an interfacial layer slips by over an element, by the traction that it gains there.
+    gap_changes : bool
+        Whether the gap changes with the tractions sought; in a step it is that before.
     """
 
-    def __init__(self, staggered, bound, gap, leading, parted, aspect, opening, layer=None):
+    def __init__(
+        self,
+        staggered: float,
+        bound: np.ndarray,
+        gap: np.ndarray,
+        leading: Places,
+        parted: Places,
+        aspect: float,
+        opening: Callable[[np.ndarray], np.ndarray],
+        layer: np.ndarray | None = None,
+        gap_changes: bool = True,
+    ):
+        self._gap_changes = gap_changes
         self.staggered = staggered
         self.bound = bound
         self._here, self._ahead = leading, parted
@@ -262,7 +280,8 @@ class FrictionSlip:
         if not self._gap.size:
             return slip
         share, shifted = self._share(traction), self._share(change[1:])
-        pressed, widened = change[0][self._here] / self._bound, gap[self._ahead]
+        pressed = change[0][self._here] / self._bound
+        widened = gap[self._ahead] if self._gap_changes else np.zeros_like(pressed)
         shifted -= share * pressed
         sheared = change[1:][:, *self._here]
         changed = self._leading(slip, self._gap * shifted + share * widened, sheared)

@@ -33,7 +33,6 @@ from tractive_sam.solvers.newton_system import System as System
 from tractive_sam.solvers.outcome import Note, Outcome, Solver, Start
 from tractive_sam.solvers.problem import Held, NormalProblem, PrescribedForces, Problem
 from tractive_sam.solvers.problem import WearInPass as WearInPass
-from tractive_sam.solvers.step import StepProblem as StepProblem
 from tractive_sam.solvers.uniqueness import steepness as steepness
 from tractive_sam.solvers.uzawa import Uzawa
 from tractive_sam.solvers.watched import watched_by as watched_by

@@ -113,7 +113,7 @@ class Newton:
         status, taken = Status.OUT_OF_ITERATIONS, 0
         for taken in range(self.steps + 1):
             tell(problem.operators.lattice.shape, at.residual)
-            if at.residual <= tolerance and not (at.is_admissible or problem.joint):
+            if at.residual <= tolerance and not (at.is_admissible or problem.kinematics.joint):
                 # Only the slip by the very tractions dissipates what drives the bodies.
                 at, bounded, cost = at.within_bound(problem), True, cost + Cost(1.0)
             if at.residual <= tolerance:

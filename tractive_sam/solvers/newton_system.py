@@ -221,7 +221,9 @@ class System:
         """The circulant inverse for the pressure, and the upwind sweep for the tractions."""
         at, operators = self.at, self.operators
         tangential = rows[-2:] if at.ratio == 1.0 else rows[-2:] / at.ratio
-        step = operators.approximate_inverse(at.law, tangential, self.stiffness)
+        step = self.problem.kinematics.approximate_inverse(
+            operators, at.law, tangential, self.stiffness
+        )
         self.preconditionings += 1
         if not self.free:
             return step

@@ -54,8 +54,9 @@ class Note:
 class Start:
     """What a solve may start from, on the whole mesh; names and units of `Outcome`.
 
-    An `Outcome` will do as well. What the elastic operator answers to the pressure, of dissimilar
-    bodies, and the tractions may be known: `response`, shape (2 or 3, n_x, n_y).
+    An `Outcome` will do as well. Two more things may be known: the response of the elastic operator
+    to the tractions, of dissimilar bodies with the pressure (`response`, shape (2 or 3, n_x, n_y)),
+    and the gap, if pressure, gap and approach already solve the normal problem without tractions.
     """
 
     pressure: np.ndarray | None = None
@@ -63,6 +64,7 @@ class Start:
     approach: float = 0.0
     creepage: np.ndarray | None = None
     response: np.ndarray | None = None
+    gap: np.ndarray | None = None
 
 
 @dataclass(frozen=True, eq=False)

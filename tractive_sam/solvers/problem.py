@@ -14,21 +14,18 @@ from typing import Self
 import numpy as np
 
 from tractive_sam.mechanics import Bound, Friction, Linearisation
-from tractive_sam.operators import FrictionSlip, Operators
+from tractive_sam.operators import (
+    Box,
+    Convolution,
+    FrictionSlip,
+    Kinematics,
+    Operators,
+    SteadyRolling,
+    block_mean,
+)
 
 WearInPass = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 """(pi_n, pi_t, sigma) -> depth worn within the pass, in units of gap, shape (n_x, n_y)."""
-
-Box = tuple[slice, slice]
-
-
-def block_mean(values: np.ndarray, block: tuple[int, int], mode: str) -> np.ndarray:
-    """Means over blocks of the last two axes; `mode` fills up the last ones as `numpy.pad`."""
-    (nx, ny), (bx, by) = values.shape[-2:], block
-    pad = [(0, 0)] * (values.ndim - 2) + [(0, -nx % bx), (0, -ny % by)]
-    v = np.pad(values, pad, mode=mode)
-    parts = [v[..., i::bx, j::by] for i in range(bx) for j in range(by)]
-    return sum(parts) / len(parts)
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,8 +165,8 @@ class Problem:
     """Find pi_n and pi_t, in the disc of the friction law, and with it the slip sigma.
 
     The normal conditions are those of `NormalProblem`, with the lift by tractions; in slip
-    pi_t = -radius sigma/|sigma|, sigma = rigid + creepages + D_tn pi_n + D_tt pi_t. Which sigma an
-    element answers for is the stencil's (`operators.stencil`).
+    pi_t = -radius sigma/|sigma|, sigma = rigid + creepages + D_tn pi_n + D_tt pi_t. D and the sigma
+    that an element answers for belong to the kinematics.
 
     Unknowns and the response to them are **fields** of shape (3, n_x, n_y): pressure and tractions,
     gap and slip; where the pressure is held, of shape (2, n_x, n_y): tractions, and slip. So
@@ -180,7 +177,8 @@ class Problem:
     normal : NormalProblem or Held
         The normal block, free or held; it has the operators.
     rigid : ndarray, shape (2, n_x, n_y)
-        Slip of the undeformed bodies; where the pressure is held, with the slip by it.
+        Slip that does not depend on the unknowns: of the undeformed bodies; in a step less the
+        displacements that the particles had before; where the pressure is held with the slip by it.
     friction : Friction
         The friction law on the mesh.
     forces : PrescribedForces
@@ -188,6 +186,8 @@ class Problem:
     wear : callable, optional
         Wear within the pass, added to the gap. Only iterations that evaluate the gap itself can
         have it (`Uzawa`).
+    kinematics : Kinematics
+        How slip follows from displacement.
     """
 
     normal: NormalProblem | Held
@@ -195,8 +195,7 @@ class Problem:
     friction: Friction = field(default_factory=Friction)
     forces: PrescribedForces = field(default_factory=PrescribedForces)
     wear: WearInPass | None = None
-    joint = False
-    """Whether all elements slip by each other's tractions, as in a step; here by those ahead."""
+    kinematics: Kinematics = field(default_factory=SteadyRolling)
 
     @property
     def operators(self) -> Operators:
@@ -227,7 +226,8 @@ class Problem:
         """The tangential problem under a pressure and the gap that goes with it."""
         rigid = self.rigid
         if self.coupled:
-            rigid = rigid + self.operators.slip_by_pressure(pressure)
+            fields = np.concatenate((pressure[None], np.zeros_like(rigid)))
+            rigid = rigid + self._coupled(fields)[1:]
         return replace(self, normal=Held(self.operators, pressure, gap), rigid=rigid, wear=None)
 
     def within(self, box: Box) -> Self:
@@ -240,31 +240,46 @@ class Problem:
         held = Held(self.operators.part(pressure.shape), pressure, gap)
         x = friction.x[box[0]] if len(friction.x) > 1 else friction.x
         y = friction.y[:, box[1]] if friction.y.shape[1] > 1 else friction.y
-        rigid = np.ascontiguousarray(self.rigid[:, *box])
-        return replace(self, normal=held, rigid=rigid, friction=friction.on(x, y))
+        return replace(
+            self,
+            normal=held,
+            rigid=np.ascontiguousarray(self.rigid[:, *box]),
+            friction=friction.on(x, y),
+            kinematics=self.kinematics.within(box),
+        )
 
     def coarsened(self) -> Self:
         """The same problem on elements of twice the size."""
         block = self.operators.lattice.block
-        friction = self.friction
+        friction, scale = self.friction, self.kinematics.slip_scale(block[0])
+        friction = friction.on(
+            block_mean(friction.x, (block[0], 1), "edge"),
+            block_mean(friction.y, (1, block[1]), "edge"),
+        )
         return replace(
             self,
             normal=self.normal.coarsened(),
-            rigid=block_mean(self.rigid, block, "edge"),
-            friction=friction.on(
-                block_mean(friction.x, (block[0], 1), "edge"),
-                block_mean(friction.y, (1, block[1]), "edge"),
-            ),
+            rigid=scale * block_mean(self.rigid, block, "edge"),
+            friction=replace(friction, slip=friction.slip / scale),
             forces=self.forces.coarsened(block),
+            kinematics=self.kinematics.coarsened(block),
         )
+
+    @property
+    def _tangential(self) -> Convolution:
+        return self.kinematics.tangential(self.operators)
+
+    @property
+    def _coupled(self) -> Convolution:
+        return self.kinematics.coupled(self.operators)
 
     def response(self, fields: np.ndarray) -> np.ndarray:
         """Elastic part of gap and slip, of fields; counts as one application."""
         if self.held:
-            return self.operators.slip(fields)
+            return self._tangential(fields)
         if self.coupled:
-            return self.operators.coupled(fields)
-        return np.concatenate((self.operators.normal(fields[:1]), self.operators.slip(fields[1:])))
+            return self._coupled(fields)
+        return np.concatenate((self.operators.normal(fields[:1]), self._tangential(fields[1:])))
 
     def bound(self, pressure: np.ndarray) -> Bound:
         """Bound of the friction law under a pressure."""
@@ -286,7 +301,9 @@ class Problem:
 
     def friction_slip(self, pressure: np.ndarray, gap: np.ndarray) -> FrictionSlip:
         """The slip that the friction law sees under a pressure and a gap."""
-        return self._slip_held if self.held else self.operators.friction_slip(pressure, gap)
+        if self.held:
+            return self._slip_held
+        return self.kinematics.friction_slip(self.operators, pressure, gap)
 
     @cached_property
     def _bound_held(self) -> Bound:
@@ -294,7 +311,8 @@ class Problem:
 
     @cached_property
     def _slip_held(self) -> FrictionSlip:
-        return self.operators.friction_slip(self.normal.pressure, self.normal.gap)
+        normal = self.normal
+        return self.kinematics.friction_slip(self.operators, normal.pressure, normal.gap)
 
     def project(self, traction: np.ndarray, radius: np.ndarray, physical: bool) -> np.ndarray:
         """The nearest tractions within the bound (`FrictionLaw.project`)."""
@@ -315,14 +333,10 @@ class Problem:
     ) -> Linearisation:
         """The friction law linearised at tractions and the slip of the leading faces."""
         sticking = seen.sticking(slip, traction)
-        weight = self.slip_weight(bound.radius)
+        weight = self.kinematics.slip_weight(self.operators, bound.radius)
         return self.friction.law.linearise(
             traction, sticking, bound, seen.bound, seen.staggered, active, weight
         )
-
-    def slip_weight(self, radius: np.ndarray) -> float:
-        """How much slip counts beside tractions (`FrictionLaw.linearise`), under such bounds."""
-        return 1.0
 
     def sliding(
         self, pressure: np.ndarray, gap: np.ndarray, traction: np.ndarray, slip: np.ndarray

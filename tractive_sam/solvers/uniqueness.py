@@ -51,16 +51,17 @@ def steepness(
     if bound.slope is None:
         return 0.0
     sliding, _ = problem.sliding(pressure, gap, traction, slip)
-    compliance = max(problem.operators.self_influence[::2])
+    joint = problem.kinematics.joint
+    compliance = max(problem.kinematics.self_influence(problem.operators)[::2])
     tangent = float(bound.slope.steepness[sliding].max(initial=0.0))
-    if seen.staggered and not problem.joint:
+    if seen.staggered and not joint:
         # The slip at the centre has three quarters of the slip of the leading face. Being a mean of
         # faces it is continuous from stick to slip: secants do not matter.
         return 0.75 * compliance * tangent
     size = np.hypot(*seen.sticking(slip, traction))
-    samples = 48 if problem.joint else 96
+    samples = 48 if joint else 96
     secants = _secants(problem, seen, bound, pressure, traction, sliding, size, samples)
-    if problem.joint:
+    if joint:
         slope = np.maximum(secants, np.where(sliding, bound.slope.steepness, 0.0))
         return _joint_steepness(problem, traction, slope)
     return compliance * max(tangent, reaction * float(secants.max(initial=0.0)))

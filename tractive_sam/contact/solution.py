@@ -1,0 +1,134 @@
+"""Solve the problem of a contact by the method of its scene, in steady rolling, a step or a shift.
+
+What the problem is, the kinematics say (`operators.kinematics`); the outcome becomes a contact in
+mm, N and MPa.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from tractive_sam.contact.message import message, too_steep
+from tractive_sam.contact.model import Model
+from tractive_sam.mechanics import Coulomb
+from tractive_sam.results import State, Status
+from tractive_sam.schema import warn
+from tractive_sam.solvers import ALONE, Outcome, Problem, Solver, Start, falling_method
+from tractive_sam.solvers import steepness as steepness_of
+
+
+def solve_problem(
+    model: Model, problem: Problem, tolerance: float, start: Start | None = None
+) -> Outcome:
+    """Solve a problem of a model.
+
+    Parameters
+    ----------
+    model : Model
+        The scene in numbers: its method, and the start of a falling friction law.
+    problem : Problem
+        The problem, with its pressure free.
+    tolerance : float
+        Residual to solve to.
+    start : Start, optional
+        First guess.
+    """
+    normal, coupled = problem.normal, model.elasticity.coupled
+    if normal.load is None and normal.gap.min() >= normal.approach:
+        return ALONE.solve(problem, tolerance)  # they do not touch: nothing to solve
+    if coupled and start is not None and not start.pressure.any():
+        start = None  # Newton's method has no contact area to begin with
+    return _solver_of(model, problem).solve(problem, tolerance, start)
+
+
+def _solver_of(model: Model, problem: Problem) -> Solver:
+    """Return the method for a problem of bodies that touch."""
+    if not model.transmits:
+        return ALONE
+    solver = model.method.dissimilar if model.elasticity.coupled else model.method.alike
+    if not problem.friction.law.falls:
+        return solver
+    return falling_method(solver, model.starts_sliding, once=problem.kinematics.joint)
+
+
+def traction_of(model: Model, scaled: np.ndarray) -> np.ndarray:
+    """Return p_t in MPa from scaled, dimensionless tractions."""
+    return model.units.pressure * model.frame.to_physical(scaled)
+
+
+def _traction_bound(model: Model, pressure: np.ndarray, radius: np.ndarray) -> np.ndarray | None:
+    """Return the largest traction that friction allows, MPa; None if it is the pressure."""
+    # Coulomb's law.
+    is_coulomb = type(model.friction_law) is Coulomb
+    if is_coulomb and (np.abs(radius - pressure) <= 1e-12 * pressure).all():  # up to rounding
+        return None
+    return model.units.pressure * radius
+
+
+def state_of(
+    model: Model,
+    problem: Problem,
+    outcome: Outcome,
+    slip: np.ndarray,
+    creepages: tuple[float, float, float],
+    depth: np.ndarray,
+    resistance: float = 0.0,
+) -> State:
+    """Return an outcome as a contact in mm, N and MPa.
+
+    Parameters
+    ----------
+    model : Model
+        What was solved, and on which mesh.
+    problem : Problem
+        What the outcome solves.
+    outcome : Outcome
+        Solved or not.
+    slip : ndarray, shape (2, n_x, n_y)
+        Slip to report, s/V.
+    creepages : tuple of float
+        Longitudinal and lateral creepage and spin.
+    depth : ndarray, shape (n_x, n_y)
+        Depth worn off both bodies, mm.
+    resistance : float
+        Rolling resistance, N.
+    """
+    units = model.units
+    touching = outcome.pressure > 0.0
+    pressure = units.pressure * outcome.pressure
+    traction, gap = traction_of(model, outcome.traction), units.gap * outcome.gap
+    sliding, steepness, bound = touching, 0.0, None
+    if model.laws.friction is not None:
+        fields = outcome.pressure, outcome.gap, outcome.traction, outcome.slip
+        sliding, allowed = problem.sliding(*fields)
+        bound = _traction_bound(model, outcome.pressure, allowed.radius)
+        if model.friction_law.falls:
+            known = outcome.steepness
+            steepness = steepness_of(problem, *fields) if known is None else known
+    contact = State(
+        model.scene,
+        model.grid,
+        pressure,
+        traction,
+        np.where(touching, slip, 0.0),
+        gap,
+        depth,
+        units.gap * outcome.approach,
+        *creepages,
+        resistance,
+        sliding,
+        outcome.status,
+        message(outcome.status, outcome, model, steepness),
+        outcome.residual,
+        outcome.cost,
+        tuple(map(str, outcome.trace)),
+        frame=None if model.laws.friction is None else model.frame,
+        traction_bound=bound,
+        laws=model.laws,
+    )
+    if contact.converged and steepness >= 1.0:
+        warn(too_steep(steepness))
+    if contact.converged and any(contact.at_edge):
+        status = Status.OFF_GRID
+        contact = replace(contact, status=status, note=message(status, outcome, model))
+    return contact

@@ -1,0 +1,217 @@
+"""Kinematics: how the slip of the particles follows from the displacements of the surfaces.
+
+Steady rolling, a time step of rolling and a shift pose one contact problem. With the displacement
+u = A p by the tractions, over an element's length dx, and the slip W of the undeformed bodies,
+
+    steady rolling    sigma(x) = W(x) + u(x) - u(x + dx) = W(x) - du/dx dx,
+    step              sigma(x) = W(x) + u_n(x) - u_(n-1)(x + d),
+
+for a particle at x that was at x + d before, a step of the distance d ago; d = 0 is a shift. In a
+step the unknown tractions enter by A itself, symmetric and positive definite, so that it has one
+solution for any d, and what the particles were displaced before belongs to W
+(`operators.advection`).
+
+**When a step is steady.** For d = dx the steady solution of either stencil (`operators.stencil`) is
+a fixed point: u(x) - u(x + dx) is its slip -du/dx dx.
+
+**Entering the contact.** A particle that was out of contact before is held from the moment at which
+its gap has closed. As in the steady state, what it slipped till then is -share x gap: near the edge
+the tractions are a smooth share of the pressure, and so are their displacements, which differ by
+the gap there from a smooth course. Interpolated in the same way, both match at any d. Upwind slip
+holds a particle from the first node ahead of the contact on, as in steps of one element: it slips
+by -share x (gap less the gap at that node), which is nothing in steps up to one element.
+
+**Where slip points.** The mean slip of the way belongs to its middle, d/2 ahead of the particle; it
+is turned back to the particle's place (`kernels.friction.turn`), by half an element at most. From
+farther, what is turned answers the element's own traction less than that of its neighbours, and
+where slip reverses a step may have no solution.
+"""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, field, replace
+from typing import ClassVar, Self
+
+import numpy as np
+
+from tractive_sam.mechanics import Linearisation
+from tractive_sam.operators.convolution import Convolution
+from tractive_sam.operators.elastic import Entries, Operators
+from tractive_sam.operators.influence import Box, block_mean
+from tractive_sam.operators.stencil import UPWIND, FrictionSlip, Stencil
+
+
+@dataclass(frozen=True, eq=False)
+class Kinematics(ABC):
+    """How slip follows from displacement; see the module.
+
+    Attributes
+    ----------
+    stencil : Stencil
+        Where the slip of an element is taken.
+    """
+
+    stencil: Stencil = UPWIND
+
+    joint: ClassVar[bool]
+    """Whether all elements slip by each other's tractions; else by those ahead of them only."""
+
+    @abstractmethod
+    def tangential(self, operators: Operators) -> Convolution:
+        """Return the map from tractions to slip."""
+
+    @abstractmethod
+    def coupled(self, operators: Operators) -> Convolution:
+        """Return the map from pressure and tractions to gap and slip."""
+
+    @abstractmethod
+    def self_influence(self, operators: Operators) -> Entries:
+        """Return the slip of an element by its own traction."""
+
+    @abstractmethod
+    def friction_slip(
+        self, operators: Operators, pressure: np.ndarray, gap: np.ndarray
+    ) -> FrictionSlip:
+        """Return the slip that the friction law sees under a pressure and a gap, (n_x, n_y)."""
+
+    @abstractmethod
+    def approximate_inverse(
+        self, operators: Operators, law: Linearisation, rows: np.ndarray, stiffness: np.ndarray
+    ) -> np.ndarray:
+        """Return tractions whose rows of a friction law are nearly those given.
+
+        Parameters
+        ----------
+        operators : Operators
+            The elastic operators.
+        law : Linearisation
+            The friction law at an iterate.
+        rows : ndarray, shape (2, n_x, n_y)
+            Rows.
+        stiffness : ndarray, shape (n_x, n_y)
+            `FrictionSlip.stiffness`.
+        """
+
+    def slip_weight(self, operators: Operators, radius: np.ndarray) -> float:
+        """Return the weight of slip relative to tractions on the way to a solution."""
+        return 1.0
+
+    def slip_scale(self, block: int) -> float:
+        """Return slip on elements that are `block` times as long over that on these."""
+        return 1.0
+
+    def coarsened(self, block: tuple[int, int]) -> Self:
+        """Return the kinematics on elements that are made of a block each."""
+        return self
+
+    def within(self, box: Box) -> Self:
+        """Return the kinematics on a rectangle of the mesh."""
+        return self
+
+
+@dataclass(frozen=True, eq=False)
+class SteadyRolling(Kinematics):
+    """Particles pass a contact that does not change: slip is a difference of displacements."""
+
+    joint = False
+
+    def tangential(self, operators: Operators) -> Convolution:
+        """See `Kinematics.tangential`."""
+        return operators.slip
+
+    def coupled(self, operators: Operators) -> Convolution:
+        """See `Kinematics.coupled`."""
+        return operators.coupled
+
+    def self_influence(self, operators: Operators) -> Entries:
+        """See `Kinematics.self_influence`."""
+        return operators.self_influence
+
+    def friction_slip(
+        self, operators: Operators, pressure: np.ndarray, gap: np.ndarray
+    ) -> FrictionSlip:
+        """See `Kinematics.friction_slip`."""
+        lattice, stencil = operators.lattice, self.stencil
+        leading = stencil.leading(pressure, gap)
+        seen = stencil.staggered, pressure, gap, leading, (leading[0] + 1, leading[1])
+        aspect = lattice.dx / lattice.dy
+        return FrictionSlip(*seen, aspect, operators.opening, operators.layer_slip)
+
+    def approximate_inverse(
+        self, operators: Operators, law: Linearisation, rows: np.ndarray, stiffness: np.ndarray
+    ) -> np.ndarray:
+        """See `Kinematics.approximate_inverse`: the upwind sweep."""
+        own = operators.self_influence
+        return law.approximate_inverse(rows, operators.tangential_inverse, own, stiffness)
+
+
+@dataclass(frozen=True, eq=False)
+class RollingStep(Kinematics):
+    """Particles roll a distance, or shift: slip is the change of their displacement.
+
+    Attributes
+    ----------
+    entering : ndarray, shape (n_x, n_y)
+        Dimensionless gap that particles close in the step before they are held.
+    length : float
+        Distance rolled, in elements; 0 in a shift.
+    far : int
+        Number of elements along a contact from which on the slip of each counts the less, the more
+        there are.
+    """
+
+    entering: np.ndarray = field(default_factory=lambda: np.zeros((1, 1)))
+    length: float = 0.0
+    far: int = 60
+
+    joint = True
+
+    def tangential(self, operators: Operators) -> Convolution:
+        """See `Kinematics.tangential`."""
+        return operators.tangential
+
+    def coupled(self, operators: Operators) -> Convolution:
+        """See `Kinematics.coupled`."""
+        return operators.coupled_displacement
+
+    def self_influence(self, operators: Operators) -> Entries:
+        """See `Kinematics.self_influence`."""
+        return operators.self_displacement
+
+    def friction_slip(
+        self, operators: Operators, pressure: np.ndarray, gap: np.ndarray
+    ) -> FrictionSlip:
+        """See `Kinematics.friction_slip`: the gap that has closed is `entering`."""
+        lattice, entered = operators.lattice, np.nonzero((pressure > 0.0) & (self.entering > 0.0))
+        back = min(self.length, 1.0) if self.stencil.staggered else 0.0
+        seen = back, pressure, self.entering, entered, entered, lattice.dx / lattice.dy
+        return FrictionSlip(*seen, operators.opening, gap_changes=False)
+
+    def approximate_inverse(
+        self, operators: Operators, law: Linearisation, rows: np.ndarray, stiffness: np.ndarray
+    ) -> np.ndarray:
+        """See `Kinematics.approximate_inverse`: the circulant inverse beside the local terms."""
+        own = operators.self_displacement
+        return law.approximate_inverse_of_step(rows, operators.tangential_inverse, own, stiffness)
+
+    def slip_weight(self, operators: Operators, radius: np.ndarray) -> float:
+        """See `Kinematics.slip_weight`: the smaller, the more elements displace each other.
+
+        Slip is displacement here. Counted in full, a step from rest is taken to slip everywhere,
+        and where all tractions at their bound displace much too far, back again in the next.
+        """
+        along = np.count_nonzero((radius > 0.0).any(axis=1))
+        first, _, second = operators.self_displacement
+        return self.far / (max(along, self.far) * max(first, second))
+
+    def slip_scale(self, block: int) -> float:
+        """See `Kinematics.slip_scale`: the unit of slip includes the length of an element."""
+        return 1.0 / block
+
+    def coarsened(self, block: tuple[int, int]) -> Self:
+        """See `Kinematics.coarsened`."""
+        entering = block_mean(self.entering, block, "edge")
+        return replace(self, entering=entering, length=self.length / block[0])
+
+    def within(self, box: Box) -> Self:
+        """See `Kinematics.within`."""
+        return replace(self, entering=self.entering[box])
