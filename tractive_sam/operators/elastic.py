@@ -198,31 +198,31 @@ class Operators:
     @cached_property
     def coupled(self) -> Convolution:
         """(pi_n, pi_t) -> (A_nn pi_n + A_nt pi_t, D_tn pi_n + D_tt pi_t)."""
-        drag = (self._per_slip * self._slip(k) for k in ("xz", "yz"))
-        return self._with_pressure(*drag, self._slip_spectra)
+        drag = [self._per_slip * self._slip(k) for k in ("xz", "yz")]
+        return self._with_pressure(drag, self._slip_spectra)
 
     @cached_property
     def coupled_displacement(self) -> Convolution:
         """(pi_n, pi_t) -> (A_nn pi_n + A_nt pi_t, (A_tn pi_n + A_tt pi_t) / dx)."""
         per_dx = self._per_slip / self.lattice.dx
-        drag = (per_dx * 1j * self._displacement(k).imag for k in ("xz", "yz"))
-        return self._with_pressure(*drag, self._displacement_per_dx())
+        drag = [per_dx * 1j * self._displacement(k).imag for k in ("xz", "yz")]
+        return self._with_pressure(drag, self._displacement_per_dx())
 
-    def _with_pressure(self, drag_x, drag_y, own) -> Convolution:
+    def _with_pressure(self, drag: list[np.ndarray], own: np.ndarray) -> Convolution:
         """Convolution of pressure and tractions.
 
         Parameters
         ----------
-        drag_x, drag_y : ndarray
+        drag : list of ndarray
             Spectra of the tangential response along x and y to the pressure.
         own : ndarray
             Spectra (11, 12, 22) of the tangential response to the tractions, in the scaled frame.
         """
         F, (t11, t12, t22) = self.frame.matrix, own
         # Reciprocity: u_n from p_x is minus u_x from p_n, A_zx = -A_xz.
-        lift_x, lift_y = (-1j * self._per_gap * self._displacement(k).imag for k in ("xz", "yz"))
-        lift_1, lift_2 = (row[0] * lift_x + row[1] * lift_y for row in F)
-        drag_1, drag_2 = (row[0] * drag_x + row[1] * drag_y for row in F)
+        lift = [-1j * self._per_gap * self._displacement(k).imag for k in ("xz", "yz")]
+        lift_1, lift_2 = (row[0] * lift[0] + row[1] * lift[1] for row in F)
+        drag_1, drag_2 = (row[0] * drag[0] + row[1] * drag[1] for row in F)
         rows = (self._normal_spectrum(), lift_1, lift_2, drag_1, t11, t12, drag_2, t12, t22)
         return self._convolution(np.stack([one + 0j for one in rows]), spectral.full_3x3, 3)
 
