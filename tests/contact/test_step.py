@@ -58,7 +58,8 @@ def test_the_slip_of_a_step_is_that_of_dense_matrices(builtin, length):
     now = stepper.step(before, asked)
     reach = int(length)
     wide = stepper.operators.part((15 + reach, 15))
-    matrix = (wide.coupled if model.elasticity.coupled else wide.tangential).as_matrix()
+    coupled = model.elasticity.coupled
+    matrix = (wide.coupled_displacement if coupled else wide.tangential).as_matrix()
 
     def displaced(contact):
         fields = np.pad(stepper._fields(contact), ((0, 0), (0, reach), (0, 0)))
