@@ -1,6 +1,6 @@
 """One step of transient rolling, or a shift, solved and put back into mm, N and MPa.
 
-See `operators.step` for the slip of a step. The step before is all that a step knows of the past:
+See `operators.kinematics` for the slip of a step. Of the past a step knows only the step before:
 its pressure, tractions and gap.
 """
 
