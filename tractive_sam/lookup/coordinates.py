@@ -1,66 +1,67 @@
-"""Bounded coordinates of creepages, and the symmetries that halve them twice.
+"""Bounded coordinates of creepages, and the symmetries that reduce their range to a quarter.
 
-With c = sqrt(a b) the forces of a Hertzian contact of alike bodies, over mu P, depend on a/b,
+With c = sqrt(a b) the forces over mu P of a Hertz contact of equal materials depend only on a/b,
 Poisson's ratio and the scaled creepages
 
-    w = G c² / (mu P) (xi_x, xi_y, c phi)
+    w = G c² / (mu P) (xi_x, xi_y, c phi).
 
-alone. Of these, with kappa = w_3/2,
+With kappa = w_3/2 the coordinates are
 
     r       = sqrt(w_1² + w_2² + kappa²)
     u       = r / (r + r_0),  r_0 = 2 / (3.2 + 0.9 a/b)     0 at rest, 1 in full slip: r infinite
     heading = atan2(w_2, w_1)                               -pi/2 to pi/2, as w_1 >= 0
     tilt    = atan2(kappa, sqrt(w_1² + w_2²))               0 to pi/2, as w_3 >= 0
 
-are the coordinates. 3.2 + 0.9 a/b is near Kalker's C11, so that friction is used up at u of about
-0.6 whatever a/b. Mirrored at the plane y = 0, (w_1, -w_2, -w_3) gives (Q_x, -Q_y, -M_z); with all
-creepages reversed, all forces are, so that (-w_1, w_2, w_3) gives (-Q_x, Q_y, M_z).
+3.2 + 0.9 a/b is near Kalker's C11: full slip begins at u of about 0.6 for any a/b. Mirrored at the
+plane y = 0, (w_1, -w_2, -w_3) gives (Q_x, -Q_y, -M_z). Reversed creepages reverse all forces, and
+(-w_1, w_2, w_3) gives (-Q_x, Q_y, M_z).
 
-Where a contact lacks a symmetry, its table is a whole one, over headings from -pi to pi and tilts
-from -pi/2 to pi/2: dissimilar bodies are not alike when reversed; oblique axes of friction, or a
-gap, when mirrored.
+The table of a contact without a symmetry is a full one, with headings from -pi to pi and tilts from
+-pi/2 to pi/2. Dissimilar bodies have no symmetry for reversed creepages, oblique axes of friction
+or a gap have none for the mirror image.
 """
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 MIRROR = np.array([1.0, -1.0, -1.0])
-"""Signs of creepages and of forces when y is mirrored."""
+"""Signs of creepages and of forces if y is mirrored."""
 
 REVERSED = np.array([-1.0, 1.0, 1.0])
-"""The same when y is mirrored and all creepages are reversed."""
+"""Signs if y is mirrored and all creepages are reversed."""
 
 NAMES = ("heading", "tilt", "u")
 
 RATIO = "log_ratio"
-"""Name of the axis ln(a/b), of tables of any contact of Hertz."""
+"""Name of the axis ln(a/b), in tables of any Hertz contact."""
 
 CONTACT = ("a", "b", "load", "mu", "shear")
-"""What scales the forces of a contact."""
+"""Properties of a contact that scale its forces."""
 
 SPIN = 0.5
-"""Weight of scaled spin beside scaled creepages."""
+"""Weight of scaled spin relative to scaled creepages."""
 
 LEAST, POLE = 1e-9, 1e-6
-"""Least r over r_0 and least cosine of the tilt for slopes, which are limits there."""
+"""Smallest r over r_0 and smallest cosine of the tilt at which slopes are evaluated."""
 
 
-def unit_radius(ratio):
-    """r_0 of a/b."""
+def unit_radius(ratio: Any) -> Any:
+    """Return r_0 for a/b."""
     return 2.0 / (3.2 + 0.9 * ratio)
 
 
 def creepages_at(ratio: float, heading: float, tilt: float, u: float) -> np.ndarray:
-    """Scaled creepages w of coordinates; of u = 1 their direction."""
+    """Return the scaled creepages w of coordinates; for u = 1 their direction."""
     r = 1.0 if u == 1.0 else unit_radius(ratio) * u / (1.0 - u)
     t = r * np.cos(tilt)
     return np.array([t * np.cos(heading), t * np.sin(heading), r * np.sin(tilt) / SPIN])
 
 
 def by_coordinates(ratio: float, heading: float, tilt: float, u: float) -> np.ndarray:
-    """Derivatives of w by heading, tilt and u, shape (3 creepages, 3 coordinates), for u < 1."""
+    """Return the derivatives of w by heading, tilt and u, shape (3, 3), for u < 1."""
     r0 = unit_radius(ratio)
     r, stretch = r0 * u / (1.0 - u), r0 / (1.0 - u) ** 2
     ch, sh, ct, st = np.cos(heading), np.sin(heading), np.cos(tilt), np.sin(tilt)
@@ -75,14 +76,14 @@ def by_coordinates(ratio: float, heading: float, tilt: float, u: float) -> np.nd
 
 @dataclass(frozen=True, eq=False)
 class Coordinates:
-    """Where scaled creepages are in a table.
+    """Coordinates of scaled creepages in a table.
 
     Attributes
     ----------
     w : ndarray, shape (3, P)
-        Scaled creepages that are the given ones but for `signs`; of full slip their direction.
+        Given scaled creepages times `signs`; for full slip their direction.
     signs : ndarray, shape (3, P)
-        Of (w_1, w_2, w_3) and of (Q_x, Q_y, M_z).
+        Signs of (w_1, w_2, w_3) and of (Q_x, Q_y, M_z).
     r0 : ndarray, shape (P,)
         `unit_radius`.
     full : ndarray of bool, shape (P,)
@@ -96,7 +97,7 @@ class Coordinates:
 
     @classmethod
     def of(cls, w: np.ndarray, ratio: np.ndarray, whole: bool = False) -> "Coordinates":
-        """The coordinates of scaled creepages, shape (3, P); one of each may be infinite.
+        """Return the coordinates of scaled creepages (3, P); one of the three may be infinite.
 
         Parameters
         ----------
@@ -105,12 +106,12 @@ class Coordinates:
         ratio : ndarray, shape (P,)
             a/b.
         whole : bool
-            Whether the table has all headings and tilts, for want of symmetries.
+            Whether the table has all headings and tilts, without symmetries.
 
         Raises
         ------
         ValueError
-            If a creepage is no number, or several are infinite.
+            If a creepage is nan, or several are infinite.
         """
         full = np.zeros(w.shape[1], bool)
         if not np.isfinite(w).all():
@@ -119,14 +120,14 @@ class Coordinates:
         if not whole:
             signs = np.where(w[2] < 0.0, MIRROR[:, None], signs)
             signs = np.where(w[0] < 0.0, REVERSED[:, None] * signs, signs)
-        # Of -0, which + 0 takes away, atan2 would make a heading of pi.
+        # + 0 removes -0, for which atan2 would give a heading of pi.
         return cls(signs * w + 0.0, signs, unit_radius(ratio), full)
 
     @cached_property
     def _polar(self) -> tuple[np.ndarray, ...]:
-        """(w_1, w_2), kappa, and the sizes of both without and with kappa."""
+        """(w_1, w_2), kappa, the size of (w_1, w_2), and r."""
         x, y, kappa = self.w[0], self.w[1], SPIN * self.w[2]
-        # Of huge creepages the squares would overflow: hypot does not.
+        # Squares of huge creepages would overflow: hypot does not.
         t = np.hypot(x, y)
         return x, y, kappa, t, np.hypot(t, kappa)
 
@@ -139,10 +140,10 @@ class Coordinates:
 
     @property
     def points_of_slopes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The same, so far from rest and from spin alone that slopes by heading and tilt count."""
+        """Heading, tilt and u, shifted from rest and pure spin, where slopes are undefined."""
         heading, tilt, u = self.points
-        most = 0.5 * np.pi - POLE
-        return heading, np.minimum(np.maximum(tilt, -most), most), np.maximum(u, LEAST)
+        limit = 0.5 * np.pi - POLE
+        return heading, np.minimum(np.maximum(tilt, -limit), limit), np.maximum(u, LEAST)
 
     @property
     def by_creepages(self) -> np.ndarray:
@@ -166,11 +167,11 @@ class Coordinates:
 
 
 def _directions(w: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Creepages of which infinite ones are replaced by their direction, and where they are."""
+    """Return creepages with infinite ones replaced by their direction, and where this is."""
     if np.isnan(w).any():
-        raise ValueError("creepages: numbers are needed, not nan")
-    endless = np.isinf(w)
-    if (endless.sum(axis=0) > 1).any():
-        raise ValueError("creepages: one of them may be infinite, several have no direction")
-    full = endless.any(axis=0)
-    return np.where(full, np.where(endless, np.sign(w), 0.0), w), full
+        raise ValueError("creepages: nan; allowed: numbers")
+    is_infinite = np.isinf(w)
+    if (is_infinite.sum(axis=0) > 1).any():
+        raise ValueError("creepages: several are infinite; allowed: at most one")
+    full = is_infinite.any(axis=0)
+    return np.where(full, np.where(is_infinite, np.sign(w), 0.0), w), full

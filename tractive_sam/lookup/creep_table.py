@@ -14,17 +14,17 @@ from tractive_sam.description import Description
 from tractive_sam.lookup.coordinates import CONTACT, NAMES, RATIO, SPIN, Coordinates
 from tractive_sam.lookup.describe import describe_table
 from tractive_sam.lookup.hermite import Hermite, cell_of
-from tractive_sam.lookup.table_checks import faults_of_table
+from tractive_sam.lookup.table_checks import table_faults
 from tractive_sam.markup import fill
 from tractive_sam.safe_text import printable_text
 
 MARGIN = 1e-9
-"""Of a coordinate outside a table that rounding alone may have brought there."""
+"""Relative distance outside a table that may be due to rounding."""
 
 
 @dataclass(frozen=True, eq=False)
 class Forces:
-    """Creep forces from a table; arrays have the shape of what was given.
+    """Creep forces from a table; arrays have the shape of the arguments.
 
     Attributes
     ----------
@@ -42,10 +42,10 @@ class Forces:
 
     @cached_property
     def error(self) -> np.ndarray:
-        """How far each of Qx, Qy, Mz may be off, shape (3, ...).
+        """Error bars of Qx, Qy, Mz, shape (3, ...).
 
-        From those on an infinitely fine mesh: error bar of the contacts solved and error of
-        interpolation.
+        The reference is an infinitely fine mesh: they are the sum of the error bar of the solved
+        contacts and of the interpolation error.
         """
         points, _, _, unit, shape = self._at
         return (unit * self._table.error_at(points)).reshape(3, *shape)
@@ -54,61 +54,61 @@ class Forces:
     def gradient(self) -> np.ndarray:
         """Derivatives of Qx, Qy, Mz by xi_x, xi_y, spin, shape (3, 3, ...).
 
-        Of an infinite creepage they are zero.
+        For an infinite creepage they are zero.
         """
-        points, where, by_creepage, unit, shape = self._at
-        found = self._table.gradient_at(points, where)
-        return (found * unit[:, None] * by_creepage).reshape(3, 3, *shape)
+        points, coordinates, by_creepage, unit, shape = self._at
+        gradient = self._table.gradient_at(points, coordinates)
+        return (gradient * unit[:, None] * by_creepage).reshape(3, 3, *shape)
 
     @cached_property
     def gradient_error(self) -> np.ndarray:
         """Error bars of `gradient`, in its units, shape (3, 3, ...).
 
-        Contacts that are solved on twice the elements, at points between the nodes, give them. All
-        nine derivatives are within them at 95 of 100 points or more. They are nan of a table whose
-        file has none, as it was made before they were measured.
+        They come from contacts with twice the elements, at points between the nodes. All nine
+        derivatives are within the bars at 95 of 100 points or more. They are nan for a table from
+        a file without them.
         """
-        points, where, by_creepage, unit, shape = self._at
-        found = self._table.gradient_error_at(points, where)
-        return (found * unit[:, None] * by_creepage).reshape(3, 3, *shape)
+        points, coordinates, by_creepage, unit, shape = self._at
+        error = self._table.gradient_error_at(points, coordinates)
+        return (error * unit[:, None] * by_creepage).reshape(3, 3, *shape)
 
 
 @dataclass(frozen=True, eq=False)
 class CreepTable:
-    """The forces of contacts over mu P, by creepages, spin and what else varies.
+    """Table of creep forces over mu P, as a function of creepages, spin and further axes.
 
-    Called with creepages and contacts it gives forces, their gradient and how far they may be off;
-    see `lookup.coordinates` for the scaling. Every creepage is in the table, infinite ones too; on
-    other axes what is outside is refused.
+    A call with creepages and contacts returns forces, gradients and error bars; see
+    `lookup.coordinates` for the scaling. The table covers all creepages, also infinite ones; values
+    outside the other axes raise an error.
 
     Attributes
     ----------
     law : Hermite
         (Q_x, Q_y, M_z / c) / (mu P) over the axes `names`, heading, tilt and u.
     names : tuple of str
-        Axes beside those of creepages: "log_ratio", ln(a/b), and "poisson" of a table of any
-        contacts of Hertz, and those of its own.
+        Axes besides those of creepages: "log_ratio", ln(a/b), and "poisson" in a table of any Hertz
+        contact, and user-defined axes.
     bars : ndarray, shape (n_1, ..., n_N, 3)
         Error bars of the contacts at the nodes.
     between : tuple of ndarray
-        Largest errors of interpolation seen within each interval of each axis, shape (n - 1, 3).
+        Largest interpolation errors within each interval of each axis, shape (n - 1, 3).
     about : mapping
-        Title, tolerance, versions and what else the file tells.
+        Title, tolerance, versions and further attributes of the file.
     apart : tuple of str
-        Axes between whose nodes nothing is known, such as files of gaps.
+        Axes without interpolation, such as files of gaps.
     whole : bool
-        Whether it has all headings and tilts, for want of symmetries.
+        Whether the table has all headings and tilts, without symmetries.
     contact : mapping of str to float, optional
-        Of the table of one scene: a, b, load, mu and shear that scale it.
+        For the table of one scene: a, b, load, mu and shear that scale it.
     gradient_bars : ndarray, shape (n_u, 3, 3), optional
-        Error bars of gradients (force, creepage) over sqrt(K_ii K_jj), K_ii the slopes at rest of
-        the same contact: at rest, and within each interval of u.
+        Error bars of gradients (force, creepage) over sqrt(K_ii K_jj), K_ii the slopes at rest: at
+        rest, and within each interval of u.
 
     Raises
     ------
     ValueError
-        With the variables at fault: names that are none in C, axes that are no ascending numbers
-        or leave creepages out, arrays of another shape, or numbers that are not finite.
+        With the faulty variables: names that C does not allow, axes that do not ascend or do not
+        cover all creepages, arrays of another shape, or numbers that are not finite.
 
     Examples
     --------
@@ -134,10 +134,10 @@ class CreepTable:
     gradient_bars: np.ndarray | None = None
 
     def __post_init__(self) -> None:
-        """Check all parts."""
+        """Check the arrays, names and axes."""
         names, law, arrays = self.names, self.law, (self.bars, self.between)
         faults = [
-            *faults_of_table(names, law.axes, law.coefficients, *arrays, self.apart, self.whole,
+            *table_faults(names, law.axes, law.coefficients, *arrays, self.apart, self.whole,
                              self.contact, self.gradient_bars)
         ]  # fmt: skip
         if faults:
@@ -152,7 +152,7 @@ class CreepTable:
 
     @property
     def title(self) -> str:
-        """Title from the file; empty where it has none."""
+        """Title from the file; may be empty."""
         return str(self.about.get("title", ""))
 
     @property
@@ -169,7 +169,7 @@ class CreepTable:
     @property
     def nodes(self) -> int:
         """Number of nodes."""
-        return int(np.prod([len(one) for one in self.law.axes]))
+        return int(np.prod([len(nodes) for nodes in self.law.axes]))
 
     def __call__(
         self,
@@ -184,134 +184,138 @@ class CreepTable:
         shear: ArrayLike | None = None,
         **others: ArrayLike | None,
     ) -> Forces:
-        """Forces of contacts; all arguments broadcast.
+        """Return the forces of contacts; all arguments broadcast.
 
         Parameters
         ----------
         xi_x, xi_y, spin : array_like
-            Creepages, and spin in 1/mm; one of each three may be infinite: full slip.
+            Creepages, and spin in 1/mm; one of the three may be infinite: full slip.
         a, b : array_like
-            Semi-axes in rolling and in lateral direction, mm. Needed, as are the next three, but of
-            the table of one scene, which gives all five.
+            Semi-axes in rolling and in lateral direction, mm. Required, as the next three, except
+            for the table of one scene, which contains all five.
         load : array_like
             Normal load, N.
         mu : array_like
-            Coefficient of friction, along the axis e1 where it is orthotropic.
+            Coefficient of friction, along the axis e1 if friction is orthotropic.
         shear : array_like
             Combined shear modulus G, 2/G = 1/G_A + 1/G_B, MPa.
         **others : array_like
-            Poisson's ratio, ``poisson``, and further axes by their names; each is needed where the
-            table has several values of it.
+            Poisson's ratio, ``poisson``, and further axes by their names; required for axes with
+            several values.
 
         Raises
         ------
         ValueError
-            If a creepage is no number, a property of the contact not positive and finite, an axis
-            not given or not of the table, or its value outside the table.
+            If a creepage is nan, a property of the contact is not positive and finite, an axis is
+            missing or unknown, or a value is outside the table.
         """
         given = self._contact({"a": a, "b": b, "load": load, "mu": mu, "shear": shear})
         along = self._along(others)
-        arrays = [np.asarray(one, float) for one in (xi_x, xi_y, spin, *given, *along.values())]
-        shape = np.broadcast_shapes(*(one.shape for one in arrays))
+        arrays = [
+            np.asarray(values, float) for values in (xi_x, xi_y, spin, *given, *along.values())
+        ]
+        shape = np.broadcast_shapes(*(values.shape for values in arrays))
         flat = np.empty((len(arrays), int(np.prod(shape))))
-        for row, one in zip(flat, arrays, strict=True):
-            row.reshape(shape)[...] = one
+        for row, values in zip(flat, arrays, strict=True):
+            row.reshape(shape)[...] = values
         creepages, (a_, b_, load_, mu_, shear_) = flat[:3], flat[3:8]
         if not ((flat[3:8] > 0.0) & np.isfinite(flat[3:8])).all():
-            proper = ((flat[3:8] > 0.0) & np.isfinite(flat[3:8])).all(axis=1)
-            name = CONTACT[int(proper.argmin())]
-            raise ValueError(f"{name}: positive and finite numbers are needed")
+            is_valid = ((flat[3:8] > 0.0) & np.isfinite(flat[3:8])).all(axis=1)
+            name = CONTACT[int(is_valid.argmin())]
+            raise ValueError(f"{name}: not positive and finite; allowed: positive, finite numbers")
         ratio = a_ / b_
         points = dict(zip(along, flat[8:], strict=True))
         if self.contact is None:
             points = {RATIO: np.log(ratio)} | points
         for name, nodes in zip(self.names, self.law.axes, strict=False):
-            self._inside(name, points[name], nodes)
+            self._check_inside(name, points[name], nodes)
         c, bound = np.sqrt(a_ * b_), mu_ * load_
         unit = np.array([bound, bound, bound * c])
         scale = shear_ * (c * c) / bound
         by_creepage = np.array([scale, scale, scale * c])
-        where = Coordinates.of(creepages * by_creepage, ratio, self.whole)
-        at = (*(points[name] for name in self.names), *where.points)
-        Qx, Qy, Mz = (unit * where.signs * self.law(at)).reshape(3, *shape)
-        return Forces(Qx, Qy, Mz, self, (at, where, by_creepage, unit, shape))
+        coordinates = Coordinates.of(creepages * by_creepage, ratio, self.whole)
+        at = (*(points[name] for name in self.names), *coordinates.points)
+        Qx, Qy, Mz = (unit * coordinates.signs * self.law(at)).reshape(3, *shape)
+        return Forces(Qx, Qy, Mz, self, (at, coordinates, by_creepage, unit, shape))
 
     def _contact(self, given: dict[str, Any]) -> list[Any]:
-        for name, one in given.items():
-            if self.contact is None and one is None:
-                raise ValueError(f"{name}: needed, of tables of any contact")
-            if self.contact is not None and one is not None:
-                raise ValueError(f"{name}: the scene of the table gives it; leave it out")
+        """Return a, b, load, mu and shear, given or of the scene of the table."""
+        for name, value in given.items():
+            if self.contact is None and value is None:
+                raise ValueError(f"{name}: missing; a table of any contact needs it")
+            if self.contact is not None and value is not None:
+                raise ValueError(f"{name}: fixed by the scene of the table; remove the argument")
         return [*(given if self.contact is None else self.contact).values()]
 
     def _along(self, others: dict[str, Any]) -> dict[str, Any]:
-        """Values along all axes but a/b and creepages."""
+        """Return the values on all axes except a/b and creepages."""
         axes = {k: v for k, v in zip(self.names, self.law.axes, strict=False) if k != RATIO}
         for name in others:
             if name not in axes:
-                known = ", ".join(axes) or "none"
-                raise ValueError(f"{name}: no axis of the table, which has {known}")
-        found = {}
+                allowed = ", ".join(axes) or "none"
+                raise ValueError(f"{name}: no axis of the table; its axes: {allowed}")
+        values = {}
         for name, nodes in axes.items():
-            found[name] = others.get(name)
-            if found[name] is None:
+            values[name] = others.get(name)
+            if values[name] is None:
                 if len(nodes) > 1:
                     low, high = nodes[0], nodes[-1]
-                    raise ValueError(f"{name}: needed, the table has {low:g} to {high:g}")
-                found[name] = nodes[0]
-        return found
+                    raise ValueError(f"{name}: missing; allowed: {low:g} to {high:g}")
+                values[name] = nodes[0]
+        return values
 
     @property
     def ellipticity(self) -> tuple[float, float]:
-        """Least and largest a/b."""
+        """Smallest and largest a/b."""
         if self.contact is not None:
             return (self.contact["a"] / self.contact["b"],) * 2
         low, high = np.exp(self.law.axes[0][[0, -1]])
         return float(low), float(high)
 
     def axis(self, name: str) -> np.ndarray:
-        """The nodes along one of the axes `names`."""
+        """Return the nodes along one of the axes `names`."""
         return self.law.axes[self.names.index(name)]
 
-    def _inside(self, name: str, values: np.ndarray, nodes: np.ndarray) -> None:
+    def _check_inside(self, name: str, values: np.ndarray, nodes: np.ndarray) -> None:
+        """Raise a ValueError for values outside an axis, or between nodes without interpolation."""
         if name in self.apart:
-            off = np.abs(values[:, None] - nodes).min(axis=1, initial=np.inf)
-            if not (off <= MARGIN * (1.0 + np.abs(values))).all():
-                known = ", ".join(f"{one:g}" for one in nodes)
-                raise ValueError(f"{name}: {known} are in the table, and nothing between them")
+            distance = np.abs(values[:, None] - nodes).min(axis=1, initial=np.inf)
+            if not (distance <= MARGIN * (1.0 + np.abs(values))).all():
+                allowed = ", ".join(f"{node:g}" for node in nodes)
+                raise ValueError(f"{name}: between the nodes of the table; allowed: {allowed}")
             return
         inside = (values >= nodes[0] - MARGIN) & (values <= nodes[-1] + MARGIN)
         if not inside.all():
-            told = np.array([nodes[0], nodes[-1], values[~inside][0]])
+            numbers = np.array([nodes[0], nodes[-1], values[~inside][0]])
             if name == RATIO:
-                name, told = "a/b", np.exp(told)
-            low, high, one = (float(v) for v in told)
-            raise ValueError(f"{name}: {low:.6g} to {high:.6g} are in the table, not {one:.6g}")
+                name, numbers = "a/b", np.exp(numbers)
+            low, high, value = (float(number) for number in numbers)
+            raise ValueError(f"{name}: {value:.6g}; allowed: {low:.6g} to {high:.6g}")
 
     def error_at(self, points) -> np.ndarray:
-        """Errors over mu P, and of the moment over mu P c, at points of `law`, shape (3, P).
+        """Return error bars over mu P, of the moment over mu P c, at points of `law`, shape (3, P).
 
-        Bar, the largest one of the corners of the cell, and errors of interpolation.
+        They are the largest bar of the corners of the cell plus the interpolation errors.
         """
         cells = [cell_of(nodes, x) for nodes, x in zip(self.law.axes, points, strict=True)]
-        found = self._bar_of_cell[tuple(cells)].T.copy()
+        bars = self._bar_of_cell[tuple(cells)].T.copy()
         for cell, errors in zip(cells, self.between, strict=True):
             if len(errors):
-                found += errors[cell].T
-        return found
+                bars += errors[cell].T
+        return bars
 
-    def gradient_at(self, points, where: Coordinates) -> np.ndarray:
-        """Derivatives of scaled forces by scaled creepages, shape (3, 3, P)."""
+    def gradient_at(self, points, coordinates: Coordinates) -> np.ndarray:
+        """Return the derivatives of scaled forces by scaled creepages, shape (3, 3, P)."""
         first = len(points) - len(NAMES)
-        shifted = (*points[:first], *where.points_of_slopes)
+        shifted = (*points[:first], *coordinates.points_of_slopes)
         by = self.law.parts(shifted, range(first, len(points)))
         # by (coordinate, force, P) times (coordinate, creepage, P)
-        return np.einsum("kfp,kcp->fcp", by, where.by_creepages) * where.signs[:, None]
+        return np.einsum("kfp,kcp->fcp", by, coordinates.by_creepages) * coordinates.signs[:, None]
 
     def slopes_at_rest(self, points, r0: np.ndarray) -> np.ndarray:
-        """Sizes of the slopes at rest of each force by its creepage, shape (3, P).
+        """Return the slopes at rest of each scaled force by its creepage, shape (3, P).
 
-        Of scaled forces, at the points' places along the axes `names`; r0 is `unit_radius` there.
+        The points give the position on the axes `names`; r0 is `unit_radius` there.
         """
         first, none = len(points) - len(NAMES), np.zeros_like(r0)
         right = np.full_like(r0, 0.5 * np.pi)
@@ -322,43 +326,44 @@ class CreepTable:
         ]
         return np.abs(by_u) / r0 * np.array([[1.0], [1.0], [SPIN]])
 
-    def gradient_error_at(self, points, where: Coordinates) -> np.ndarray:
-        """Error bars of `gradient_at`, shape (3, 3, P); zero in full slip, nan where unknown."""
+    def gradient_error_at(self, points, coordinates: Coordinates) -> np.ndarray:
+        """Return error bars of `gradient_at`, (3, 3, P); zero in full slip, nan if unknown."""
         nodes, u = self.law.axes[-1], points[-1]
         if self.gradient_bars is None:
             return np.full((3, 3, len(u)), np.nan)
         cell = cell_of(nodes, u)
         bars = share_of_bar(nodes, u)[:, None, None] * self.gradient_bars[1 + cell]
         bars[cell == 0] += self.gradient_bars[0]
-        size = np.sqrt(self.slopes_at_rest(points, where.r0))
-        found = np.moveaxis(bars, 0, -1) * size[:, None] * size
-        return np.where(where.full, 0.0, found)
+        size = np.sqrt(self.slopes_at_rest(points, coordinates.r0))
+        error = np.moveaxis(bars, 0, -1) * size[:, None] * size
+        return np.where(coordinates.full, 0.0, error)
 
     @cached_property
     def _bar_of_cell(self) -> np.ndarray:
+        """Largest error bar of the corners of each cell."""
         bars = self.bars
         for k in range(bars.ndim - 1):
             if bars.shape[k] > 1:
                 ends = [
-                    np.take(bars, range(*one), axis=k)
-                    for one in ((0, bars.shape[k] - 1), (1, bars.shape[k]))
+                    np.take(bars, range(*span), axis=k)
+                    for span in ((0, bars.shape[k] - 1), (1, bars.shape[k]))
                 ]
                 bars = np.maximum(*ends)
         return bars
 
 
 def share_of_bar(nodes: np.ndarray, u: np.ndarray) -> np.ndarray:
-    """Share of an interval's error bar of gradients that counts at u, shape (P,).
+    """Return the share of the gradient error bar of an interval at u, shape (P,).
 
-    It rises from rest, where slopes have their own bars, within a third of the first interval, and
-    falls to zero in the last one, as gradients do towards full slip.
+    It increases from 0 at rest, which has a separate bar, to 1 at a third of the first interval,
+    and decreases to 0 in the last interval, as gradients towards full slip.
 
     Parameters
     ----------
     nodes : ndarray, shape (n_u,)
         Nodes along u.
     u : ndarray, shape (P,)
-        Places along u.
+        Values of u.
     """
     cell = cell_of(nodes, u)
     t = (u - nodes[cell]) / (nodes[cell + 1] - nodes[cell])

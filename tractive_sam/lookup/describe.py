@@ -11,9 +11,6 @@ import numpy as np
 from tractive_sam.description import Description, Section
 from tractive_sam.lookup.coordinates import CONTACT, NAMES, RATIO
 
-ANY = "any contact of Hertz of alike bodies, with isotropic friction"
-QUARTER = "a quarter of them; the others follow from it by two symmetries"
-
 
 def describe_table(
     axes: Mapping[str, np.ndarray],
@@ -22,14 +19,14 @@ def describe_table(
     whole: bool,
     contact: Mapping[str, float] | None,
 ) -> Description:
-    """Describe what a table contains, its errors, and how it is called.
+    """Describe the range of a table, its errors, and its use.
 
     Parameters
     ----------
     axes : mapping of str to ndarray
         Nodes along every axis, those of creepages last.
     about, apart, whole, contact
-        As the attributes of `CreepTable`.
+        See the attributes of `CreepTable`.
     """
     nodes = [describe_axis(name, nodes, name in apart) for name, nodes in axes.items()]
     total = math.prod(len(nodes) for nodes in axes.values())
@@ -37,8 +34,8 @@ def describe_table(
     if {"contacts", "cpu_seconds"} <= about.keys():
         spent = f"{about['contacts']} contacts, {about['cpu_seconds']:.3g} s of one core"
         made.append(("solved", spent))
-    varying = [one for one in axes if one not in (RATIO, *NAMES) and len(axes[one]) > 1]
-    arguments = [f"{one}=..." for one in (*(() if contact else CONTACT), *varying)]
+    varying = [name for name in axes if name not in (RATIO, *NAMES) and len(axes[name]) > 1]
+    arguments = [f"{name}=..." for name in (*(() if contact else CONTACT), *varying)]
     call = f"table({', '.join(('xi_x', 'xi_y', 'spin', *arguments))})"
     use = [
         ("in Python", f"table = ts.open_table(FILE); {call}"),
@@ -46,7 +43,7 @@ def describe_table(
     ]
     return Description((
         Section("Table of creep forces", describe_range(contact, whole)),
-        Section("Nodes", [*nodes, ("in all", str(total))]),
+        Section("Nodes", [*nodes, ("total", str(total))]),
         Section("Errors", _describe_errors(about)),
         Section("Made by", made),
         Section("Use", use),
@@ -55,22 +52,23 @@ def describe_table(
 
 def describe_range(contact: Mapping[str, float] | None, whole: bool) -> list[tuple[str, str]]:
     """Describe the contacts and the creepages of a table."""
-    contacts = ANY
+    contacts = "any Hertz contact of equal materials, with isotropic friction"
+    quarter = "a quarter of all; the others follow by two symmetries"
     if contact is not None:
         a, b, load, mu, shear = (contact[key] for key in CONTACT)
         scales = f"a = {a:.4g} mm, b = {b:.4g} mm, P = {load:.4g} N, mu = {mu:g}"
         contacts = f"one scene; scaled by {scales}, G = {shear:.4g} MPa"
-    return [("of", contacts), ("creepages", "all headings and tilts" if whole else QUARTER)]
+    return [("contacts", contacts), ("creepages", "all headings and tilts" if whole else quarter)]
 
 
 def describe_axis(name: str, nodes: np.ndarray, apart: bool) -> tuple[str, str]:
-    """Describe the nodes along an axis; `apart`: nothing is known between them."""
+    """Describe the nodes along an axis; `apart`: without interpolation between them."""
     if name == RATIO:
         name, nodes = "a/b", np.exp(nodes)
     if len(nodes) == 1:
         return name, f"{nodes[0]:.4g}"
     if apart:
-        return name, ", ".join(f"{one:.6g}" for one in nodes) + ", and nothing between them"
+        return name, ", ".join(f"{node:.6g}" for node in nodes) + ", without interpolation"
     return name, f"{len(nodes)} from {nodes[0]:.4g} to {nodes[-1]:.4g}"
 
 
@@ -83,7 +81,7 @@ def _describe_errors(about: Mapping[str, Any]) -> list[tuple[str, str]]:
             f"{about['held_out_median']:.1e} of mu P in the median, {about['held_out_worst']:.1e} "
             f"at most; {about['held_out_inside']:.1%} within the error that the table reports",
         ))  # fmt: skip
-    gradients = "errors not measured; tractive-sam table FILE.nc -o NEW.nc measures them"
+    gradients = "errors unknown; tractive-sam table FILE.nc -o NEW.nc computes them"
     if "gradient_checks" in about:
         gradients = (
             f"at rest within {about['gradient_at_rest']:.1e} of sqrt(K_ii K_jj), K_ii the slopes "

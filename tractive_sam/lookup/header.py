@@ -1,19 +1,15 @@
-"""A table as a C header: one function, C99, no library but math."""
+"""Write a table as a C header: one function, C99, with the library math only."""
 
 from __future__ import annotations
 
 import re
 from keyword import kwlist
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from tractive_sam.lookup.coordinates import CONTACT, LEAST, NAMES, POLE, RATIO, SPIN
-from tractive_sam.lookup.creep_table import MARGIN
+from tractive_sam.lookup.creep_table import MARGIN, CreepTable
 from tractive_sam.lookup.table_checks import is_identifier
-
-if TYPE_CHECKING:
-    from tractive_sam.lookup.creep_table import CreepTable
 
 CREEPAGES = ("xi_x", "xi_y", "spin")
 
@@ -21,7 +17,7 @@ C_WORDS = """
 auto break case char const continue default do double else enum extern float for goto if inline int
 long register restrict return short signed sizeof static struct switch typedef union unsigned void
 volatile while"""
-"""Words of C that no variable may have as its name (C99, 6.4.1)."""
+"""Reserved words of C (C99, 6.4.1)."""
 
 MEANS = """, semi-axes in rolling and in
    lateral direction (mm), normal load (N), coefficient of friction, combined shear modulus (MPa),
@@ -162,19 +158,19 @@ static int @NAME@(@ARGUMENTS@, double force[3],
 
 
 def c_header(table: CreepTable, name: str = "creep_forces") -> str:
-    """The text of a header that gives the same forces and gradients as the table.
+    """Return the text of a header with a function that returns the forces and gradients.
 
     Parameters
     ----------
     table : CreepTable
         The table.
     name : str
-        Of the function.
+        Name of the function.
 
     Raises
     ------
     ValueError
-        If it is no name of C, or an axis has one that the function uses by itself.
+        If C does not allow the name, or if an axis has the name of a variable of the function.
     """
     check_name(name)
     for axis in table.names:
@@ -186,15 +182,18 @@ def c_header(table: CreepTable, name: str = "creep_forces") -> str:
     about = {
         "TITLE": plain_title(table),
         "GIVEN": ", ".join(arguments),
-        "ARGUMENTS": ",\n                  ".join(f"double {one}" for one in arguments),
+        "ARGUMENTS": ",\n                  ".join(f"double {argument}" for argument in arguments),
         "MEANS": "" if table.contact else MEANS,
-        "RANGES": "".join(_told_range(table, one) for one in arguments if one in table.names),
-        "CONSTANTS": "".join(
-            f"    const double {key} = {_number(one)};\n"
-            for key, one in (table.contact or {}).items()
+        "RANGES": "".join(
+            _describe_values(table, name) for name in arguments if name in table.names
         ),
-        "ALONG": ", ".join("log(a / b)" if one == RATIO else one for one in table.names) or "0.0",
-        "CHECKS": "".join(_check(table, one) for one in table.names),
+        "CONSTANTS": "".join(
+            f"    const double {key} = {_number(value)};\n"
+            for key, value in (table.contact or {}).items()
+        ),
+        "ALONG": ", ".join("log(a / b)" if axis == RATIO else axis for axis in table.names)
+        or "0.0",
+        "CHECKS": "".join(_check_of_axis(table, axis) for axis in table.names),
         "WHOLE": str(int(table.whole)),
         "TOLERANCE": f"{float(table.about.get('tolerance', np.nan)):g}",
         "GRADIENTS": _describe_gradients(table),
@@ -227,84 +226,85 @@ def c_header(table: CreepTable, name: str = "creep_forces") -> str:
 
 
 def check_name(name: str) -> None:
-    """See that a function of C may be called so.
+    """Check that a name is allowed for a function of C.
 
     Raises
     ------
     ValueError
-        If it may not.
+        If it is not allowed.
     """
     if not is_identifier(name) or name in C_WORDS.split():
         raise ValueError(
-            f"{name!r} is no name of C, and the file gives its name to what is in it: "
-            "letters, digits and _"
+            f"{name!r} is not allowed as a name in C, and the function has the name of the file; "
+            "allowed: letters, digits and _"
         )
 
 
 def check_axis_name(name: str, further: bool = False) -> None:
-    """See that an axis of a table may be called so, in C, Python and XML.
+    """Check that a name is allowed for an axis of a table, in C, Python and XML.
 
     Parameters
     ----------
     name : str
         The name.
     further : bool
-        Whether it is an axis beside those of a/b and Poisson's ratio, and so has another name.
+        Whether the axis is neither a/b nor Poisson's ratio, and needs another name.
 
     Raises
     ------
     ValueError
-        If it may not; the message is what is allowed.
+        If it is not allowed; the message states what is allowed.
     """
     if name in (RATIO, "poisson") and not further:
         return
     if not is_identifier(name) or name in _reserved_names():
-        raise ValueError("a name of letters, digits and _, which neither a table nor C uses")
+        raise ValueError("a name of letters, digits and _ that tables, C and Python do not reserve")
 
 
 def _reserved_names() -> set[str]:
-    """Names that the axes of a table cannot have: arguments, and words of C and Python."""
+    """Return the names that an axis cannot have: arguments, and reserved words of C and Python."""
     words = re.findall(r"[A-Za-z]\w*", BODY)
     return {RATIO, "poisson", "self", "Qx", "Qy", "Mz", *NAMES, *words, *C_WORDS.split(), *kwlist}
 
 
 def arguments_of(table: CreepTable) -> list[str]:
-    """Names of the numbers that the function is given."""
+    """Return the names of the arguments of the function."""
     contact = [] if table.contact else CONTACT
-    return [*CREEPAGES, *contact, *(one for one in table.names if one != RATIO)]
+    return [*CREEPAGES, *contact, *(name for name in table.names if name != RATIO)]
 
 
 def plain_title(table: CreepTable) -> str:
-    """The title without what a comment of C or an attribute of XML could not hold."""
+    """Return the title without characters that comments of C or attributes of XML forbid."""
     title = str(table.about.get("title", ""))
     return re.sub(r"[^\w ,.;:()-]", " ", title, flags=re.ASCII) or "A table"
 
 
 def _describe_gradients(table: CreepTable) -> str:
-    """The error bars of gradients at rest, as lines of a comment."""
+    """Return the error bars of gradients at rest, as lines of a comment."""
     if table.gradient_bars is None:
         return "   Error bars of gradients are not known."
     rest = table.gradient_bars[0].max(axis=1)
-    forces = ", ".join(f"{one:.1e}" for one in rest)
+    forces = ", ".join(f"{bar:.1e}" for bar in rest)
     return (
         f"   Error bars of gradients at rest, over sqrt(K_ii K_jj), K_ii the slopes at rest:\n"
         f"   {forces} of Qx, Qy, Mz; elsewhere see gradient_error of the table in Python."
     )
 
 
-def _told_range(table: CreepTable, name: str) -> str:
+def _describe_values(table: CreepTable, name: str) -> str:
+    """Return the allowed values of an axis, as a line of a comment."""
     nodes = table.axis(name)
     if name in table.apart:
-        return f"   {name} is one of {', '.join(f'{one:g}' for one in nodes)};\n"
+        return f"   {name} is one of {', '.join(f'{node:g}' for node in nodes)};\n"
     return f"   {name} is from {nodes[0]:.6g} to {nodes[-1]:.6g};\n"
 
 
-def _check(table: CreepTable, name: str) -> str:
-    """What refuses values outside an axis."""
+def _check_of_axis(table: CreepTable, name: str) -> str:
+    """Return the line of C that refuses values outside an axis."""
     nodes, value = table.axis(name), "every[0]" if name == RATIO else name
     if name in table.apart:
         near = f"{_number(MARGIN)} * (1.0 + fabs({value}))"
-        inside = " || ".join(f"fabs({value} - {_number(one)}) <= {near}" for one in nodes)
+        inside = " || ".join(f"fabs({value} - {_number(node)}) <= {near}" for node in nodes)
     else:
         low, high, near = _number(nodes[0]), _number(nodes[-1]), _number(MARGIN)
         inside = f"{value} >= {low} - {near} && {value} <= {high} + {near}"
@@ -316,6 +316,6 @@ def _number(value: float) -> str:
 
 
 def _numbers(values: np.ndarray) -> str:
-    flat = [repr(one) for one in values.ravel().tolist()]
+    flat = [repr(value) for value in values.ravel().tolist()]
     lines = (", ".join(flat[k : k + 6]) for k in range(0, len(flat), 6))
     return "\n" + ",\n".join(lines) + "\n"

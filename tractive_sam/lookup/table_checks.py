@@ -1,4 +1,4 @@
-"""What a table of creep forces must be: its names go into C and XML, its numbers into models."""
+"""Checks of the parts of a table of creep forces: names for C and XML, axes and arrays."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 from tractive_sam.lookup.coordinates import CONTACT, NAMES, RATIO
 
 
-def faults_of_table(
+def table_faults(
     names: Sequence[str],
     axes: Sequence[Any],
     coefficients: Any,
@@ -23,36 +23,37 @@ def faults_of_table(
     contact: Mapping[str, float] | None = None,
     gradient_bars: Any = None,
 ) -> Iterator[str]:
-    """Yield what is wrong with the parts of a `CreepTable`, each with its variable.
+    """Yield the faults of the parts of a `CreepTable`, each with its variable.
 
-    Those of names and axes come first; what follows is sought only if there are none.
+    Arrays are only checked if names and axes have no faults.
     """
     every = (*names, *NAMES)
-    early = [*_of_names(names, apart, contact), *_of_axes(every, axes, whole)]
-    yield from early
-    if early:
+    faults = [*_name_faults(names, apart, contact), *_axis_faults(every, axes, whole)]
+    yield from faults
+    if faults:
         return
     shape = tuple(map(len, axes))
-    yield from _of_array("coefficients", coefficients, (*shape, 2 ** len(shape), 3))
-    yield from _of_array("error_bar", bars, (*shape, 3), least=0.0)
+    yield from _array_faults("coefficients", coefficients, (*shape, 2 ** len(shape), 3))
+    yield from _array_faults("error_bar", bars, (*shape, 3), lower=0.0)
     if gradient_bars is not None:
-        yield from _of_array("gradient_bar", gradient_bars, (shape[-1], 3, 3), least=0.0)
+        yield from _array_faults("gradient_bar", gradient_bars, (shape[-1], 3, 3), lower=0.0)
     if len(between) != len(every):
         yield f"between: for {len(between)} axes; allowed: for all {len(every)}"
         return
     for name, errors, count in zip(every, between, shape, strict=True):
         if count > 1 or len(errors):
-            yield from _of_array(f"between_{name}", errors, (count - 1, 3), least=0.0)
+            yield from _array_faults(f"between_{name}", errors, (count - 1, 3), lower=0.0)
 
 
 def is_identifier(name: str) -> bool:
-    """Return whether C, Python and XML all take a text as a name."""
+    """Return whether C, Python and XML allow a text as a name."""
     return re.fullmatch(r"[A-Za-z]\w*", name, re.ASCII) is not None
 
 
-def _of_names(
+def _name_faults(
     names: Sequence[str], apart: Sequence[str], contact: Mapping[str, float] | None
 ) -> Iterator[str]:
+    """Yield the faults of the names of axes and of the contact."""
     for name in names:
         if not is_identifier(name) or (*names, *NAMES).count(name) > 1:
             yield f"axes: the name {name!r}; allowed: letters, digits and _, each name once"
@@ -66,7 +67,8 @@ def _of_names(
             yield f"{name}: {value}; allowed: a positive and finite number"
 
 
-def _of_axes(every: Sequence[str], axes: Sequence[Any], whole: bool) -> Iterator[str]:
+def _axis_faults(every: Sequence[str], axes: Sequence[Any], whole: bool) -> Iterator[str]:
+    """Yield the faults of the nodes of the axes."""
     if len(axes) != len(every):
         yield f"axes: {len(axes)} arrays; allowed: {len(every)}, one of each name"
         return
@@ -76,7 +78,7 @@ def _of_axes(every: Sequence[str], axes: Sequence[Any], whole: bool) -> Iterator
         ends |= {"heading": (-math.pi, math.pi), "tilt": (-quarter, quarter)}
     for name, nodes in zip(every, axes, strict=True):
         if not (_is_numeric(nodes) and nodes.ndim == 1 and nodes.size):
-            yield f"{name}: {_kind(nodes)}; allowed: a row of numbers"
+            yield f"{name}: {_describe_array(nodes)}; allowed: a row of numbers"
         elif not (np.isfinite(nodes).all() and (np.diff(nodes) > 0.0).all()):
             yield f"{name}: nodes that are not finite, or do not ascend; allowed: ascending numbers"
         elif name in ends and np.abs(nodes[[0, -1]] - ends[name]).max() > 1e-9:  # rounding
@@ -86,20 +88,21 @@ def _of_axes(every: Sequence[str], axes: Sequence[Any], whole: bool) -> Iterator
             yield f"{name}: up to {np.abs(nodes).max():g}; allowed: ln(a/b) of a/b from 1e-6 to 1e6"
 
 
-def _of_array(
-    name: str, values: Any, shape: tuple[int, ...], least: float = -math.inf
+def _array_faults(
+    name: str, values: Any, shape: tuple[int, ...], lower: float = -math.inf
 ) -> Iterator[str]:
+    """Yield the fault of an array that has no numbers, or another shape, or invalid numbers."""
     if not _is_numeric(values) or values.shape != shape:
-        yield f"{name}: {_kind(values)}; allowed: numbers of the shape {shape}"
-    elif not (np.isfinite(values).all() and values.min(initial=0.0) >= least):
-        allowed = "finite numbers" + (f" from {least:g} on" if least > -math.inf else "")
-        yield f"{name}: other numbers; allowed: {allowed}"
+        yield f"{name}: {_describe_array(values)}; allowed: numbers of the shape {shape}"
+    elif not (np.isfinite(values).all() and values.min(initial=0.0) >= lower):
+        allowed = "finite numbers" + (f" of at least {lower:g}" if lower > -math.inf else "")
+        yield f"{name}: invalid numbers; allowed: {allowed}"
 
 
 def _is_numeric(values: Any) -> bool:
     return isinstance(values, np.ndarray) and values.dtype.kind in "fiu"
 
 
-def _kind(values: Any) -> str:
+def _describe_array(values: Any) -> str:
     array = np.asarray(values)
     return f"{array.dtype} of the shape {array.shape}"

@@ -1,28 +1,25 @@
-"""A table as columns of text."""
+"""Write a table as columns of text."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from tractive_sam.lookup.coordinates import RATIO, creepages_at
-
-if TYPE_CHECKING:
-    from tractive_sam.lookup.creep_table import CreepTable
+from tractive_sam.lookup.creep_table import CreepTable
 
 COLUMNS = ("w1", "w2", "w3", "qx", "qy", "mz", "bar_qx", "bar_qy", "bar_mz", "full")
-"""After those of the axes beside creepages."""
+"""Columns after those of the axes other than creepages."""
 
 
 def columns_of(table: CreepTable) -> str:
-    """The nodes of a table, one a line, the last creepage coordinate fastest.
+    """Return the nodes of a table as text, one per line, the last creepage coordinate fastest.
 
-    After lines that begin with # and tell the scaling, the columns are a/b, Poisson's ratio and
-    further axes, and `COLUMNS`: scaled creepages G c² / (mu P) (xi_x, xi_y, c spin), forces
-    (Q_x, Q_y, M_z / c) / (mu P) and their error bars. In full slip the creepages are infinite, and
-    the columns tell their direction; ``full`` is 1 there, else 0.
+    Lines that begin with # describe the scaling. The columns are a/b, Poisson's ratio and further
+    axes, and `COLUMNS`: scaled creepages G c² / (mu P) (xi_x, xi_y, c spin), forces
+    (Q_x, Q_y, M_z / c) / (mu P) and their error bars. In full slip the creepages are infinite, the
+    columns give their direction, and ``full`` is 1, else 0.
     """
     names = ["a/b" if name == RATIO else name for name in table.names]
     lines = [
@@ -34,7 +31,9 @@ def columns_of(table: CreepTable) -> str:
         "# full = 1: full slip, (w1, w2, w3) is the direction of infinite creepages",
     ]
     if table.contact is not None:
-        lines.append("# " + ", ".join(f"{key} = {one:.9g}" for key, one in table.contact.items()))
+        lines.append(
+            "# " + ", ".join(f"{key} = {value:.9g}" for key, value in table.contact.items())
+        )
     lines.append("# " + " ".join((*names, *COLUMNS)))
     axes, values = table.law.axes, table.law.coefficients[..., 0, :]
     for place in np.ndindex(values.shape[:-1]):
@@ -45,5 +44,5 @@ def columns_of(table: CreepTable) -> str:
             along[0] = ratio
         w = creepages_at(ratio, heading, tilt, u) if u else np.zeros(3)
         numbers = (*along, *w, *values[place], *table.bars[place])
-        lines.append(" ".join(f"{one:.9g}" for one in numbers) + f" {int(u == 1.0)}")
+        lines.append(" ".join(f"{number:.9g}" for number in numbers) + f" {int(u == 1.0)}")
     return "\n".join(lines) + "\n"

@@ -44,7 +44,7 @@ class Carter:
 
     @classmethod
     def from_force_ratio(cls, hertz: HertzLine, mu: float, ratio: float) -> Carter:
-        """Find the creepage that transmits `ratio` = Q/(mu P), from -1 to 1.
+        """Return the solution that transmits `ratio` = Q/(mu P), from -1 to 1.
 
         Raises
         ------
@@ -59,7 +59,7 @@ class Carter:
 
     @property
     def stick_half_width(self) -> float:
-        """Half-width c of the stick zone, mm; 0 at full slip."""
+        """Half-width c of the stick area, mm; 0 in full slip."""
         return max(0.0, self.hertz.a - self.hertz.radius * abs(self.creepage) / self.mu)
 
     @property
@@ -68,7 +68,7 @@ class Carter:
         return self._drive * (1 - (self.stick_half_width / self.hertz.a) ** 2)
 
     def traction(self, x: ArrayLike) -> NDArray[np.float64]:
-        """Traction p_x on body A at x in mm, MPa; zero outside the contact."""
+        """Return the traction p_x on body A at x in mm, MPa; zero outside the contact."""
         c = self.stick_half_width
         scale = self.mu * self.hertz.p0 / self.hertz.a
         full = np.sqrt(np.maximum(0.0, self.hertz.a**2 - np.square(x)))
@@ -76,12 +76,12 @@ class Carter:
         return self._drive * scale * (full - relief)
 
     def slip(self, x: ArrayLike) -> NDArray[np.float64]:
-        """Relative slip s_x/V of A over B at x in mm; zero where it sticks and outside."""
+        """Return the slip s_x/V of A over B at x in mm; zero in the stick area and outside."""
         c, behind = self.stick_half_width, -self._from_stick_centre(x)
         if c > 0:
             size = np.sqrt(np.maximum(0.0, np.square(behind) - c**2)) * (behind > 0)
         else:
-            # all slips: the creepage beyond the least that does so moves the profile up
+            # full slip: creepage above the smallest one for full slip adds a constant
             size = self.hertz.radius * abs(self.creepage) / self.mu - np.asarray(x)
         inside = np.abs(x) <= self.hertz.a
         return np.where(inside, -self._drive * self.mu / self.hertz.radius * size, 0.0)

@@ -22,14 +22,14 @@ def fastsim(
     spin: float = 0.0,
     elements: tuple[int, int] = (50, 50),
 ) -> CreepForces:
-    """Creep forces of simplified theory: each point is a spring of its own.
+    """Creep forces of the simplified theory, in which every point is an independent spring.
 
-    Its flexibilities L_1 = 8 a / (3 G C11), L_2 = 8 a / (3 G C22) and
-    L_3 = pi a sqrt(a/b) / (4 G C23) are such that forces are those of linear theory while nothing
-    slips. In every strip along x the traction grows from the leading edge on by the rigid slip over
-    the flexibility, and is cut back to mu p, p the paraboloid
-    2 P / (pi a b) (1 - x²/a² - y²/b²) of the same load. As the flexibilities differ, full slip goes
-    along (xi_x / L_1, xi_y / L_2), which is not quite that of the bodies.
+    The flexibilities L_1 = 8 a / (3 G C11), L_2 = 8 a / (3 G C22) and
+    L_3 = pi a sqrt(a/b) / (4 G C23) give the forces of the linear theory without slip. In every
+    strip along x the traction increases from the leading edge by the rigid slip over the
+    flexibility, and is limited to mu p, with the paraboloid p =
+    2 P / (pi a b) (1 - x²/a² - y²/b²) of equal load. As the flexibilities differ, the direction of
+    full slip is (xi_x / L_1, xi_y / L_2), which differs slightly from that of the bodies.
 
     Source: Kalker, A Fast Algorithm for the Simplified Theory of Rolling Contact, Vehicle System
     Dynamics 11 (1982) 1-13.
@@ -49,7 +49,7 @@ def fastsim(
     spin : float
         Spin creepage phi, 1/mm.
     elements : tuple of int
-        Elements along x and strips.
+        Number of elements along x, and of strips.
 
     Raises
     ------

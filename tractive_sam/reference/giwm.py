@@ -7,12 +7,12 @@ import numpy as np
 
 @dataclass(frozen=True, eq=False)
 class GlobalWear:
-    """Course of the global incremental wear model, one entry a revolution, from 0.
+    """Results of the global incremental wear model, one entry per revolution, from 0.
 
     Attributes
     ----------
     depth : ndarray, shape (n + 1,)
-        Largest depth worn, mm.
+        Largest worn depth, mm.
     a, b : ndarray, shape (n + 1,)
         Half widths of the contact in x and y, mm.
     pressure : ndarray, shape (n + 1,)
@@ -41,7 +41,7 @@ def giwm(
     intensity: float,
     revolutions: int,
 ) -> GlobalWear:
-    """Wear depth of twin discs by a mean pressure and full slip.
+    """Return the wear of twin discs from the mean pressure and full slip.
 
     Juliá & Rodríguez-Tembleque (2025), Table 1, after Hegadekatte, Kurzenhäuser, Huber & Kraft,
     Tribol. Int. 41 (2008) 1020-1031. Disc A wears; its radius shrinks with the depth.

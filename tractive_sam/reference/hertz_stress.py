@@ -6,7 +6,7 @@ the unit of p0 or q0; arguments broadcast. Results have the shape (6, ...) with 
 yy, zz, xy, xz, yz.
 
 The field is that of Huber (1904), Hamilton & Goodman, J. Appl. Mech. 33 (1966) 371, and Hamilton,
-Proc. IMechE C 197 (1983) 53, derived anew in `_moments`.
+Proc. IMechE C 197 (1983) 53, with the derivation in `_moments`.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ Stress = NDArray[np.float64]
 
 
 def hertz_axis_stress(z: ArrayLike, a: float, p0: float, nu: float) -> Stress:
-    """Stresses on the axis below the pressure p0 sqrt(1 - r²/a²).
+    """Return the stresses on the axis below the pressure p0 sqrt(1 - r²/a²).
 
     With s = z/a: sigma_zz = -p0 / (1 + s²) and
     sigma_xx = sigma_yy = -p0 ((1 + nu) (1 - s atan(1/s)) - 1 / (2 (1 + s²))).
@@ -40,7 +40,7 @@ def hertz_axis_stress(z: ArrayLike, a: float, p0: float, nu: float) -> Stress:
 def circle_pressure_stress(
     x: ArrayLike, y: ArrayLike, z: ArrayLike, a: float, p0: float, nu: float
 ) -> Stress:
-    """Stresses below the pressure p0 sqrt(1 - r²/a²) on the circle of radius a.
+    """Return the stresses below the pressure p0 sqrt(1 - r²/a²) on the circle of radius a.
 
     Boussinesq, Love: 2 pi sigma_ij = -S_ijz + (1 - 2 nu) (A - psi_xx, psi_xx, 0, -psi_xy, 0, 0)
     with the moments of the load and A = (S_xxz + S_yyz + S_zzz) / 3.
@@ -68,7 +68,7 @@ def circle_pressure_stress(
 def circle_shear_stress(
     x: ArrayLike, y: ArrayLike, z: ArrayLike, a: float, q0: float, nu: float
 ) -> Stress:
-    """Stresses below the shear q0 sqrt(1 - r²/a²) along +x on the circle of radius a.
+    """Return the stresses below the shear q0 sqrt(1 - r²/a²) along +x on the circle of radius a.
 
     Cerruti: 2 pi sigma_ij = -S_ijx + (1 - 2 nu) (chi_xyy, P - chi_xyy, 0, -chi_xxy, 0, 0) with the
     moments of the load and P = (S_xxx + S_xyy + S_xzz) / 3. In full sliding under the pressure p0,
@@ -96,7 +96,7 @@ def circle_shear_stress(
 
 
 def _moments(x: ArrayLike, y: ArrayLike, z: ArrayLike, a: float) -> dict[str, Stress]:
-    """S_ijk and the potentials of the load sqrt(1 - r²/a²) on a circle.
+    """Return S_ijk and the potentials of the load sqrt(1 - r²/a²) on a circle.
 
     S_ijk is the integral of 3 r_i r_j r_k / R^5 times the load over the circle; psi_xx, psi_xy,
     chi_xxy and chi_xyy those of the derivatives of psi = ln(R + z) and chi = z psi - R.
@@ -106,7 +106,7 @@ def _moments(x: ArrayLike, y: ArrayLike, z: ArrayLike, a: float) -> dict[str, St
         integral of load / R = pi / (2 a) integral_-a^a (a² - t²) / R(x, y, z + i t) dt,
 
     since at z = 0 the right side is pi² / (4 a) (2 a² - r²) for r < a and its z-derivative vanishes
-    for r > a. The same weight turns every harmonic function F of a point source into that of the
+    for r > a. The same weight transforms every harmonic function F of a point source to that of the
     load. Three integrations by parts leave, with Z = z + i a,
 
         pi / (2 a) (4 Im F_3(Z) - 4 a Re F_2(Z)),        F_n the n-th antiderivative of F in Z.

@@ -91,7 +91,7 @@ def linear_creep_forces(
     xi_y: float = 0.0,
     spin: float = 0.0,
 ) -> CreepForces:
-    """Creep forces for vanishing slip.
+    """Return the creep forces for vanishing slip.
 
     Parameters
     ----------
@@ -126,13 +126,13 @@ def linear_creep_forces(
 
 @functools.cache
 def _log_coefficients() -> CubicSpline:
-    """Log of the coefficients, shape (4, 3), over log(a/b)."""
+    """Return the spline of the log of the coefficients, shape (4, 3), over log(a/b)."""
     ratios, *coefficients = zip(*CREEP_COEFFICIENTS, strict=True)
     return CubicSpline(np.log(ratios), np.log(np.moveaxis(coefficients, 0, 1)))
 
 
 def _parabola_weights(poisson: float) -> list[float]:
-    """Lagrange weights of the tabulated Poisson's ratios."""
+    """Return the Lagrange weights of the tabulated Poisson's ratios."""
     return [
         math.prod((poisson - other) / (node - other) for other in POISSON_RATIOS if other != node)
         for node in POISSON_RATIOS

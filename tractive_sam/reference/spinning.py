@@ -1,4 +1,4 @@
-"""Forces of a Hertzian contact that slips as a whole, with spin."""
+"""Forces of a Hertz contact in full slip with spin."""
 
 from __future__ import annotations
 
@@ -6,22 +6,20 @@ import math
 
 import numpy as np
 
-POINTS = 128
-"""Of the quadrature over the angle where the pole of slip is outside, and for each 1/1000 of the
-distance of the pole from the edge, at most `MOST`, where it is inside."""
-
-MOST = 20_000
-
 
 def full_slip_with_spin(
-    a_over_b: float, slip: tuple[float, float], spin: float
+    a_over_b: float,
+    slip: tuple[float, float],
+    spin: float,
+    points: int = 128,
+    most: int = 20_000,
 ) -> tuple[float, float, float]:
     """Return (Q_x, Q_y, M_z / c) / (mu P) of full slip, c = sqrt(a b), isotropic friction.
 
     The traction -mu p s/|s| against the slip s = (xi_x - phi y, xi_y + phi x) of rigid bodies,
     integrated over the ellipse of Hertz in polar coordinates around the pole at which the slip
     vanishes. There its direction depends on the angle alone, and the integral along the radius is
-    elementary. It is the limit of rolling under ever greater creepages.
+    elementary. It is the limit of rolling for increasing creepages.
 
     Parameters
     ----------
@@ -31,6 +29,11 @@ def full_slip_with_spin(
         (xi_x, xi_y), in any unit.
     spin : float
         c phi, in the same unit.
+    points : int
+        Integration points over the angle if the pole of the slip is outside the contact; if it is
+        inside, their number increases towards the edge.
+    most : int
+        Largest number of integration points.
 
     Examples
     --------
@@ -48,11 +51,11 @@ def full_slip_with_spin(
     d = math.hypot(*pole)
     if d < 1.0:
         # Near the edge the integrand has a peak as wide as the distance of the pole from it.
-        count = int(min(MOST, POINTS * (1.0 + 0.3 / (1.0 - d))))
+        count = int(min(most, points * (1.0 + 0.3 / (1.0 - d))))
         angle = np.arange(count) * (2.0 * math.pi / count)
         weight = np.full(count, 2.0 * math.pi / count)
     else:
-        nodes, weight = np.polynomial.legendre.leggauss(POINTS)
+        nodes, weight = np.polynomial.legendre.leggauss(points)
         half = math.asin(min(1.0, 1.0 / d))
         angle = math.atan2(-pole[1], -pole[0]) + half * nodes
         weight = half * weight
