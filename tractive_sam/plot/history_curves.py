@@ -205,7 +205,10 @@ def draw_column(
         Style of the line.
     """
     values = (history[name][:, BODIES.index(body)] if body else history[name]) / divisor
-    (line,) = axes.plot(history[history.coordinate.name], values, clip_on=False, **style)
+    places, known = history[history.coordinate.name], np.isfinite(values)
+    if not (known[1:] & known[:-1]).any():  # of single records, such as those with stored fields
+        places, values, style = places[known], values[known], {"marker": "o", **style}
+    (line,) = axes.plot(places, values, clip_on=False, **style)
     if measured := current_options().measured:
         column = f"{name} {body}".strip()
         measured.draw(axes, history, column, divisor, color=line.get_color())

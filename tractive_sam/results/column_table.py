@@ -283,17 +283,19 @@ _FATIGUE = (
              format=".3f", **_OF_BODIES),
     Quantity("utilisation_surface", "1", "largest utilisation at the surface",
              format=".3f", **_OF_BODIES),
-    Quantity("utilisation_at", "mm", "position (no x, y, depth) of the largest utilisation",
+    Quantity("utilisation_at", "mm", "position of it (x only in a transient, y, depth)",
              **_OF_PLACES),
     Quantity("damage", "1", "largest damage of the material that is left; at 1 a crack starts",
              symbol="D", format=".3g", **_OF_BODIES),
-    Quantity("damage_at", "mm", "position (no x, y, depth below the unworn surface) of it",
+    Quantity("damage_at", "mm", "position of it (x only in a transient, y, depth below the "
+             "unworn surface)",
              **_OF_PLACES),
     Quantity("damage_error", "1", "error of it by the length of jumps, the order of blocks and the "
              "points of stress paths, with [accuracy] by the mesh as well", _bars_of_damage,
              format=".1g", **_OF_BODIES),
     Quantity("initiation", "1", "revolution at which it reached 1", format=".4g", **_OF_BODIES),
-    Quantity("fatigue_life", "1", "revolutions to a crack by this record's stress, without wear",
+    Quantity("fatigue_life", "1", "revolutions, or repetitions of a transient, to a crack by the "
+             "stress so far, without wear",
              format=".4g", **_OF_BODIES),
     Quantity("wear_margin", "1", "smallest wear over the wear that balances fatigue, across the "
              "track; below 1 cracks start; none without wear", format=".3g", **_OF_BODIES),

@@ -179,6 +179,7 @@ class Damage(Observer):
     def describe(self, model: Model) -> Iterator[Row]:
         """See `Observer.describe`."""
         laws, table = model.laws, model.scene.fatigue
+        yield Row("records", "all; fields over (y, depth) with the stored fields")
         if table.limit is None:
             return
         yield Row("criterion", laws.fatigue.long_name)
@@ -223,22 +224,15 @@ class Damage(Observer):
 
     def remark(self, model: Model) -> str:
         """See `Observer.remark`: stress above shakedown, and lives that the mesh decides on."""
-        factors = {body: one.now.shakedown_lower for body, one in self.bodies.items()}
-        above = [f"{body} {factor:.2f}" for body, factor in factors.items() if factor < 1.0]
         tops = {} if model.laws.volume is None else self.at_the_top(model)
         hinge = [body for body, top in tops.items() if top > AT_TOP]
-        said = ""
-        if above:
-            said += (
-                f"; stress is above the shakedown limit (load factor of body {', of '.join(above)})"
-                ": elastic as it is, it is not what the material sees"
-            )
+        remark = shakedown_remark({body: one.now for body, one in self.bodies.items()})
         if hinge:
-            said += (
+            remark += (
                 f"; in body {' and '.join(hinge)} what counts for the stressed volume is largest "
                 "one element deep: smaller elements find more, and a shorter life"
             )
-        return said
+        return remark
 
     def at_the_top(self, model: Model) -> dict[str, float]:
         """`VolumeLife.surface_density_ratio` of each body, the largest of all blocks."""
@@ -529,19 +523,7 @@ def _down(
 def fatigue_columns(damage: Damage, model: Model) -> dict[str, Any]:
     """Columns of what rolling does to the material of each body."""
     life, shares = model.laws.life, model.weights
-    cycled = {body: one.now for body, one in damage.bodies.items()}
-    left = {body: one.largest("residual_shear") for body, one in cycled.items()}
-
-    def factors(of: str) -> dict[str, float]:
-        return {body: one.load_factor(getattr(left[body], of)) for body, one in cycled.items()}
-
-    columns: dict[str, Any] = _used(cycled) | {
-        "shakedown_lower": factors("value"),
-        "shakedown_interior": factors("interior"),
-        "shakedown_surface": factors("surface"),
-        "shakedown_lower_at": {body: one.at for body, one in left.items()},
-        "shakedown_upper": {body: one.shakedown_upper for body, one in cycled.items()},
-    }
+    columns = cycle_columns({body: one.now for body, one in damage.bodies.items()})
     if model.laws.volume is not None:
         columns |= _of_volume(damage, model, model.laws.volume)
     for body, one in damage.bodies.items():
@@ -551,6 +533,34 @@ def fatigue_columns(damage: Damage, model: Model) -> dict[str, Any]:
             else:
                 columns.setdefault(name, {})[body] = value
     return columns
+
+
+def cycle_columns(cycled: Mapping[str, BodyFatigue]) -> dict[str, Any]:
+    """Return the columns of utilisation and shakedown, by name and body."""
+    left = {body: one.largest("residual_shear") for body, one in cycled.items()}
+
+    def factors(name: str) -> dict[str, float]:
+        return {body: one.load_factor(getattr(left[body], name)) for body, one in cycled.items()}
+
+    return _used(cycled) | {
+        "shakedown_lower": factors("value"),
+        "shakedown_interior": factors("interior"),
+        "shakedown_surface": factors("surface"),
+        "shakedown_lower_at": {body: one.at for body, one in left.items()},
+        "shakedown_upper": {body: one.shakedown_upper for body, one in cycled.items()},
+    }
+
+
+def shakedown_remark(cycled: Mapping[str, BodyFatigue]) -> str:
+    """Return the remark on bodies whose stress is above the shakedown limit, or none."""
+    factors = {body: one.shakedown_lower for body, one in cycled.items()}
+    above = [f"{body} {factor:.2f}" for body, factor in factors.items() if factor < 1.0]
+    if not above:
+        return ""
+    return (
+        f"; stress is above the shakedown limit (load factor of body {', of '.join(above)}): the "
+        "material yields, and its stress is not this elastic one"
+    )
 
 
 def _of_volume(damage: Damage, model: Model, law: VolumeLife) -> dict[str, Any]:

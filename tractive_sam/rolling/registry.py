@@ -43,7 +43,7 @@ def process_of(model: Model, further: Iterable[Observer] = ()) -> Process[Any]:
         process = build_law("process.name", scene.process.name, Process, {"model": model})
     else:
         process = process_type(scene)(model)
-    if Damage.asked_by(scene) and Damage not in process.observers:
+    if Damage.asked_by(scene) and all(kind.key != Damage.key for kind in process.observers):
         cure = f"nothing: {type(process).__name__} has no Damage among its observers"
         raise SceneError([Fault(Damage.key, "with this process", cure)])
     stress = (LargestStress(),) if LargestStress.asked_by(scene) else ()

@@ -244,15 +244,20 @@ def _check_inputs_of_wear_law(entries: ValidEntries) -> Iterator[Fault]:
         yield Fault("creepage.speed", "nothing", cure)
 
 
-def _check_fatigue_is_steady(entries: ValidEntries) -> Iterator[Fault]:
-    """Report fatigue together with a transient."""
-    if entries["fatigue"] is not None and entries["transient"] is not None:
-        cure = "no [transient]: the stress along x is the stress path only in steady rolling"
-        yield Fault("fatigue", "with [transient]", cure)
+def _check_stress_history(entries: ValidEntries) -> Iterator[Fault]:
+    """Report a stress history without a criterion, and a life that only steady rolling has."""
+    fatigue, transient = entries["fatigue"], entries["transient"]
+    if transient is None:
+        return
+    if fatigue is None and transient.cycle_start is not None:
+        yield Fault("transient.cycle_start", f"{transient.cycle_start:g}", "only with [fatigue]")
+    if fatigue is not None and fatigue.volume is not None:
+        cure = "without [transient]: a volume is stressed evenly only in steady rolling"
+        yield Fault("fatigue.volume", "with [transient]", cure)
 
 
 SCENE_CHECKS: tuple[Check, ...] = (
-    _check_fatigue_is_steady,
+    _check_stress_history,
     not_both("load.force_x", "creepage.longitudinal"),
     not_both("load.force_y", "creepage.lateral"),
     not_both("grid", "accuracy"),

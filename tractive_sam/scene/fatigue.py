@@ -208,7 +208,6 @@ class Fatigue(LawTable):
         )
         plastic = "yielding above the shakedown limit is not modelled"
         yield Row("stress", f"elastic: {plastic}")
-        yield Row("records", "all; fields over (y, depth) with the stored fields")
         missing = "bending, residual stress from manufacture, hardness over the depth"
         yield Row("not included", missing)
 

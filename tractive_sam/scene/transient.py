@@ -152,6 +152,14 @@ def _check_save(entries: ValidEntries) -> Iterator[Fault]:
         yield Fault("save", str(list(save)), cure)
 
 
+def _check_cycle_start(entries: ValidEntries) -> Iterator[Fault]:
+    """Report a stress history that does not begin within the knots."""
+    knots, start = entries["distance"], entries["cycle_start"]
+    if start is not None and not knots[0] <= start < knots[-1]:
+        cure = f"a distance from {knots[0]:g} to below {knots[-1]:g}, within the knots"
+        yield Fault("cycle_start", f"{start:g}", cure)
+
+
 class Transient(Table):
     """Courses of load, creepage and friction over the rolling distance, and the steps.
 
@@ -199,7 +207,13 @@ class Transient(Table):
         "ascending numbers from the first knot to the last",
         default_factory=lambda given: tuple(sorted({*given["distance"]})),
     )
-    checks: ClassVar[tuple[Check, ...]] = (_check_courses, _check_save)
+    cycle_start: NotBelowZero | None = entry(
+        "distance at which the stress history of [fatigue] begins, mm, for example the start of "
+        "the last cycle; the default is the first knot",
+        "a number from the first knot to below the last",
+        default=None,
+    )
+    checks: ClassVar[tuple[Check, ...]] = (_check_courses, _check_save, _check_cycle_start)
 
     @classmethod
     def unfold(cls, given: Mapping[Any, Any]) -> Mapping[Any, Any]:

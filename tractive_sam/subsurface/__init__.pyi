@@ -1,5 +1,7 @@
 """What `subsurface` exports, for `__init__.py` and for type checkers."""
 
+from .course import Course as Course
+from .course import course_fatigue as course_fatigue
 from .cycle import cycle_depths as cycle_depths
 from .cycle import cycle_fatigue as cycle_fatigue
 from .cycle import fatigue as fatigue

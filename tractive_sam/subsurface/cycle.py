@@ -13,7 +13,7 @@ import numpy as np
 from tractive_sam.contact import Laws
 from tractive_sam.mechanics import enclosing_radius, evaluate_cycles, residual_shear
 from tractive_sam.operators import Lattice
-from tractive_sam.results import BodyFatigue, State
+from tractive_sam.results import BodyFatigue, Grid, State
 from tractive_sam.subsurface.depth import check_depths, semi_axes
 from tractive_sam.subsurface.layers import stress_layers
 from tractive_sam.subsurface.loaded import LoadedBodies
@@ -137,10 +137,12 @@ def cycle_fatigue(
                     yield path
                 yield np.maximum(value, 0.0) / limit
 
-    layers = (_layers(contact, depths, law) for contact, law in zip(contacts, laws, strict=True))
+    layers = (
+        layer_cycles(contact, depths, law) for contact, law in zip(contacts, laws, strict=True)
+    )
     for k, at_depth in enumerate(zip(*layers, strict=True), 1):
         for i, body in enumerate(table.bodies):
-            cycles = [layer[i] for layer in at_depth]
+            cycles = [layer[i] for _, _, layer in at_depth]
             radius[body][:, k], *values = judge(body, cycles)
             residual[body][:, k] = residual_shear(_join_cycles(cycles))
             for utilisation, value in zip(used[body], values, strict=False):
@@ -150,11 +152,11 @@ def cycle_fatigue(
         body, cycles = passes[0][0], [cycle for _, cycle, _ in passes]
         is_valid = np.any([rows for _, _, rows in passes], axis=0)
         values = judge(body, cycles)
-        radius[body][:, 0] = _average_rows(next(values), is_valid, radius[body][:, 1])
+        radius[body][:, 0] = average_rows(next(values), is_valid, radius[body][:, 1])
         surface = residual_shear(_join_cycles(cycles))
-        residual[body][:, 0] = _average_rows(surface, is_valid, residual[body][:, 1])
+        residual[body][:, 0] = average_rows(surface, is_valid, residual[body][:, 1])
         for utilisation, value, (_, _, rows) in zip(used[body], values, passes, strict=False):
-            utilisation[:, 0] = _average_rows(value, rows, utilisation[:, 1])
+            utilisation[:, 0] = average_rows(value, rows, utilisation[:, 1])
     k = table.shear_yield_stress
     about = laws[0].fatigue, math.nan if k is None else k
     return {
@@ -179,13 +181,36 @@ def _join_cycles(cycles: Sequence[np.ndarray]) -> np.ndarray:
     return cycles[0] if len(cycles) == 1 else np.concatenate(cycles, axis=1)
 
 
-def _layers(
-    contact: State, depths: np.ndarray, laws: Laws, spaces: int = 12
-) -> Iterator[np.ndarray]:
-    """Yield cycles (bodies, 6, n, n_y) at each depth below the surface; they end without stress.
+def layer_cycles(
+    contact: State,
+    depths: np.ndarray,
+    laws: Laws,
+    half_width: float | None = None,
+    spaces: int = 12,
+) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """Yield the stress paths at each depth below the surface.
 
-    See `_columns` for `spaces`: with 12 the error of a criterion from maxima outside the layers is
-    1e-3, with 8 it is 3e-3.
+    Parameters
+    ----------
+    contact : State
+        The solved contact.
+    depths : ndarray, shape (k,)
+        Ascending from 0, mm.
+    laws : Laws
+        Laws of the bodies.
+    half_width : float, optional
+        Half width of the contact in x that determines the length of layers; by default that of
+        this contact, mm.
+    spaces : int
+        See `_columns`: with 12 the error of a criterion from maxima outside the layers is 1e-3,
+        with 8 it is 3e-3.
+
+    Yields
+    ------
+    x, columns : ndarray, shapes (n,) and (2 spaces - 2,)
+        Positions on the layer, ascending, and ahead of it and behind it, mm.
+    cycles : ndarray, shape (bodies, 6, n + 2 spaces - 1, n_y)
+        Stress at these positions, and then none, MPa.
     """
     # Few lengths of layers: transforms are cached for each, also while wear changes the contact.
     lengths, multiple = 3, 4
@@ -194,13 +219,15 @@ def _layers(
     part = np.ceil(depths[1:] / depths[-1] * lengths) / lengths
     # At this distance the first columns are an element apart.
     distance = np.maximum(part * depths[-1], 0.5 * spaces * grid.dx)
-    needed = contact.half_width_x + distance - grid.half_length[0]
+    half_width = contact.half_width_x if half_width is None else half_width
+    needed = half_width + distance - grid.half_length[0]
     beyond = np.maximum(0, multiple * np.ceil(needed / grid.dx / multiple)).astype(int)
     load = LoadedBodies.from_contact(contact, bodies, laws)
     for more, together in groupby(zip(beyond, depths[1:], strict=True), lambda pair: pair[0]):
         group = np.array([depth for _, depth in together])
-        x = _columns(contact, int(more), group[0], spaces)
+        x = _columns(grid, half_width, int(more), group[0], spaces)
         outside = load.in_contact_axes(load.source.at_columns(x, group))
+        layer_x = grid.lengthened(int(more)).x
         elements = grid.elements[0] + 2 * int(more)
         layers = stress_layers(contact, group, bodies, int(more), laws=laws)
         for k, (_, stress) in enumerate(layers):
@@ -208,10 +235,10 @@ def _layers(
             paths = np.zeros((len(bodies), stress.shape[3], 6, elements + x.size + 1))
             paths[..., :elements] = stress.transpose(0, 3, 1, 2)
             paths[..., elements:-1] = outside[..., k].transpose(0, 3, 1, 2)
-            yield paths.transpose(0, 2, 3, 1)
+            yield layer_x, x, paths.transpose(0, 2, 3, 1)
 
 
-def _columns(contact: State, more: int, depth: float, spaces: int) -> np.ndarray:
+def _columns(grid: Grid, half_width: float, more: int, depth: float, spaces: int) -> np.ndarray:
     """Return x of the stress path ahead of a layer and behind it, shape (2 spaces - 2,), mm.
 
     Friction causes tension behind the contact, and the hydrostatic tension of a deep point has its
@@ -223,8 +250,10 @@ def _columns(contact: State, more: int, depth: float, spaces: int) -> np.ndarray
 
     Parameters
     ----------
-    contact : State
-        The solved contact.
+    grid : Grid
+        The mesh.
+    half_width : float
+        Half width of the contact in x, mm.
     more : int
         Elements by which the layer extends beyond the mesh.
     depth : float
@@ -232,9 +261,8 @@ def _columns(contact: State, more: int, depth: float, spaces: int) -> np.ndarray
     spaces : int
         Number of spaces between the end of the layer and infinity.
     """
-    grid = contact.grid
     end = grid.half_length[0] + (more - 0.5) * grid.dx
-    nearest = end - contact.half_width_x + depth
+    nearest = end - half_width + depth
     x = end + nearest * ((spaces / np.arange(spaces - 1, 0, -1)) ** 2 - 1.0)
     return np.concatenate((x, -x))
 
@@ -253,7 +281,7 @@ def _surfaces(contact: State, laws: Laws) -> Iterator[tuple[str, np.ndarray, np.
         yield name, cycle, is_valid
 
 
-def _average_rows(values: np.ndarray, is_valid: np.ndarray, below: np.ndarray) -> np.ndarray:
+def average_rows(values: np.ndarray, is_valid: np.ndarray, below: np.ndarray) -> np.ndarray:
     """Return the mean of the valid values on both sides of every row; else the value below."""
     if values.size == below.size:  # a line
         return np.where(is_valid, values, below)

@@ -110,6 +110,53 @@ def surface_cycles(
     is_valid : ndarray of bool, shape (n_y - 1,), of strips (1,)
         Rows with a valid path: not those that only touch the edge of the contact.
     """
+    stress, even, is_valid, rough, (_, row) = _corners_and_edges(
+        lattice, body, tractions, sign, sliding
+    )
+    order = np.argsort(row, kind="stable")
+    rough, row = rough[:, order], row[order]
+    count = np.bincount(row, minlength=stress.shape[2])
+    among = np.arange(row.size) - (np.cumsum(count) - count)[row]
+    added = np.zeros((6, count.max(initial=0), stress.shape[2]))
+    added[:, among, row] = rough
+    return np.concatenate((np.where(even, stress, 0.0), added), axis=1), is_valid
+
+
+def surface_points(
+    lattice: Lattice, body: HalfSpaces, tractions: np.ndarray, sign: float, sliding: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Return the stress of a surface at the corners of elements, one or more at each of them.
+
+    At an edge of the contact or of stick that is the stress on its smooth side, at the nearest
+    corner; where it is not known that between the elements. Parameters as for `surface_cycles`.
+
+    Returns
+    -------
+    stress : ndarray, shape (6, n)
+        MPa.
+    column, row : ndarray of int, shape (n,)
+        Numbers of the corners in x and in y.
+    is_valid : ndarray of bool, shape (n_y - 1,), of strips (1,)
+        As by `surface_cycles`.
+    """
+    stress, even, is_valid, rough, places = _corners_and_edges(
+        lattice, body, tractions, sign, sliding
+    )
+    edge = np.zeros_like(even)
+    edge[tuple(places)] = True
+    column, row = np.nonzero(even | ~edge)
+    every = np.concatenate((stress[:, column, row], rough), axis=1)
+    return every, np.append(column, places[0]), np.append(row, places[1]), is_valid
+
+
+def _corners_and_edges(
+    lattice: Lattice, body: HalfSpaces, tractions: np.ndarray, sign: float, sliding: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Return the stress at all corners (6, n_x - 1, n_y - 1), and at the edges in their rows.
+
+    Then where it is smooth, the rows with a valid path, and at edges the stress (6, n) and the
+    nearest corner (2, n).
+    """
     (stress,) = surface_stress(lattice, body, tractions, (sign,))
     pressure = tractions[2]
     kinds = kinds_of_corners(pressure, sliding)
@@ -118,12 +165,7 @@ def surface_cycles(
     nu, sides = (body.A.poisson,), (lattice.dx, lattice.dy)
     rough, places = where_rough(stress[None], pressure, kinds, nu, *sides)
     in_row = places[1] == np.rint(places[1])
-    rough, row = rough[:, 0, in_row], places[1, in_row].astype(int)
-    order = np.argsort(row, kind="stable")
-    rough, row = rough[:, order], row[order]
-    count = np.bincount(row, minlength=stress.shape[2])
-    among = np.arange(row.size) - (np.cumsum(count) - count)[row]
-    added = np.zeros((6, count.max(initial=0), stress.shape[2]))
-    added[:, among, row] = rough
     is_valid = loaded.any(axis=0) | away.all(axis=0)
-    return np.concatenate((np.where(loaded | away, stress, 0.0), added), axis=1), is_valid
+    last = np.array(stress.shape[1:])[:, None] - 1
+    nearest = np.clip(np.rint(places[:, in_row]).astype(int), 0, last)
+    return stress, loaded | away, is_valid, rough[:, 0, in_row], nearest

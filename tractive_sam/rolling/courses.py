@@ -1,0 +1,121 @@
+"""Courses of a transient: what is prescribed over the distance, between its knots."""
+
+from collections.abc import Mapping
+from itertools import pairwise
+from math import ceil
+from typing import Any
+
+from tractive_sam.scene import Scene
+
+PARTS = 10
+"""Steps of a stretch of shifts, by default."""
+
+CLOSE = 1e-6
+"""Part of a step by which it may be longer rather than leave a rest."""
+
+
+class Courses:
+    """What a scene prescribes over the distance.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a [transient].
+    """
+
+    def __init__(self, scene: Scene):
+        self.scene, self.table = scene, scene.transient
+        self.knots = self.table.distance
+        self.rolls = self.table.rolls
+        load, creepage = scene.load, scene.creepage
+        constant = {
+            "load.normal": scene.normal_load,
+            "load.approach": load.approach,
+            "load.force_x": load.force_x,
+            "load.force_y": load.force_y,
+            "creepage.longitudinal": creepage.longitudinal,
+            "creepage.lateral": creepage.lateral,
+            "creepage.spin": creepage.spin,
+            "friction.mu": scene.friction.mu[0],
+        }
+        self._courses = self.table.courses
+        self._constant = {k: v for k, v in constant.items() if k not in self._courses}
+        if "load.normal" in self._courses or "load.approach" in self._courses:
+            self._constant |= {
+                k: None for k in ("load.normal", "load.approach") if k not in self._courses
+            }
+
+    @property
+    def stretches(self) -> int:
+        """Their number."""
+        return len(self.knots) - 1
+
+    def jumps_after(self, stretch: int, distance: float) -> bool:
+        """Whether a shift follows at once."""
+        at_end = distance == self.knots[stretch + 1]
+        return at_end and stretch + 1 < self.stretches and self.shifted(stretch + 1)
+
+    def at(self, distance: float, stretch: int) -> dict[str, float | None]:
+        """Everything asked for at a distance, by dotted keys; at a jump, what the stretch says."""
+        first, last = self.knots[stretch], self.knots[stretch + 1]
+        share = (distance - first) / (last - first) if last > first else 1.0
+        found = dict(self._constant)
+        for key, values in self._courses.items():
+            found[key] = (1.0 - share) * values[stretch] + share * values[stretch + 1]
+        return found
+
+    def first(self) -> dict[str, float | None]:
+        """The same at the first knot, before any jump there."""
+        return self._constant | {key: values[0] for key, values in self._courses.items()}
+
+    def shifted(self, stretch: int) -> bool:
+        """Whether it is a jump, and takes a shift."""
+        return self.knots[stretch] == self.knots[stretch + 1] and any(
+            values[stretch] != values[stretch + 1]
+            for key, values in self._courses.items()
+            if not (self.rolls and key.startswith("creepage."))
+        )
+
+    def jump(self, stretch: int) -> tuple[float, ...]:
+        """By how much the shifts jump over a stretch."""
+        none = (0.0,) * len(self.knots)
+        courses = (self._courses.get(key, none) for key in CREEPAGES)
+        return tuple(values[stretch + 1] - values[stretch] for values in courses)
+
+    def weakening(self, asked: Mapping[str, float | None]) -> float:
+        """Return the factor on the coefficients of friction in what is asked for."""
+        return asked["friction.mu"] / self.scene.friction.mu[0]
+
+    def scene_at(self, asked: Mapping[str, float | None]) -> Scene:
+        """The steady scene of what is asked for at a moment."""
+        scene, friction = self.scene, self.scene.friction
+        factor = self.weakening(asked)
+        changes: dict[str, Any] = {"transient": None, "wear": None}
+        for key in friction.entries().keys() & {"mu", "static", "kinetic"}:
+            changes[f"friction.{key}"] = tuple(factor * one for one in getattr(friction, key))
+        for key in ("load.normal", "load.approach"):
+            if key in self._courses:
+                changes[key] = asked[key]
+        for force, creepage in (("force_x", "longitudinal"), ("force_y", "lateral")):
+            forced = asked[f"load.{force}"] is not None
+            key = f"load.{force}" if forced else f"creepage.{creepage}"
+            changes[key] = asked[key]
+        changes["creepage.spin"] = asked["creepage.spin"]
+        return scene.replace(**changes)
+
+
+CREEPAGES = ("creepage.longitudinal", "creepage.lateral", "creepage.spin")
+
+
+def expected_steps(scene: Scene, dx: float) -> int:
+    """Return the number of records on elements so long, mm; of adaptive steps, about."""
+    courses, count = Courses(scene), 1
+    for stretch, (first, end) in enumerate(pairwise(courses.knots)):
+        if first == end:
+            count += courses.shifted(stretch)
+            continue
+        step = scene.transient.step or (dx if courses.rolls else (end - first) / PARTS)
+        count += ceil((end - first) / step - CLOSE)
+        saved = ((s - first) / step for s in scene.transient.save if first < s < end)
+        count += sum(abs(place - round(place)) > CLOSE for place in saved)  # between two steps
+    return count
