@@ -37,14 +37,6 @@ def test_a_fault(changes, key):
     assert key in [fault.key for fault in error.value.faults]
 
 
-def test_it_is_of_steady_rolling():
-    scene = ts.Scene.builtin("spheres").replace(fatigue=WHOLE)
-    transient = {"distance": [0.0, 1.0], "creepage.longitudinal": [0.0, -0.001]}
-    with pytest.raises(ts.SceneError) as error:
-        scene.replace(transient=transient)
-    assert "fatigue" in [fault.key for fault in error.value.faults]
-
-
 def test_pressure_beyond_all_shakedown_is_doubtful():
     discs = ts.Scene.builtin("twin-discs")
     with pytest.warns(PlausibilityWarning, match="fatigue"):

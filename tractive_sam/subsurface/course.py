@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tractive_sam.contact import Laws
-from tractive_sam.mechanics import enclosing_radius, judged, residual_shear
+from tractive_sam.mechanics import enclosing_radius, evaluate_cycles, residual_shear
 from tractive_sam.operators import Lattice
 from tractive_sam.results import BodyFatigue, State
 from tractive_sam.subsurface.cycle import average_rows, layer_cycles
@@ -136,7 +136,7 @@ def _worst(
     if laws.fatigue is None:
         radius, none = enclosing_radius(path), np.full(path.shape[2], np.nan)
         return radius.max(axis=1), none, none
-    value, radius = judged(laws.fatigue, path)
+    value, radius = evaluate_cycles(laws.fatigue, path)
     worst = value.argmax(axis=1)
     return radius.max(axis=1), value.max(axis=1), material[worst]
 
