@@ -54,7 +54,7 @@ def test_units(unit, shown):
 
 def test_arrays_come_back():
     values = np.arange(6.0).reshape(2, 3).T
-    assert (unpacked(arrays.packed(values)) == values).all()
+    assert (unpacked(arrays.pack_array(values)) == values).all()
 
 
 def test_every_column_that_changes_is_drawn_once(history):
@@ -64,7 +64,7 @@ def test_every_column_that_changes_is_drawn_once(history):
         column = history.columns[name.split()[0]]
         hidden = column.role in charts.HIDDEN or "position" in column.dims
         known = values[np.isfinite(values)]
-        if hidden or known.size < 2 or np.ptp(known) <= charts.ROUNDING * np.abs(known).max():
+        if hidden or known.size < 2 or np.ptp(known) <= 1e-9 * np.abs(known).max():
             continue
         assert any(np.array_equal(values.astype("<f4"), one, equal_nan=True) for one in drawn), name
     titles = [chart["title"] for chart in charts.charts(history)]
@@ -86,7 +86,7 @@ def test_a_force_that_is_zero_is_not_drawn():
 
 
 def test_the_fields_are_those_of_the_records(history):
-    surface = data.of_history(history)["surface"]
+    surface = data.page_data(history)["surface"]
     pressure = unpacked(surface["fields"]["pressure"])
     assert pressure.shape[0] == len(history.saved)
     for shown, at in zip(pressure, history.saved, strict=True):
@@ -97,21 +97,21 @@ def test_the_fields_are_those_of_the_records(history):
 
 def test_heat_and_friction_that_varies_are_on_it(history):
     hot = ts.roll(ts.Scene.builtin("hot-discs"))
-    shown = data.of_history(hot)["surface"]["fields"]
+    shown = data.page_data(hot)["surface"]["fields"]
     heat = hot.state().heat
     assert unpacked(shown["temperature_B"]).max() == pytest.approx(heat.temperature["B"].max())
     # In full slip it is what temperature leaves of friction.
     degrees, factors = np.array(hot.scene.friction.temperature).T
     least = np.interp(heat.temperature_max, degrees, factors)
     assert unpacked(shown["friction"]).min() == pytest.approx(least, rel=1e-3)  # drawn on beside
-    assert not {"temperature_A", "friction"} & set(data.of_history(history)["surface"]["fields"])
+    assert not {"temperature_A", "friction"} & set(data.page_data(history)["surface"]["fields"])
 
 
 def test_large_results_are_thinned_and_that_is_told(history, monkeypatch):
     monkeypatch.setattr(data, "MOST_NUMBERS", 400)
     monkeypatch.setattr(data, "FEWEST", 5)
     monkeypatch.setattr(data, "MOST_SAVED", 2)
-    found = data.of_history(history)
+    found = data.page_data(history)
     whole = history.field("pressure").size
     assert unpacked(found["surface"]["fields"]["pressure"])[0].size < whole / 4
     assert found["places"] == ["0", "20"]
@@ -121,7 +121,7 @@ def test_large_results_are_thinned_and_that_is_told(history, monkeypatch):
 def test_stress_is_that_of_the_planes(history):
     (one,) = (
         one
-        for one in data.of_history(history)["stress"]
+        for one in data.page_data(history)["stress"]
         if (one["body"], one["plane"]) == ("B", "x=0")
     )
     shown = unpacked(one["components"]["von Mises"])[-1]
@@ -147,7 +147,7 @@ def test_stress_of_a_narrower_mesh_is_drawn_in_the_middle(tmp_path, monkeypatch)
     )
     history = ts.roll(scene, tmp_path / "a.h5")
     assert history.grid.elements[1] > NARROW.elements[1]
-    for one in data.of_history(history)["stress"]:
+    for one in data.page_data(history)["stress"]:
         first, last = unpacked(one["components"]["von Mises"])
         assert np.isfinite(last).all()
         assert not np.isfinite(first).all()
@@ -162,7 +162,7 @@ def test_of_a_duty_cycle_every_block_is_a_place(tmp_path):
     scene = ts.Scene.builtin("twin-discs").with_set(SMALL)
     few = {"planes": ["x=0"], "elements": 4, "bodies": ["A"]}
     history = ts.roll(scene.replace(duty=blocks, subsurface=few))
-    found = data.of_history(history)
+    found = data.page_data(history)
     (stress,) = found["stress"]
     shown, depths, y = (
         unpacked(one)

@@ -11,7 +11,7 @@ from tractive_sam.cli import app
 from tractive_sam.lookup import Hermite, creepages_at
 from tractive_sam.mechanics.full_slip import full_slip_force
 from tractive_sam.tables import TableAxis, building, grid
-from tractive_sam.tables.building import FULL
+from tractive_sam.tables.building import REFINEMENT, Refinement
 from tractive_sam.tables.coefficients import coefficients
 from tractive_sam.tables.grid import CreepageGrid
 
@@ -146,7 +146,7 @@ def test_full_slip_is_that_of_friction():
     asked = scene(friction={"mu": [0.3, 0.15], "angle": 30.0})
     design = ts.TableDesign(scene=asked, elements=15, tolerance=0.2)
     w = np.array([math.cos(0.4), math.sin(0.4), 0.0])
-    found = design.contacts(()).forces(FULL * w, 15)
+    found = design.contacts(()).forces(REFINEMENT.full * w, 15)
     expected = full_slip_force(1.0, (1.0, 0.5), math.radians(30.0), (w[0], w[1]))
     # Nothing sticks: what is left is the tolerance of the solver.
     np.testing.assert_allclose(found, [*expected, 0.0], atol=1e-5)
@@ -223,9 +223,9 @@ def test_the_command_makes_tables_with_axes(text, name, tmp_path, monkeypatch):
     """On few nodes: the errors told are those of points anywhere, of all values of the axis."""
     monkeypatch.setattr(grid, "HEADINGS", 3)
     monkeypatch.setattr(grid, "TILTS", 2)
-    few = {"FIRST_U": (0.0, 0.4, 0.7, 1.0), "SAMPLES": 2, "ANYWHERE": 40, "HELD_OUT": 40}
-    for constant, value in few.items():
-        monkeypatch.setattr(building, constant, value)
+    monkeypatch.setattr(building, "FIRST_U", (0.0, 0.4, 0.7, 1.0))
+    few = Refinement(samples=2, anywhere=40, checks=40)
+    monkeypatch.setattr(building, "REFINEMENT", few)
     y = np.linspace(-20.0, 20.0, 81)
     for file, depth in (("new", 0.0), ("worn", 0.02)):
         columns = np.column_stack([y, depth * np.exp(-((y / 4.0) ** 2))])

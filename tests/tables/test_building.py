@@ -7,7 +7,7 @@ import pytest
 
 import tractive_sam as ts
 from tractive_sam.lookup import creepages_at
-from tractive_sam.tables.building import ANYWHERE, MISS, _Builder
+from tractive_sam.tables.building import REFINEMENT, _Builder
 from tractive_sam.tables.contacts import Solved
 from tractive_sam.tables.solving import Batch
 
@@ -39,7 +39,7 @@ def builder(weights, tolerance, seed):
 
 
 def built(weights, tolerance, seed):
-    table = builder(weights, tolerance, seed).built()
+    table = builder(weights, tolerance, seed).build()
     random = np.random.default_rng(5)
     points = np.array([random.uniform(*axis[[0, -1]], 2000) for axis in table.law.axes]).T
     exact = [force(weights, one[:3], creepages_at(1.0, *one[3:])) for one in points]
@@ -64,18 +64,18 @@ def test_nodes_are_added_until_points_anywhere_are_within_the_tolerance(seed):
 def test_a_table_ends_when_points_that_it_has_not_seen_find_nothing():
     """Nodes are where the points asked for them: these alone would say too little of the others."""
     one = builder(orthotropic, 5e-3, 0)
-    table = one.built()
-    assert len(one.held_out) >= 2 * ANYWHERE  # the first so many have asked for nodes
-    unseen = one.held_out[-ANYWHERE:]
-    assert np.abs(one._errors(table, unseen)).max() <= MISS * 5e-3
-    assert len(set(one.held_out)) == len(one.held_out)
+    table = one.build()
+    assert len(one.check_points) >= 2 * REFINEMENT.anywhere  # the first led to nodes
+    unseen = one.check_points[-REFINEMENT.anywhere :]
+    assert np.abs(one._errors(table, unseen)).max() <= REFINEMENT.miss * 5e-3
+    assert len(set(one.check_points)) == len(one.check_points)
     assert table.about["held_out_worst"] <= 5e-3
 
 
 def test_points_held_out_leave_no_gap():
     """A cell of three axes, of 125, holds eight of a thousand of them."""
     one = builder(orthotropic, 5e-3, 0)
-    points = np.array(one._at_shares(one.anywhere.random(ANYWHERE)))[:, 3:]
+    points = np.array(one._points_at_shares(one.anywhere.random(REFINEMENT.anywhere)))[:, 3:]
     low, high = (np.array([axis[k] for axis in one.axes[3:]]) for k in (0, -1))
     cells = np.floor(5 * (points - low) / (high - low)).astype(int)
     counts = np.unique(cells @ [25, 5, 1], return_counts=True)[1]
@@ -97,13 +97,13 @@ def test_intervals_that_stay_are_judged_by_the_same_points():
     """New ones in each round would find ever worse ones, and never end."""
     one = builder(orthotropic, 5e-3, 0)
     table = one._table([np.zeros((max(len(axis) - 1, 0), 3)) for axis in one.axes])
-    for first, again in zip(one._between(table), one._between(table), strict=True):
+    for first, again in zip(one._interval_errors(table), one._interval_errors(table), strict=True):
         np.testing.assert_array_equal(first, again)
 
 
 def test_tables_are_updated_without_solving_their_nodes_again():
     """Slopes at rest and checks of gradients are solved; the other nodes are those of the file."""
-    table = builder(orthotropic, 0.05, 0).built()
+    table = builder(orthotropic, 0.05, 0).build()
     requested = []
 
     def count(jobs):
@@ -112,7 +112,7 @@ def test_tables_are_updated_without_solving_their_nodes_again():
 
     one = builder(orthotropic, 0.05, 0)
     one.solve = count
-    updated = one.updated(table)
+    updated = one.update(table)
     assert all(job.finer or not any(job.w) for job in requested)
     new, old = (each.law.coefficients for each in (updated, table))
     # Rounding: slopes in full slip are computed from the others again.

@@ -108,7 +108,7 @@ def test_errors_are_drawn(tmp_path):
     table = of_any()
     table.about.update(checks | {"held_out_inside": 0.97})
     table_errors(table).savefig(tmp_path / "errors.png")
-    with pytest.raises(ValueError, match="held out"):
+    with pytest.raises(ValueError, match="check points"):
         table_errors(of_a_scene())
 
 

@@ -8,5 +8,5 @@ __all__ = ["report", "style"]
 
 
 def style() -> str:
-    """The look that all pages share, as CSS."""
+    """Return the style of all pages, as CSS."""
     return files(__name__).joinpath("style.css").read_text("utf-8")

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 
-def packed(values: Any) -> dict[str, Any]:
-    """An array as JSON: shape, and float32 in base64, the last axis running fastest."""
+def pack_array(values: Any) -> dict[str, Any]:
+    """Return an array as JSON: shape, and float32 in base64; the last axis varies fastest."""
     array = np.ascontiguousarray(values, "<f4")
     return {"shape": array.shape, "base64": b64encode(array.tobytes()).decode()}

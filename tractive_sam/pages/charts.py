@@ -1,4 +1,4 @@
-"""Which columns of a history are drawn together over its course."""
+"""Charts of the columns of a history over its course."""
 
 from collections.abc import Iterator
 from itertools import product
@@ -8,7 +8,7 @@ import numpy as np
 
 from tractive_sam.description import format_unit, html_symbol
 from tractive_sam.markup import Html, as_html, fill
-from tractive_sam.pages.arrays import packed
+from tractive_sam.pages.arrays import pack_array
 from tractive_sam.results import BODIES, COORDINATE, LABELS, PREFIX, History, Quantity
 
 TOGETHER = (
@@ -23,34 +23,22 @@ TOGETHER = (
     ("Tangential forces", ("Qx", "Qy")),
     ("Work per distance rolled", ("work_supplied", "dissipation", "t_gamma")),
 )
-"""Titles, and names or roles of columns in one chart. Every other column has one of its own."""
+"""Titles, and names or roles of columns in one chart. Every other column has a separate chart."""
 
 HIDDEN = {"stress_max", "stress_max_at", "stress_max_error", COORDINATE}
-"""Roles that are drawn otherwise, or not."""
+"""Roles that have no chart."""
 
-BOOKKEEPING = {
-    "residual",
-    "operator_applications",
-    "convolutions",
-    "jump",
-    "converged",
-    "solves",
-    "seconds",
-}
-"""Columns of how it was computed: at the end."""
-
-ROUNDING = 1e-9
-"""Change over the largest value below which nothing changes."""
-
-NOISE = 1e-6
-"""Change of a force over the load, likewise: what solvers leave open."""
+SOLVER = {
+    "residual", "operator_applications", "convolutions", "jump", "converged", "solves", "seconds",
+}  # fmt: skip
+"""Columns of the solver, whose charts are the last ones."""
 
 
 def charts(history: History) -> list[dict[str, Any]]:
-    """Charts over the course: titles, units, and lines with their numbers.
+    """Return the charts over the course: titles, units, and lines with their numbers.
 
-    Columns that do not change are left out: the table of numbers has them. Of a duty cycle a chart
-    has a column of the cycle and the same of its blocks.
+    Columns that do not change are omitted: the table of numbers contains them. For a duty cycle a
+    chart has the column of the cycle and that of its blocks.
     """
     if len(history) < 2:
         return []
@@ -68,43 +56,44 @@ def charts(history: History) -> list[dict[str, Any]]:
         names = [name for name, one in free.items() if name in keys or one.role in keys]
         groups.append((title, {name: free.pop(name) for name in names}))
     groups += [(_title(one), {name: one}) for name, one in free.items()]
-    drawn = [_chart(history, title, list(group.values())) for title, group in groups]
-    return sorted((one for one in drawn if one["lines"]), key=lambda one: one["aside"])
+    found = [_chart(history, title, list(group.values())) for title, group in groups]
+    return sorted((chart for chart in found if chart["lines"]), key=lambda chart: chart["aside"])
 
 
-def _noise(history: History, name: str) -> float:
-    """By how much forces and moments change that are zero but for what the solver leaves."""
-    load = NOISE * float(np.nanmax(history["P"]))
+def _noise(history: History, name: str, share: float = 1e-6) -> float:
+    """Return the change of forces and moments due to errors of the solver, a share of the load."""
+    load = share * float(np.nanmax(history["P"]))
     arm = float(np.nanmax(history["half_width_x"]))
-    of = {"Qx": load, "Qy": load, "Mz": load * arm, "Qx_over_P": NOISE, "Qy_over_P": NOISE}
-    return of.get(name.removeprefix(PREFIX), 0.0)
+    ratios = {"Qx_over_P": share, "Qy_over_P": share}
+    return ({"Qx": load, "Qy": load, "Mz": load * arm} | ratios).get(name.removeprefix(PREFIX), 0.0)
 
 
 def _of_cycle(history: History, one: Quantity) -> Quantity:
-    """The column of the cycle where it is one of its blocks."""
+    """Return the column of the cycle for a column of its blocks; others unchanged."""
     return history.columns.get(one.name.removeprefix(PREFIX), one)
 
 
 def jumps(position: np.ndarray, travel: float = 3.0) -> bool:
-    """Return whether a position goes to and fro: it is that of neighbouring peaks by turns.
+    """Return whether a position alternates, as that of two peaks of about equal height.
 
     Parameters
     ----------
     position : ndarray, shape (n,)
         Positions along the course, finite.
     travel : float
-        Path over range from which it does; 1 of a position that moves one way, 2 of one that
-        returns.
+        Path over range from which it alternates; the ratio is 1 for a monotonic motion, and 2 if
+        it returns.
     """
     return bool(np.abs(np.diff(position)).sum() > travel * np.ptp(position))
 
 
-def _title(one: Quantity) -> str:
-    return one.long_name[:1].upper() + one.long_name[1:]
+def _title(quantity: Quantity) -> str:
+    """Return the description of a quantity with a capital letter."""
+    return quantity.long_name[:1].upper() + quantity.long_name[1:]
 
 
 def _chart(history: History, title: str, group: list[Quantity]) -> dict[str, Any]:
-    """One chart: its title, the label of its axis, its lines, and whether it is set aside."""
+    """Return a chart: its title, the label of its axis, its lines, and whether it is last."""
     units = [format_unit(one.unit) for one in group]
     label = as_html(", ".join(dict.fromkeys(filter(None, units))))
     names = {_of_cycle(history, one).name for one in group}
@@ -114,12 +103,12 @@ def _chart(history: History, title: str, group: list[Quantity]) -> dict[str, Any
         "title": as_html(title),
         "label": label,
         "lines": [line for one in group for line in _lines(history, one, len(group))],
-        "aside": names <= BOOKKEEPING and bool(group),
+        "aside": names <= SOLVER and bool(group),
     }
 
 
 def _lines(history: History, one: Quantity, several: int) -> Iterator[dict[str, Any]]:
-    """The numbers of a column that change, a line for each body and axis."""
+    """Yield the lines of a column that changes, one for each body and axis."""
     values, noise = history[one.name], _noise(history, one.name)
     labels = {**LABELS, "block": history.block_names}
     for place in product(*(labels[dim] for dim in one.dims)):
@@ -127,7 +116,7 @@ def _lines(history: History, one: Quantity, several: int) -> Iterator[dict[str, 
         at: Any = (..., *(labels[dim].index(k) for dim, k in place_of))
         line = values[at].astype(float)
         known = line[np.isfinite(line)]
-        if known.size < 2 or np.ptp(known) <= max(noise, ROUNDING * np.abs(known).max()):
+        if known.size < 2 or np.ptp(known) <= max(noise, 1e-9 * np.abs(known).max()):
             continue
         if one.name.removeprefix(PREFIX).endswith("_at") and jumps(known):
             continue
@@ -140,8 +129,8 @@ def _lines(history: History, one: Quantity, several: int) -> Iterator[dict[str, 
             named.append(as_html(kind))
         elif "block" not in one.dims and (several > 1 or not place):
             named = [name, *named]
-        drawn = {"name": Html(", ".join(named)), "values": packed(line)}
+        chart_line = {"name": Html(", ".join(named)), "values": pack_array(line)}
         bars = history.values.get(f"{one.name}_error")
         if bars is not None and np.isfinite(bars[at]).any():
-            drawn["bars"] = packed(bars[at])
-        yield drawn
+            chart_line["bars"] = pack_array(bars[at])
+        yield chart_line

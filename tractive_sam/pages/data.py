@@ -1,4 +1,4 @@
-"""What the page of a history draws, as JSON: numbers as float32 in base64."""
+"""The data of the page of a history, as JSON: numbers as float32 in base64."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -10,7 +10,7 @@ import numpy as np
 from tractive_sam import interrupt
 from tractive_sam.description import format_unit, html_symbol
 from tractive_sam.markup import as_html
-from tractive_sam.pages.arrays import packed
+from tractive_sam.pages.arrays import pack_array
 from tractive_sam.pages.charts import charts
 from tractive_sam.plot import (
     ContactView,
@@ -24,29 +24,27 @@ from tractive_sam.results import COMPONENTS, Grid, History, PlaneStress, numbers
 from tractive_sam.safe_text import printable_text
 
 MOST_SAVED = 40
-"""Records whose fields are on the page; of more some are left out."""
+"""Largest number of records whose fields are on the page; of more some are omitted."""
 
 MOST_NUMBERS = 9e5
-"""Numbers of all fields, and of all stresses: 4.6 MB of text each."""
+"""Largest count of numbers of all fields, and of all stresses: 4.6 MB of text each."""
 
 FEWEST = 24
-"""Elements on a side that are shown however many records there are."""
+"""Smallest number of elements on a side that are shown, for any number of records."""
 
-BESIDE, BESIDE_STRESS = 0.15, 1.0
-"""Shown around the contact, in its half widths: of the surface, and below it."""
-
-PROFILES = ("wear_profile_A", "wear_profile_B", "wear_profile")
+MARGIN, STRESS_MARGIN = 0.15, 1.0
+"""Margins around the contact, in its half widths: of the surface, and below it."""
 
 
-def of_history(history: History) -> dict[str, Any]:
-    """All that the page draws, and what is left out of it."""
+def page_data(history: History) -> dict[str, Any]:
+    """Return all data of the page, and notes on omitted data."""
     saved = select_evenly(history.saved, MOST_SAVED)
     blocks = _blocks(history)
     states = []
     for at in saved:
         interrupt.raise_if_interrupted()
         states += [ContactView.from_source(block, at) for _, block in blocks]
-    surface = _Window.around(states, BESIDE, MOST_NUMBERS / (10 * max(len(states), 1)))
+    surface = _Window.around(states, MARGIN, MOST_NUMBERS / (10 * max(len(states), 1)))
     along = history.coordinate
     rows = [int(np.flatnonzero(history[along.name] == at)[-1]) for at in saved]
     each = [row for row in rows for _ in blocks]
@@ -60,7 +58,7 @@ def of_history(history: History) -> dict[str, Any]:
         "places": [
             as_html(format(at, along.format) + name) for at in saved.tolist() for name, _ in blocks
         ],
-        "at": packed(np.repeat(saved, len(blocks))),
+        "at": pack_array(np.repeat(saved, len(blocks))),
         "scale": _scale(history) if len(history) else None,
         "surface": None if surface is None else surface.fields(states),
         "profiles": _profiles(history, each),
@@ -70,14 +68,14 @@ def of_history(history: History) -> dict[str, Any]:
             for row in (rows or [-1] * bool(len(history)))
             for _, block in blocks
         ],
-        "course": packed(history[along.name]),
+        "course": pack_array(history[along.name]),
         "charts": charts(history),
         "leftOut": list(_left_out(history, saved, surface)),
     }
 
 
 def _left_out(history: History, saved: np.ndarray, surface: "_Window | None") -> Iterator[str]:
-    """Notes on what the page does not show, or shows otherwise."""
+    """Yield notes on data that the page omits or shows in another form."""
     if len(saved) < len(history.saved):
         yield f"{len(saved)} of {len(history.saved)} stored records are shown here"
     if surface is not None and surface.every > 1:
@@ -90,12 +88,13 @@ def _left_out(history: History, saved: np.ndarray, surface: "_Window | None") ->
 
 
 def _blocks(history: History) -> list[tuple[str, History]]:
-    """Names and histories of the blocks of a duty cycle; else of the whole, which has no name."""
+    """Return names and histories of the blocks of a duty cycle; else the history without a name."""
     blocks = [(f", {name}", history.block(k)) for k, name in enumerate(history.block_names)]
     return blocks or [("", history)]
 
 
 def _scale(history: History) -> dict[str, Any]:
+    """Return the half widths and the pressure by which figures divide."""
     scale = Scale.from_history(history)
     known = {"a": scale.a, "b": scale.b, "p": scale.p}
     return {name: value if np.isfinite(value) else None for name, value in known.items()} | {
@@ -105,47 +104,47 @@ def _scale(history: History) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class _Window:
-    """The part of the mesh around the contacts of all records, and which of its elements."""
+    """The part of the mesh around the contacts of all records, and the step between elements."""
 
     x: slice
     y: slice
     every: int
 
     @classmethod
-    def around(cls, states: Sequence[ContactView], beside: float, most: float) -> "_Window | None":
-        """Window with at most so many elements; None where nothing touches."""
+    def around(cls, states: Sequence[ContactView], margin: float, most: float) -> "_Window | None":
+        """Return a window with at most that many elements; None if nothing touches."""
         if not states:
             return None
         touching = np.any([state.contact.touching for state in states], axis=0)
         if not touching.any():
             return None
-        sides = [_side(touching.any(axis=axis), beside) for axis in (1, 0)]
+        sides = [_side(touching.any(axis=axis), margin) for axis in (1, 0)]
         elements = [side.stop - side.start for side in sides]
         every = ceil(sqrt(max(1.0, elements[0] * elements[1] / most)))
         every = max(1, min(every, max(elements) // FEWEST))
         return cls(sides[0], sides[1], every)
 
-    def of(self, values: np.ndarray) -> np.ndarray:
-        """Values in the window, shape (..., y, x) of (..., n_x, n_y)."""
+    def select(self, values: np.ndarray) -> np.ndarray:
+        """Return values in the window, shape (..., y, x) from (..., n_x, n_y)."""
         x, y = (slice(side.start, side.stop, self.every) for side in (self.x, self.y))
         return np.swapaxes(values[..., x, y], -1, -2)
 
     def axes(self, state: ContactView) -> tuple[np.ndarray, np.ndarray]:
-        """Centres of the elements, mm."""
+        """Return the centres of the elements in x and y, mm."""
         y = _on_bodies({"y": state.y}, "y")
         return state.x[self.x][:: self.every], y[self.y][:: self.every]
 
     def fields(self, states: Sequence[ContactView]) -> dict[str, Any]:
-        """Fields of all records, shape (records, y, x)."""
+        """Return the fields of all records, shape (records, y, x)."""
         x, y = self.axes(states[0])
         rows: dict[str, list[np.ndarray]] = {}
         for state in states:
             for name, values in _surface(state):
-                rows.setdefault(name, []).append(self.of(values))
-        fields = {name: packed(values) for name, values in rows.items()}
+                rows.setdefault(name, []).append(self.select(values))
+        fields = {name: pack_array(values) for name, values in rows.items()}
         return {
-            "x": packed(x),
-            "y": packed(y),
+            "x": pack_array(x),
+            "y": pack_array(y),
             "fields": fields,
             "bounds": states[0].bound_ratios,
             "isotropic": states[0].isotropic,
@@ -156,21 +155,21 @@ class _Window:
         }
 
 
-def _side(touched: np.ndarray, beside: float) -> slice:
-    """From the first to the last that is touched, and some beside, at least two."""
+def _side(touched: np.ndarray, margin: float) -> slice:
+    """Return the range of touched elements with a margin of at least two."""
     inside = np.flatnonzero(touched)
-    more = max(2, round(0.5 * beside * (inside[-1] - inside[0] + 1)))
+    more = max(2, round(0.5 * margin * (inside[-1] - inside[0] + 1)))
     return slice(max(0, inside[0] - more), min(touched.size, inside[-1] + more + 1))
 
 
 def _surface(state: ContactView) -> Iterator[tuple[str, np.ndarray]]:
-    """Fields of a contact by their names on the page."""
+    """Yield the fields of a contact by their names on the page."""
     contact = state.contact
     yield "pressure", contact.pressure
     yield "px", contact.traction[0]
     yield "py", contact.traction[1]
     yield "used", contact.utilisation
-    # Slip and wear do not vanish at the edge, where maps are cut off: they are to go on there.
+    # Slip and wear do not vanish at the edge, where maps are clipped: they are extended.
     yield "sx", extend_outwards(contact.slip[0], contact.touching)
     yield "sy", extend_outwards(contact.slip[1], contact.touching)
     yield "wear", extend_outwards(1e3 * contact.wear, contact.touching)
@@ -181,58 +180,59 @@ def _surface(state: ContactView) -> Iterator[tuple[str, np.ndarray]]:
     for body, temperature in (contact.heat.temperature if contact.heat else {}).items():
         yield f"temperature_{body}", temperature
     if contact.grid.directions > 1:
-        yield "edge", _of_one(edge_level(contact.pressure))
+        yield "edge", _normalize(edge_level(contact.pressure))
         yield "stick", _stick(state)
 
 
 def _stick(state: ContactView) -> np.ndarray:
-    """Zero at the boundary between stick and slip; nan where there is none."""
+    """Return values that are zero at the boundary between stick and slip; nan without one."""
     stick = state.contact.touching & ~state.slip_zone
     if not stick.any() or not state.slip_zone.any():
         return np.full(stick.shape, np.nan)
     return extend_outwards(stick_level(state, stick), state.contact.touching)
 
 
-def _of_one(values: np.ndarray) -> np.ndarray:
+def _normalize(values: np.ndarray) -> np.ndarray:
+    """Return values over the largest magnitude."""
     return values / max(np.abs(values).max(), 1e-300)
 
 
 def _profiles(history: History, rows: Sequence[int]) -> dict[str, Any] | None:
-    """Depth worn off each body across the track, micrometres, shape (records, n_y)."""
+    """Return the worn depth of each body across the track, micrometres, shape (records, n_y)."""
     if history.grid.directions == 1 or not rows:
         return None
-    found = {name: 1e3 * history[name][rows] for name in PROFILES if name in history.columns}
+    names = {"wear_profile_A": "A", "wear_profile_B": "B", "wear_profile": "both"}
+    found = {name: 1e3 * history[name][rows] for name in names if name in history.columns}
     known = {name: depth for name, depth in found.items() if np.isfinite(depth).any()}
     worn = np.any([np.nan_to_num(depth).any(axis=0) for depth in known.values()], axis=0)
     if not worn.any():
         return None
-    track = _side(worn, BESIDE)
-    names = {"wear_profile_A": "A", "wear_profile_B": "B", "wear_profile": "both"}
-    lines = {names[name]: packed(depth[:, track]) for name, depth in known.items()}
-    return {"y": packed(history.y[track]), "lines": lines}
+    track = _side(worn, MARGIN)
+    lines = {names[name]: pack_array(depth[:, track]) for name, depth in known.items()}
+    return {"y": pack_array(history.y[track]), "lines": lines}
 
 
 def _stress(
     blocks: Sequence[History], saved: np.ndarray, states: Sequence[ContactView]
 ) -> list[dict[str, Any]]:
-    """Stress on every stored plane, by component, shape (records, second axis, first axis).
+    """Return the stress on every stored plane, shape (records, second axis, first axis).
 
-    Blocks have their own depths, and each place its axes: shape (records, axis).
+    The depths of blocks differ, so the axes have the shape (records, axis).
     """
     history = blocks[0]
     count = len(history.planes) * len(states) * (1 + len(COMPONENTS))
     found = []
-    asked = [] if history.scene.subsurface is None else map(str, history.scene.subsurface.planes)
-    order = {plane: k for k, plane in enumerate(asked)}
+    planes = [] if history.scene.subsurface is None else map(str, history.scene.subsurface.planes)
+    order = {plane: k for k, plane in enumerate(planes)}
     for body, plane in sorted(history.planes, key=lambda one: order.get(one[1], len(order))):
         interrupt.raise_if_interrupted()
         each = (block.stress(body, plane, at) for at in saved for block in blocks)
         rows = [_on_mesh(one, history.grid) for one in each]
         (first, along), (second, across) = rows[0].axes.items()
         if min(along.size, across.size) < 2:
-            continue  # of a line contact, a plane across is only a line
+            continue  # a plane across a line contact is only a line
         sides = [
-            _side_of(name, states, size)
+            _plane_side(name, states, size)
             for name, size in ((first, along.size), (second, across.size))
         ]
         size = np.prod([side.stop - side.start for side in sides])
@@ -246,16 +246,16 @@ def _stress(
                 "body": body,
                 "plane": plane,
                 "axes": [first, second],
-                "first": packed([_on_bodies(row.axes, first)[part[0]] for row in rows]),
-                "second": packed([_on_bodies(row.axes, second)[part[1]] for row in rows]),
-                "components": {name: packed(values) for name, values in named.items()},
+                "first": pack_array([_on_bodies(row.axes, first)[part[0]] for row in rows]),
+                "second": pack_array([_on_bodies(row.axes, second)[part[1]] for row in rows]),
+                "components": {name: pack_array(values) for name, values in named.items()},
             }
         )
     return found
 
 
 def _on_mesh(stress: PlaneStress, grid: Grid) -> PlaneStress:
-    """Stress that was stored on a narrower mesh, on the last one; it is not known beside."""
+    """Return stress that was stored on a narrower mesh on the last one, with nan outside."""
     sizes = {"x": grid.x.size, "y": grid.y.size}
     shape = tuple(sizes.get(name, places.size) for name, places in stress.axes.items())
     if shape == stress.components[COMPONENTS[0]].shape:
@@ -270,21 +270,22 @@ def _on_mesh(stress: PlaneStress, grid: Grid) -> PlaneStress:
 
 
 def _on_bodies(axes: Mapping[str, np.ndarray], name: str) -> np.ndarray:
-    """Places along an axis; y from the middle of the mesh: a band of a duty cycle lies aside."""
+    """Return places along an axis; y from the middle of the mesh, as bands of blocks differ."""
     places = axes[name]
     return places - 0.5 * (places[0] + places[-1]) if name == "y" else places
 
 
-def _side_of(name: str, states: Sequence[ContactView], size: int) -> slice:
+def _plane_side(name: str, states: Sequence[ContactView], size: int) -> slice:
+    """Return the range of an axis of a plane that is shown."""
     if name == "depth":
         return slice(0, size)
     touching = np.any([state.contact.touching for state in states], axis=0)
     touched = touching.any(axis=1 if name == "x" else 0)
-    return _side(touched, BESIDE_STRESS) if touched.any() else slice(0, size)
+    return _side(touched, STRESS_MARGIN) if touched.any() else slice(0, size)
 
 
 def _numbers(history: History, row: int) -> list[Mapping[str, str]]:
-    """The numbers of a record, one a line of a table."""
+    """Return the numbers of a record as rows of a table."""
     return [
         {
             "name": printable_text(name),

@@ -1,4 +1,4 @@
-"""The page of a history: every stored record behind one slider, and the course of all numbers."""
+"""The page of a history: every stored record with a slider, and the course of all numbers."""
 
 import json
 import re
@@ -13,13 +13,10 @@ from tractive_sam import interrupt
 from tractive_sam.extras import require_extra
 from tractive_sam.markup import Html, fill, security_policy
 from tractive_sam.output_file import write_file
-from tractive_sam.pages.data import of_history
+from tractive_sam.pages.data import page_data
 from tractive_sam.plot import list_figures
 from tractive_sam.results import History, describe_history
 from tractive_sam.scene import Scene
-
-LONGEST_SCENE = 20_000
-"""Characters of a scene that are shown: one with arrays has millions."""
 
 SCALES = {
     "Viridis": "Viridis",
@@ -29,8 +26,7 @@ SCALES = {
     "Plasma": "Plasma",
     "RdBu": "RdBu_r",
 }
-"""Colours as of the figures, by their names in the page and in plotly."""
-
+"""Colour maps of the figures: names in plotly by names in the page."""
 
 DRAWN_BY_SCRIPT = """
 pressure traction traction-sections stick-slip slip wear friction temperature von-mises-{plane}
@@ -38,11 +34,8 @@ forces widths stick creepages wear-depth worn-mass {stress_max} fatigue-course b
 profiles wear-profiles worn-profiles pressure-profiles pressure-over-{coordinate}
 slip-over-{coordinate} wear-over-{coordinate} wear-regimes
 """
-"""Registered figures that the page has as interactive ones, and wear-regimes, which would load
-compilers. All others are pictures in it."""
-
-PICTURE = 460.0
-"""Width of a picture, pixels."""
+"""Registered figures that are interactive on the page, and wear-regimes, which would load
+compilers. All others are pictures."""
 
 
 def report(history: History, path: str | PathLike[str]) -> Path:
@@ -50,14 +43,14 @@ def report(history: History, path: str | PathLike[str]) -> Path:
 
     A slider over the stored records moves pressure, traction with the edge of stick, slip, wear,
     sections and the stress planes together; every column that changes is drawn over the course.
-    Fields go without the mesh beside the contact, as float32.
+    Fields are stored as float32, without the mesh outside of the contact.
 
     Parameters
     ----------
     history : History
-        What to show; also of one record, of a line contact, or of a computation that still runs.
+        History to show; also of one record, of a line contact, or of a running computation.
     path : path-like
-        The page, as "twin-discs.html"; replaced if it is there.
+        The page, such as "twin-discs.html"; an existing one is replaced.
 
     Returns
     -------
@@ -69,7 +62,7 @@ def report(history: History, path: str | PathLike[str]) -> Path:
     ImportError
         If plotly is not installed, which comes with the extra ``report``.
     OSError
-        If the page cannot be written; one that was there before is unchanged.
+        If the page cannot be written; an existing one is unchanged.
 
     Examples
     --------
@@ -80,13 +73,14 @@ def report(history: History, path: str | PathLike[str]) -> Path:
 
 
 def _page(history: History) -> str:
+    """Return the HTML of the page."""
     script, colours = _plotly()
-    data = of_history(history) | {"colours": colours}
+    data = page_data(history) | {"colours": colours}
     parts = {name: files(__package__).joinpath(name).read_text("utf-8") for name in _PARTS}
     kind = "good" if history.finished else "part" if history.status == "running" else "bad"
     notes, facts = [*_notes(history), *data.pop("leftOut")], describe_history(history)
     named = [f"{name} {number}" for name, number in history.versions.items()]
-    found = _harmless(json.dumps(data, allow_nan=False))
+    found = _escape_script(json.dumps(data, allow_nan=False))
     style = f"\n{parts['style.css']}{parts['report.css']}\n"
     # plotly sets attributes of style and fills an empty element of style: neither runs anything.
     return fill(
@@ -98,23 +92,23 @@ def _page(history: History) -> str:
         kind=kind,
         message=history.message,
         notes=(fill('<p class="notice">$note</p>\n', note=note) for note in notes),
-        facts=(fill("<dt>$name</dt><dd>$one</dd>", name=k, one=v) for k, v in facts.items()),
+        facts=(fill("<dt>$name</dt><dd>$text</dd>", name=k, text=v) for k, v in facts.items()),
         pictures=_pictures(history),
         scene=_scene(history),
         versions=", ".join(named or [f"tractive-sam {version('tractive-sam')}"]),
         plotly=Html(script),
-        unused=[_unused(one) for one in set(re.findall(_GUARDED_STYLE, script))],
+        unused=[_unused(name) for name in set(re.findall(_GUARDED_STYLE, script))],
         data=Html(found),
         script=Html(parts["report.js"]),
     )
 
 
 _GUARDED_STYLE = r'getElementById\("([0-9a-f]{64})"\)'
-"""How plotly seeks a style of its maps, which it adds if there is none of this name."""
+"""Pattern of the code with which plotly looks for a style of its maps; it adds a missing one."""
 
 
 def _unused(name: str) -> Html:
-    """An empty style in place of one that the page has no use for, and its policy refuses."""
+    """Return an empty style that replaces one of plotly, which the policy of the page refuses."""
     return fill('<style id="$name"></style>', name=name)
 
 
@@ -122,20 +116,20 @@ _PARTS = ("report.html", "report.js", "report.css", "style.css")
 
 
 def _plotly() -> tuple[str, dict[str, Any]]:
-    """The script that draws, and the colours of the figures."""
+    """Return the script of plotly, and the colours of the figures."""
     with require_extra("report"):
         from plotly.colors import get_colorscale  # noqa: PLC0415 - of an extra
         from plotly.offline import get_plotlyjs  # noqa: PLC0415
     return get_plotlyjs(), {name: get_colorscale(plotly) for name, plotly in SCALES.items()}
 
 
-def _pictures(history: History) -> Html:
-    """Return a section of the figures that the script does not draw, each with its caption."""
+def _pictures(history: History, width: float = 460.0) -> Html:
+    """Return a section of the figures that the script does not draw, in pixels wide."""
     cards, drawn = [], DRAWN_BY_SCRIPT.split()
     for drawing in list_figures(history):
         if drawing.entry.name not in drawn:
             interrupt.raise_if_interrupted()
-            image = drawing.draw().to_html(PICTURE)
+            image = drawing.draw().to_html(width)
             cards.append(fill(_CARD, caption=drawing.caption, image=image))
     return fill(_SECTION, cards=cards) if cards else Html()
 
@@ -150,21 +144,22 @@ $cards</div>
 """
 
 
-def _harmless(data: str) -> str:
-    """JSON that ends no script, whatever a title holds."""
+def _escape_script(data: str) -> str:
+    """Return JSON that cannot end a script, whatever a title contains."""
     return data.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
 
 
 def _notes(history: History) -> list[str]:
-    """What is doubtful about the scene, each once."""
+    """Return the warnings of the scene, each once."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         Scene(**history.scene.entries())
     return list(dict.fromkeys(str(one.message) for one in caught))
 
 
-def _scene(history: History) -> str:
-    written = history.scene.to_toml()
-    if len(written) <= LONGEST_SCENE:
-        return written
-    return f"{written[:LONGEST_SCENE]}\n... and {len(written) - LONGEST_SCENE} characters more"
+def _scene(history: History, most: int = 20_000) -> str:
+    """Return the scene as TOML, of which that many characters are shown."""
+    text = history.scene.to_toml()
+    return (
+        text if len(text) <= most else f"{text[:most]}\n... and {len(text) - most} characters more"
+    )

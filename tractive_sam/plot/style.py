@@ -8,6 +8,7 @@ from textwrap import wrap
 from typing import Any, ParamSpec, TypeVar
 
 import matplotlib as mpl
+from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from matplotlib.ticker import MaxNLocator
@@ -81,7 +82,7 @@ STYLE = {
     "axes.labelsize": 12,
     "axes.linewidth": 0.7,
     "axes.edgecolor": "#333333",
-    "axes.prop_cycle": mpl.cycler(color=LOOK.lines),
+    "axes.prop_cycle": cycler(color=LOOK.lines),
     "axes.formatter.use_mathtext": True,
     "axes.formatter.limits": (-3, 4),
     "xtick.direction": "in",

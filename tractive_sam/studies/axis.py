@@ -1,4 +1,4 @@
-"""What varies in a study, and through which values."""
+"""The axes of a study: keys of the scene and their values."""
 
 from __future__ import annotations
 

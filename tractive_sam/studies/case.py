@@ -1,4 +1,4 @@
-"""The cases of a study: one scene each, all of them checked before any is run."""
+"""The cases of a study: one scene each, all checked before the first is run."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ class Case:
     Attributes
     ----------
     number : int
-        Its place among all cases, the last dimension counting fastest.
+        Index among all cases; the last dimension varies fastest.
     changes : mapping of str to object
-        What varies, by dotted key.
+        Values that vary, by dotted key.
     scene : Scene
-        What is computed.
+        The scene.
     digest : str
-        Hash of the scene, but for its title.
+        Hash of the scene without its title.
 
     Examples
     --------
@@ -60,17 +60,17 @@ class Case:
         return f"{self.number:05d}-{self.digest}"
 
     def __str__(self) -> str:
-        told = ", ".join(f"{key} = {format_setting(value)}" for key, value in self.changes.items())
-        return f"case {self.number} ({told})"
+        values = ", ".join(f"{k} = {format_setting(value)}" for k, value in self.changes.items())
+        return f"case {self.number} ({values})"
 
 
 def cases(study: Study) -> list[Case]:
-    """Every case of a study.
+    """Return every case of a study.
 
     Raises
     ------
     StudyError
-        With the faults of all scenes that are not valid, each told once.
+        With the faults of all scenes that are not valid, each once.
 
     Examples
     --------
@@ -91,41 +91,42 @@ def cases(study: Study) -> list[Case]:
             scene = study.scene.replace(**changes)
             case = Case(number, changes, scene, _digest(scene, contents))
         except SceneError as error:
-            case, told = Case(number, changes, study.scene, ""), list(error.faults)
+            case, new = Case(number, changes, study.scene, ""), list(error.faults)
         except GapError as error:
             case = Case(number, changes, study.scene, "")
-            told = [Fault(error.key, error.given, error.allowed)]
+            new = [Fault(error.key, error.given, error.allowed)]
         else:
             twin = seen.setdefault(case.digest, case)
             allowed = f"scenes that differ; {twin} is the same"
-            told = [] if twin is case else [Fault("axis", "a scene twice", allowed)]
+            new = [] if twin is case else [Fault("axis", "a scene twice", allowed)]
             found.append(case)
-        for fault in told:
-            # The same entry is at fault in many cases: one is told, and how many there are.
+        for fault in new:
+            # Many cases have the same fault: one is reported, with their number.
             faults.setdefault((fault.key, fault.given), []).append((fault, case))
     if faults:
-        raise StudyError(_told(same) for same in faults.values())
+        raise StudyError(_merge_faults(same) for same in faults.values())
     return found
 
 
 def _changes(study: Study) -> Iterator[dict[str, Any]]:
-    """What varies, case by case."""
+    """Yield the values that vary, case by case."""
     dimensions = study.dimensions
     for index in np.ndindex(study.shape):
         places = zip(dimensions, index, strict=True)
-        yield {key: value for one, k in places for key, value in one.at(k).items()}
+        yield {key: value for dimension, k in places for key, value in dimension.at(k).items()}
 
 
-def _told(same: list[tuple[Fault, Case]]) -> Fault:
+def _merge_faults(same: list[tuple[Fault, Case]]) -> Fault:
+    """Return one of several equal faults, with the number of their cases."""
     fault, case = same[0]
     where = f"in {case}" if len(same) == 1 else f"in {case} and {len(same) - 1} more"
     return replace(fault, given=f"{fault.given} {where}")
 
 
 def _digest(scene: Scene, contents) -> str:
-    """Hash of all that a scene asks for, with the content of its files, and of what computes it.
+    """Return the hash of a scene, the content of its files, and the version of the methods.
 
-    So results never mix of versions whose methods, or whose files, may differ.
+    Results of versions with different methods or files are never mixed.
     """
     hashed = hashlib.sha256(f"{scene.fingerprint()} {_generation()}".encode())
     for table, gap in {"gap": scene.gap, **scene.schedule.profiles}.items():
@@ -136,19 +137,19 @@ def _digest(scene: Scene, contents) -> str:
 
 @cache
 def _generation() -> str:
-    """The version that a change of what is computed raises, and that of results files."""
+    """Return the version of the methods, and that of results files."""
     first, second, *_ = (*versions()["tractive-sam"].split("."), "")
     return f"{first}.{second} {FORMAT_VERSION}"
 
 
 def _contents(gap: Gap, file: Path, table: str) -> bytes:
-    """Hash of the file of a measured gap, which is read to see that it can be."""
+    """Return the hash of the file of a measured gap, which is read as a check."""
     read_gap(gap, table)
     return hashlib.sha256(file.read_bytes()).digest()
 
 
 def title_of(key: str) -> str:
-    """What an entry of the scene means, with its unit; of a list, with its place."""
+    """Return the meaning of a key of the scene with its unit; in a list, with its index."""
     title = Scene.find_field(key).title or key
     within, bracket, _ = key.rpartition("].")
     return f"{within}]: {title}" if bracket else title

@@ -90,7 +90,7 @@ class Study(Document):
     Parameters
     ----------
     scene : Scene, str or mapping
-        What does not vary: a scene, the name of a built-in one, a scene file, or the tables of one.
+        The scene: a scene, the name of a built-in one, a scene file, or the tables of one.
     axis : iterable of Axis or mapping
         See `Axis`; the last one varies fastest.
     latin : Latin or mapping, optional
@@ -103,7 +103,7 @@ class Study(Document):
         "all", a results file for each case, or "scalars", the numbers of its last record alone: all
         cases in one file.
     title : str
-        What is studied.
+        Title.
 
     Raises
     ------
@@ -156,10 +156,10 @@ class Study(Document):
             if key not in known
         ]
         try:
-            scene = _settled(scene, set, without)
+            scene = _apply_settings(scene, set, without)
         except SceneError as error:
             faults += error.faults
-            scene = Scene.builtin(builtin_names()[0])  # so that the rest is judged as well
+            scene = Scene.builtin(builtin_names()[0])  # so that the rest is checked as well
         try:
             super().__init__(**given | {"scene": scene})
         except SceneError as error:
@@ -176,7 +176,7 @@ class Study(Document):
 
     @classmethod
     def resolve_files(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
-        """The tables, with relative files in them sought from a folder."""
+        """Return the tables with their relative files resolved from a folder."""
         if "body" in tables:
             cure = 'scene = "FILE.toml", or them in [scene]; tractive-sam run computes a scene'
             raise SceneError([Fault("(file)", "the tables of a scene", cure)])
@@ -200,7 +200,7 @@ class Study(Document):
 
 
 def is_study(path: str | PathLike[str]) -> bool:
-    """Whether a file is TOML with what only a study has: axes or a Latin hypercube.
+    """Return whether a file is TOML with what only a study has: axes or a Latin hypercube.
 
     Examples
     --------
@@ -215,7 +215,7 @@ def is_study(path: str | PathLike[str]) -> bool:
 
 
 def _setting_from(folder: Path, setting: Any) -> Any:
-    """A setting like ``gap.file=profile.csv`` with its file sought from a folder."""
+    """Return a setting like ``gap.file=profile.csv`` with its file resolved from a folder."""
     if not isinstance(setting, str) or setting.partition("=")[0].strip() not in FILE_KEYS:
         return setting
     ((key, file),) = parse_settings([setting]).items()
@@ -227,8 +227,8 @@ def _dimensions(axes: Iterable[Axis], latin: Latin | None) -> tuple[Dimension, .
     return of_axes if latin is None else (*of_axes, latin.dimension())
 
 
-def _settled(scene: Any, settings: Any, without: Any) -> Scene:
-    """The scene with its settings made."""
+def _apply_settings(scene: Any, settings: Any, without: Any) -> Scene:
+    """Return the scene with its settings."""
     faults = [
         Fault(name, shorten(given), f"a list of {kind}")
         for name, given, kind in (

@@ -19,15 +19,15 @@ from tractive_sam.studies.axis import SAMPLE
 from tractive_sam.studies.case import title_of
 from tractive_sam.studies.design import Study
 
-DRAWN = ("Qx_over_P", "Qy_over_P", "Mz", "p_max", "stick_fraction", "wear_max")
-"""Quantities of which there are figures unless others are asked for."""
+DEFAULTS = ("Qx_over_P", "Qy_over_P", "Mz", "p_max", "stick_fraction", "wear_max")
+"""Quantities that are drawn by default."""
 
 NOISE = 1e-6
-"""Share of its size by which a quantity varies where it should not: what solvers leave open."""
+"""Relative variation of a quantity below which it is constant, within the errors of solvers."""
 
 
 class Tabulated(Protocol):
-    """What is drawn of a study; see `StudyResults` for what the members mean."""
+    """Results of a study as figures see them; `StudyResults` describes the members."""
 
     @property
     def study(self) -> Study:
@@ -39,10 +39,10 @@ class Tabulated(Protocol):
 
     @property
     def quantities(self) -> Mapping[str, Quantity]:
-        """Quantities that are known."""
+        """Known quantities."""
 
     def column(self, name: str) -> np.ndarray:
-        """A quantity of all cases."""
+        """Return a quantity of all cases."""
 
 
 def save_figures(
@@ -53,7 +53,7 @@ def save_figures(
     at: Mapping[str, Any] | None = None,
     format: str = "png",
 ) -> list[Path]:
-    """Draw quantities of the last records over what varies.
+    """Draw quantities of the last records over the axes of a study.
 
     Curves over the longest axis, one for each value of the second longest, and a map over both;
     samples of a Latin hypercube over each of their entries.
@@ -61,15 +61,14 @@ def save_figures(
     Parameters
     ----------
     results : StudyResults
-        What to draw.
+        Results to draw.
     directory : path-like
-        Where to; made if it does not exist.
+        Folder of the figures; it is created if it does not exist.
     quantities : tuple of str
-        Names of `Tabulated.quantities`; by default those of `DRAWN` that are not the same
-        everywhere.
+        Names of `Tabulated.quantities`; by default those of `DEFAULTS` that vary.
     at : mapping of str to object, optional
-        Values at which other axes are held, by key; they are needed where more than two vary. The
-        titles and the names of the files tell them.
+        Fixed values of axes, by key; they are needed if more than two axes vary. The titles and
+        the names of the files contain them.
     format : str
         One of `plot.FORMATS`.
 
@@ -81,7 +80,7 @@ def save_figures(
     Raises
     ------
     ValueError
-        If there is no such quantity, axis or value, or more than two axes would be left.
+        If a quantity, axis or value is unknown, or more than two axes vary.
 
     Examples
     --------
@@ -98,27 +97,27 @@ def save_figures(
     if unknown:
         known = ", ".join(results.quantities) or "none yet"
         raise ValueError(f"no quantity {', '.join(unknown)}; there are {known}")
-    left = _held(results, at or {})
-    names = quantities or [name for name in DRAWN if _varies(results, name)]
+    left = _fix_axes(results, at or {})
+    names = quantities or [name for name in DEFAULTS if _varies(results, name)]
     make_folder(directory)
-    held = {_short(key, results.study): value for key, value in (at or {}).items()}
-    named = ", ".join(f"{key} = {value}" for key, value in held.items())
+    fixed = {_short(key, results.study): value for key, value in (at or {}).items()}
+    named = ", ".join(f"{key} = {value}" for key, value in fixed.items())
     title = "\n".join(filter(None, (results.study.title or results.study.scene.title, named)))
     paths = []
     for name in names:
         for kind, figure in _figures(results, name, left, title):
             interrupt.raise_if_interrupted()
-            stem = "-".join((name.replace(" ", "-"), kind, *_parts(held)))
+            stem = "-".join((name.replace(" ", "-"), kind, *_name_parts(fixed)))
             paths.append(directory / f"{stem}.{format}")
             figure.savefig(paths[-1], dpi=DPI)
     return paths
 
 
 def first_figure(results: Tabulated) -> Figure | None:
-    """Of the first quantity that varies, where no axis is to be held; else none."""
+    """Return the figure of the first quantity that varies; None if an axis must be fixed."""
     try:
-        index = _held(results, {})
-        names = [name for name in DRAWN if name in results.quantities and _varies(results, name)]
+        index = _fix_axes(results, {})
+        names = [name for name in DEFAULTS if name in results.quantities and _varies(results, name)]
         title = results.study.title or results.study.scene.title
         return next(figure for name in names for _, figure in _figures(results, name, index, title))
     except (StopIteration, ValueError):  # too few cases as yet, or too many axes
@@ -126,14 +125,14 @@ def first_figure(results: Tabulated) -> Figure | None:
 
 
 def _short(key: str, study: Study) -> str:
-    """The last name of a key, or all of it where another axis has the same."""
+    """Return the last part of a key, or all of it if another axis has the same."""
     last = [one.name.rpartition(".")[2] for one in study.dimensions]
     short = key.rpartition(".")[2]
     return short if last.count(short) == 1 else key
 
 
-def _held(results: Tabulated, at: Mapping[str, Any]) -> tuple[int | slice, ...]:
-    """An index into the cases that holds some axes and leaves at most two."""
+def _fix_axes(results: Tabulated, at: Mapping[str, Any]) -> tuple[int | slice, ...]:
+    """Return an index into the cases with some axes fixed, and at most two others."""
     dimensions = results.study.dimensions
     names = [one.name for one in dimensions]
     unknown = [key for key in at if key not in names]
@@ -146,28 +145,29 @@ def _held(results: Tabulated, at: Mapping[str, Any]) -> tuple[int | slice, ...]:
             continue
         column = range(len(one)) if one.name == SAMPLE else one.columns[one.name]
         if at[one.name] not in column:
-            told = ", ".join(map(str, column))
-            raise ValueError(f"{one.name} has no value {at[one.name]}; it has {told}")
+            values = ", ".join(map(str, column))
+            raise ValueError(f"{one.name} has no value {at[one.name]}; it has {values}")
         index.append(list(column).index(at[one.name]))
     free = [n for n, k in zip(names, index, strict=True) if isinstance(k, slice)]
-    # A sample has entries enough of its own.
+    # A sample has several keys itself.
     most = 1 if SAMPLE in free else 2
     if not 1 <= len(free) <= most:
         raise ValueError(
-            f"{len(free)} axes vary, {', '.join(free) or 'none'}; hold all but {most}, each at one "
+            f"{len(free)} axes vary, {', '.join(free) or 'none'}; fix all but {most}, each at one "
             "of its values: --at KEY=VALUE, in Python at={key: value}"
         )
     return tuple(index)
 
 
 def _varies(results: Tabulated, name: str) -> bool:
+    """Return whether a quantity varies among the cases."""
     values = results.column(name)
     values = values[np.isfinite(values)]
     return bool(values.size) and bool(np.ptp(values) > NOISE * _size(results, name))
 
 
 def _size(results: Tabulated, name: str) -> float:
-    """What a quantity is small against."""
+    """Return the size that a small quantity is compared with."""
     if name == "Mz":
         return float(np.nanmax(results.column("P") * results.column("half_width_x")))
     if name in ("Qx_over_P", "Qy_over_P", "stick_fraction"):
@@ -175,14 +175,14 @@ def _size(results: Tabulated, name: str) -> float:
     return float(np.nanmax(np.abs(results.column(name))))
 
 
-def _parts(held: Mapping[str, Any]) -> Iterator[str]:
-    """Values that are held, for the name of a file."""
-    for key, value in held.items():
+def _name_parts(fixed: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the fixed values, for the name of a file."""
+    for key, value in fixed.items():
         yield re.sub(r"[^\w.+-]", "_", f"{key}{value}")
 
 
 def _figures(results: Tabulated, name: str, index: tuple, title: str) -> Iterator[tuple[str, Any]]:
-    """Kinds of figures, and the figures."""
+    """Yield the kinds of figures, and the figures."""
     free = [
         one for one, k in zip(results.study.dimensions, index, strict=True) if isinstance(k, slice)
     ]
@@ -205,7 +205,7 @@ def _figures(results: Tabulated, name: str, index: tuple, title: str) -> Iterato
 
 
 def _variable(columns: Mapping[str, tuple], scene: Scene, key: str | None = None) -> Variable:
-    """Values of an entry; of the first one, that of the axis, by default."""
+    """Return the values of a key; by default of the first one, that of the axis."""
     key = key or next(iter(columns))
     numbers = all(isinstance(one, int | float) for one in columns[key])
     values = np.array(columns[key] if numbers else _texts(columns[key]))
@@ -215,13 +215,13 @@ def _variable(columns: Mapping[str, tuple], scene: Scene, key: str | None = None
 
 
 def _texts(column: tuple) -> list[str]:
-    """Values in words, with their places where they would read the same."""
+    """Return values as texts, with their indices if some texts are equal."""
     texts = [format_setting(one) for one in column]
     return [f"{k}: {one}" if texts.count(one) > 1 else one for k, one in enumerate(texts)]
 
 
 def _unit(key: str, scene: Scene) -> str:
-    """Unit of an entry that is drawn under a symbol; the titles of others tell theirs."""
+    """Return the unit of a key that has a symbol in figures; titles of others contain it."""
     units = {name: one.with_units_of(scene).unit for name, one in by_name(COLUMNS).items()}
     of_entries = {
         "load.normal": units["P"],

@@ -1,4 +1,4 @@
-"""What a study has come to: a table of its cases, and a dataset over its axes."""
+"""The results of a study: a table of its cases, and a dataset over its axes."""
 
 import csv
 import math
@@ -35,13 +35,9 @@ RUNNING, INTERRUPTED, WAITING = "running", "interrupted", "waiting"
 STATUSES = (COMPLETE, RUNNING, INTERRUPTED, FAILED, WAITING)
 
 
-MOST_TOLD = 8
-"""Entries that vary of which a notebook is told."""
-
-
 @dataclass(frozen=True)
 class Row:
-    """What a case has come to.
+    """The result of a case.
 
     Attributes
     ----------
@@ -50,7 +46,7 @@ class Row:
     status : str
         One of `STATUSES`.
     message : str
-        How it ended; empty where it has not.
+        How it ended; empty if it has not.
     file : Path or None
         Its results file, if there is one.
     last : mapping of str to number
@@ -78,16 +74,16 @@ class Row:
 
 @dataclass(frozen=True)
 class StudyResults:
-    """All cases of a study, as their files have them.
+    """All cases of a study with their results.
 
     Attributes
     ----------
     path : Path
         The folder of the study.
     study : Study
-        What was asked.
+        The study.
     rows : tuple of Row
-        What each case has come to, in the order of the cases.
+        The result of each case, in their order.
     damage_note : str
         What to report of the log of complete cases if lines of it disagree with their checksums;
         without a results file, their cases count as not computed.
@@ -117,24 +113,24 @@ class StudyResults:
         return len(self.rows)
 
     def __repr__(self) -> str:
-        return text_table("Study", self._told())
+        return text_table("Study", self._summary())
 
     def _repr_html_(self) -> str:
-        return html_table(self._told(), self._picture())
+        return html_table(self._summary(), self._picture())
 
-    def _told(self) -> dict[str, str]:
-        """What was asked, and how far it is."""
+    def _summary(self, most: int = 8) -> dict[str, str]:
+        """Return the title, the state and the values of a study, of at most that many keys."""
         counts = ", ".join(f"{n} {status}" for status, n in self.counts.items() if n)
-        told = {"study": self.study.title or self.study.scene.title or "no title"}
-        told |= {"folder": str(self.path), "cases": f"{len(self)}: {counts}"}
+        rows = {"study": self.study.title or self.study.scene.title or "no title"}
+        rows |= {"folder": str(self.path), "cases": f"{len(self)}: {counts}"}
         columns = [pair for one in self.study.dimensions for pair in one.columns.items()]
-        for key, column in columns[:MOST_TOLD]:
+        for key, column in columns[:most]:
             first, last = (f"{k:.4g}" if isinstance(k, float) else str(k) for k in _ends(column))
-            told[key] = f"{len(column)} values, {first} to {last}"
-        return told
+            rows[key] = f"{len(column)} values, {first} to {last}"
+        return rows
 
     def _picture(self) -> Html:
-        """Curves of the first quantity that varies over one or two axes; else none."""
+        """Return curves of the first quantity that varies over one or two axes; else nothing."""
         from tractive_sam.studies.figures import first_figure  # which reads results
 
         figure = first_figure(self)
@@ -158,13 +154,13 @@ class StudyResults:
 
     @cached_property
     def quantities(self) -> dict[str, Quantity]:
-        """What is known of last records, with units."""
+        """Quantities of the last records, with units."""
         names = {name: None for row in self.rows for name in row.last}
         return {name: self._described[name] for name in names if name in self._described}
 
     @cached_property
     def _described(self) -> dict[str, Quantity]:
-        """All that last records may have, be it known already or not."""
+        """All quantities that last records may have, known or not."""
         scene = self.rows[0].case.scene if self.rows else self.study.scene
         known = [one.with_units_of(scene) for one in COLUMNS]
         of_bodies = [
@@ -177,11 +173,11 @@ class StudyResults:
 
     @cached_property
     def _names(self) -> set[str]:
-        """Names of all that a column may be asked for, totals and error bars too."""
+        """Names of all columns, totals and error bars included."""
         return {*self._described}.union(*(row.last for row in self.rows))
 
     def history(self, number: int) -> History:
-        """The history of a case.
+        """Return the history of a case.
 
         Raises
         ------
@@ -201,20 +197,20 @@ class StudyResults:
         return open_history(row.file)
 
     def column(self, name: str, revolution: int | None = None) -> np.ndarray:
-        """A quantity of all cases, shape (len(self),); nan where it is not known.
+        """Return a quantity of all cases, shape (len(self),); nan where it is unknown.
 
         Parameters
         ----------
         name : str
             One of `quantities`.
         revolution : int, optional
-            Of the record of this revolution, in place of the last one; where the study keeps
-            scalars, only the last one is known.
+            Revolution of the record instead of the last one; a study that keeps scalars has only
+            the last one.
 
         Raises
         ------
         KeyError
-            If there is no such quantity; the message lists those there are.
+            If the quantity is unknown; the message lists the known ones.
         """
         if name not in self._names:
             raise KeyError(f"no quantity {name!r}; there are {', '.join(sorted(self._names))}")
@@ -223,12 +219,12 @@ class StudyResults:
         return np.array([_at(row, name, revolution) for row in self.rows])
 
     def values(self, key: str) -> np.ndarray:
-        """What an entry of the scene is in each case: numbers, or else text.
+        """Return the value of a key of the scene in each case: numbers, or else text.
 
         Raises
         ------
         KeyError
-            If the entry does not vary; the message lists those that do.
+            If the key does not vary; the message lists those that do.
         """
         vary = [key for one in self.study.dimensions for key in one.columns]
         if key not in vary:
@@ -236,16 +232,15 @@ class StudyResults:
         return _as_array([row.case.changes[key] for row in self.rows])
 
     def dataset(self, revolution: int | None = None) -> "xarray.Dataset":
-        """Every quantity over the axes, with status and message of each case.
+        """Return every quantity over the axes, with status and message of each case.
 
-        The dimensions are the keys of the axes, and `SAMPLE` of a Latin hypercube; entries that
-        vary along with another one are coordinates as well.
+        The dimensions are the keys of the axes, and `SAMPLE` of a Latin hypercube; keys that vary
+        together with another one are coordinates as well.
 
         Parameters
         ----------
         revolution : int, optional
-            Take the record of this revolution, in place of the last one of each case; nan where
-            there is none.
+            Revolution of the records instead of the last one of each case; nan if there is none.
         """
         with require_extra("study results"):
             import xarray  # of an extra
@@ -266,8 +261,8 @@ class StudyResults:
             for name, quantity in self.quantities.items()
         }
         for name in ("status", "message"):
-            told = np.array([getattr(row, name) for row in self.rows], dtype=object)
-            variables[name] = (dims, told.astype(str).reshape(shape))
+            texts = np.array([getattr(row, name) for row in self.rows], dtype=object)
+            variables[name] = (dims, texts.astype(str).reshape(shape))
         return xarray.Dataset(variables, coordinates, {"title": study.title or study.scene.title})
 
     def save_netcdf(self, path: str | PathLike[str]) -> None:
@@ -288,10 +283,10 @@ class StudyResults:
         path : path-like
             The file.
         quantities : sequence of str
-            Which columns beside what varies, in this order; by default all `quantities`, with
+            Columns after the keys that vary, in this order; by default all `quantities`, with
             status, message, file and version of each case.
         units : bool
-            Whether headings tell units, as ``Qx [N]``.
+            Whether headings contain units, as ``Qx [N]``.
 
         Raises
         ------
@@ -305,14 +300,14 @@ class StudyResults:
             raise ValueError(f"no quantity {', '.join(unknown)}; there are {known}")
         names = list(quantities or self.quantities)
         headings = [self._heading(name) if units else name for name in names]
-        told = [] if quantities else ["status", "message", "file", "version"]
+        about_case = [] if quantities else ["status", "message", "file", "version"]
         text = StringIO(newline="")
         writer = csv.writer(text)
-        writer.writerow(map(csv_cell, ["case", *keys, *told, *headings]))
+        writer.writerow(map(csv_cell, ["case", *keys, *about_case, *headings]))
         for row in self.rows:
             changes = [row.case.changes[key] for key in keys]
             about = [row.status, row.message, row.file.name if row.file else "", row.version]
-            about = about[: len(told)]
+            about = about[: len(about_case)]
             last = [row.last.get(name, "") for name in names]
             cells = [row.case.number, *changes, *about, *last]
             writer.writerow([csv_cell(one) for one in cells])
@@ -329,9 +324,9 @@ def open_study(directory: str | PathLike[str]) -> StudyResults:
     Raises
     ------
     ResultsError
-        If it is not one.
+        If it is not the folder of a study.
     StudyError
-        If its study, or a scene of it, is not valid any more: a file of a measured gap is gone.
+        If the study or a scene is no longer valid: the file of a measured gap is missing.
 
     Examples
     --------
@@ -344,32 +339,32 @@ def open_study(directory: str | PathLike[str]) -> StudyResults:
     """
     folder = Folder(directory)
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", SceneWarning)  # told where it was computed
+        warnings.simplefilter("ignore", SceneWarning)  # printed when it was computed
         study = folder.study()
         found = cases(study)
     files, logged, failures = folder.results(), folder.log.read(), folder.failures()
     rows = []
     for case in found:
         interrupt.raise_if_interrupted()
-        file, kept = folder.file_of(case, files), logged.entries.get(case.digest)
-        if kept and study.keep == "scalars" and not kept["size"]:
-            rows.append(Row(case, COMPLETE, kept["message"], None, kept["row"], kept["version"]))
-        elif kept and case.digest in files and file.stat().st_size == kept["size"]:
-            told = kept["message"], file, kept["row"], kept["version"]
-            rows.append(Row(case, COMPLETE, *told))
+        file, entry = folder.file_of(case, files), logged.entries.get(case.digest)
+        if entry and study.keep == "scalars" and not entry["size"]:
+            rows.append(Row(case, COMPLETE, entry["message"], None, entry["row"], entry["version"]))
+        elif entry and case.digest in files and file.stat().st_size == entry["size"]:
+            found_entry = entry["message"], file, entry["row"], entry["version"]
+            rows.append(Row(case, COMPLETE, *found_entry))
         else:
             rows.append(_row(case, file, failures.get(case.digest, "")))
     return StudyResults(folder.path, study, tuple(rows), logged.damage_note)
 
 
 def _ends(column: Sequence[Any]) -> tuple[Any, Any]:
-    """The first and the last value, by size where they are numbers."""
+    """Return the first and the last value; of numbers the smallest and the largest."""
     numbers = all(isinstance(one, int | float) for one in column)
     return (min(column), max(column)) if numbers else (column[0], column[-1])
 
 
 def _row(case: Case, file: Path, failure: str) -> Row:
-    """What the results file of a case says."""
+    """Return the result of a case from its results file."""
     running = is_written(file)
     if not file.exists():
         status = RUNNING if running else FAILED if failure else WAITING
@@ -389,7 +384,7 @@ def _row(case: Case, file: Path, failure: str) -> Row:
 
 
 def _at(row: Row, name: str, revolution: int) -> float:
-    """A quantity of one revolution."""
+    """Return a quantity of a case at one revolution; nan if it is unknown."""
     if row.file is None:
         known = row.last if row.last.get("revolution") == revolution else {}
         return known.get(name, math.nan)
@@ -398,6 +393,7 @@ def _at(row: Row, name: str, revolution: int) -> float:
     return float(summary(history, found[-1]).get(name, math.nan)) if found.size else math.nan
 
 
-def _as_array(values) -> np.ndarray:
+def _as_array(values: Sequence[Any]) -> np.ndarray:
+    """Return values as an array of numbers, or else of texts."""
     numbers = all(isinstance(one, int | float) and not isinstance(one, bool) for one in values)
     return np.array(values) if numbers else np.array([str(one) for one in values])

@@ -1,4 +1,4 @@
-"""An axis of a table beside those of creepages: any entry of a scene."""
+"""Axes of a table other than those of creepages: any keys of a scene."""
 
 from __future__ import annotations
 
@@ -53,10 +53,10 @@ def _is_number(value: object) -> bool:
 
 
 class TableAxis(Axis):
-    """An axis of a table: an entry of the scene, and others in step with it.
+    """An axis of a table: a key of the scene, and others that vary together with it.
 
-    Numbers, and lists of them, are interpolated, and nodes added between them; between other
-    values, such as files of gaps, nothing is known.
+    Numbers, and lists of them, are interpolated, and nodes are added between them. Other values,
+    such as files of gaps, are discrete.
 
     Examples
     --------
@@ -76,22 +76,22 @@ class TableAxis(Axis):
     checks: ClassVar[tuple[Check, ...]] = (*Axis.checks, _named, _along_numbers, _ascending)
 
     @property
-    def called(self) -> str:
-        """Its name in a table."""
+    def label(self) -> str:
+        """Name of the axis in a table."""
         return self.name or self.key.rpartition(".")[2]
 
     @property
     def nodes(self) -> np.ndarray:
-        """Where the values are."""
+        """Positions of the values along the axis."""
         return np.array(self.column() if self.at is None else self.at, float)
 
     @property
     def apart(self) -> bool:
-        """Whether there is nothing between its values."""
+        """Whether its values are discrete, so that they are not interpolated."""
         return not all(map(_interpolated, self.dimension().columns.items()))
 
     def entries_at(self, x: float) -> dict[str, Any]:
-        """Entries of the scene at a place along the axis."""
+        """Return the values of the keys at a place along the axis."""
         columns, nodes = self.dimension().columns, self.nodes
         near = int(np.abs(nodes - x).argmin())
         if nodes[near] == x or self.apart:

@@ -1,4 +1,4 @@
-"""From values and gradients at nodes to what Hermite's cubics need: mixed derivatives as well."""
+"""Derivatives at nodes for Hermite interpolation, mixed ones included."""
 
 from collections.abc import Sequence
 
@@ -8,7 +8,7 @@ from scipy.interpolate import CubicSpline
 from tractive_sam.lookup import MIRROR, REVERSED
 
 HEADING, TILT = 0, 1
-"""Of the last three axes: heading, tilt, u."""
+"""Indices of heading and tilt among the last three axes: heading, tilt, u."""
 
 
 def coefficients(
@@ -18,13 +18,13 @@ def coefficients(
     whole: bool = False,
     apart: Sequence[int] = (),
 ) -> np.ndarray:
-    """The derivatives of `Hermite` at the nodes of a table.
+    """Return the derivatives of `Hermite` at the nodes of a table.
 
-    Along axes beside those of creepages nothing but values is known: slopes are those of the cubic
-    spline through them. A mixed derivative is the mean of the differences of lower ones along each
-    of its axes; beyond the ends of heading and tilt the symmetries of the table tell the values. At
-    rest forces are linear in creepages, and of spin alone in those added: the course of their
-    derivatives over heading and tilt is known there.
+    Along axes other than those of creepages only values are known: slopes are those of the cubic
+    spline through them. A mixed derivative is the mean of the differences of lower derivatives
+    along each of its axes; beyond the ends of heading and tilt, values follow from the symmetries
+    of the table. At rest forces are linear in the creepages: the derivatives are known functions
+    of heading and tilt.
 
     Parameters
     ----------
@@ -33,11 +33,11 @@ def coefficients(
     values : ndarray, shape (n_1, ..., n_N, 3)
         Forces.
     slopes : ndarray, shape (n_1, ..., n_N, 3, 3)
-        Their derivatives (force, coordinate) by heading, tilt and u.
+        Derivatives (force, coordinate) by heading, tilt and u.
     whole : bool
-        Whether the table has all headings and tilts.
+        Whether the table contains all headings and tilts.
     apart : sequence of int
-        Axes between whose nodes nothing is known.
+        Discrete axes, along which values are not interpolated.
 
     Returns
     -------
@@ -57,16 +57,16 @@ def coefficients(
                     k: _slope(axes, found[some - {k}], k, some - {k}, whole) for k in sorted(some)
                 }
                 found[some] = np.mean(list(parts.values()), axis=0)
-                _keep_known(found[some], parts, count - 3, whole)
-                _keep_at_rest(found[some], parts, count)
+                _use_known_slopes(found[some], parts, count - 3, whole)
+                _use_slopes_at_rest(found[some], parts, count)
     places = [
         frozenset(k for k in range(count) if d >> (count - 1 - k) & 1) for d in range(2**count)
     ]
     return np.stack([found[some] for some in places], axis=-2)
 
 
-def _keep_known(values: np.ndarray, parts: dict, heading: int, whole: bool) -> None:
-    """Where the course over heading or tilt is known, take the derivative by it alone."""
+def _use_known_slopes(values: np.ndarray, parts: dict, heading: int, whole: bool) -> None:
+    """Use the derivative by heading or tilt alone at the nodes where it is known."""
     for axis in (heading + HEADING, heading + TILT):
         if axis in parts:
             for place in _known(values.ndim, axis, heading, whole):
@@ -74,10 +74,10 @@ def _keep_known(values: np.ndarray, parts: dict, heading: int, whole: bool) -> N
             return
 
 
-def _keep_at_rest(values: np.ndarray, parts: dict, count: int) -> None:
-    """At rest, take mixed derivatives by u of the slopes by u, which are known there.
+def _use_slopes_at_rest(values: np.ndarray, parts: dict, count: int) -> None:
+    """Use the slopes by u, which are known at rest, for mixed derivatives by u.
 
-    Derivatives by other axes are zero at rest: their differences along u say less of it.
+    Derivatives by other axes are zero at rest: their differences along u are less accurate.
     """
     others = [part for axis, part in parts.items() if axis < count - 3]
     if count - 1 in parts and others and not {count - 3, count - 2} & parts.keys():
@@ -85,19 +85,20 @@ def _keep_at_rest(values: np.ndarray, parts: dict, count: int) -> None:
 
 
 def _known(dims: int, axis: int, heading: int, whole: bool) -> list[tuple]:
-    """Where values are 1, cos and sin of heading or tilt: at rest, and over heading at a pole."""
+    """Return nodes where values are sums of 1, cos and sin: at rest, over heading at a pole."""
     every = [slice(None)] * dims
     places = []
     for other, end in ((heading + 2, 0), (heading + TILT, -1), (heading + TILT, 0)):
         if other == axis or (axis != heading and other != heading + 2):
             continue
         if other == heading + TILT and end == 0 and not whole:
-            continue  # where there is no spin
+            continue  # zero spin
         places.append((*every[:other], end, *every[other + 1 :]))
     return places
 
 
 def _subsets(count: int, size: int) -> list[frozenset[int]]:
+    """Return the subsets of that size of the first `count` axes."""
     every = (frozenset(k for k in range(count) if d >> k & 1) for d in range(2**count))
     return [some for some in every if len(some) == size]
 
@@ -105,7 +106,7 @@ def _subsets(count: int, size: int) -> list[frozenset[int]]:
 def _slope(
     axes: Sequence[np.ndarray], values: np.ndarray, axis: int, taken: frozenset[int], whole: bool
 ) -> np.ndarray:
-    """Derivative along an axis of values that are derivatives by `taken` already."""
+    """Return the derivative along an axis of values that are derivatives by `taken`."""
     nodes, count = axes[axis], len(axes)
     kind = axis - (count - 3)
     if kind < 0:
@@ -134,7 +135,7 @@ Pair = tuple[np.ndarray, np.ndarray]
 
 
 def _beyond_quarter(values: np.ndarray, kind: int, heading: int, taken: frozenset[int]) -> Pair:
-    """Values before the first and after the last node of a table of both symmetries."""
+    """Return values before the first and after the last node with both symmetries."""
     first, last = _ends(values, heading + kind)
     turned = -1.0 if heading in taken else 1.0
     if kind == HEADING:  # f(pi - heading) = REVERSED f(heading)
@@ -145,7 +146,7 @@ def _beyond_quarter(values: np.ndarray, kind: int, heading: int, taken: frozense
 
 
 def _beyond_whole(values: np.ndarray, kind: int, heading: int, taken: frozenset[int]) -> Pair:
-    """The same of all headings, which are a circle, and tilts: f(heading + pi) beyond a pole."""
+    """Return these values for all headings, a circle, and tilts: f(heading + pi) beyond a pole."""
     first, last = _ends(values, heading + kind)
     if kind == HEADING:
         return last, first
@@ -155,5 +156,5 @@ def _beyond_whole(values: np.ndarray, kind: int, heading: int, taken: frozenset[
 
 
 def _ends(values: np.ndarray, axis: int) -> Pair:
-    """Values at the second and at the last but one node."""
+    """Return values at the second and at the last but one node."""
     return np.take(values, [1], axis), np.take(values, [values.shape[axis] - 2], axis)

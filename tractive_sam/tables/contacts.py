@@ -13,24 +13,14 @@ from tractive_sam.run import measured_gap, nearby, under, warn_of_gap
 from tractive_sam.scene import Scene
 from tractive_sam.tables.rest_slopes import extrapolate_slopes, rest_meshes
 
-MARGIN = 2
-"""Elements beside those across the contact."""
-
-LONGEST = 2.0
-"""Longer over shorter side of an element, at most."""
-
-SAFETY, FORMER, SHARED = 3.0, 0.7, 0.4
-"""As of [accuracy]: bar over the difference of two meshes, weight of the difference before, and
-least bar of a force over the largest of the three."""
-
 KEYS = ("creepage.longitudinal", "creepage.lateral", "creepage.spin")
 YOUNG, MU, PRESSURE, RADIUS = 2e5, 0.3, 1e3, 1e3
-"""Of the scenes that are solved; nothing depends on them."""
+"""Parameters of the scenes that are solved; no scaled result depends on them."""
 
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """What a contact has to say to a table, over mu P, and of the moment over mu P c.
+    """Scaled results of a contact: forces over mu P, and the moment over mu P c.
 
     Attributes
     ----------
@@ -41,7 +31,7 @@ class Solved:
     gradient : ndarray, shape (3, 3)
         Derivatives of the three by scaled creepages.
     gradient_bar : ndarray, shape (3, 3)
-        Error bars of the derivatives, at rest; zero elsewhere, where checks of the table find them.
+        Error bars of the derivatives at rest; zero elsewhere, where checks of the table find them.
     """
 
     force: np.ndarray
@@ -56,9 +46,9 @@ class Contacts:
     Parameters
     ----------
     scene : Scene
-        Without a mesh and creepages.
+        Scene without a mesh and creepages.
     contact : tuple of float, optional
-        a, b, load, mu and shear by which creepages and forces are scaled; by default its own.
+        a, b, load, mu and shear that scale creepages and forces; by default those of the scene.
     """
 
     def __init__(self, scene: Scene, contact: tuple[float, ...] | None = None):
@@ -78,9 +68,9 @@ class Contacts:
     def solve(
         self, w: np.ndarray, elements: int, finest: int, wanted: float, gradient: bool = True
     ) -> Solved:
-        """Solve on ever finer meshes until the error bars are within what is wanted.
+        """Solve on finer and finer meshes until the error bars are small enough.
 
-        At rest there are no forces to judge a mesh by; the gradient is extrapolated there.
+        At rest there are no forces; the gradient is extrapolated there.
 
         Raises
         ------
@@ -89,8 +79,10 @@ class Contacts:
         """
         meshes = [odd(elements / 2.0), odd(elements / 2.0**0.5), elements]
         states = [self._state(w, n) for n in meshes]
-        forces = [self._scaled(one) for one in states]
-        while (bar := _bar(*forces[-3:])).max() > wanted and odd(meshes[-1] * 2.0**0.5) <= finest:
+        forces = [self._scaled(state) for state in states]
+        while (bar := _error_bar(*forces[-3:])).max() > wanted and odd(
+            meshes[-1] * 2.0**0.5
+        ) <= finest:
             meshes.append(odd(meshes[-1] * 2.0**0.5))
             states.append(self._state(w, meshes[-1]))
             forces.append(self._scaled(states[-1]))
@@ -110,27 +102,28 @@ class Contacts:
         """
         slopes, moments = [], []
         for n in map(int, meshes):
-            stays = n in self._models
+            is_used = n in self._models
             contact = self._state(np.zeros(3), n)
             slopes.append(self._gradient(contact, n))
             moments.append(self._excess_moments(contact, n))
-            if not stays:  # fine meshes are used once, and their operators are large
+            if not is_used:  # fine meshes are used once, and their operators are large
                 del self._models[n], self._last[n]
         return extrapolate_slopes(meshes, np.array(slopes), np.array(moments))
 
     def forces(self, w: np.ndarray, elements: int) -> np.ndarray:
-        """Forces on one mesh, shape (3,)."""
+        """Return the scaled forces on one mesh, shape (3,)."""
         return self._scaled(self._state(w, elements))
 
     def _model(self, elements: int) -> Model:
+        """Return the model on a mesh, which is stored."""
         if elements not in self._models:
-            scene = in_mesh(self.scene, elements, self._reach)
+            scene = with_mesh(self.scene, elements, self._reach)
             self._models[elements] = Model(scene, measured_gap(scene))
         return self._models[elements]
 
     @cached_property
     def _reach(self) -> tuple[float, float]:
-        """How far the contact reaches from the middle in x and y."""
+        """Largest distance of the contact from the middle in x and y, mm."""
         if self.scene.gap is None:
             return float(self.scene.hertz.a), float(self.scene.hertz.b)
         smooth = self.scene.replace(friction=None, creepage=None)
@@ -143,13 +136,14 @@ class Contacts:
         return float(x.max() + 0.5 * grid.dx), float(y.max() + 0.5 * grid.dy)
 
     def _scaled(self, contact: State) -> np.ndarray:
-        # By the load that the mesh carries is by that asked for, to its tolerance.
+        """Return the scaled forces of a contact, shape (3,)."""
+        # The load of the mesh equals the prescribed one, within the tolerance of the solver.
         return np.array([contact.Qx, contact.Qy, contact.Mz]) / self._unit
 
     def _excess_moments(self, contact: State, elements: int) -> np.ndarray:
-        """Second moments of the covered area over those of Hertz's ellipse, less 1; of others none.
+        """Return second moments of the covered area over those of the ellipse of Hertz, minus 1.
 
-        Shape (2,), x² first, or (0,).
+        Shape (2,), x² first, or (0,) for contacts that are no ellipses.
         """
         if self.scene.gap is not None:
             return np.empty(0)
@@ -160,6 +154,7 @@ class Contacts:
         return moments * grid.dx * grid.dy / exact - 1.0
 
     def _state(self, w: np.ndarray, elements: int) -> State:
+        """Return the contact at scaled creepages, solved from the previous one on the mesh."""
         model = self._model(elements)
         creepages = dict(zip(KEYS, w * self._creepage, strict=True))
         _, contact = nearby(under(model, creepages), self._last.get(elements))
@@ -172,33 +167,55 @@ class Contacts:
         return contact
 
     def _gradient(self, contact: State, elements: int) -> np.ndarray:
-        moved = (contact.xi_x, contact.xi_y, contact.spin)
-        model = under(self._model(elements), dict(zip(KEYS, moved, strict=True)))
+        """Return the scaled derivatives of the forces by the creepages, shape (3, 3)."""
+        creepages = (contact.xi_x, contact.xi_y, contact.spin)
+        model = under(self._model(elements), dict(zip(KEYS, creepages, strict=True)))
         jacobian = jacobian_of(model, contact, only=("xi_x", "xi_y", "spin"))
         found = jacobian.loc[["Qx", "Qy", "Mz"], ["xi_x", "xi_y", "spin"]].values
         return found / self._unit[:, None] * self._creepage
 
 
-def _bar(coarse: np.ndarray, middle: np.ndarray, fine: np.ndarray) -> np.ndarray:
-    seen = SAFETY * np.maximum(np.abs(fine - middle), FORMER * np.abs(middle - coarse))
-    return np.maximum(seen, SHARED * seen.max())
+def _error_bar(
+    coarse: np.ndarray,
+    middle: np.ndarray,
+    fine: np.ndarray,
+    *,
+    safety: float = 3.0,
+    previous: float = 0.7,
+    shared: float = 0.4,
+) -> np.ndarray:
+    """Return the error bars of forces on three meshes, as those of [accuracy], shape (3,).
+
+    Parameters
+    ----------
+    coarse, middle, fine : ndarray, shape (3,)
+        Forces on the meshes.
+    safety : float
+        Bar over the difference of the last two meshes.
+    previous : float
+        Weight of the difference of the first two.
+    shared : float
+        Smallest bar over the largest of the three.
+    """
+    bars = safety * np.maximum(np.abs(fine - middle), previous * np.abs(middle - coarse))
+    return np.maximum(bars, shared * bars.max())
 
 
 def odd(number: float) -> int:
-    """The nearest odd whole number."""
+    """Return the nearest odd whole number."""
     return 2 * round(0.5 * (number - 1.0)) + 1
 
 
 @lru_cache(maxsize=64)
 def unit_scene(ratio: float, poisson: float) -> Scene:
-    """Hertz's contact of this a/b, without a mesh."""
+    """Return a contact of Hertz with this a/b, without a mesh."""
     # 1/R_x over 1/R_y of an ellipse, see `mechanics.hertz`.
     curvatures = elliprd(0.0, 1.0 / ratio, ratio) / elliprd(0.0, ratio, 1.0 / ratio)
     body = {"young": YOUNG, "poisson": poisson}
     flat = {"radius_x": np.inf, "radius_y": np.inf}
     curved = {"radius_x": RADIUS / curvatures**0.5, "radius_y": RADIUS * curvatures**0.5}
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # its numbers are of no steel, and need not be
+        warnings.simplefilter("ignore")  # its numbers need not be plausible
         return Scene(
             title=f"Contact of a/b = {ratio:g}",
             body={"A": body | curved, "B": body | flat},
@@ -208,12 +225,33 @@ def unit_scene(ratio: float, poisson: float) -> Scene:
         )
 
 
-def in_mesh(scene: Scene, elements: int, reach: tuple[float, float]) -> Scene:
-    """A scene with so many elements across the shorter side of its contact, or more."""
+def with_mesh(
+    scene: Scene,
+    elements: int,
+    reach: tuple[float, float],
+    *,
+    margin: int = 2,
+    longest: float = 2.0,
+) -> Scene:
+    """Return a scene with at least that many elements across the shorter side of its contact.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    elements : int
+        Elements across the contact.
+    reach : (float, float)
+        Half widths of the contact in x and y, mm.
+    margin : int
+        Additional elements outside of the contact.
+    longest : float
+        Largest ratio of the sides of an element.
+    """
     a, b = reach
-    across = [odd(elements * max(1.0, side / other / LONGEST)) for side, other in ((a, b), (b, a))]
-    half = [side * (1.0 + MARGIN / n) for side, n in zip((a, b), across, strict=True)]
-    grid = {"half_length": tuple(half), "elements": tuple(n + MARGIN for n in across)}
+    across = [odd(elements * max(1.0, side / other / longest)) for side, other in ((a, b), (b, a))]
+    half = [side * (1.0 + margin / n) for side, n in zip((a, b), across, strict=True)]
+    grid = {"half_length": tuple(half), "elements": tuple(n + margin for n in across)}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         return scene.replace(grid=grid)

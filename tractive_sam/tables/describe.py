@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from os import PathLike
+from time import process_time
 from typing import Any
+
+import numpy as np
 
 from tractive_sam.description import Description, Section
 from tractive_sam.lookup import NAMES, CreepTable, describe_axis, describe_range
@@ -11,7 +15,10 @@ from tractive_sam.scene import Scene
 from tractive_sam.schema import SceneError
 from tractive_sam.studies import Axis, Study
 from tractive_sam.tables.axis import TableAxis
+from tractive_sam.tables.building import FIRST_U
 from tractive_sam.tables.design import TableDesign
+from tractive_sam.tables.grid import CreepageGrid
+from tractive_sam.tables.solving import NODE_SHARE
 
 
 def is_design(path: str | PathLike[str]) -> bool:
@@ -64,8 +71,27 @@ def explain_design(design: TableDesign) -> Description:
         Section("Table of creep forces", contacts),
         Section("Nodes to begin with", [*nodes, ("at most", str(design.most))]),
         Section("Contacts", [("tolerance", f"{design.tolerance:g} of mu P"), ("elements", mesh)]),
+        Section("Work", _describe_work(design)),
         Section("Make it", [("by", "tractive-sam table FILE.toml -o FILE.nc")]),
     ))  # fmt: skip
+
+
+def _describe_work(design: TableDesign) -> list[tuple[str, str]]:
+    """Estimate the time of a table from two nodes that are solved here."""
+    contacts = design.contacts(tuple(float(nodes[0]) for nodes in design.first_nodes))
+    wanted = NODE_SHARE * design.tolerance
+    for w in ((0.5, 0.2, 0.1), (0.6, 0.2, 0.1)):  # the first one also loads kernels
+        began = process_time()
+        contacts.solve(np.array(w), design.elements, design.finest, wanted)
+        seconds = process_time() - began
+    quarter = CreepageGrid(*design.symmetries)
+    lengths = [len(nodes) for nodes in (*design.first_nodes, *quarter.first)]
+    first = math.prod(lengths) * len(FIRST_U)
+    return [
+        ("a node", f"about {seconds:.2g} s of one core"),
+        (f"{first} nodes to begin with", f"about {first * seconds / 3600.0:.2g} core-hours"),
+        (f"{design.most} nodes at most", f"about {design.most * seconds / 3600.0:.2g} core-hours"),
+    ]
 
 
 def table_as_dict(table: CreepTable) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""What a table of creep forces is asked to hold."""
+"""The design of a table of creep forces."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from tractive_sam.tables.contacts import Contacts, unit_scene
 
 
 class TableError(SceneError):
-    """A table of creep forces that cannot be made, with every fault that was found.
+    """A table of creep forces that cannot be built, with all of its faults.
 
     Examples
     --------
@@ -74,14 +74,14 @@ def _of_a_scene_or_of_any(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _each_axis_once(entries: ValidEntries) -> Iterator[Fault]:
-    for what in ("called", "key"):
+    for what in ("label", "key"):
         names = [getattr(one, what) for one in entries["axis"]]
         for name in {one for one in names if names.count(one) > 1}:
             yield Fault("axis", f"{name} {names.count(name)} times", "each once")
 
 
 SCALED = ("friction.mu", "friction.angle")
-"""Entries that keep the scaling of contacts of Hertz, by mu1 P."""
+"""Keys that do not change the scaling of contacts of Hertz, by mu1 P."""
 
 
 def _axes_of_any_contact(entries: ValidEntries) -> Iterator[Fault]:
@@ -95,7 +95,7 @@ def _axes_of_any_contact(entries: ValidEntries) -> Iterator[Fault]:
 
 
 LEFT_OUT = ("wear", "subsurface", "fatigue", "accuracy", "grid")
-"""Tables of a scene that have no say in its creep forces, or in the meshes of a table."""
+"""Tables of a scene that affect neither its creep forces nor the meshes of a table."""
 
 
 def _one_steady_contact(entries: ValidEntries) -> Iterator[Fault]:
@@ -190,18 +190,18 @@ class TableDesign(Document):
 
     @classmethod
     def resolve_files(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
-        """The tables, with relative files in them sought from a folder."""
+        """Return the tables with their relative files resolved from a folder."""
         return resolve_parametric_files(folder, tables)
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Axes beside those of creepages."""
-        further = tuple(one.called for one in self.axis)
+        """Names of the axes other than those of creepages."""
+        further = tuple(one.label for one in self.axis)
         return further if self.scene is not None else (RATIO, "poisson", *further)
 
     @property
     def first_nodes(self) -> list[np.ndarray]:
-        """Nodes along the axes `names` to begin with."""
+        """First nodes along the axes `names`."""
         further = [one.nodes for one in self.axis]
         if self.scene is not None:
             return further
@@ -209,12 +209,12 @@ class TableDesign(Document):
 
     @property
     def apart(self) -> tuple[str, ...]:
-        """Those of `names` between whose nodes nothing is known."""
-        return tuple(one.called for one in self.axis if one.apart)
+        """Names of the discrete axes, along which forces are not interpolated."""
+        return tuple(one.label for one in self.axis if one.apart)
 
     @property
     def contact(self) -> dict[str, float] | None:
-        """What scales the forces of the table of a scene."""
+        """Contact that scales the forces of the table of a scene."""
         if self.scene is None:
             return None
         scene = self.scene
@@ -233,22 +233,22 @@ class TableDesign(Document):
 
     @property
     def closed_form(self) -> bool:
-        """Whether full slip has one: of contacts of Hertz with isotropic friction."""
+        """Whether full slip has a closed form: contacts of Hertz with isotropic friction."""
         return self.scene is None and not self.axis
 
     def ratio(self, place: tuple[float, ...]) -> float:
-        """a/b at a place along the axes `names`."""
+        """Return a/b at a place along the axes `names`."""
         if self.scene is not None:
             return float(self.scene.hertz.a / self.scene.hertz.b)
         return float(np.exp(place[0]))
 
     def contacts(self, place: tuple[float, ...]) -> Contacts:
-        """The contacts at a place along the axes `names`."""
+        """Return the contacts at a place along the axes `names`."""
         scene = self.scene_at(place)
         return Contacts(scene, None if self.contact is None else tuple(self.contact.values()))
 
     def scene_at(self, place: tuple[float, ...]) -> Scene:
-        """The scene at a place along the axes `names`, without a mesh and creepages."""
+        """Return the scene at a place along the axes `names`, without a mesh and creepages."""
         further = place if self.scene is not None else place[2:]
         entries: dict[str, Any] = {}
         for one, x in zip(self.axis, further, strict=True):
@@ -270,7 +270,7 @@ class TableDesign(Document):
             return scene.replace(**entries) if entries else scene
 
     def _each_entry(self) -> Iterator[dict[str, Any]]:
-        """Entries of the scene with one axis at each of its values, others at their first."""
+        """Yield the keys of the scene with one axis at each value, others at the first."""
         first: dict[str, Any] = {}
         for one in self.axis:
             first |= one.entries_at(one.nodes[0])
@@ -294,6 +294,6 @@ def _reversed(scene: Scene) -> bool:
 
 
 def _has_named_law(scene: Scene) -> bool:
-    """Whether a law of another package has a say, of whose symmetry nothing is known."""
+    """Return whether the scene has a law of another package, whose symmetry is unknown."""
     tables = (scene.friction, scene.elasticity)
     return any(one is not None and one.named_law is not None for one in tables)

@@ -1,4 +1,4 @@
-"""Writes a table as netCDF, as studies write theirs."""
+"""Write a table of creep forces as netCDF."""
 
 from os import PathLike
 from typing import Any
@@ -20,9 +20,9 @@ MEANINGS = {
 }
 
 CHECKS = {
-    "check_points": "points held out, by all axes",
-    "check_errors": "errors of the table there, over mu P",
-    "check_told": "errors that the table tells there",
+    "check_points": "check points, by all axes",
+    "check_errors": "errors of the table at the check points, over mu P",
+    "check_told": "errors that the table reports at the check points",
 }
 
 SCALING = "(Qx, Qy, Mz/c) / (mu P) over w = G c^2 / (mu P) (xi_x, xi_y, c spin), c = sqrt(a b)"
@@ -31,7 +31,7 @@ SYMMETRIES = "; (w_1, -w_2, -w_3) gives (Qx, -Qy, -Mz), (-w_1, w_2, w_3) gives (
 
 
 def write_table(table: CreepTable, path: str | PathLike[str]) -> None:
-    """Write a table; a file that is there is replaced as a whole."""
+    """Write a table; an existing file is replaced."""
     every, axes = (*table.names, *NAMES), table.law.axes
     count = len(every)
     names = [
@@ -65,7 +65,7 @@ def write_table(table: CreepTable, path: str | PathLike[str]) -> None:
         for name, nodes in zip(every, axes, strict=True)
     }
     coordinates |= {"derivative": names, "force": list(FORCES)}
-    told = {
+    format_entries = {
         "format": TABLE_FORMAT,
         "axes": " ".join(every),
         "apart": " ".join(table.apart),
@@ -73,13 +73,13 @@ def write_table(table: CreepTable, path: str | PathLike[str]) -> None:
         "scaling": SCALING + ("" if table.whole else SYMMETRIES),
         "version": versions()["tractive-sam"],
     } | dict(table.contact or {})
-    dataset = xarray.Dataset(variables, coordinates, about | told)
-    kept = {name: {"zlib": True, "complevel": 4} for name in ("coefficients", "error_bar")}
-    write_netcdf(path, dataset, kept)
+    dataset = xarray.Dataset(variables, coordinates, about | format_entries)
+    encoding = {name: {"zlib": True, "complevel": 4} for name in ("coefficients", "error_bar")}
+    write_netcdf(path, dataset, encoding)
 
 
 def _checked_errors(table: CreepTable) -> dict[str, Any]:
-    """Variables of the points held out, and of the error bars of gradients."""
+    """Return the variables of the check points, and of the error bars of gradients."""
     variables: dict[str, Any] = {}
     for name, meaning in CHECKS.items():
         if name in table.about:

@@ -1,7 +1,8 @@
-"""A table as a unit of the Functional Mock-up Interface 2.0: for co-simulation and model exchange.
+"""Write a table as a unit of the Functional Mock-up Interface 2.0 (FMU).
 
-The unit is the C header of the table and `unit.c`, compiled for this machine; its sources come with
-it, so that fmpy compiles it for others. It needs no Python where it runs.
+The unit is for co-simulation and model exchange. It consists of the C header of the table and
+`unit.c`, compiled for this machine, with the sources, which fmpy compiles for other machines. It
+runs without Python.
 """
 
 import hashlib
@@ -57,22 +58,22 @@ def write_fmu(table: CreepTable, path: str | PathLike[str]) -> bool:
     Returns
     -------
     bool
-        Whether it was compiled: where there is no C compiler it has its sources alone.
+        Whether it was compiled: without a C compiler it contains only its sources.
 
     Raises
     ------
     ImportError
-        Without fmpy, which has the headers of the interface and checks the unit.
+        If fmpy is not installed, which has the headers of the interface and checks the unit.
     ValueError
-        If the name is none of C.
+        If the name is not valid in C.
     RuntimeError
-        If the compiler refuses, or fmpy finds fault with the unit.
+        If the compiler fails, or fmpy finds errors in the unit.
 
     Examples
     --------
-    >>> def handed_over(table, path):
+    >>> def export_unit(table, path):
     ...     if not ts.write_fmu(table, path):
-    ...         print("it has its sources alone: fmpy compile adds what this machine needs")
+    ...         print("it contains only sources: fmpy compile adds the binary")
     """
     with require_extra("write_fmu"):
         import fmpy  # noqa: PLC0415 - of an extra
@@ -82,8 +83,8 @@ def write_fmu(table: CreepTable, path: str | PathLike[str]) -> bool:
     with TemporaryDirectory() as folder:
         root, sources = Path(folder), Path(folder, "sources")
         sources.mkdir()
-        for one in HEADERS:
-            shutil.copy(Path(fmpy.__file__).parent / "c-code" / one, sources)
+        for include in HEADERS:
+            shutil.copy(Path(fmpy.__file__).parent / "c-code" / include, sources)
         (sources / f"{name}.h").write_text(header, encoding="ascii")
         guid = hashlib.sha256(header.encode()).hexdigest()[:32]
         (sources / "unit.c").write_text(_code(table, name, guid), encoding="ascii")
@@ -102,7 +103,7 @@ def write_fmu(table: CreepTable, path: str | PathLike[str]) -> bool:
 
 
 def _compiled(root: Path, name: str, fmpy: ModuleType) -> bool:
-    """Compile the unit for this machine if there is a compiler."""
+    """Compile the unit for this machine; return whether there is a compiler."""
     compiler = os.environ.get("CC") or "cc"
     if shutil.which(compiler) is None:
         return False
@@ -110,16 +111,16 @@ def _compiled(root: Path, name: str, fmpy: ModuleType) -> bool:
     binaries.mkdir(parents=True)
     library = binaries / f"{name}{fmpy.sharedLibraryExtension}"
     command = [compiler, "-std=c99", "-O2", "-shared", "-fPIC", "-o", str(library), "unit.c", "-lm"]
-    told = subprocess.run(
+    completed = subprocess.run(
         command, cwd=root / "sources", capture_output=True, text=True, check=False
     )
-    if told.returncode:
-        raise RuntimeError(f"{compiler} refuses the unit: {told.stderr[-500:]}")
+    if completed.returncode:
+        raise RuntimeError(f"{compiler} cannot compile the unit: {completed.stderr[-500:]}")
     return True
 
 
 def _code(table: CreepTable, name: str, guid: str) -> str:
-    """The functions of the interface around that of the header."""
+    """Return the C code of the functions of the interface."""
     count = len(arguments_of(table))
     given = ", ".join(f"unit->value[{k}]" for k in range(count))
     starts = ", ".join(repr(start) for _, _, start in _inputs(table).values())
@@ -132,20 +133,21 @@ def _code(table: CreepTable, name: str, guid: str) -> str:
 
 
 def _inputs(table: CreepTable) -> dict[str, tuple[str, str, float]]:
-    """Meaning, unit and start of each input."""
-    found = {}
+    """Return meaning, unit and start value of each input."""
+    inputs = {}
     for name in arguments_of(table):
         if name in table.names:
-            found[name] = (name, "", float(table.axis(name)[0]))
+            inputs[name] = (name, "", float(table.axis(name)[0]))
         else:
-            found[name] = INPUTS[name]
-    if "a" in found:  # at an a/b of the table
+            inputs[name] = INPUTS[name]
+    if "a" in inputs:  # at an a/b of the table
         meaning, unit, _ = INPUTS["a"]
-        found["a"] = (meaning, unit, float(np.sqrt(np.prod(table.ellipticity))))
-    return found
+        inputs["a"] = (meaning, unit, float(np.sqrt(np.prod(table.ellipticity))))
+    return inputs
 
 
 def _description(table: CreepTable, name: str, guid: str) -> str:
+    """Return the description of the model (XML)."""
     inputs = _inputs(table)
     variables = [
         _variable(place, one, meaning, unit, 'causality="input"', start)
@@ -195,8 +197,9 @@ def _description(table: CreepTable, name: str, guid: str) -> str:
 def _variable(
     place: int, name: str, meaning: str, unit: str, kind: str, start: float | None = None
 ) -> str:
+    """Return the description of a variable (XML)."""
     real = f" unit={quoteattr(unit)}" if unit else ""
     real += "" if start is None else f' start="{start!r}"'
     about = f'valueReference="{place}" description={quoteattr(meaning)} {kind}'
-    kept = f'<ScalarVariable name="{name}" {about} variability="continuous">'
-    return f"{kept}<Real{real}/></ScalarVariable>\n"
+    variable = f'<ScalarVariable name="{name}" {about} variability="continuous">'
+    return f"{variable}<Real{real}/></ScalarVariable>\n"

@@ -11,16 +11,16 @@ from tractive_sam.lookup import Coordinates, CreepTable, cell_of, share_of_bar
 
 @dataclass(frozen=True, eq=False)
 class GradientChecks:
-    """Gradients that are solved at points of a table.
+    """Gradients at check points of a table.
 
     Attributes
     ----------
     points : ndarray, shape (P, N)
         Points along the axes of the table.
     w : ndarray, shape (P, 3)
-        Their scaled creepages.
+        Scaled creepages of the points.
     ratio : ndarray, shape (P,)
-        Their a/b.
+        Values of a/b of the points.
     gradients : ndarray, shape (P, 3, 3)
         Derivatives of scaled forces by scaled creepages there.
     bars : ndarray, shape (P, 3, 3)
@@ -45,7 +45,7 @@ class GradientChecks:
 
 @dataclass(frozen=True, eq=False)
 class GradientBars:
-    """Error bars of gradients, as `CreepTable.gradient_bars`, and a summary of their checks.
+    """Error bars of gradients, see `CreepTable.gradient_bars`, and a summary of their checks.
 
     Attributes
     ----------
@@ -70,26 +70,26 @@ class GradientBars:
         inside: float = 0.98,
         shared: float = 0.05,
     ) -> GradientBars:
-        """Take root mean squares of each interval, times a factor that suits all checks.
+        """Return root mean squares of each interval, times a factor that suits all checks.
 
-        A check is judged by the bars that the others give. At rest, where contacts are solved on
-        many meshes, the largest error counts.
+        Each check is compared with the bars of the others. At rest, where contacts are solved on
+        many meshes, the bar is the largest error.
 
         Parameters
         ----------
         nodes : ndarray, shape (n_u,)
             Nodes along u.
         u : ndarray, shape (P,)
-            Where the checks are; several in each interval.
+            Values of u of the checks; several in each interval.
         errors : ndarray, shape (P, 3, 3)
-            Their errors.
+            Errors of the checks.
         at_rest : ndarray, shape (R, 3, 3)
             Errors at rest.
         inside : float
-            Share of the checks that are to be within: more than the 95 of 100 that are wanted of
-            new points, as their share scatters.
+            Share of the checks within the bars: more than the required 95 of 100 new points, as
+            the share scatters.
         shared : float
-            Least bar of a derivative, over the largest of the nine.
+            Smallest bar of a derivative, over the largest of the nine.
         """
         cells, rest = cell_of(nodes, u), at_rest.max(axis=0)
         count = np.bincount(cells, minlength=len(nodes) - 1)
@@ -112,6 +112,6 @@ class GradientBars:
 
 
 def _spread(squares: np.ndarray, shared: float) -> np.ndarray:
-    """Root mean squares (..., 3, 3), none of them far less than the largest one."""
+    """Return root mean squares (..., 3, 3), bounded below by a share of the largest one."""
     roots = np.sqrt(squares)
     return np.maximum(roots, shared * roots.max(axis=(-2, -1), keepdims=True) + 1e-12)

@@ -1,4 +1,4 @@
-"""Opens tables, built-in ones by their names. Nothing here computes a contact."""
+"""Open tables of creep forces, built-in ones by their names, without computing contacts."""
 
 from collections.abc import Mapping
 from importlib.resources import files
@@ -11,18 +11,18 @@ from tractive_sam.store import DamagedError, read_creep_table
 
 
 def builtin_tables() -> dict[str, Path]:
-    """The tables that come with the package, by name."""
+    """Return the files of the built-in tables by name."""
     folder = Path(str(files("tractive_sam.tables"))) / "builtin"
-    return {one.stem: one for one in sorted(folder.glob("*.nc"))}
+    return {file.stem: file for file in sorted(folder.glob("*.nc"))}
 
 
 def is_table(name: str | PathLike[str]) -> bool:
-    """Whether a name is that of a built-in table, or of a netCDF file."""
+    """Return whether a name is that of a built-in table, or of a netCDF file."""
     return str(name).endswith(".nc") or str(name) in builtin_tables()
 
 
 def open_table(name: str | PathLike[str]) -> CreepTable:
-    """Open a table of creep forces: one that comes with the package, or a file.
+    """Open a table of creep forces: a built-in one, or a file.
 
     Parameters
     ----------
@@ -32,12 +32,12 @@ def open_table(name: str | PathLike[str]) -> CreepTable:
     Returns
     -------
     CreepTable
-        Called with creepages and contacts, it needs NumPy alone.
+        The table; calls with creepages and contacts need only NumPy.
 
     Raises
     ------
     ResultsError
-        If there is no such table, or the file is damaged, no table, or of another version.
+        If the table does not exist, or the file is damaged, no table, or of another version.
 
     Examples
     --------
@@ -57,9 +57,9 @@ def open_table(name: str | PathLike[str]) -> CreepTable:
                 f"axes: {' '.join(found.names)}; allowed: {' '.join(NAMES)} at the end"
             )
         names = found.names[: -len(NAMES)]
-        for one in names:
-            check_axis_name(one)
-        _check_held_out(about, len(found.names))
+        for name_of_axis in names:
+            check_axis_name(name_of_axis)
+        _check_shapes(about, len(found.names))
         return CreepTable(
             Hermite(found.axes, found.coefficients),
             names,
@@ -75,8 +75,8 @@ def open_table(name: str | PathLike[str]) -> CreepTable:
         raise DamagedError(f"{path} is damaged: {error}; make it again") from error
 
 
-def _check_held_out(about: Mapping[str, Any], axes: int) -> None:
-    """See that points that were held out have as many coordinates as there are axes."""
+def _check_shapes(about: Mapping[str, Any], axes: int) -> None:
+    """Check the shapes of the check points and their errors."""
     places = about.get("check_points")
     for name, columns in (("check_points", axes), ("check_errors", 3), ("check_told", 3)):
         if places is not None and about[name].shape != (len(places), columns):

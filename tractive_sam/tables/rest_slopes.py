@@ -1,13 +1,13 @@
 """Slopes of creep forces at rest, extrapolated to an infinitely fine mesh.
 
 At rest the whole contact sticks. Its tractions are singular at the trailing edge, and their
-resultants depend on how the elements cover the contact: by one or two in a hundred on fifteen
-elements across it, without order from mesh to mesh. Most of that follows the second moments of the
-area that the elements cover, which are known of an ellipse. A fit of many meshes
+resultants depend on how the elements cover the contact: by 1 % to 2 % with fifteen elements across
+it, irregularly from mesh to mesh. Most of this error depends on the second moments of the covered
+area, which are known for an ellipse. A fit over many meshes
 
     slope = limit + c_1 / n + c_2 (moment of x² - exact) + c_3 (moment of y² - exact)
 
-over n elements across the contact gives the limit, and its scatter the error bar.
+over n elements across the contact yields the limit, and its scatter yields the error bar.
 """
 
 import numpy as np
@@ -17,14 +17,14 @@ from scipy.stats import t as student
 def rest_meshes(
     elements: int, finest: int, wanted: float, *, number: int = 16, spread: float = 3.2
 ) -> np.ndarray:
-    """Odd numbers of elements across the contact, shape (M,).
+    """Return odd numbers of elements across the contact, shape (M,).
 
     Parameters
     ----------
     elements, finest : int
-        Elements of the table to begin with, and at most.
+        First and largest number of elements of the table.
     wanted : float
-        Error bar of forces over mu P; slopes at rest are to be a tenth of it off, or less.
+        Error bar of forces over mu P; slopes at rest must have a tenth of this error, or less.
     number : int
         Meshes: four times the unknowns of the fit.
     spread : float
@@ -48,7 +48,7 @@ def extrapolate_slopes(
     slopes : ndarray, shape (M, ...)
         Slopes on each mesh.
     moments : ndarray, shape (M, K)
-        What else slopes depend on, zero in the limit: excess moments of the area.
+        Excess moments of the area, on which the slopes depend; zero in the limit.
     confidence : float
         Probability that a slope is within its error bar if scatter is normal.
 
@@ -57,11 +57,11 @@ def extrapolate_slopes(
     limit, bar : ndarray, shape (...)
         Slopes of the limit and half widths of their intervals.
     """
-    # The scatter falls faster than 1/n, as elements at the edge are ever more.
+    # The scatter decreases faster than 1/n, as the number of elements at the edge increases.
     weights = meshes[:, None] ** 1.5
     basis = weights * np.column_stack([np.ones(len(meshes)), 1.0 / meshes, moments])
     values = weights * slopes.reshape(len(meshes), -1)
-    # Both moments of a circle are the same: what is left of a singular value is rounding.
+    # Both moments of a circle are equal: the rest of a singular value is rounding.
     inverse = np.linalg.pinv(basis, rcond=1e-6)
     fitted = inverse @ values
     free = max(len(meshes) - np.linalg.matrix_rank(basis, tol=1e-6 * np.abs(basis).max()), 1)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from itertools import groupby
 from time import process_time
+from typing import Any
 
 import numpy as np
 
@@ -13,30 +14,27 @@ from tractive_sam.studies import computed
 from tractive_sam.tables.contacts import Contacts, Solved
 from tractive_sam.tables.design import TableDesign
 
-SHARE = 0.4
-"""Of the tolerance, what an error bar of a node may take, and an interpolation along one axis: of
-three axes along which a table is curved most the errors seldom add up."""
-
-AT_ONCE = 20
-"""Contacts that a worker is handed at once: what one that dies takes with it."""
+NODE_SHARE = 0.4
+"""Share of the tolerance for the error bar of a node, and for the interpolation along one axis: the
+errors along the three axes of largest curvature seldom add up."""
 
 Place = tuple[float, ...]
 
 
 @dataclass(frozen=True)
 class Job:
-    """A contact to be solved.
+    """A contact to solve.
 
     Attributes
     ----------
     place : tuple of float
-        Where it is along the axes beside those of creepages.
+        Position along the axes other than those of creepages.
     w : tuple of float
         Scaled creepages.
     gradient : bool
-        Whether their derivatives are needed.
+        Whether the derivatives by creepages are needed.
     finer : bool
-        Whether to begin with twice the elements of the design, to check what others gave.
+        Whether to begin with twice the elements of the design, to check others.
     """
 
     place: Place
@@ -47,7 +45,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Batch:
-    """What came of some jobs: solutions, the contacts solved for them, and the time of a core."""
+    """Solutions of some jobs, the number of solved contacts, and the time of a core, s."""
 
     found: list[Solved]
     contacts: int
@@ -55,14 +53,14 @@ class Batch:
 
 
 Solve = Callable[[Sequence[Job]], Iterator[tuple[int, Batch]]]
-"""Solves jobs; tells batches with the number of their first job as they are done."""
+"""Solves jobs; yields batches with the number of their first job as they are complete."""
 
 
 def solve(text: str, jobs: Sequence[Job]) -> Batch:
-    """Solve jobs of one place of the design that a text tells."""
+    """Solve jobs at one place of a design, which is given as TOML."""
     began = process_time()
-    design, contacts = _at(text, jobs[0].place)
-    before, wanted, found = contacts.solved, SHARE * design.tolerance, []
+    design, contacts = _contacts_at(text, jobs[0].place)
+    before, wanted, found = contacts.solved, NODE_SHARE * design.tolerance, []
     for job in jobs:
         interrupt.raise_if_interrupted()
         w, elements = np.array(job.w), design.elements * (2 if job.finer else 1)
@@ -72,43 +70,51 @@ def solve(text: str, jobs: Sequence[Job]) -> Batch:
 
 @lru_cache(maxsize=1)
 def _design(text: str) -> TableDesign:
+    """Return the design of a text, which is read once."""
     return TableDesign.from_toml_text(text)
 
 
 @lru_cache(maxsize=64)
-def _at(text: str, place: Place) -> tuple[TableDesign, Contacts]:
+def _contacts_at(text: str, place: Place) -> tuple[TableDesign, Contacts]:
+    """Return the design of a text, and the contacts at a place."""
     design = _design(text)
     return design, design.contacts(place)
 
 
-def parts_of(jobs: Sequence[Job]) -> list[tuple[int, Sequence[Job]]]:
-    """Jobs of one place each, cut, with the number of the first one."""
+def divide_jobs(jobs: Sequence[Job], most: int = 20) -> list[tuple[int, Sequence[Job]]]:
+    """Divide jobs into parts of one place each, with the number of their first job.
+
+    A part has at most that many jobs: a worker that dies loses them.
+    """
     found: list[tuple[int, Sequence[Job]]] = []
     first = 0
     for _, alike in groupby(jobs, key=lambda job: job.place):
-        several = list(alike)
-        found += [(first + k, several[k : k + AT_ONCE]) for k in range(0, len(several), AT_ONCE)]
-        first += len(several)
+        place_jobs = list(alike)
+        starts = range(0, len(place_jobs), most)
+        found += [(first + k, place_jobs[k : k + most]) for k in starts]
+        first += len(place_jobs)
     return found
 
 
-def here(design: TableDesign) -> Solve:
-    """Solves in this process."""
+def solve_here(design: TableDesign) -> Solve:
+    """Return a function that solves jobs in this process."""
     text = design.to_toml()
 
     def run(jobs: Sequence[Job]) -> Iterator[tuple[int, Batch]]:
-        for first, some in parts_of(jobs):
+        for first, some in divide_jobs(jobs):
             yield first, solve(text, some)
 
     return run
 
 
-def elsewhere(design: TableDesign, address: str, security, say: Callable[[str], None]) -> Solve:
-    """Solves on the workers of a scheduler; what one of them took with it is handed out again."""
+def solve_on_workers(
+    design: TableDesign, address: str, security: Any, say: Callable[[str], None]
+) -> Solve:
+    """Return a function that solves jobs on the workers of a scheduler."""
     text = design.to_toml()
 
     def run(jobs: Sequence[Job]) -> Iterator[tuple[int, Batch]]:
-        parts = parts_of(jobs)
+        parts = divide_jobs(jobs)
         calls = [(solve, text, some) for _, some in parts]
         for k, batch in computed(calls, address, say, security):
             yield parts[k][0], batch
