@@ -203,7 +203,7 @@ def test_fmu(kind, interface, tmp_path):
 @needs_cc
 def test_fmus_refuse(tmp_path, monkeypatch):
     fmpy = pytest.importorskip("fmpy", reason="it is of the extra fmu")
-    with pytest.raises(ValueError, match="name of C"):
+    with pytest.raises(ValueError, match="name in C"):
         write_fmu(of_any(), tmp_path / "1.fmu")
     write_fmu(of_any(), tmp_path / "law.fmu")
     told = []

@@ -117,7 +117,7 @@ def _compare_meshes(work: Work) -> Table:
     )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _AngleCurve:
     """The creep-force curve at one angle.
 

@@ -8,9 +8,9 @@ from textwrap import wrap
 from typing import Any, ParamSpec, TypeVar
 
 import matplotlib as mpl
-from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
+from matplotlib.rcsetup import cycler
 from matplotlib.ticker import MaxNLocator
 
 from tractive_sam.description import format_with_unit, math_label
