@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from base64 import b64encode
 from collections.abc import Iterable
-from hashlib import sha256
 from html import escape
 from string import Template
 from typing import TypeAlias
@@ -92,5 +90,9 @@ _NONE, _INLINE = "'none'", "'unsafe-inline'"
 
 def _digest(content: str) -> str:
     """Return the hash that a browser computes for the content of an element."""
+    # Only pages need them, and loading them takes longer than printing help.
+    from base64 import b64encode  # noqa: PLC0415
+    from hashlib import sha256  # noqa: PLC0415
+
     lines = content.replace("\r\n", "\n").replace("\r", "\n")
     return f"'sha256-{b64encode(sha256(lines.encode()).digest()).decode()}'"

@@ -1,8 +1,9 @@
 """``tractive-sam explain``: describe what a scene, a study or a table models, before it is run."""
 
+from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich.table import Table
@@ -17,7 +18,6 @@ from tractive_sam.cli.output import (
     report_warnings,
 )
 from tractive_sam.cli.scene_input import SceneName, Settings, read_scene
-from tractive_sam.description import Description
 
 
 def explain(
@@ -51,8 +51,8 @@ def explain(
     print_description(title, sections)
 
 
-def print_description(title: str, sections: Description) -> None:
-    """Print the sections of a description under its title."""
+def print_description(title: str, sections: Iterable[Any]) -> None:
+    """Print the sections of a `Description`, each with its rows, under a title."""
     out = console()
     if title:
         out.print(title, style="bold")
@@ -64,7 +64,7 @@ def print_description(title: str, sections: Description) -> None:
         out.print(table)
 
 
-def _describe_table(file: str, settings: list[str] | None) -> tuple[str, Description]:
+def _describe_table(file: str, settings: list[str] | None) -> tuple[str, Iterable[Any]]:
     """Return the title and the description of a table of creep forces or its design."""
     from tractive_sam import tables
 
@@ -78,7 +78,7 @@ def _describe_table(file: str, settings: list[str] | None) -> tuple[str, Descrip
 
 def _describe_study(
     file: Path, settings: list[str] | None, workers: int | None
-) -> tuple[str, Description]:
+) -> tuple[str, Iterable[Any]]:
     """Return the title and the description of a study."""
     from tractive_sam.operators import cores
     from tractive_sam.studies import Study, explain_study

@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Self
 
+from tractive_sam.deprecation import RenamedAttribute
 from tractive_sam.plot.options import current_options
 from tractive_sam.results import History, State
 
@@ -51,6 +52,10 @@ class Scale:
             return cls(history.a0, history.b0, history.p0, hertz=True)
         first = (history[name][0] for name in ("half_width_x", "half_width_y", "p_max"))
         return cls(*map(float, first), hertz=False)
+
+    of_contact = RenamedAttribute("from_contact")
+    of_history = RenamedAttribute("from_history")
+    told = RenamedAttribute("note")
 
     @property
     def relative(self) -> bool:

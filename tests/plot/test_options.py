@@ -1,0 +1,63 @@
+"""Titles, widths and measured points of figures, and former names."""
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+
+from tests.plot import strip_theory as strips
+from tractive_sam import plot
+from tractive_sam.plot.options import change_options
+
+
+def test_figures_have_the_width_of_a_column(tmp_path):
+    paths = plot.save_all(strips.history(), tmp_path, dpi=100, width=84.0, titles=False)
+    widths = {path.stem: imread(path).shape[1] for path in paths}
+    assert widths
+    # 84 mm at 100 dots an inch, rounded to dots.
+    assert list(widths.values()) == pytest.approx([84.0 / 25.4 * 100] * len(widths), abs=2)
+
+
+def test_titles_are_optional():
+    assert plot.pressure(strips.contact()).get_suptitle()
+    with change_options(titles=False):
+        assert not plot.pressure(strips.contact()).get_suptitle()
+        assert not plot.forces(strips.history()).get_suptitle()
+
+
+def test_measured_points_are_compared_with_their_column(tmp_path):
+    history = strips.history()
+    file = tmp_path / "measured.csv"
+    course, force = history["revolution"], history["Qx_over_P"]
+    lines = [f"{at},{value + 0.01}" for at, value in zip(course, force, strict=True)]
+    file.write_text("\n".join(["revolution,Qx_over_P", *lines, f"{course[0]},"]))
+    measured = plot.Measurements.from_file(file)
+    measured.check(history)
+    with change_options(measured=measured):
+        (axes,) = plot.forces(history).axes
+    (label,) = (text for text in axes.get_legend_handles_labels()[1] if "measured" in text)
+    assert float(label.split()[-1]) == pytest.approx(0.01, rel=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("content", "named"),
+    [("", "m.csv"), ("revolution\n", "m.csv"), ("revolution,p_max\n1,a\n", "p_max")],
+)
+def test_files_that_are_no_table_are_refused(content, named, tmp_path):
+    (tmp_path / "m.csv").write_text(content)
+    with pytest.raises(ValueError, match=named):
+        plot.Measurements.from_file(tmp_path / "m.csv")
+
+
+@pytest.mark.parametrize("names", [("p_max",), ("revolution", "p_mox")])
+def test_columns_that_a_history_lacks_are_refused(names):
+    measured = plot.Measurements(dict.fromkeys(names, np.zeros(2)))
+    with pytest.raises(ValueError, match="revolution" if len(names) == 1 else "p_mox"):
+        measured.check(strips.history())
+
+
+def test_former_names_warn():
+    with pytest.warns(DeprecationWarning, match="list_figures"):
+        assert plot.figures_of is plot.list_figures
+    view = plot.ContactView.from_source(strips.contact())
+    with pytest.warns(DeprecationWarning, match="position"):
+        assert view.place == view.position
