@@ -5,6 +5,7 @@ them. Numbers come from the output files of the scripts in `benchmarks`.
 """
 
 import inspect
+import re
 import tomllib
 from collections.abc import Iterable
 from enum import Enum
@@ -14,6 +15,7 @@ from pathlib import Path
 from typing import get_args
 
 import names
+import renamed
 import typer
 from numbers_of_benchmarks import TABLES
 from tables import format_table
@@ -35,10 +37,16 @@ def write(docs: Path) -> None:
         "layout": layout_of_files,
         "commands": commands,
         "layers": layers,
+        "renamed": renamed.page,
     }
     for name, part in (generated | TABLES).items():
         _write(docs / "_parts" / f"{name}.md", part())
-    _write(docs / "reference" / "api.rst", names.page())
+    reference = names.page()
+    _write(docs / "reference" / "api.rst", reference)
+    listed = set(re.findall(r"^   (\S+)$", reference, re.MULTILINE))
+    for stub in (docs / "reference" / "names").glob("*.rst"):
+        if stub.stem.removeprefix("tractive_sam.") not in listed:
+            stub.unlink()  # of a name that was removed
     for notebook in sorted((docs.parent / "notebooks").glob("*.ipynb")):
         # Picture paths in a notebook are relative to the folder of the notebook.
         text = notebook.read_text(encoding="utf-8").replace("](../", "](../../")

@@ -1,0 +1,41 @@
+"""Former names of the package that still work, found in its source."""
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+from tables import format_table
+
+import tractive_sam
+
+PACKAGE = Path(tractive_sam.__file__).parent
+
+
+def page() -> str:
+    """Return a table of former and present names of functions, classes and attributes."""
+    pairs = sorted(pair for file in PACKAGE.rglob("*.py") for pair in _renamed(file))
+    rows = ((f"`{former}`", f"`{present}`") for former, present in pairs)
+    return format_table(("old name", "new name"), rows)
+
+
+def _renamed(file: Path) -> Iterator[tuple[str, str]]:
+    """Yield former and present names: dictionaries of a package, and attributes of classes."""
+    text = file.read_text("utf-8")
+    if "deprecation" not in text or file.stem == "deprecation":
+        return
+    tree = ast.parse(text)
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ClassDef):
+            for line in node.body:
+                match line:
+                    case ast.Assign(
+                        targets=[ast.Name(id=former)],
+                        value=ast.Call(
+                            func=ast.Name(id="RenamedAttribute"), args=[ast.Constant(value=present)]
+                        ),
+                    ):
+                        yield f"{node.name}.{former}", f"{node.name}.{present}"
+        elif isinstance(node, ast.Dict) and file.stem == "__init__":
+            prefix = ".".join(("ts", *file.relative_to(PACKAGE).parts[:-1]))
+            for former, present in ast.literal_eval(node).items():
+                yield f"{prefix}.{former}", f"{prefix}.{present}"
