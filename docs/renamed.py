@@ -14,7 +14,7 @@ PACKAGE = Path(tractive_sam.__file__).parent
 def page() -> str:
     """Return a table of former and present names of functions, classes and attributes."""
     pairs = sorted(pair for file in PACKAGE.rglob("*.py") for pair in _renamed(file))
-    rows = ((f"`{former}`", f"`{present}`") for former, present in pairs)
+    rows = ((f"`{old}`", f"`{new}`") for old, new in pairs)
     return format_table(("old name", "new name"), rows)
 
 
@@ -29,13 +29,13 @@ def _renamed(file: Path) -> Iterator[tuple[str, str]]:
             for line in node.body:
                 match line:
                     case ast.Assign(
-                        targets=[ast.Name(id=former)],
+                        targets=[ast.Name(id=old)],
                         value=ast.Call(
-                            func=ast.Name(id="RenamedAttribute"), args=[ast.Constant(value=present)]
+                            func=ast.Name(id="RenamedAttribute"), args=[ast.Constant(value=new)]
                         ),
                     ):
-                        yield f"{node.name}.{former}", f"{node.name}.{present}"
+                        yield f"{node.name}.{old}", f"{node.name}.{new}"
         elif isinstance(node, ast.Dict) and file.stem == "__init__":
             prefix = ".".join(("ts", *file.relative_to(PACKAGE).parts[:-1]))
-            for former, present in ast.literal_eval(node).items():
-                yield f"{prefix}.{former}", f"{prefix}.{present}"
+            for old, new in ast.literal_eval(node).items():
+                yield f"{prefix}.{old}", f"{prefix}.{new}"
