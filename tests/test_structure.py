@@ -21,8 +21,8 @@ LIMITS = {
     "functions over 60 code lines": 6,
     "modules over 250 code lines": 11,
     "module constants": 570,
-    "code lines": 30580,
-    "public names": 110,
+    "code lines": 33200,
+    "public names": 115,
 }
 
 PACKAGE = Path(tractive_sam.__file__).parent

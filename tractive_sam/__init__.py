@@ -37,6 +37,8 @@ stress_volume, fatigue
 
 **Many scenes** Study, StudyResults, open_study; CreepTable, TableDesign, open_table, write_fmu
 
+**Fits** fit, FitDesign, FitResult, open_fit, FitError
+
 **Laws** Laws, FrictionLaw, Coulomb, FallingCoulomb, InterfacialLayer, Slope, Bound, Elasticity,
 ElasticBodies, HalfSpaces, SpectralHalfSpaces, Material, WearLaw, WearConditions, Energy, PerBody,
 SlidingShare; StressCriterion, CycleCriterion, DangVan, Crossland, Findley, FatemiSocie,

@@ -6,6 +6,11 @@ from . import solvers as solvers
 from . import studies as studies
 from . import subsurface as subsurface
 from .contact.laws import Laws as Laws
+from .fitting import FitDesign as FitDesign
+from .fitting import FitError as FitError
+from .fitting import FitResult as FitResult
+from .fitting import fit as fit
+from .fitting import open_fit as open_fit
 from .lookup import CreepTable as CreepTable
 from .mechanics import Bound as Bound
 from .mechanics import Coulomb as Coulomb

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from tractive_sam.cli.fit import plot_fit
 from tractive_sam.cli.output import Status, error_exit, print_line, print_note, report_errors
 from tractive_sam.cli.show import Results
 
@@ -92,6 +93,8 @@ def plot(
     animated: Animated = False,
 ) -> None:
     """Draw every figure that applies to a results file."""
+    if plot_fit(file, output, format.value, dpi):
+        return
     with report_errors():
         from tractive_sam.plot import Measurements, animate, save_all
         from tractive_sam.store import open_history

@@ -11,6 +11,7 @@ from typer.core import TyperGroup
 from tractive_sam import interrupt
 from tractive_sam.cli.explain import explain
 from tractive_sam.cli.export import export
+from tractive_sam.cli.fit import fit
 from tractive_sam.cli.keys import keys
 from tractive_sam.cli.output import (
     Status,
@@ -75,6 +76,7 @@ app = typer.Typer(
 # fmt: off
 for command in (
     run, show, plot, report, export, explain, keys, scenes, reproduce, study, study_show, table,
+    fit,
 ):
     app.command()(command)
 # fmt: on

@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from tractive_sam.cli.fit import report_fit
 from tractive_sam.cli.output import Status, error_exit, print_line, print_note, report_errors
 from tractive_sam.cli.show import Results
 
@@ -23,6 +24,8 @@ def report(
     ] = None,
 ) -> None:
     """Write a results file as one interactive page, which needs no other file and no network."""
+    if report_fit(file, output):
+        return
     with report_errors():
         from tractive_sam import pages
         from tractive_sam.store import open_history

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from tractive_sam.cli.explain import print_description
+from tractive_sam.cli.fit import show_fit
 from tractive_sam.cli.output import Status, console, error_exit, print_line, report_errors
 from tractive_sam.safe_text import csv_cell
 
@@ -18,9 +19,7 @@ Results = Annotated[Path, typer.Argument(metavar="FILE.h5", help="A results file
 def show(
     file: Annotated[
         Path,
-        typer.Argument(
-            metavar="FILE.h5", help="A results file; or a table of creep forces (FILE.nc, steel)."
-        ),
+        typer.Argument(metavar="FILE", help="Results, a table of creep forces, or a fit."),
     ],
     as_json: Annotated[
         bool, typer.Option("--json", help="Print every record as JSON instead of tables.")
@@ -32,6 +31,8 @@ def show(
     """Print a results file, also while it is computed; or a table of creep forces."""
     if as_json and as_csv:
         raise error_exit(Status.INVALID, "--json and --csv: use one of them")
+    if show_fit(file, as_json, as_csv):
+        return
     from tractive_sam.tables import is_table
 
     if is_table(file):

@@ -22,6 +22,9 @@ from .fields import stick_slip_map as stick_slip_map
 from .fields import traction as traction
 from .fields import wear_map as wear_map
 from .figure import Figure as Figure
+from .fit import FittedCurve as FittedCurve
+from .fit import confidence_ellipses as confidence_ellipses
+from .fit import fitted_curve as fitted_curve
 from .gallery import DPI as DPI
 from .gallery import FORMATS as FORMATS
 from .gallery import list_figures as list_figures

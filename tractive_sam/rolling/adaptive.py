@@ -35,7 +35,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tractive_sam.contact import Model
-from tractive_sam.rolling.control import ErrorControl, Stops
+from tractive_sam.rolling.control import ErrorControl, FixedSteps, Stops
 from tractive_sam.rolling.passage import Passage, ProfilePoint, credited, passage_at
 from tractive_sam.rolling.process import Process
 from tractive_sam.rolling.response import block_responses, cycle_response
@@ -85,14 +85,16 @@ def adaptive_passages(
     schedule : Schedule
         What to meet, and where to end.
     """
-    control = Stops(ErrorControl(order=3), schedule.stops, SETTLING)
+    control: Stops | FixedSteps = Stops(ErrorControl(order=3), schedule.stops, SETTLING)
+    if schedule.fixed:
+        control = FixedSteps(schedule.stops)
     last = start
     while last.converged and last.revolution < schedule.end:
         last = _next_jump(process, last, control)
         yield last
 
 
-def _next_jump(process: Process[Passage], last: Passage, control: Stops) -> Passage:
+def _next_jump(process: Process[Passage], last: Passage, control: Stops | FixedSteps) -> Passage:
     """The longest jump towards the next stop that keeps the error within the tolerance."""
     model = process.model
     # While the rows in contact wear down, the bodies close in on the rows beside them.
@@ -108,10 +110,13 @@ def _next_jump(process: Process[Passage], last: Passage, control: Stops) -> Pass
         now, error = jump(model, last, step.length, response)
         solves += now.solves
         now = credited(last, now)
-        if error <= 1.0 or step.length == 1:
+        if control.accepts(error) or step.length == 1:
             now = process.observe(replace(now, responses=responses), last)
             error = max([error, *(one.missed(model) for one in now.observed.values())])
-        if error <= 1.0 or step.length == 1 or (now.off_grid and not model.scene.has_fixed_domain):
+        off_grid = now.off_grid and not model.scene.has_fixed_domain
+        if control.accepts(error) or step.length == 1 or off_grid:
+            if not now.observed:  # the contact has left the mesh
+                now = process.observe(now, last)
             return replace(now, solves=solves, jump=control.next(step, error))
         step = control.shorter(step, error)
 

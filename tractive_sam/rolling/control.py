@@ -8,7 +8,7 @@ its stops may be what is saved, the end, or the blocks of a duty cycle.
 
 from bisect import bisect_right
 from dataclasses import dataclass
-from math import ceil
+from math import ceil, isfinite
 
 SAFETY, SHORTEST_CUT, LONGEST_GROWTH = 0.8, 0.2, 2.0
 """Of error control; with variable steps the two-step formula of `rolling.adaptive` is stable up to
@@ -92,6 +92,10 @@ class Stops:
         nearer = max(unit, settled, ceil(self.approach * distance / unit) * unit)
         return Trial(min(wish, distance, nearer), wish)
 
+    def accepts(self, error: float) -> bool:
+        """Whether a step of this error, over the tolerated one, is accepted."""
+        return error <= 1.0
+
     def shorter(self, step: Trial, error: float) -> Trial:
         """As of `ErrorControl`."""
         return self.control.shorter(step, error)
@@ -100,3 +104,37 @@ class Stops:
         """As of `ErrorControl`; what was cut short for a stop goes on as wished."""
         after = self.control.next(step, error)
         return max(after, step.wish) if step.length < step.wish else after
+
+
+@dataclass(frozen=True)
+class FixedSteps:
+    """One step to each stop, whatever its error.
+
+    The steps do not depend on the solution, so that results are smooth functions of the entries of
+    a scene: differences give their derivatives.
+
+    Parameters
+    ----------
+    stops : tuple of float
+        Where steps end, ascending.
+    """
+
+    stops: tuple[float, ...]
+
+    def first(self, here: float, wish: float, settled: float) -> Trial:
+        """Return the step from a place to the next stop."""
+        distance = self.stops[bisect_right(self.stops, here)] - here
+        return Trial(distance, distance)
+
+    def accepts(self, error: float) -> bool:
+        """Whether the step was solved."""
+        return isfinite(error)
+
+    def shorter(self, step: Trial, error: float) -> Trial:
+        """Return half of a step that was not solved."""
+        length = max(1, int(0.5 * step.length))
+        return Trial(length, length, refused=True)
+
+    def next(self, step: Trial, error: float) -> float:
+        """Return the length of the accepted step, which the next one does not depend on."""
+        return step.length

@@ -47,7 +47,7 @@ class Revolutions(Process[Passage]):
         """See `Process.advance`."""
         schedule, blocks = self.model.scene.schedule, self.model.blocks
         last = replace(last, contacts=tuple(map(with_heat, blocks, last.contacts)))
-        if schedule.adaptive:
+        if schedule.adaptive or schedule.fixed:
             yield from adaptive_passages(self, last, schedule)
             return
         while last.converged and last.revolution < schedule.end:
@@ -58,6 +58,8 @@ class Revolutions(Process[Passage]):
     def expected_records(cls, scene: Scene, dx: float) -> int:
         """See `Process.expected_records`."""
         end = int(scene.schedule.end)
+        if scene.schedule.fixed:
+            return 1 + len(scene.schedule.stops)
         if not scene.schedule.adaptive:
             return 1 + end
         # Jumps grow in proportion to the revolutions rolled, and little with a loose tolerance.

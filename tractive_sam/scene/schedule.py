@@ -25,6 +25,8 @@ class Schedule:
         Values of the coordinate at which fields are stored.
     adaptive : bool
         Whether a jump over many revolutions is as long as its error allows.
+    fixed : bool
+        Whether each jump leads to the next value of `save`.
     courses : mapping of str to tuple of float
         Values at the knots, by the dotted key that changes.
     profiles : mapping of str to Gap
@@ -34,6 +36,7 @@ class Schedule:
     end: float = 0
     save: tuple[float, ...] = (0,)
     adaptive: bool = False
+    fixed: bool = False
     courses: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     profiles: Mapping[str, Gap] = field(default_factory=dict)
 

@@ -121,8 +121,10 @@ class Wear(LawTable):
         None,
         min_length=1,
     )
-    stepping: Literal["adaptive", "every-revolution"] = entry(
-        "stepping: adaptive jumps over many revolutions, or every revolution", default="adaptive"
+    stepping: Literal["adaptive", "every-revolution", "saved"] = entry(
+        "stepping: adaptive jumps over many revolutions, every revolution, or one jump to each "
+        "revolution of save without control of its error",
+        default="adaptive",
     )
     turns: Literal["each", "equal"] = entry(
         "when worn material returns to the contact: after a turn of its body, or after a turn of A "
@@ -149,7 +151,8 @@ class Wear(LawTable):
     @property
     def schedule(self) -> Schedule:
         """Schedule of the revolutions."""
-        return Revolutions(self.revolutions, self.save, self.stepping == "adaptive")
+        adaptive, fixed = self.stepping == "adaptive", self.stepping == "saved"
+        return Revolutions(self.revolutions, self.save, adaptive, fixed)
 
     def describe(self, scene: Any) -> Iterator[Row]:
         """See `Table.describe`: coefficients, law, revolutions, and the share of each body."""
@@ -170,6 +173,8 @@ class Wear(LawTable):
             yield Row("depth", f"remains at its {place}, and is part of the gap of the next step")
             return
         stepping = "one by one"
+        if self.stepping == "saved":
+            stepping = f"in {len(self.save)} jumps, without control of their error"
         if self.stepping == "adaptive":
             stepping = (
                 f"in adaptive jumps, with an error of {self.tolerance:g} of the wear depth; "

@@ -5,7 +5,7 @@ from tractive_sam.store.errors import DamagedError, GapError, HeldError, Results
 from tractive_sam.store.gap import read_gap
 from tractive_sam.store.layout import FORMAT_VERSION
 from tractive_sam.store.lock import locked
-from tractive_sam.store.netcdf import write_netcdf
+from tractive_sam.store.netcdf import netcdf_format, read_netcdf, write_netcdf
 from tractive_sam.store.reader import open_history, state_of
 from tractive_sam.store.versions import versions
 from tractive_sam.store.volume import Image, check_volume, write_surface, write_volume
@@ -28,9 +28,11 @@ __all__ = [
     "is_written",
     "lock_of",
     "locked",
+    "netcdf_format",
     "open_history",
     "read_creep_table",
     "read_gap",
+    "read_netcdf",
     "results_writer",
     "state_of",
     "versions",

@@ -1,0 +1,177 @@
+"""The file of a fit: resumed, shown, drawn, and refused where it is another one."""
+
+import json
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import tractive_sam as ts
+from tests.fitting.conftest import creep_data
+from tractive_sam.cli import app
+from tractive_sam.fitting import evaluations
+from tractive_sam.fitting.results import FitResult, write_fit
+
+FIT = """
+[fit]
+scene = "rig.toml"
+free = ["friction.mu"]
+
+[[fit.data]]
+file = "creep.csv"
+vary = "creepage.longitudinal"
+observe = "Qx_over_P"
+noise = { column = "sd" }
+
+[[fit.test]]
+vary = "creepage.longitudinal"
+values = [-0.0005, -0.01]
+observe = "Qx_over_P"
+noise = 0.05
+"""
+
+
+@pytest.fixture(scope="module")
+def rig(spheres, tmp_path_factory):
+    """A folder with a fit file, its scene and its data."""
+    folder = tmp_path_factory.mktemp("rig")
+    (folder / "rig.toml").write_text(spheres.to_toml())
+    (folder / "FIT.toml").write_text(FIT)
+    data = creep_data(spheres, {"friction.mu": 0.35})["values"]
+    rows = zip(data["creepage.longitudinal"], data["Qx_over_P"], strict=True)
+    lines = [f"{xi},{ratio},{0.05 * ratio}" for xi, ratio in rows]
+    header = "creepage.longitudinal,Qx_over_P,sd"
+    (folder / "creep.csv").write_text("\n".join([header, *lines]))
+    return folder
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, list(map(str, arguments)))
+
+
+@pytest.fixture(scope="module")
+def fitted(rig):
+    """The file of a fit, by the command."""
+    scene = rig / "out.toml"
+    found = run("fit", rig / "FIT.toml", "-o", rig / "FIT.nc", "--design", "--scene", scene)
+    assert found.exit_code == 0, found.output
+    assert "friction.mu" in found.output
+    return rig / "FIT.nc"
+
+
+def test_show_prints_the_agreed_names(fitted):
+    found = json.loads(run("show", fitted, "--json").stdout)
+    assert set(found) >= {"parameters", "correlation", "undetermined", "chi2", "points", "solves"}
+    mu = found["parameters"]["friction.mu"]
+    assert set(mu) >= {"value", "low", "high", "sd"}
+    assert mu["low"] < 0.35 < mu["high"]
+    assert found["points"] == 4
+    assert "friction.mu" in run("show", fitted).stdout
+
+
+def test_fitted_scene_is_written(fitted):
+    scene = ts.Scene.from_toml(fitted.with_name("out.toml"))
+    assert scene.friction.mu[0] == pytest.approx(0.35, rel=1e-6)
+
+
+def test_figures_and_page_are_written(fitted, tmp_path):
+    found = run("plot", fitted, "-o", tmp_path / "figures")
+    assert found.exit_code == 0, found.output
+    assert [one.name for one in (tmp_path / "figures").iterdir()] == ["data0-Qx_over_P.png"]
+    assert run("report", fitted, "-o", tmp_path / "fit.html").exit_code == 0
+    page = (tmp_path / "fit.html").read_text()
+    assert "friction.mu" in page
+    assert "Next test" in page
+    assert page.count("<img") == 1
+
+
+def test_file_is_read_again(fitted):
+    found = ts.open_fit(fitted)
+    assert found.finished
+    assert found.status == "done"
+    assert "friction.mu" in repr(found)
+    assert found.next_tests()[0]["gain"] > 0.0
+    data = found.dataset
+    assert data["model_error"].size == data["observed"].size == 4
+
+
+def test_a_second_fit_computes_nothing_again(fitted, rig, monkeypatch):
+    monkeypatch.setattr(evaluations, "compute", None)
+    before = ts.open_fit(fitted)
+    again = ts.fit(rig / "FIT.toml", fitted, next_test=True)
+    assert again.values == before.values
+    assert again.solves == before.solves
+
+
+def test_an_interrupted_fit_resumes(rig, tmp_path, monkeypatch):
+    compute, done = evaluations.compute, []
+
+    def interrupted(case, start=None):
+        if len(done) == 9:
+            raise KeyboardInterrupt
+        done.append(case)
+        return compute(case, start)
+
+    monkeypatch.setattr(evaluations, "compute", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        ts.fit(rig / "FIT.toml", tmp_path / "part.nc")
+    part = ts.open_fit(tmp_path / "part.nc")
+    assert not part.finished
+    assert part.status == "running"
+    assert run("plot", tmp_path / "part.nc").exit_code == 2
+    assert "running" in run("show", tmp_path / "part.nc").stdout
+
+    before = len(done)
+
+    def counted(case, start=None):
+        done.append(case)
+        return compute(case, start)
+
+    monkeypatch.setattr(evaluations, "compute", counted)
+    found = ts.fit(rig / "FIT.toml", tmp_path / "part.nc")
+    assert found.values["friction.mu"] == pytest.approx(0.35, rel=1e-6)
+    assert len({one.digest for one in done}) == len(done), "computed twice"
+    assert found.solves == len(done) > before
+
+
+def test_the_file_of_another_scene_is_refused(fitted, rig, tmp_path):
+    other = tmp_path / "FIT.toml"
+    text = FIT.replace('"creep.csv"', f'"{rig / "creep.csv"}"')
+    other.write_text(text.replace('"rig.toml"', '"spheres"'))
+    found = run("fit", other, "-o", fitted)
+    assert found.exit_code == 2
+    assert "another scene" in found.output
+
+
+@pytest.mark.parametrize("content", [b"", b"\x89HDF\r\n\x1a\n" + bytes(100)])
+def test_a_file_that_is_no_fit_is_refused(rig, tmp_path, content):
+    path = tmp_path / "bad.nc"
+    path.write_bytes(content)
+    with pytest.raises(ts.ResultsError):
+        ts.open_fit(path)
+    assert run("fit", rig / "FIT.toml", "-o", path).exit_code == 2
+
+
+def test_a_damaged_fit_is_refused(fitted, rig, tmp_path):
+    found = ts.open_fit(fitted)
+    path = tmp_path / "damaged.nc"
+    write_fit(path, FitResult(found.dataset.drop_vars("answer_cost")))
+    with pytest.raises(ts.ResultsError, match="damaged"):
+        ts.fit(rig / "FIT.toml", path)
+
+
+def test_faults_are_listed_by_the_command(rig, tmp_path):
+    (tmp_path / "FIT.toml").write_text('[fit]\nscene = "spheres"\nfree = ["friction.mew"]\n')
+    found = run("fit", tmp_path / "FIT.toml", "-o", tmp_path / "x.nc")
+    assert found.exit_code == 2
+    assert "fit.free" in found.output
+    assert run("fit", rig / "FIT.toml", "-o", tmp_path / "x.h5").exit_code == 2
+    assert run("fit", rig / "FIT.toml", "-o", tmp_path / "no" / "x.nc").exit_code == 2
+
+
+@pytest.mark.slow  # starts processes
+def test_processes_find_the_same(rig, fitted, tmp_path):
+    found = ts.fit(rig / "FIT.toml", tmp_path / "two.nc", workers=2)
+    expected = ts.open_fit(fitted).values["friction.mu"]
+    assert found.values["friction.mu"] == pytest.approx(expected, rel=1e-6)
+    assert np.isfinite(found.dataset["predicted"]).all()

@@ -1,0 +1,233 @@
+"""Fits return the truth, and report what data do not determine."""
+
+import numpy as np
+import pytest
+
+import tractive_sam as ts
+from tests.fitting import laws
+from tests.fitting.conftest import CREEPAGES, creep_data, starts, worn_data
+from tractive_sam.fitting import log_posterior
+
+EXACT = 1e-6
+"""Relative error of estimates from data without noise; the search ends at changes of 1e-7."""
+
+
+def errors(found, truth):
+    return [found.values[key] / value - 1.0 for key, value in truth.items()]
+
+
+def layer_of(scene):
+    """Return a layer that is about as compliant as the bodies."""
+    return 0.3 * float(scene.hertz.a) / scene.material.shear
+
+
+def test_friction_and_layer_return_from_data_without_noise(spheres):
+    truth = {"friction.mu": 0.35, "friction.layer": layer_of(spheres)}
+    start = starts(friction__layer=0.7 * layer_of(spheres))
+    found = ts.fit(
+        {"scene": spheres, "free": [*truth], "parameter": start,
+         "data": [creep_data(spheres, truth)]}
+    )  # fmt: skip
+    assert np.abs(errors(found, truth)).max() < EXACT
+    assert found.points == len(CREEPAGES)
+    low, high = found.interval("friction.mu")
+    assert low < 0.35 < high
+    assert not found.undetermined
+    assert found.scene.friction.mu == pytest.approx((0.35, 0.35), rel=EXACT)
+
+
+def test_falling_friction_law_returns_from_data_without_noise(spheres):
+    truth = {"friction.static": 0.5, "friction.kinetic": 0.25, "friction.half_speed": 20.0}
+    law = {"law": "exponential"} | {key.split(".")[1]: one for key, one in truth.items()}
+    scene = spheres.replace(**{"creepage.speed": 1e4, "friction": law})
+    data = creep_data(scene, {}, noise=0.02)
+    start = starts(friction__static=0.45, friction__kinetic=0.22, friction__half_speed=25.0)
+    found = ts.fit({"scene": scene, "free": [*truth], "parameter": start, "data": [data]})
+    assert np.abs(errors(found, truth)).max() < EXACT
+
+
+def test_wear_of_both_bodies_returns_from_masses_and_a_profile(discs):
+    truth = {"wear.coefficient.A": 1.3e-4, "wear.coefficient.B": 2.2e-4}
+    history = ts.roll(discs, progress=False)
+    depth = history["wear_profile_B"][-1]
+    profile = {"y": history.y + 0.05, "depth": depth + 2e-5 + 1e-4 * history.y}
+    sets = [
+        worn_data(history, "A", (1000, 2000, 3000)),
+        {"values": profile, "observe": "wear_profile", "body": "B", "noise": {"absolute": 1e-5}},
+    ]
+    start = starts(wear__coefficient__A=1e-4, wear__coefficient__B=1.5e-4)
+    found = ts.fit({"scene": discs, "free": [*truth], "parameter": start, "data": sets})
+    assert np.abs(errors(found, truth)).max() < EXACT
+    position = dict(
+        zip(found.dataset["position"].values, found.dataset["position_value"].values, strict=True)
+    )
+    assert position["fit.data[1] offset"] == pytest.approx(0.05, abs=1e-6)
+    assert found.rolls <= 40  # both sets share each roll
+
+
+def test_exponent_of_a_wear_law_returns_from_data_without_noise(discs):
+    scene = discs.replace(
+        wear={"law": f"{laws.__name__}:PowerLaw", "factor": 1e-9, "exponent": 1.2,
+              "revolutions": 100, "save": (0, 1, 2, 4, 8, 16, 30, 60, 100), "stepping": "saved"}
+    )  # fmt: skip
+    truth = {"wear.factor": 1e-9, "wear.exponent": 1.2}
+    sets = []
+    for creepage in (-0.003, -0.008):
+        entry = {"creepage.longitudinal": creepage}
+        history = ts.roll(scene.replace(**entry), progress=False)
+        sets.append(worn_data(history, "A", (60, 100)) | {"set": entry})
+    start = starts(wear__factor=2e-9, wear__exponent=1.1)
+    found = ts.fit({"scene": scene, "free": [*truth], "parameter": start, "data": sets})
+    assert np.abs(errors(found, truth)).max() < EXACT
+
+
+def test_exact_derivatives_are_those_of_differences(spheres):
+    """Of mu and the load, on the mesh that is fixed while the load varies."""
+    coarse = spheres.replace(grid=None).replace(**{"grid.elements": (17, 17)})
+    data = creep_data(coarse, {"friction.mu": 0.35})
+    design = {"scene": coarse, "free": ["friction.mu", "load.normal"], "data": [data]}
+    prior = {"key": "load.normal", "prior": [coarse.normal_load, 0.1 * coarse.normal_load]}
+    found = ts.fit(design | {"parameter": [prior]})
+    slopes = found.dataset["jacobian"].values
+    mu, load = found.values["friction.mu"], found.values["load.normal"]
+    grid = found.design.fit.scene.grid
+    assert grid == coarse.grid
+    step = 1e-3
+    for k, (key, value) in enumerate({"friction.mu": mu, "load.normal": load}.items()):
+        for row, creepage in enumerate(CREEPAGES):
+            ratios = []
+            for factor in (1.0 - step, 1.0 + step):
+                entries = {"friction.mu": mu, "load.normal": load, key: value * factor}
+                entries |= {"creepage.longitudinal": creepage} | _mesh(coarse)
+                contact = ts.solve(coarse.replace(**entries))
+                ratios.append(contact.Qx / contact.P)
+            # 2e-3 of the largest slope: elements begin to slip within the step
+            tolerance = 2e-3 * np.abs(slopes).max()
+            assert slopes[row, k] == pytest.approx((ratios[1] - ratios[0]) / (2.0 * step),
+                                                   abs=tolerance)  # fmt: skip
+
+
+def _mesh(scene):
+    """Return the mesh that the fit takes: that of the first contact, by a quarter wider."""
+    grid = ts.solve(scene).grid
+    more = [int(np.ceil(0.5 * n * 0.25 - 1e-9)) for n in grid.elements]
+    elements = tuple(n + 2 * m for n, m in zip(grid.elements, more, strict=True))
+    half = (0.5 * elements[0] * grid.dx, 0.5 * elements[1] * grid.dy)
+    return {"grid.half_length": half, "grid.elements": elements}
+
+
+def test_friction_across_straight_rolling_is_not_determined(spheres):
+    scene = spheres.replace(**{"friction.mu": (0.35, 0.3)})
+    data = creep_data(scene, {})
+    free = ["friction.mu[0]", "friction.mu[1]"]
+    found = ts.fit({"scene": scene, "free": free, "data": [data]})
+    assert len(found.undetermined) == 1
+    assert "friction.mu[1]" in found.undetermined[0]
+    assert found.values["friction.mu[0]"] == pytest.approx(0.35, rel=EXACT)
+    assert found.to_dict()["parameters"]["friction.mu[1]"]["low"] is None
+    assert np.isfinite(found.interval("friction.mu[0]")).all()
+
+
+def test_only_coefficient_times_force_is_determined_in_full_slip(spheres):
+    force = 0.35 * spheres.normal_load
+    columns = {"creepage.longitudinal": [-0.05, -0.1], "Qx": [force, force]}
+    data = {"values": columns, "vary": "creepage.longitudinal", "observe": "Qx", "noise": 0.05}
+    found = ts.fit({"scene": spheres, "free": ["friction.mu", "load.normal"], "data": [data]})
+    assert found.undetermined == ["only friction.mu * load.normal is determined"]
+    product = found.values["friction.mu"] * found.values["load.normal"]
+    assert product == pytest.approx(force, rel=1e-4)  # the mesh carries the load to this
+
+
+def test_only_coefficient_times_revolutions_is_determined(discs):
+    history = ts.roll(discs, progress=False)
+    mass = history["worn_mass"][-1, 0]
+    data = {"values": {"worn_mass": [mass]}, "observe": "worn_mass", "body": "A", "noise": 0.03}
+    together = discs.replace(**{"wear.coefficient": 3.5e-4})
+    found = ts.fit(
+        {"scene": together, "free": ["wear.coefficient", "wear.revolutions"],
+         "data": [data, data], "mesh_check": False}
+    )  # fmt: skip
+    assert found.undetermined == ["only wear.coefficient * wear.revolutions is determined"]
+
+
+def test_a_prior_decides_what_data_do_not(spheres):
+    force = 0.35 * spheres.normal_load
+    columns = {"creepage.longitudinal": [-0.05, -0.1], "Qx": [force, force]}
+    data = {"values": columns, "vary": "creepage.longitudinal", "observe": "Qx", "noise": 0.05}
+    prior = {"key": "load.normal", "prior": [0.4, 0.01]}
+    found = ts.fit(
+        {"scene": spheres, "free": ["friction.mu", "load.normal"], "data": [data],
+         "parameter": [prior]}
+    )  # fmt: skip
+    assert found.values["load.normal"] == pytest.approx(0.4, rel=1e-3)
+    assert found.sd["load.normal"] == pytest.approx(0.01, rel=0.01)
+    assert "priors decide" in found.undetermined[0]
+
+
+def test_profile_likelihood_of_a_nearly_linear_problem_is_the_linear_interval(spheres):
+    data = creep_data(spheres, {"friction.mu": 0.35}, noise=0.02)
+    design = {"scene": spheres, "free": ["friction.mu"], "data": [data], "mesh_check": False}
+    linear, profile = (ts.fit(design | {"intervals": one}) for one in ("linear", "profile"))
+    for one, other in zip(linear.interval("friction.mu"), profile.interval("friction.mu"),
+                          strict=True):  # fmt: skip
+        assert one == pytest.approx(other, rel=0.01)
+    assert (profile.dataset["likelihood"].values[:, 2] >= 0.0).all()
+
+
+def test_an_outlier_counts_less_by_a_robust_loss(spheres):
+    factors = np.array([1.0, 1.0, 1.0, 1.6])
+    data = creep_data(spheres, {"friction.mu": 0.35}, noise={"absolute": 0.005}, factors=factors)
+    design = {"scene": spheres, "free": ["friction.mu"], "data": [data], "mesh_check": False}
+    linear, robust = (ts.fit(design | {"loss": one}) for one in ("linear", "cauchy"))
+    assert abs(robust.values["friction.mu"] - 0.35) < abs(linear.values["friction.mu"] - 0.35) / 5
+    assert any("chi-square" in note for note in linear.notes)
+
+
+def test_random_starts_find_the_same_minimum(spheres):
+    data = creep_data(spheres, {"friction.mu": 0.35})
+    bounds = {"key": "friction.mu", "start": 0.1, "lower": 0.05, "upper": 0.9}
+    design = {"scene": spheres, "free": ["friction.mu"], "data": [data], "parameter": [bounds]}
+    found = ts.fit(design | {"starts": 3, "mesh_check": False})
+    assert found.values["friction.mu"] == pytest.approx(0.35, rel=EXACT)
+
+
+def test_an_estimate_at_its_bound_has_a_note(spheres):
+    data = creep_data(spheres, {"friction.mu": 0.35})
+    bounds = {"key": "friction.mu", "start": 0.25, "upper": 0.3}
+    found = ts.fit(
+        {"scene": spheres, "free": ["friction.mu"], "data": [data], "parameter": [bounds]}
+    )
+    assert found.values["friction.mu"] == pytest.approx(0.3)
+    assert any("friction.mu is at its upper bound" in note for note in found.notes)
+
+
+def test_scatter_widens_intervals(spheres):
+    factors = np.array([1.1, 0.9, 1.1, 0.9])
+    data = creep_data(spheres, {"friction.mu": 0.35}, noise=0.01, factors=factors)
+    design = {"scene": spheres, "free": ["friction.mu"], "data": [data], "mesh_check": False}
+    stated, scattered = ts.fit(design), ts.fit(design | {"scatter": True})
+    ratio = scattered.sd["friction.mu"] / stated.sd["friction.mu"]
+    assert ratio == pytest.approx((stated.chi2 / 3) ** 0.5)
+
+
+def test_the_next_test_is_where_a_parameter_matters(spheres):
+    """Friction is measured best in full slip; by the least slip hardly at all."""
+    data = creep_data(spheres, {"friction.mu": 0.35})
+    test = {"vary": "creepage.longitudinal", "values": [-1e-4, -0.02], "observe": "Qx_over_P",
+            "noise": 0.05}  # fmt: skip
+    found = ts.fit(
+        {"scene": spheres, "free": ["friction.mu"], "data": [data], "test": [test]},
+        next_test=True,
+    )
+    best, worst = found.next_tests()
+    assert "-0.02" in best["test"]
+    assert worst["gain"] < 0.01 < best["gain"]
+    assert best["sd"]["friction.mu"] < found.sd["friction.mu"]
+
+
+def test_posterior_is_largest_at_the_truth(spheres):
+    data = creep_data(spheres, {"friction.mu": 0.35})
+    density, start = log_posterior({"scene": spheres, "free": ["friction.mu"], "data": [data]})
+    assert start.shape == (1,)
+    assert density([0.35]) > max(density([0.33]), density([0.37]))
+    assert density([-1.0]) == -np.inf

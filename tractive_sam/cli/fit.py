@@ -1,0 +1,219 @@
+"""``tractive-sam fit``: coefficients from measurements, with intervals."""
+
+import json
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, TypeAlias
+
+import typer
+from rich import box
+from rich.table import Table
+
+from tractive_sam.cli.output import (
+    Quiet,
+    Status,
+    console,
+    error_exit,
+    print_line,
+    print_message,
+    print_note,
+    report_compiling,
+    report_errors,
+    report_warnings,
+    show_progress,
+)
+
+if TYPE_CHECKING:
+    from tractive_sam.fitting import Evaluations, FitResult
+
+
+Output: TypeAlias = Annotated[
+    Path,
+    typer.Option(
+        "--output",
+        "-o",
+        metavar="FILE.nc",
+        help="The result (netCDF). A fit that was interrupted resumes from it.",
+    ),
+]
+
+Design: TypeAlias = Annotated[
+    bool,
+    typer.Option(
+        "--design",
+        help="Rank the tests [[fit.test]] as well, by how much each reduces the uncertainty.",
+    ),
+]
+
+SceneFile: TypeAlias = Annotated[
+    Path | None,
+    typer.Option(metavar="OUT.toml", help="Write the scene with the fitted values, too."),
+]
+
+Workers: TypeAlias = Annotated[
+    int, typer.Option(min=0, metavar="N", help="Processes on this machine; 0: this one.")
+]
+
+Overwrite: TypeAlias = Annotated[
+    bool, typer.Option("--overwrite", help="Replace a file that holds the fit of another scene.")
+]
+
+
+def fit(
+    file: Annotated[Path, typer.Argument(metavar="FIT.toml", help="A fit file (TOML).")],
+    output: Output,
+    design: Design = False,
+    scene: SceneFile = None,
+    workers: Workers = 0,
+    overwrite: Overwrite = False,
+    quiet: Quiet = False,
+) -> None:
+    """Fit coefficients to measurements: creep curves, worn masses, worn profiles."""
+    if output.suffix != ".nc":
+        raise error_exit(Status.INVALID, f"{output}: the result is a netCDF file, FILE.nc")
+    for path in filter(None, (output, scene)):
+        if not path.absolute().parent.is_dir():
+            raise error_exit(
+                Status.INVALID, f"{path}: there is no folder {path.parent}; make it first"
+            )
+    with report_errors():
+        from tractive_sam.fitting import fit as fit_design
+
+        try:
+            with report_compiling(), show_progress() as update, report_warnings():
+
+                def report(done: "Evaluations") -> None:
+                    contacts, rolls, _ = done.cost
+                    share = 1.0 - 0.98 ** len(done.known)  # the number of steps is not known
+                    update(share, f"{contacts} contacts, {rolls} rolls", "")
+
+                result = fit_design(
+                    file,
+                    output,
+                    workers=workers,
+                    overwrite=overwrite,
+                    next_test=design,
+                    progress=report,
+                )
+        except KeyboardInterrupt:
+            held = f"{output} holds the computations so far, the same command resumes from them"
+            raise error_exit(Status.INCOMPLETE, f"interrupted; {held}") from None
+        if scene is not None:
+            from tractive_sam.output_file import write_file
+
+            write_file(scene, result.scene.to_toml())
+    if not quiet:
+        print_fit(result)
+    print_message(f"{output}: {result.status}")
+    if result.status != "done":
+        raise error_exit(
+            Status.INCOMPLETE, "the fit did not converge; the file holds where it ended"
+        )
+
+
+def print_fit(result: "FitResult") -> None:
+    """Print the estimates of a fit, and what is doubtful about it."""
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    level = f"{result.design.fit.level:.0%}"
+    for heading in ("parameter", "value", "sd", f"{level} from", "to", "by a finer mesh"):
+        table.add_column(heading, justify="left" if heading == "parameter" else "right")
+    shifts = dict(zip(result.keys, result.dataset["mesh_shift"].values, strict=True))
+    for key in result.keys:
+        numbers = (result.values[key], result.sd[key], *result.interval(key), shifts[key])
+        table.add_row(key, *("" if not math.isfinite(one) else f"{one:.4g}" for one in numbers))
+    out = console()
+    out.print(table)
+    for name, text in result.summary().items():
+        if name not in result.keys:
+            out.print(f"{name}: {text}")
+    for key, row in zip(result.keys, result.correlation, strict=True):
+        strong = [
+            f"{other} {number:.3f}"
+            for other, number in zip(result.keys, row, strict=True)
+            if other > key and abs(number) > STRONG
+        ]
+        if strong:
+            out.print(f"correlation of {key} with {', '.join(strong)}")
+    _print_tests(result)
+    for text in (*result.undetermined, *result.notes):
+        print_note(text)
+
+
+STRONG = 0.1
+"""Correlation from which on it is printed."""
+
+
+def _print_tests(result: "FitResult") -> None:
+    tests = result.next_tests()
+    if not tests:
+        return
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for heading in ("next test", "gain", *(f"sd of {key}" for key in result.keys)):
+        table.add_column(heading, justify="left" if heading == "next test" else "right")
+    for one in tests:
+        table.add_row(one["test"], f"{one['gain']:.3g}", *(f"{n:.3g}" for n in one["sd"].values()))
+    console().print(table)
+
+
+def show_fit(file: Path, as_json: bool, as_csv: bool) -> bool:
+    """Print a fit, also one that was interrupted; False if the file is no fit."""
+    from tractive_sam.fitting import is_fit
+
+    if not is_fit(file):
+        return False
+    if as_csv:
+        raise error_exit(Status.INVALID, f"--csv is of results, and {file} a fit: --json prints it")
+    result = _opened(file)
+    if as_json:
+        print_line(json.dumps(result.to_dict(), allow_nan=False))
+    elif result.finished:
+        print_fit(result)
+    else:
+        for name, text in result.summary().items():
+            console().print(f"{name}: {text}")
+    return True
+
+
+def plot_fit(file: Path, folder: Path | None, format: str, dpi: int) -> bool:
+    """Draw the figures of a fit; False if the file is no fit."""
+    from tractive_sam.fitting import is_fit
+
+    if not is_fit(file):
+        return False
+    result = _complete(file)
+    with report_errors():
+        from tractive_sam.fitting import save_fit_figures
+
+        folder = folder or Path(f"{file.stem}-figures")
+        for path in save_fit_figures(result, folder, format=format, dpi=dpi):
+            print_line(path)
+    return True
+
+
+def report_fit(file: Path, output: Path | None) -> bool:
+    """Write the page of a fit; False if the file is no fit."""
+    from tractive_sam.fitting import is_fit
+
+    if not is_fit(file):
+        return False
+    result = _complete(file)
+    with report_errors():
+        from tractive_sam.fitting import report_fit
+
+        print_line(report_fit(result, output or Path(f"{file.stem}.html")))
+    return True
+
+
+def _opened(file: Path) -> "FitResult":
+    with report_errors():
+        from tractive_sam.fitting import open_fit
+
+        return open_fit(file)
+
+
+def _complete(file: Path) -> "FitResult":
+    result = _opened(file)
+    if not result.finished:
+        cure = "tractive-sam fit resumes it"
+        raise error_exit(Status.INVALID, f"{file} holds no estimates yet; {cure}")
+    return result

@@ -1,0 +1,13 @@
+"""What `fitting` lets out, for `__init__.py` and for type checkers."""
+
+from .design import FitDesign as FitDesign
+from .design import FitError as FitError
+from .evaluations import Evaluations as Evaluations
+from .figures import save_fit_figures as save_fit_figures
+from .page import report_fit as report_fit
+from .posterior import log_posterior as log_posterior
+from .results import FitResult as FitResult
+from .results import is_fit as is_fit
+from .results import open_fit as open_fit
+from .run import fit as fit
+from .run import read_design as read_design

@@ -1,0 +1,73 @@
+"""Answers of computations in the file of a fit: an interrupted fit resumes from them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tractive_sam.fitting.case import Answer
+from tractive_sam.fitting.design import FitDesign
+from tractive_sam.fitting.results import arrays_of, layout_of, open_fit
+from tractive_sam.store import DamagedError, ResultsError, versions
+
+
+def read_answers(
+    document: FitDesign, path: str | PathLike[str] | None, overwrite: bool
+) -> dict[str, Answer]:
+    """Return the answers that a file holds.
+
+    Raises
+    ------
+    ResultsError
+        If it is no fit, or one of another scene.
+    """
+    if path is None or not Path(path).exists():
+        return {}
+    before = open_fit(path)
+    if before.design.fit.scene != document.fit.scene:
+        if overwrite:
+            return {}
+        cure = "-o FILE.nc gives this fit another file, --overwrite replaces it"
+        raise ResultsError(f"{path} holds the fit of another scene; {cure}")
+    data = before.dataset
+    if "answer" not in data or data.attrs.get("version") != versions()["tractive-sam"]:
+        return {}  # another version may compute other numbers
+    try:
+        return _restore(data)
+    except (IndexError, KeyError, TypeError, ValueError) as error:
+        cure = "remove it, and fit again"
+        raise DamagedError(f"{path} is damaged ({error}): {cure}") from error
+
+
+def _restore(data: Any) -> dict[str, Answer]:
+    """Return the answers by their digests from the variables of a file."""
+    flat, found, first = data["answer_numbers"].values, {}, 0
+    names = ("answer", "answer_layout", "answer_message", "answer_cost")
+    for digest, layout, message, cost in zip(*(data[name].values for name in names), strict=True):
+        numbers = arrays_of(str(layout), flat[first:])
+        first += sum(one.size for one in numbers.values())
+        contacts, rolls, convolutions = cost.tolist()
+        found[str(digest)] = Answer(numbers, int(contacts), int(rolls), convolutions, str(message))
+    return found
+
+
+def answer_variables(known: Mapping[str, Answer]) -> dict[str, tuple]:
+    """Return the variables that store all answers."""
+    if not known:
+        return {}
+    numbers = [np.ravel(one) for answer in known.values() for one in answer.numbers.values()]
+    layouts = [layout_of(answer.numbers) for answer in known.values()]
+    messages = [answer.message for answer in known.values()]
+    costs = [(one.contacts, one.rolls, one.convolutions) for one in known.values()]
+    flat = np.concatenate([np.zeros(0), *numbers, np.zeros(1)])
+    return {
+        "answer": (("answers",), [*known], "1", "hash of a computation"),
+        "answer_layout": (("answers",), layouts, "1", "names and shapes of its numbers"),
+        "answer_message": (("answers",), messages, "1", "why it failed"),
+        "answer_cost": (("answers", "cost"), costs, "1", "contacts, rolls, transforms"),
+        "answer_numbers": (("numbers",), flat, "1", "numbers of all computations"),
+    }

@@ -1,0 +1,195 @@
+"""One computation of a fit: a scene, and the numbers of its records that are compared."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import warnings
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from tractive_sam.contact import Model, jacobian_of
+from tractive_sam.fitting.derivatives import derivatives_of
+from tractive_sam.operators import one_blas_thread
+from tractive_sam.results import BODIES, COLUMNS, History, State, by_name
+from tractive_sam.run import measured_gap, nearby, roll
+from tractive_sam.scene import Scene
+
+Y = "y"
+"""Name of the lateral places of a profile among the numbers of an answer."""
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """One computation.
+
+    Attributes
+    ----------
+    scene : Scene
+        What is computed.
+    columns : tuple of str
+        Columns of its records that are wanted; "worn_mass A" is that of a body.
+    places : tuple of float
+        Revolutions or distances of the records; nan stands for the last one.
+    derivatives : tuple of str
+        Columns of the Jacobian that are wanted, of a scene of one contact.
+    seat : tuple of int
+        Cases of one seat are similar: the contact of one is the first guess of the next.
+    """
+
+    scene: Scene
+    columns: tuple[str, ...]
+    places: tuple[float, ...] = (math.nan,)
+    derivatives: tuple[str, ...] = ()
+    seat: tuple[int, ...] = ()
+
+    @property
+    def one_contact(self) -> bool:
+        """Whether nothing is rolled."""
+        return is_one_contact(self.scene)
+
+    @cached_property
+    def digest(self) -> str:
+        """Hash of all that determines the answer."""
+        parts = (self.scene.fingerprint(), self.columns, self.places, self.derivatives)
+        return hashlib.sha256(repr(parts).encode()).hexdigest()[:32]
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """The numbers of a case, and their cost.
+
+    Attributes
+    ----------
+    numbers : mapping of str to ndarray
+        Column: shape (places,), of a profile (places, n_y), and its `Y`; "Qx/P": the derivative of
+        Qx with respect to P. Empty where the computation failed.
+    contacts, rolls, convolutions : float
+        Contacts solved, rolls, and transforms.
+    message : str
+        The reason where the computation failed.
+    """
+
+    numbers: Mapping[str, np.ndarray] = field(default_factory=dict)
+    contacts: int = 0
+    rolls: int = 0
+    convolutions: float = 0.0
+    message: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Reply:
+    """The answer of a case."""
+
+    case: Case
+    answer: Answer
+
+    @property
+    def failed(self) -> bool:
+        """Whether there are no numbers."""
+        return not self.answer.numbers
+
+    def at(self, name: str, places: Sequence[float]) -> np.ndarray:
+        """Return a number at places, shape (len(places), ...); those of one contact are the same.
+
+        Parameters
+        ----------
+        name : str
+            Its name in `Answer.numbers`.
+        places : sequence of float
+            Places of the case.
+        """
+        numbers = self.answer.numbers[name]
+        known = list(map(repr, self.case.places))
+        return numbers[[known.index(repr(at)) if len(numbers) > 1 else 0 for at in places]]
+
+
+def merged(cases: Iterable[Case]) -> dict[str, Case]:
+    """Return one case for each scene, by its fingerprint, with all that is wanted of it."""
+    found: dict[str, Case] = {}
+    for case in cases:
+        name = case.scene.fingerprint()
+        other = found.get(name, case)
+        places = {repr(at): at for at in (*other.places, *case.places)}
+        found[name] = Case(
+            case.scene,
+            tuple(dict.fromkeys((*other.columns, *case.columns))),
+            tuple(places.values()),
+            tuple(dict.fromkeys((*other.derivatives, *case.derivatives))),
+            other.seat,
+        )
+    return found
+
+
+def is_one_contact(scene: Scene) -> bool:
+    """Whether a scene has nothing that is rolled."""
+    return not scene.schedule.end and not scene.duty
+
+
+@one_blas_thread()
+def compute(case: Case, start: State | None = None) -> tuple[Answer, State | None]:
+    """Compute a case.
+
+    Parameters
+    ----------
+    case : Case
+        What to compute.
+    start : State, optional
+        The contact of a similar case: the first guess where the mesh is the same.
+
+    Returns
+    -------
+    answer : Answer
+        The numbers.
+    contact : State or None
+        The contact of a case of one contact, if it was solved.
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # reported where the fit begins
+        return _solve(case, start) if case.one_contact else (_roll(case), None)
+
+
+def _solve(case: Case, start: State | None) -> tuple[Answer, State | None]:
+    model, contact = nearby(Model(case.scene, measured_gap(case.scene)), start)
+    convolutions = float(contact.cost.convolutions)
+    if not contact.converged:
+        return Answer({}, 1, 0, convolutions, contact.message), None
+    numbers = {name: np.array([read_contact(contact, name)]) for name in case.columns}
+    if case.derivatives:
+        jacobian = jacobian_of(model, contact, only=case.derivatives)
+        convolutions += float(jacobian.attrs["operator_applications"])
+        numbers |= derivatives_of(case.columns, case.derivatives, contact, jacobian)
+    return Answer(numbers, 1, 0, convolutions), contact
+
+
+def _roll(case: Case) -> Answer:
+    history = roll(case.scene, progress=False)
+    cost = int(history.totals["contact_solves"]), 1, float(np.nansum(history["convolutions"]))
+    if not history.finished:
+        return Answer({}, *cost, history.message)
+    places = history[history.coordinate.name]
+    rows = [len(places) - 1 if math.isnan(at) else int(np.abs(places - at).argmin())
+            for at in case.places]  # fmt: skip
+    numbers = {name: _column(history, name)[rows] for name in case.columns}
+    if any(column.ndim == 2 for column in numbers.values()):
+        numbers[Y] = history.y
+    return Answer(numbers, *cost)
+
+
+def read_contact(contact: State, name: str) -> float:
+    """Return a number of a contact, that of a body by "name A"."""
+    plain, _, body = name.partition(" ")
+    of = by_name(COLUMNS)[plain].of
+    value: Any = math.nan if of is None else of(contact)
+    return float(value[body] if body else value)
+
+
+def _column(history: History, name: str) -> np.ndarray:
+    """Return a column of a history, that of a body by "name A"."""
+    plain, _, body = name.partition(" ")
+    column = history[plain]
+    return column[:, BODIES.index(body)] if body else column

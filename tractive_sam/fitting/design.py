@@ -1,0 +1,215 @@
+"""The fit file, checked as a whole."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, ClassVar, Literal
+
+from tractive_sam.fitting.entries import base_of, start_of
+from tractive_sam.fitting.tables import COORDINATES, CandidateTest, Data, Names, Parameter
+from tractive_sam.scene import Scene
+from tractive_sam.schema import (
+    Check,
+    Document,
+    Fault,
+    SceneError,
+    Table,
+    ValidEntries,
+    entry,
+    shorten,
+    suggest_name,
+)
+
+
+class FitError(SceneError):
+    """A fit that cannot be made, with every fault that was found.
+
+    Examples
+    --------
+    >>> try:
+    ...     ts.FitDesign(fit={"scene": "spheres", "free": "friction.mu"})
+    ... except ts.FitError as error:
+    ...     print(error.faults[0].key)
+    fit.data
+    """
+
+    subject: ClassVar[str] = "fit"
+
+
+def _parameters_are_free(entries: ValidEntries) -> Iterator[Fault]:
+    free = entries["free"]
+    for k, one in enumerate(entries["parameter"]):
+        if one.key not in free:
+            yield Fault(f"parameter[{k}].key", shorten(one.key), suggest_name(one.key, free))
+    keys = [one.key for one in entries["parameter"]]
+    for key in {one for one in keys if keys.count(one) > 1}:
+        yield Fault("parameter", f"{key} {keys.count(key)} times", "each once")
+
+
+def _free_is_numeric(entries: ValidEntries) -> Iterator[Fault]:
+    given = {one.key: one for one in entries["parameter"]}
+    for key in entries["free"]:
+        try:
+            start_of(entries["scene"], key, given[key].start if key in given else None)
+        except SceneError as error:
+            yield from (Fault("free", f"{shorten(key)}: {one.given}", one.allowed)
+                        for one in error.faults)  # fmt: skip
+    for key in entries["free"]:
+        if key != base_of(key) and base_of(key) in entries["free"]:
+            yield Fault("free", f"{key} and {base_of(key)}", "one of them")
+
+
+def _varied_is_not_free(entries: ValidEntries) -> Iterator[Fault]:
+    bases = {base_of(key) for key in entries["free"]}
+    for name in ("data", "test"):
+        for k, one in enumerate(entries[name]):
+            varied = (one.vary,) if isinstance(one.vary, str) else one.vary or ()
+            for key in (*varied, *one.set):
+                if key in COORDINATES and name == "data":
+                    continue
+                if key in bases:
+                    yield Fault(f"{name}[{k}].vary", key, "an entry that is not free")
+                elif (fault := _unknown(key)) is not None:
+                    yield Fault(f"{name}[{k}].vary", shorten(key), fault.allowed)
+
+
+def _unknown(key: str) -> Fault | None:
+    try:
+        Scene.find_field(base_of(key))
+    except SceneError as error:
+        return error.faults[0]
+    return None
+
+
+def _target_is_free(entries: ValidEntries) -> Iterator[Fault]:
+    target, free = entries["target"], entries["free"]
+    if target is not None and target not in free:
+        yield Fault("target", shorten(target), suggest_name(target, free))
+
+
+def _one_mesh(entries: ValidEntries) -> Iterator[Fault]:
+    if entries["scene"].accuracy is not None:
+        cure = "[grid], or neither: the mesh stays the same while parameters vary"
+        yield Fault("scene.accuracy", "given", cure)
+
+
+class Fit(Table):
+    """The [fit] table.
+
+    Examples
+    --------
+    >>> from tractive_sam.fitting.design import Fit
+    >>> creep = {"values": {"Qx": [80.0]}, "observe": "Qx", "noise": 0.05}
+    >>> Fit(scene=ts.Scene.builtin("spheres"), free="friction.mu", data=[creep]).loss
+    'linear'
+    """
+
+    title: str = entry("title", "a text", "")
+    scene: Scene = entry("the scene", "a built-in name, a scene file, or the tables of a scene")
+    free: Names = entry(
+        "numeric keys of the scene that are fitted", "a list of dotted keys", min_length=1
+    )
+    data: tuple[Data, ...] = entry("the data sets", "at least one [[fit.data]]", min_length=1)
+    parameter: tuple[Parameter, ...] = entry("starts, bounds and priors", "a list of tables", ())
+    test: tuple[CandidateTest, ...] = entry("candidates of the next test", "a list of tables", ())
+    target: str | None = entry(
+        "parameter whose uncertainty the next test is to reduce; by default all together",
+        "one of free",
+        None,
+    )
+    loss: Literal["linear", "soft_l1", "huber", "cauchy", "arctan"] = entry(
+        "loss of a residual; all but linear give less weight to outliers",
+        '"linear", "soft_l1", "huber", "cauchy" or "arctan"',
+        "linear",
+    )
+    starts: int = entry(
+        "starts of the search; those beyond the first are random",
+        "a whole number from 1 to 100",
+        1,
+        ge=1,
+        le=100,
+    )
+    seed: int = entry("seed of random starts", "a whole number from 0", 0, ge=0)
+    intervals: Literal["linear", "profile"] = entry(
+        "intervals by the linearised model, or by the profile likelihood",
+        '"linear" or "profile"',
+        "linear",
+    )
+    scatter: bool = entry(
+        "whether the scatter of the residuals scales the noise",
+        "true or false",
+        False,
+    )
+    level: float = entry(
+        "probability of the intervals", "a number from 0.5 to 0.999", 0.95, ge=0.5, le=0.999
+    )
+    step: float | None = entry(
+        "step of differences over the value; by default 1e-4 of contacts and 1e-2 of rolls",
+        "a number above 0, at most 0.2",
+        None,
+        gt=0,
+        le=0.2,
+    )
+    iterations: int = entry("most iterations", "a whole number from 1 to 1000", 50, ge=1, le=1000)
+    mesh_check: bool = entry(
+        "whether the solution is computed on a finer mesh as well", "true or false", True
+    )
+    checks: ClassVar[tuple[Check, ...]] = (
+        _parameters_are_free,
+        _free_is_numeric,
+        _varied_is_not_free,
+        _target_is_free,
+        _one_mesh,
+    )
+
+    def settings_of(self, key: str) -> Parameter:
+        """Return the start, bounds and prior of a free entry."""
+        return next((one for one in self.parameter if one.key == key), Parameter(key=key))
+
+
+class FitDesign(Document):
+    """A fit file: the table [fit] with its data sets, parameters and tests.
+
+    Raises
+    ------
+    FitError
+        With every fault.
+
+    Examples
+    --------
+    >>> creep = {"values": {"Qx": [80.0]}, "observe": "Qx", "noise": 0.05}
+    >>> design = ts.FitDesign(fit={"scene": "spheres", "free": "friction.mu", "data": [creep]})
+    >>> design.fit.free
+    ('friction.mu',)
+    """
+
+    fit: Fit = entry("the fit", "")
+    error_class: ClassVar[type[SceneError]] = FitError
+
+    def __init__(self, /, **given: Any) -> None:
+        table = given.get("fit")
+        if isinstance(table, Mapping) and isinstance(table.get("scene"), str | Mapping):
+            try:
+                scene = table["scene"]
+                found = Scene.from_name(scene) if isinstance(scene, str) else Scene(**scene)
+            except SceneError as error:
+                raise FitError(one.under("fit.scene") for one in error.faults) from None
+            given["fit"] = {**table, "scene": found}
+        super().__init__(**given)
+
+    @classmethod
+    def resolve_files(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
+        """Return the tables with relative files in them sought from a folder."""
+        match tables:
+            case {"fit": {"scene": str(name)} as fit} if (folder / name).is_file():
+                fit["scene"] = str(folder / name)
+            case {"fit": {"scene": dict(scene)}}:
+                Scene.resolve_files(folder, scene)
+        match tables:
+            case {"fit": {"data": list(data)}}:
+                for one in data:
+                    match one:
+                        case {"file": str(name)}:
+                            one["file"] = str(folder / name)
+        return tables

@@ -1,0 +1,73 @@
+"""Numeric entries of a scene by dotted key: their values, and scenes with other ones.
+
+``friction.mu`` of an isotropic law is one number; ``friction.mu[0]`` and ``friction.mu[1]`` are the
+numbers of a pair.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from tractive_sam.scene import Scene
+from tractive_sam.schema import Fault, SceneError, shorten, split_key
+
+
+def base_of(key: str) -> str:
+    """Return the entry that a key sets: without the place of a number in a pair."""
+    return re.sub(r"\[\d+\]$", "", key)
+
+
+def value_of(scene: Scene, key: str) -> Any:
+    """Return the value of an entry, defaults included; None where there is none."""
+    found: Any = scene.settings()
+    for name in split_key(key):
+        try:
+            found = found[name]
+        except (KeyError, IndexError, TypeError):
+            return None
+    return found
+
+
+def start_of(scene: Scene, key: str, start: float | None) -> float:
+    """Return the first value of a free entry.
+
+    Raises
+    ------
+    SceneError
+        If the scene has no such entry, or it is not one number and no start is given.
+    """
+    Scene.find_field(base_of(key))
+    value = value_of(scene, key)
+    if isinstance(value, tuple) and len(value) == 2 and value[0] == value[1]:
+        value = value[0]
+    if isinstance(value, tuple) and len(value) == 2:
+        raise SceneError([Fault(key, shorten(value), f"{key}[0] and {key}[1]: it is a pair")])
+    if key != base_of(key) and value is None:
+        raise SceneError([Fault(key, "nothing", "a pair in the scene")])
+    if value is not None and (isinstance(value, bool) or not isinstance(value, int | float)):
+        raise SceneError([Fault(key, shorten(value), "a key with a number")])
+    first = value if start is None else start
+    if first is None:
+        raise SceneError([Fault(key, "nothing in the scene", "a value there, or a start")])
+    return float(first)
+
+
+def is_whole(scene: Scene, key: str) -> bool:
+    """Whether an entry of a scene is a whole number."""
+    return type(value_of(scene, key)) is int
+
+
+def changes_of(scene: Scene, values: Mapping[str, float]) -> dict[str, Any]:
+    """Return the entries that set values of free keys; numbers of a pair are set together."""
+    changes: dict[str, Any] = {}
+    for key, value in values.items():
+        base = base_of(key)
+        new: Any = round(value) if is_whole(scene, key) else value
+        if base != key:
+            pair = list(changes.get(base, value_of(scene, base)))
+            pair[int(key[len(base) + 1 : -1])] = new
+            new = tuple(pair)
+        changes[base] = new
+    return changes

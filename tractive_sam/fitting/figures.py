@@ -1,0 +1,123 @@
+"""Figures of a fit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+
+from tractive_sam import interrupt
+from tractive_sam.fitting.results import FitResult
+from tractive_sam.output_file import make_folder
+from tractive_sam.plot import (
+    DPI,
+    Figure,
+    FittedCurve,
+    Variable,
+    confidence_ellipses,
+    fitted_curve,
+    study_curves,
+)
+from tractive_sam.results import COLUMNS, by_name
+from tractive_sam.scene import Scene
+from tractive_sam.schema import SceneError
+
+
+def save_fit_figures(
+    result: FitResult, directory: str | PathLike[str], *, format: str = "png", dpi: int = DPI
+) -> list[Path]:
+    """Draw the figures of a fit: data with the model, ellipses, profile likelihood.
+
+    Parameters
+    ----------
+    result : FitResult
+        A complete fit.
+    directory : path-like
+        Folder of the figures; made if it does not exist.
+    format : str
+        One of `plot.FORMATS`.
+    dpi : int
+        Dots per inch.
+
+    Returns
+    -------
+    list of Path
+        The files.
+
+    Examples
+    --------
+    >>> from tractive_sam import fitting
+    >>> found = ts.fit({"scene": coarse, "free": ["friction.mu"], "data": [data]})
+    >>> [path.name for path in fitting.save_fit_figures(found, "fit-figures")]
+    ['data0-Qx_over_P.png']
+    """
+    directory = Path(directory)
+    make_folder(directory)
+    paths = []
+    for name, _, figure in fit_figures(result):
+        interrupt.raise_if_interrupted()
+        paths.append(directory / f"{name}.{format}")
+        figure.savefig(paths[-1], dpi=dpi)
+    return paths
+
+
+def fit_figures(result: FitResult) -> Iterator[tuple[str, str, Figure]]:
+    """Yield name, caption and figure of all that a fit shows."""
+    data = result.dataset
+    series, names = data["series"].values, data["observation"].values
+    for number in np.unique(series):
+        for name in dict.fromkeys(names[series == number]):
+            rows = np.flatnonzero((series == number) & (names == name))
+            curve = _curve(result, rows, str(name))
+            label = result.design.fit.data[number].label or f"data set {number}"
+            title = "\n".join(filter(None, (result.title, label)))
+            caption = f"{label}: measured {name} with one standard deviation, and the model."
+            file = f"data{number}-{str(name).replace(' ', '-')}"
+            yield file, caption, fitted_curve(curve, title=title)
+    known = np.flatnonzero(np.isfinite(data["sd"].values))
+    if known.size > 1:
+        keys = [result.keys[k] for k in known]
+        values, deviations = (data[name].values[known] for name in ("value", "sd"))
+        correlation = result.correlation[np.ix_(known, known)]
+        figure = confidence_ellipses(keys, values, deviations, correlation, title=result.title)
+        yield "ellipses", "Ellipses of 68 and 95 % of each pair of parameters.", figure
+    if "likelihood" in data:
+        yield from _likelihoods(result)
+
+
+def _curve(result: FitResult, rows: np.ndarray, name: str) -> FittedCurve:
+    data, plain = result.dataset, name.partition(" ")
+    quantity = by_name(COLUMNS)[plain[0]].with_units_of(result.design.fit.scene)
+    body = f" of body {plain[2]}" if plain[2] else ""
+    columns = {key: data[key].values[rows] for key in ("noise", "predicted", "band", "residual")}
+    observed = data["observed"].values[rows]
+    key = str(data["abscissa_name"].values[rows[0]])
+    x = Variable(key, data["abscissa"].values[rows], _meaning(key))
+    label = quantity.label or plain[0].replace("_", " ")
+    return FittedCurve(x, Variable(name, observed, label + body, quantity.unit), **columns)
+
+
+def _meaning(key: str) -> str:
+    """Return what varies, in words."""
+    if key in by_name(COLUMNS):
+        return key.replace("_", " ")
+    try:
+        return Scene.find_field(key).title or key
+    except SceneError:
+        return {"y": "y (mm)"}.get(key, key)
+
+
+def _likelihoods(result: FitResult) -> Iterator[tuple[str, str, Figure]]:
+    """Yield the curves of the profile likelihood."""
+    numbers = result.dataset["likelihood"].values
+    for k in np.unique(numbers[:, 0]).astype(int):
+        _, values, rise = numbers[numbers[:, 0] == k].T
+        key = result.keys[k]
+        figure = study_curves(
+            Variable(key, values, key),
+            Variable("rise", rise, "rise of chi-square"),
+            title=f"{result.title}\nprofile likelihood",
+        )
+        yield f"likelihood-{key}", f"Profile likelihood of {key}.", figure

@@ -1,0 +1,95 @@
+"""The next test: which candidate reduces the uncertainty of the parameters most."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from tractive_sam.fitting.data import Measured, noise_at
+from tractive_sam.fitting.design import Fit, FitError
+from tractive_sam.fitting.estimate import Estimate
+from tractive_sam.fitting.parameters import Parameters
+from tractive_sam.fitting.problem import Problem, Series
+from tractive_sam.fitting.results import Gain
+from tractive_sam.fitting.tables import CandidateTest, Data
+from tractive_sam.schema import Fault
+
+
+def rank_tests(found: Estimate, fit: Fit) -> list[Gain]:
+    """Return the candidates by their gain, the best one first.
+
+    A test is linearised at the estimate. A direction that is not determined yet counts with the
+    standard deviation 10 of its coordinate.
+
+    Raises
+    ------
+    FitError
+        If a candidate has no valid scene, or is not solved.
+    """
+    n = len(found.problem.parameters)
+    weak = np.eye(found.u.size)
+    prior = found.problem.prior_jacobian(found.u)
+    rows = np.concatenate([found.weighted, prior])
+    information = rows.T @ rows + 1e-2 * weak
+    target = np.arange(n) if fit.target is None else np.array([fit.free.index(fit.target)])
+    before = _logarithm(information, target)
+    gains = []
+    for k, test in enumerate(fit.test):
+        for label, measured in _measured_tests(test):
+            problem = _problem_of(found.problem, f"fit.test[{k}]", measured, fit)
+            slopes = problem.jacobian(found.u[:n])
+            noise = noise_at(test.uncertainty, problem.predict(found.u[:n]))
+            wide = np.zeros((len(slopes), found.u.size))
+            wide[:, :n] = slopes / noise[:, None]
+            after = information + wide.T @ wide
+            deviation = np.sqrt(np.diag(np.linalg.inv(after))[:n])
+            deviation *= np.abs(found.problem.parameters.slopes(found.u))
+            gains.append(Gain(label, deviation, before - _logarithm(after, target)))
+    return sorted(gains, key=lambda one: -one.gain)
+
+
+def check_tests(fit: Fit, start: Parameters) -> None:
+    """Check the scenes of all candidates before anything is computed.
+
+    Raises
+    ------
+    FitError
+        With the faults of those that are not valid.
+    """
+    faults: list[Fault] = []
+    for k, test in enumerate(fit.test):
+        for _, measured in _measured_tests(test):
+            try:
+                Series.of(f"fit.test[{k}]", measured, fit.scene, start, None)
+            except FitError as error:
+                faults += error.faults
+    if faults:
+        raise FitError(dict.fromkeys(faults))
+
+
+def _logarithm(information: np.ndarray, target: np.ndarray) -> float:
+    covariance = np.linalg.inv(information)[np.ix_(target, target)]
+    return float(np.linalg.slogdet(covariance)[1])
+
+
+def _measured_tests(test: CandidateTest):
+    """Yield the tests of a candidate, as data sets of one row that is not measured yet."""
+    entries = ", ".join(f"{key} = {value}" for key, value in test.set.items())
+    for value in test.values or (None,):
+        varied = {} if value is None else {str(test.vary): float(value)}
+        label = ", ".join(filter(None, (*(f"{k} = {v:g}" for k, v in varied.items()), entries)))
+        columns = {name: [1.0] for name in (*varied, *test.observe)}
+        data = Data(
+            values=columns, observe=test.observe, body=test.body, at=test.at, noise=1.0,
+            set=test.set, vary=tuple(varied),
+        )  # fmt: skip
+        ones = np.ones((1, len(test.observe)))
+        place = np.array([np.nan if test.at is None else test.at])
+        measured = Measured(data, (varied,), place, ones, ones, np.empty(0))
+        yield ": ".join(filter(None, (", ".join(test.observe), label))), measured
+
+
+def _problem_of(problem: Problem, key: str, measured: Measured, fit: Fit) -> Problem:
+    series = Series.of(key, measured, fit.scene, problem.parameters, problem.evaluations)
+    return replace(problem, series=(series,))

@@ -1,0 +1,146 @@
+"""The page of a fit: estimates, what is not determined, figures, and residuals."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from os import PathLike
+from pathlib import Path
+
+from tractive_sam import interrupt
+from tractive_sam.fitting.figures import fit_figures
+from tractive_sam.fitting.results import DONE, FitResult
+from tractive_sam.markup import Html, fill, security_policy
+from tractive_sam.output_file import write_file
+from tractive_sam.pages import style
+
+WIDTH = 460.0
+"""Width of a picture, pixels."""
+
+
+def report_fit(result: FitResult, path: str | PathLike[str]) -> Path:
+    """Write a fit as one page that needs no other file and no network.
+
+    Parameters
+    ----------
+    result : FitResult
+        A complete fit.
+    path : path-like
+        The page; replaced if it is there.
+
+    Returns
+    -------
+    Path
+        The page.
+
+    Raises
+    ------
+    OutputError
+        If the page cannot be written.
+
+    Examples
+    --------
+    >>> from tractive_sam import fitting
+    >>> found = ts.fit({"scene": coarse, "free": ["friction.mu"], "data": [data]})
+    >>> fitting.report_fit(found, "fit.html").stat().st_size < 1e6
+    True
+    """
+    look = Html(f"\n{style()}\n{_STYLE}")
+    page = fill(
+        _PAGE,
+        policy=security_policy(styles=[look]),
+        style=look,
+        title=result.title or "A fit",
+        status=result.status,
+        kind="good" if result.status == DONE else "bad",
+        message=str(result.dataset.attrs["message"]),
+        notes=(
+            fill('<p class="notice">$text</p>\n', text=text)
+            for text in (*result.undetermined, *result.notes)
+        ),
+        facts=(
+            fill("<tr><th>$name</th><td>$text</td></tr>\n", name=name, text=text)
+            for name, text in result.summary().items()
+        ),
+        correlation=_correlation(result),
+        tests=_tests(result),
+        pictures=_pictures(result),
+        design=result.design.to_toml(),
+        version=str(result.dataset.attrs.get("version", "")),
+    )
+    return write_file(path, page)
+
+
+def _pictures(result: FitResult) -> Iterator[Html]:
+    card = "<figure><figcaption>$caption</figcaption>$image</figure>\n"
+    for _, caption, figure in fit_figures(result):
+        interrupt.raise_if_interrupted()
+        yield fill(card, caption=caption, image=figure.to_html(WIDTH))
+
+
+def _correlation(result: FitResult) -> Html:
+    """Return the table of correlations; nothing for one parameter."""
+    if len(result.keys) < 2:
+        return Html()
+    rows = [["", *result.keys]]
+    for key, numbers in zip(result.keys, result.correlation, strict=True):
+        rows.append([key, *("" if math.isnan(one) else f"{one:.2f}" for one in numbers)])
+    return _section("Correlation", rows)
+
+
+def _tests(result: FitResult) -> Html:
+    """Return the table of candidates of the next test, if there are any."""
+    tests = result.next_tests()
+    if not tests:
+        return Html()
+    rows = [["next test", "gain", *(f"sd of {key}" for key in result.keys)]]
+    for one in tests:
+        deviations = (f"{sd:.3g}" for sd in one["sd"].values())
+        rows.append([one["test"], f"{one['gain']:.3g}", *deviations])
+    return _section("Next test", rows)
+
+
+def _section(title: str, rows: list[list[str]]) -> Html:
+    lines = (
+        fill("<tr>$cells</tr>\n", cells=[fill("<td>$text</td>", text=text) for text in row])
+        for row in rows
+    )
+    return fill("<h2>$title</h2>\n<table>$lines</table>\n", title=title, lines=lines)
+
+
+_STYLE = """table { width: auto; }
+.cards { display: flex; flex-wrap: wrap; gap: 1rem; }
+pre { background: var(--tint); padding: .8rem; overflow-x: auto; }
+"""
+
+_PAGE = """<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+$policy
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>$title</title>
+<style>$style</style>
+</head>
+<body>
+<header>
+<h1>$title</h1>
+<p><span class="badge $kind">$status</span> $message</p>
+$notes
+</header>
+<main>
+<h2>Estimates</h2>
+<table>
+$facts</table>
+$correlation
+$tests
+<h2>Figures</h2>
+<div class="cards">
+$pictures</div>
+<h2>Fit file</h2>
+<pre>$design</pre>
+</main>
+<footer>tractive-sam $version</footer>
+</body>
+</html>
+"""

@@ -1,0 +1,97 @@
+"""Free parameters, and the coordinates in which they are fitted."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from tractive_sam.fitting.design import Fit
+from tractive_sam.fitting.entries import is_whole, start_of
+
+
+@dataclass(frozen=True, eq=False)
+class Parameters:
+    """Free parameters: values v and coordinates u.
+
+    u = 1 + ln(v / start) of a positive one, and 1 + (v - start) / scale of others: all begin at 1,
+    and a change by 1 is one of the size of the parameter.
+
+    Attributes
+    ----------
+    keys : tuple of str
+        Their keys.
+    start, scale, lower, upper : ndarray, shape (n,)
+        First values, scales of the linear ones, and bounds of the values.
+    logarithmic : ndarray of bool, shape (n,)
+        Whether the coordinate is a logarithm.
+    whole : ndarray of bool, shape (n,)
+        Whether the value is a whole number.
+    prior : ndarray, shape (n, 2)
+        Mean and standard deviation known before; nan where nothing is.
+    """
+
+    keys: tuple[str, ...]
+    start: np.ndarray
+    scale: np.ndarray
+    lower: np.ndarray
+    upper: np.ndarray
+    logarithmic: np.ndarray
+    whole: np.ndarray
+    prior: np.ndarray
+
+    @classmethod
+    def of(cls, fit: Fit) -> Parameters:
+        """Return the parameters of a fit."""
+        tables = [fit.settings_of(key) for key in fit.free]
+        start = np.array([start_of(fit.scene, one.key, one.start) for one in tables])
+        lower = np.array([-math.inf if t.lower is None else t.lower for t in tables])
+        upper = np.array([math.inf if t.upper is None else t.upper for t in tables])
+        start = np.clip(start, lower, upper)
+        logarithmic = np.array(
+            [
+                (t.scale or ("log" if value > 0.0 and (t.lower is None or t.lower >= 0.0) else ""))
+                == "log"
+                for t, value in zip(tables, start, strict=True)
+            ]
+        )
+        prior = np.array([t.prior or (math.nan, math.nan) for t in tables])
+        widths = np.stack([np.abs(start), prior[:, 1], upper - lower])
+        usable = np.isfinite(widths) & (widths > 0.0)
+        scale = np.where(usable.any(axis=0), widths[usable.argmax(axis=0), range(len(start))], 1.0)
+        whole = np.array([is_whole(fit.scene, key) for key in fit.free])
+        return cls(fit.free, start, scale, lower, upper, logarithmic, whole, prior)
+
+    def __len__(self) -> int:
+        return len(self.keys)
+
+    def values(self, u: np.ndarray) -> np.ndarray:
+        """Return values at coordinates."""
+        u = np.asarray(u, float)[: len(self)]
+        linear = self.start + self.scale * (u - 1.0)
+        with np.errstate(over="ignore"):
+            powers = np.abs(self.start) * np.exp(np.where(self.logarithmic, u - 1.0, 0.0))
+        return np.where(self.logarithmic, powers, linear)
+
+    def coordinates(self, values: np.ndarray) -> np.ndarray:
+        """Return coordinates of values."""
+        values = np.asarray(values, float)
+        ratio = np.divide(values, self.start, out=np.ones(len(self)), where=self.logarithmic)
+        with np.errstate(divide="ignore"):
+            powers = 1.0 + np.log(ratio)
+        return np.where(self.logarithmic, powers, 1.0 + (values - self.start) / self.scale)
+
+    def slopes(self, u: np.ndarray) -> np.ndarray:
+        """Return derivatives of the values by their coordinates."""
+        return np.where(self.logarithmic, self.values(u), self.scale)
+
+    @property
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper bounds of the coordinates."""
+        lower = np.where(self.logarithmic & (self.lower <= 0.0), 0.0, self.lower)
+        return self.coordinates(lower), self.coordinates(self.upper)
+
+    def named(self, u: np.ndarray) -> dict[str, float]:
+        """Return values by key."""
+        return dict(zip(self.keys, self.values(u).tolist(), strict=True))

@@ -1,0 +1,71 @@
+"""The posterior of a fit, for samplers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from os import PathLike
+from typing import Any
+
+import numpy as np
+
+from tractive_sam.fitting.design import FitDesign
+from tractive_sam.fitting.estimate import LOSSES
+from tractive_sam.fitting.run import make_problem, read_design
+
+
+def log_posterior(
+    design: FitDesign | Mapping[str, Any] | str | PathLike[str],
+) -> tuple[Callable[[np.ndarray], float], np.ndarray]:
+    """Return the logarithm of the posterior density of a fit, but for a constant.
+
+    The density is that of the values of the parameters: a positive one that is fitted by its
+    logarithm has no other prior than bounds and the one that is stated. Positions of profiles are
+    coordinates after the parameters, see `FitResult`.
+
+    Parameters
+    ----------
+    design : FitDesign, mapping or path-like
+        See `fit`.
+
+    Returns
+    -------
+    density : callable
+        Takes values, shape (size,); minus infinity outside of bounds and where nothing is solved.
+    start : ndarray, shape (size,)
+        First values.
+
+    Raises
+    ------
+    FitError
+        With every fault of the design and of its data.
+
+    Examples
+    --------
+    >>> from tractive_sam import fitting
+    >>> density, start = fitting.log_posterior(
+    ...     {"scene": coarse, "free": ["friction.mu"], "data": [data]}
+    ... )
+    >>> density(0.3 * start / start) > density(2.0 * start)
+    True
+    """
+    table = read_design(design).fit
+    problem = make_problem(table)
+    n = len(problem.parameters)
+    loss = LOSSES[table.loss]
+
+    def density(values: np.ndarray) -> float:
+        values = np.asarray(values, float)
+        inside = (values[:n] >= problem.parameters.lower) & (values[:n] <= problem.parameters.upper)
+        if not (inside & ((values[:n] > 0.0) | ~problem.parameters.logarithmic)).all():
+            return -np.inf
+        u = np.concatenate([problem.parameters.coordinates(values[:n]), values[n:]])
+        left = (problem.predict(u) - problem.observed) / problem.noise
+        if not np.isfinite(left).all():
+            return -np.inf
+        squares = np.square(np.concatenate([left, problem.prior_residuals(u)]))
+        return -0.5 * float(loss(squares)[0].sum())
+
+    first = np.ones(problem.size)
+    first[n:] = 0.0
+    first = problem.aligned(first)
+    return density, np.concatenate([problem.parameters.values(first), first[n:]])

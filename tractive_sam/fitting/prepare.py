@@ -1,0 +1,187 @@
+"""Scenes of a data set on one mesh and with fixed steps, whatever the parameters are.
+
+A mesh that follows the contact, and steps that follow the error, jump while parameters vary: sums
+of squares would have steps. Both are chosen once, at the first values of the parameters.
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from tractive_sam.contact import Model, fitted, reaching
+from tractive_sam.fitting.case import Answer, is_one_contact
+from tractive_sam.fitting.entries import is_whole
+from tractive_sam.results import COLUMNS, Grid, by_name
+from tractive_sam.run import measured_gap, roll
+from tractive_sam.scene import Scene
+from tractive_sam.schema import Fault, SceneError
+
+MARGIN = 1.25
+"""Half lengths of a mesh that is fixed over those of the contact at the first values."""
+
+FINER = 1.5
+"""Elements of the finer mesh over those of the mesh, along each axis."""
+
+COSTLY = ("subsurface", "fatigue")
+"""Tables that are left out where no observation needs them."""
+
+
+Remember = Callable[[str, Callable[[], Answer]], Answer]
+"""Returns the answer of a digest; computes it if it is not known."""
+
+
+@dataclass
+class SharedPlaces:
+    """Records that data sets observe of each scene: they share its roll.
+
+    Attributes
+    ----------
+    complete : bool
+        Whether all data sets have added theirs.
+    """
+
+    complete: bool = True
+    _places: dict[str, dict[str, float]] = field(default_factory=dict)
+
+    def add(self, scene: Scene, places: list[float]) -> None:
+        """Add revolutions or distances; nan stands for the last one."""
+        known = self._places.setdefault(scene.fingerprint(), {})
+        known |= {repr(at): at for at in places}
+
+    def of(self, scene: Scene) -> list[float]:
+        """Return the places of a scene."""
+        return list(self._places[scene.fingerprint()].values())
+
+
+def trimmed(scene: Scene, columns: Iterable[str], unworn: bool) -> Scene:
+    """Return a scene without tables that the wanted columns do not need.
+
+    Parameters
+    ----------
+    scene : Scene
+        A scene.
+    columns : iterable of str
+        Columns of a record; "worn_mass A" is that of a body.
+    unworn : bool
+        Whether the bodies are observed before they wear: then [wear] is left out as well.
+
+    Raises
+    ------
+    SceneError
+        If the scene has no such column.
+    """
+    known = by_name(COLUMNS)
+    wanted = [known[name.partition(" ")[0]] for name in columns]
+    if unworn and scene.wear is not None:
+        scene = scene.replace(wear=None, duty=None, load_history=None)
+    for name in COSTLY:
+        if getattr(scene, name) is not None:
+            without = scene.replace(**{name: None})
+            if all(one.applies(without) for one in wanted):
+                scene = without
+    for one in wanted:
+        if not one.applies(scene) or (one.of is None and is_one_contact(scene)):
+            needs = " and ".join(f"[{name}]" for name in one.needs) or "[wear] or [transient]"
+            raise SceneError([Fault("observe", one.name, f"a scene with {needs} for it")])
+    return scene
+
+
+def fixed(
+    scene: Scene, neighbours: Iterable[Scene], places: Sequence[float], remember: Remember
+) -> dict[str, Any]:
+    """Return the changes that fix mesh and steps of a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+        At the first values of the parameters.
+    neighbours : iterable of Scene
+        At other values of each: a mesh that these share is left to the scene.
+    places : sequence of float
+        Revolutions that are observed; nan stands for the last one.
+    remember : callable
+        Stores the steps, see `Remember`.
+
+    Raises
+    ------
+    SceneError
+        If the scene cannot be computed at the first values.
+    """
+    changes: dict[str, Any] = {}
+    stated = sorted({round(at) for at in places if not math.isnan(at)})
+    if scene.wear is not None and scene.wear.revolutions:
+        last = any(map(math.isnan, places)) or not stated
+        end = max([*stated, *([scene.wear.revolutions] if last else [])])
+        given = [n for n in scene.wear.save if n < end and scene.schedule.fixed]
+        save = tuple(sorted({0, *given, *stated, end}))
+        changes = {"wear.revolutions": end, "wear.save": save}
+        scene = scene.replace(**changes)
+    grid = None
+    if scene.wear is not None and scene.wear.stepping == "adaptive" and not is_one_contact(scene):
+        steps, grid = _steps_of(scene, remember)
+        changes |= {"wear.stepping": "saved", "wear.save": steps}
+    if any(_mesh(one) != _mesh(scene) for one in neighbours):
+        if grid is None:
+            grid = fitted(Model(scene, measured_gap(scene)))[1].grid
+        x, y = grid.half_length
+        wider = reaching(grid, (MARGIN * x, MARGIN * y))
+        changes |= grid_entries(wider)
+    return changes
+
+
+def _mesh(scene: Scene) -> tuple[Any, ...]:
+    grid = Model(scene, measured_gap(scene)).grid
+    return grid.half_length, grid.elements
+
+
+def grid_entries(grid: Grid) -> dict[str, Any]:
+    """Return the entries of a scene that give a mesh."""
+    axes = slice(grid.directions)
+    return {"grid.half_length": grid.half_length[axes], "grid.elements": grid.elements[axes]}
+
+
+def finer(scene: Scene) -> Scene:
+    """Return a scene on a finer mesh of the same extent."""
+    grid = Model(scene, measured_gap(scene)).grid
+    n_x, n_y = (2 * round(0.5 * (FINER * n - 1)) + 1 if n > 1 else 1 for n in grid.elements)
+    return scene.replace(**grid_entries(Grid(grid.half_length, (n_x, n_y))))
+
+
+def _steps_of(scene: Scene, remember: Remember) -> tuple[tuple[int, ...], Grid]:
+    """Return the revolutions at which adaptive stepping solves, and the mesh that it ends on."""
+    found = remember(f"steps {scene.fingerprint()}", lambda: _roll_adaptively(scene)).numbers
+    (x, y), (n_x, n_y) = found["half_length"].tolist(), found["elements"].tolist()
+    steps = tuple(round(n) for n in found["steps"])
+    return steps, Grid((x, y), (round(n_x), round(n_y)))
+
+
+def _roll_adaptively(scene: Scene) -> Answer:
+    """Return the steps and the last mesh of a roll."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        history = roll(scene, progress=False)
+    if not history.finished:
+        cure = f"a scene that is rolled to its end: {history.message}"
+        raise SceneError([Fault("scene", "a roll that ends early", cure)])
+    numbers = {
+        "steps": history["revolution"].astype(float),
+        "half_length": np.array(history.grid.half_length),
+        "elements": np.array(history.grid.elements, float),
+    }
+    contacts = int(history.totals["contact_solves"])
+    return Answer(numbers, contacts, 1, float(np.nansum(history["convolutions"])))
+
+
+def scaled_steps(scene: Scene, changes: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return changes with fixed steps in proportion to a free number of revolutions."""
+    end, steps = changes.get("wear.revolutions"), scene.wear.save if scene.wear else ()
+    if end is None or not steps or steps[-1] == end or not is_whole(scene, "wear.revolutions"):
+        return changes
+    save = tuple(sorted({round(n * end / steps[-1]) for n in steps}))
+    return {**changes, "wear.save": save}

@@ -1,0 +1,225 @@
+"""The front door: from a fit file to its result."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from os import PathLike
+from typing import Any
+
+import numpy as np
+
+from tractive_sam.extras import check_extra
+from tractive_sam.fitting.answer_file import answer_variables, read_answers
+from tractive_sam.fitting.data import Measured, read_measured
+from tractive_sam.fitting.design import Fit, FitDesign, FitError
+from tractive_sam.fitting.estimate import Estimate, estimate
+from tractive_sam.fitting.evaluations import Evaluations, Here, compute_with
+from tractive_sam.fitting.likelihood import profile_interval
+from tractive_sam.fitting.next_test import check_tests, rank_tests
+from tractive_sam.fitting.parameters import Parameters
+from tractive_sam.fitting.prepare import SharedPlaces
+from tractive_sam.fitting.problem import Problem, Series
+from tractive_sam.fitting.results import FitResult, Intervals, make_dataset, write_fit
+from tractive_sam.fitting.variables import (
+    attributes_of,
+    parameter_variables,
+    point_variables,
+    test_variables,
+    text_variables,
+)
+from tractive_sam.fitting.words import describe_undetermined, list_notes
+from tractive_sam.schema import Fault
+from tractive_sam.store import versions
+
+Progress = Callable[[Evaluations], None]
+"""Called after each computation."""
+
+
+def fit(
+    design: FitDesign | Mapping[str, Any] | str | PathLike[str],
+    path: str | PathLike[str] | None = None,
+    *,
+    workers: int = 0,
+    overwrite: bool = False,
+    next_test: bool = False,
+    progress: Progress | None = None,
+) -> FitResult:
+    """Fit numbers of a scene to measurements, by weighted nonlinear least squares.
+
+    The mesh is chosen at the first values of the parameters, and adaptive stepping is replaced by
+    the steps that it takes there: both stay the same while the parameters vary.
+
+    Parameters
+    ----------
+    design : FitDesign, mapping or path-like
+        What to fit: a fit file, or its table [fit].
+    path : path-like, optional
+        The result (netCDF), to which computations are streamed: an interrupted fit resumes from
+        those in the file.
+    workers : int
+        Processes on this machine; 0: this one.
+    overwrite : bool
+        Whether to replace a file that holds the fit of another scene.
+    next_test : bool
+        Whether to rank the candidates [[fit.test]] as well.
+    progress : callable, optional
+        Called after each computation.
+
+    Returns
+    -------
+    FitResult
+        Estimates with intervals, what is not determined, residuals, errors of the model, cost.
+
+    Raises
+    ------
+    FitError
+        With every fault of the design and of its data.
+    ResultsError
+        If the file is no fit, or the fit of another scene.
+    ImportError
+        Without xarray, which comes with the extra ``study``.
+
+    Examples
+    --------
+    >>> coarse = ts.Scene.builtin("spheres").with_set(["grid.elements=[23, 23]"])
+    >>> creep = {"creepage.longitudinal": [-1e-3, -4e-3], "Qx_over_P": [0.1, 0.27]}
+    >>> data = {"values": creep, "vary": "creepage.longitudinal", "observe": "Qx_over_P"}
+    >>> data["noise"] = 0.05
+    >>> found = ts.fit({"scene": coarse, "free": ["friction.mu"], "data": [data]})
+    >>> 0.2 < found.values["friction.mu"] < 0.4
+    True
+    """
+    check_extra("xarray", "fit")
+    check_extra("h5netcdf", "fit")
+    document = read_design(design)
+    table = document.fit
+    if next_test and not table.test:
+        raise FitError([Fault("fit.test", "nothing", "at least one [[fit.test]] to choose from")])
+    if next_test:
+        check_tests(table, Parameters.of(table))
+    with compute_with(workers) as compute:
+        done = Evaluations(compute, read_answers(document, path, overwrite), progress=progress)
+        if path is not None:
+            done.save = lambda: write_fit(path, _unfinished(document, done))
+        problem = make_problem(table, done)
+        found = estimate(problem, table)
+        result = _complete(document, found, next_test)
+    if path is not None:
+        write_fit(path, result)
+    return result
+
+
+def make_problem(table: Fit, done: Evaluations | None = None) -> Problem:
+    """Read the data of a fit, and fix meshes and steps at the first values.
+
+    Parameters
+    ----------
+    table : Fit
+        What to fit.
+    done : Evaluations, optional
+        Where answers come from; by default this process.
+
+    Raises
+    ------
+    FitError
+        With every fault of the data, or of a scene at the first values.
+    """
+    measured = _read_all(table)
+    parameters = Parameters.of(table)
+    _check_count(measured, parameters)
+    done = done or Evaluations(Here())
+    shared = SharedPlaces(complete=False)
+
+    def prepared() -> tuple[Series, ...]:
+        return tuple(
+            Series.of(f"fit.data[{k}]", one, table.scene, parameters, done, shared)
+            for k, one in enumerate(measured)
+        )
+
+    prepared()
+    shared.complete = True
+    series = prepared()
+    return Problem(parameters, series, done, table.step)
+
+
+def read_design(design: FitDesign | Mapping[str, Any] | str | PathLike[str]) -> FitDesign:
+    """Return a design from a file, or from the entries of its table [fit].
+
+    Raises
+    ------
+    FitError
+        With every fault.
+    """
+    if isinstance(design, FitDesign):
+        return design
+    if isinstance(design, Mapping):
+        return FitDesign(fit=design.get("fit", design))
+    return FitDesign.from_toml(design)
+
+
+def _read_all(table: Fit) -> list[Measured]:
+    """Read all data sets, and report their faults together."""
+    found: list[Measured] = []
+    faults: list[Fault] = []
+    for k, data in enumerate(table.data):
+        try:
+            found.append(read_measured(data, f"fit.data[{k}]"))
+        except FitError as error:
+            faults += error.faults
+    if faults:
+        raise FitError(faults)
+    return found
+
+
+def _check_count(measured: list[Measured], parameters: Parameters) -> None:
+    points = sum(one.points for one in measured)
+    positions = sum(len(one.data.nuisance) for one in measured if one.data.profile)
+    priors = int(np.isfinite(parameters.prior[:, 0]).sum())
+    if points + priors < len(parameters) + positions:
+        sought = f"{len(parameters)} parameters"
+        sought += f" and {positions} positions of profiles" if positions else ""
+        cure = "as many points or priors, or fewer free keys"
+        raise FitError([Fault("fit.data", f"{points} points for {sought}", cure)])
+
+
+def _unfinished(document: FitDesign, done: Evaluations) -> FitResult:
+    design = ((), document.to_toml(), "1", "the fit file")
+    attributes = {
+        "status": "running",
+        "message": f"{len(done.known)} computations; run the fit again to resume it",
+        "version": versions()["tractive-sam"],
+    }
+    return FitResult(make_dataset({"design": design, **answer_variables(done.known)}, attributes))
+
+
+def _intervals_of(found: Estimate, table: Fit) -> Intervals:
+    """Return the intervals of all parameters, as the fit wants them."""
+    low, high, sd = found.interval(table.level)
+    curves = []
+    if table.intervals == "profile":
+        for k in np.flatnonzero(np.isfinite(sd)):
+            low[k], high[k], curve = profile_interval(found, table, int(k))
+            curves.append(np.column_stack([np.full(len(curve), k), curve]))
+    return Intervals(low, high, sd, tuple(curves))
+
+
+def _complete(document: FitDesign, found: Estimate, next_test: bool) -> FitResult:
+    """Return the result of a search that ended."""
+    table, problem = document.fit, found.problem
+    n = len(problem.parameters)
+    intervals, shift = _intervals_of(found, table), np.full(n, np.nan)
+    finer = problem.predict_finer(found.u) if table.mesh_check else None
+    if finer is not None and np.isfinite(finer).all():
+        moved = problem.parameters.values((found.u + found.shift(finer - found.predicted))[:n])
+        shift = moved - problem.parameters.values(found.u)
+    gains = rank_tests(found, table) if next_test else []
+    texts = {"undetermined": describe_undetermined(found), "notes": list_notes(found, table)}
+    variables = {
+        "design": ((), document.to_toml(), "1", "the fit file"),
+        **parameter_variables(found, intervals, shift),
+        **point_variables(found, finer),
+        **text_variables(texts),
+        **test_variables(gains),
+        **answer_variables(problem.evaluations.known),
+    }
+    return FitResult(make_dataset(variables, attributes_of(found, table)))

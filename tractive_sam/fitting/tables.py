@@ -1,0 +1,297 @@
+"""Tables of a fit file: data sets, parameters and candidate tests."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import AfterValidator, BeforeValidator, Field
+
+from tractive_sam.results import COLUMNS, by_name
+from tractive_sam.schema import (
+    Check,
+    Fault,
+    Positive,
+    Real,
+    Table,
+    ValidEntries,
+    entry,
+    shorten,
+    suggest_name,
+)
+
+COORDINATES = ("revolution", "distance")
+"""Columns of a record that `vary` may name: the record instead of an entry of the scene."""
+
+DEPTH = "depth"
+"""Column of a data file that holds the measured profile."""
+
+
+def _listed(value: object) -> object:
+    """One text or number stands for a list of it."""
+    alone = isinstance(value, str | int | float) and not isinstance(value, bool)
+    return (value,) if alone else value
+
+
+def _distinct(values: tuple[str, ...]) -> tuple[str, ...]:
+    if len(set(values)) < len(values):
+        raise ValueError("each name once")
+    return values
+
+
+def _flat(entries: object, before: str = "") -> object:
+    """Entries by dotted key; nested tables are flattened."""
+    if not isinstance(entries, Mapping):
+        return entries
+    found: dict[str, Any] = {}
+    for key, value in entries.items():
+        inner = _flat(value, f"{before}{key}.") if isinstance(value, Mapping) else None
+        found |= inner if isinstance(inner, dict) else {f"{before}{key}": value}
+    return found
+
+
+def _as_lists(columns: object) -> object:
+    """Columns of arrays as lists, for the text of the file."""
+    if not isinstance(columns, Mapping):
+        return columns
+    return {
+        str(name): getattr(one, "tolist", lambda one=one: one)() for name, one in columns.items()
+    }
+
+
+Names = Annotated[tuple[str, ...], BeforeValidator(_listed), AfterValidator(_distinct)]
+Numbers = Annotated[tuple[Real, ...], BeforeValidator(_listed), Field(min_length=1)]
+Columns = Annotated[dict[str, Any], BeforeValidator(_as_lists)]
+Changes = Annotated[dict[str, Any], BeforeValidator(_flat)]
+
+_NOISE = "a relative standard deviation, { absolute = ... }, { relative = ... } or { column = ... }"
+
+
+def _some_noise(entries: ValidEntries) -> Iterator[Fault]:
+    if not entries.given:
+        yield Fault("noise", "nothing", _NOISE)
+    elif "column" in entries.given and len(entries.given) > 1:
+        yield Fault("column", "together with other keys", "column alone")
+
+
+class Noise(Table):
+    """Standard deviation of measured values.
+
+    Examples
+    --------
+    >>> from tractive_sam.fitting.design import Noise
+    >>> Noise(absolute=0.2).absolute
+    0.2
+    """
+
+    absolute: Positive | None = entry("in units of the observation", "a number above 0", None)
+    relative: Positive | None = entry("over the measured value", "a number above 0", None)
+    column: str | None = entry("column of the file that holds it", "a name", None)
+    checks: ClassVar[tuple[Check, ...]] = (_some_noise,)
+
+
+def _observation_known(entries: ValidEntries) -> Iterator[Fault]:
+    for name in entries["observe"]:
+        yield from observation_faults(name, entries["body"])
+
+
+def observation_faults(name: str, body: str | None) -> Iterator[Fault]:
+    """Faults of a column that is to be observed, see `column_of`."""
+    table = by_name(COLUMNS)
+    if name not in table:
+        yield Fault("observe", shorten(name), suggest_name(name, [one.name for one in COLUMNS]))
+    elif table[name].dims == ("body",) and body is None:
+        yield Fault("body", f"nothing, and observe = {shorten(name)}", '"A" or "B"')
+    elif table[name].dims not in ((), ("y",), ("body",)):
+        yield Fault("observe", shorten(name), "a number of a record, or a profile over y")
+
+
+def column_of(name: str, body: str | None) -> str:
+    """Return the column of a history that is observed: of a profile, that of the body."""
+    quantity = by_name(COLUMNS)[name]
+    if body is None or f"{name}_{body}" not in by_name(COLUMNS) or quantity.dims != ("y",):
+        return name if quantity.dims != ("body",) else f"{name} {body}"
+    return f"{name}_{body}"
+
+
+def _profile_alone(entries: ValidEntries) -> Iterator[Fault]:
+    profiles = [name for name in entries["observe"] if is_profile(name)]
+    if profiles and len(entries["observe"]) > 1:
+        yield Fault("observe", shorten(entries["observe"]), f"{profiles[0]} in a data set alone")
+    if profiles and entries["vary"]:
+        cure = "nothing: rows of a profile are its points; at = ... chooses the revolution"
+        yield Fault("vary", shorten(entries["vary"]), cure)
+    if not profiles and "nuisance" in entries.given:
+        yield Fault("nuisance", "without a profile", "only with a profile over y")
+
+
+def is_profile(name: str) -> bool:
+    """Whether an observation is a profile over y."""
+    table = by_name(COLUMNS)
+    return name in table and table[name].dims == ("y",)
+
+
+def _one_source(entries: ValidEntries) -> Iterator[Fault]:
+    if ("file" in entries.given) == ("values" in entries.given):
+        yield Fault("file", "both or neither of file and values", "exactly one of file, values")
+
+
+def _place_once(entries: ValidEntries) -> Iterator[Fault]:
+    places = [key for key in entries["vary"] if key in COORDINATES]
+    if places and entries["at"] is not None:
+        yield Fault("at", f"{entries['at']:g}, and {places[0]} varies", "one of them")
+    if len(places) > 1:
+        yield Fault("vary", shorten(places), "one of revolution, distance")
+
+
+class Observation(Table):
+    """What data sets and candidate tests have in common: which number of which record."""
+
+    observe: Names = entry(
+        "columns of a record that are observed", "a name, or a list of names", min_length=1
+    )
+    body: Literal["A", "B"] | None = entry(
+        "body of a column that both bodies have", '"A" or "B"', None
+    )
+    at: Real | None = entry(
+        "revolution or distance of the observed record; the last by default; 0: unworn bodies",
+        "a number of at least 0",
+        None,
+        ge=0,
+    )
+    set: Changes = entry(
+        "entries of the scene for this test", "a table of dotted keys", default_factory=dict
+    )
+
+
+class Data(Observation):
+    """Measurements of one test, or of one series of tests.
+
+    Examples
+    --------
+    >>> from tractive_sam.fitting.design import Data
+    >>> Data(file="creep.csv", vary="creepage.longitudinal", observe="Qx", noise=0.05).vary
+    ('creepage.longitudinal',)
+    """
+
+    file: str | None = entry("file with a header row and columns", "a file name", None)
+    values: Columns | None = entry(
+        "the columns themselves, instead of a file", "a table of lists of numbers", None
+    )
+    vary: Names = entry(
+        "columns that are set in the scene, row by row; revolution and distance choose the record",
+        "a dotted key, or a list of them",
+        (),
+    )
+    noise: Positive | Noise = entry("standard deviation of measured values", _NOISE)
+    nuisance: Annotated[
+        tuple[Literal["offset", "tilt", "level"], ...], BeforeValidator(_listed)
+    ] = entry(
+        "unknown position of a profile: lateral offset, tilt and level of the datum line",
+        'a list of "offset", "tilt", "level"',
+        ("offset", "tilt", "level"),
+    )
+    columns: dict[str, str] = entry(
+        "names of columns in the file, by the names that this table uses",
+        "a table of texts",
+        default_factory=dict,
+    )
+    label: str = entry("name in messages and figures", "a text", "")
+    checks: ClassVar[tuple[Check, ...]] = (
+        _one_source,
+        _observation_known,
+        _profile_alone,
+        _place_once,
+    )
+
+    @property
+    def profile(self) -> bool:
+        """Whether a profile over y is observed."""
+        return is_profile(self.observe[0])
+
+    @property
+    def uncertainty(self) -> Noise:
+        """The noise; a number alone is relative."""
+        return self.noise if isinstance(self.noise, Noise) else Noise(relative=self.noise)
+
+
+def _bounds_apart(entries: ValidEntries) -> Iterator[Fault]:
+    lower, upper, start = entries["lower"], entries["upper"], entries["start"]
+    if lower is not None and upper is not None and lower >= upper:
+        yield Fault("upper", f"{upper:g}", f"above lower, {lower:g}")
+    elif start is not None:
+        if lower is not None and start < lower:
+            yield Fault("start", f"{start:g}", f"at least lower, {lower:g}")
+        if upper is not None and start > upper:
+            yield Fault("start", f"{start:g}", f"at most upper, {upper:g}")
+
+
+def _logarithm_exists(entries: ValidEntries) -> Iterator[Fault]:
+    if entries["scale"] == "log":
+        for key in ("start", "lower", "upper"):
+            value = entries[key]
+            if value is not None and (value < 0.0 or (value == 0.0 and key != "lower")):
+                yield Fault(key, f"{value:g}", 'a number above 0, or scale = "linear"')
+
+
+def _prior_has_width(entries: ValidEntries) -> Iterator[Fault]:
+    prior = entries["prior"]
+    if prior is not None and prior[1] <= 0.0:
+        yield Fault("prior", shorten(prior), "a standard deviation above 0")
+
+
+class Parameter(Table):
+    """Start, bounds and prior of a free entry.
+
+    Examples
+    --------
+    >>> from tractive_sam.fitting.design import Parameter
+    >>> Parameter(key="friction.mu", lower=0.05, upper=1.0).lower
+    0.05
+    """
+
+    key: str = entry("the free entry", "one of free")
+    start: Real | None = entry("first value; by default that of the scene", default=None)
+    lower: Real | None = entry("lower bound", default=None)
+    upper: Real | None = entry("upper bound", default=None)
+    prior: tuple[Real, Real] | None = entry(
+        "normal distribution known before the data", "[mean, standard deviation]", None
+    )
+    scale: Literal["log", "linear"] | None = entry(
+        "in what it is fitted; by default the logarithm of a positive one",
+        '"log" or "linear"',
+        None,
+    )
+    checks: ClassVar[tuple[Check, ...]] = (_bounds_apart, _logarithm_exists, _prior_has_width)
+
+
+def _test_known(entries: ValidEntries) -> Iterator[Fault]:
+    for name in entries["observe"]:
+        if is_profile(name):
+            yield Fault("observe", shorten(name), "a number of a record")
+        else:
+            yield from observation_faults(name, entries["body"])
+    if (entries["vary"] is None) != (entries["values"] is None):
+        yield Fault("values", "only one of vary and values", "both, or neither")
+
+
+class CandidateTest(Observation):
+    """Tests that could be made next: one for each value.
+
+    Examples
+    --------
+    >>> from tractive_sam.fitting.design import CandidateTest
+    >>> creepages = {"vary": "creepage.longitudinal", "values": [-0.001, -0.01]}
+    >>> CandidateTest(observe="Qx_over_P", noise=0.05, **creepages).values
+    (-0.001, -0.01)
+    """
+
+    vary: str | None = entry("the entry that differs", "a dotted key", None)
+    values: Numbers | None = entry("its values", "a list of numbers", None)
+    noise: Positive | Noise = entry("standard deviation of the measurement", _NOISE)
+    checks: ClassVar[tuple[Check, ...]] = (_test_known,)
+
+    @property
+    def uncertainty(self) -> Noise:
+        """The noise; a number alone is relative."""
+        return self.noise if isinstance(self.noise, Noise) else Noise(relative=self.noise)

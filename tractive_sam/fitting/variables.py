@@ -1,0 +1,140 @@
+"""Variables of the file of a fit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from tractive_sam.fitting.design import Fit
+from tractive_sam.fitting.estimate import Estimate
+from tractive_sam.fitting.problem import Problem
+from tractive_sam.fitting.results import DONE, Gain, Intervals
+from tractive_sam.store import versions
+
+Variables: TypeAlias = dict[str, tuple]
+"""Dimensions, values, unit and description by name."""
+
+
+def parameter_variables(found: Estimate, intervals: Intervals, shift: np.ndarray) -> Variables:
+    """Return estimates, intervals, correlation and derivatives.
+
+    Parameters
+    ----------
+    found : Estimate
+        The minimum.
+    intervals : Intervals
+        Its intervals.
+    shift : ndarray, shape (n,)
+        Change of the estimates by a finer mesh.
+    """
+    parameters, of = found.problem.parameters, ("parameter",)
+    names = _coordinate_names(found.problem)
+    variables: dict[str, tuple] = {
+        "parameter": (of, list(parameters.keys), "1", "key of the scene"),
+        "value": (of, parameters.values(found.u), "1", "estimate"),
+        "low": (of, intervals.low, "1", "low end of the interval"),
+        "high": (of, intervals.high, "1", "high end of the interval"),
+        "sd": (of, intervals.sd, "1", "standard deviation"),
+        "start": (of, parameters.start, "1", "first value"),
+        "mesh_shift": (of, shift, "1", "change of the estimate by a finer mesh"),
+        "correlation": (("parameter", "other"), found.correlation, "1", "correlation"),
+        "coordinate": (("coordinate",), names, "1", "parameters, and positions of profiles"),
+        "jacobian": (("point", "coordinate"), found.jacobian, "1",
+                     "derivative of the prediction by ln(value), or value over its scale"),
+    }  # fmt: skip
+    places = [
+        (f"{one.key} {name}", number)
+        for one, place in zip(found.problem.series, found.problem.positions, strict=True)
+        if one.measured.data.profile
+        for name, number in one.position.values(found.u[place]).items()
+    ]
+    if places:
+        labels, numbers = zip(*places, strict=True)
+        variables["position"] = (("position",), list(labels), "1", "position of a profile")
+        variables["position_value"] = (("position",), numbers, "mm", "offset, level; tilt: 1")
+    if intervals.curves:
+        meaning = "parameter, its value, rise of chi-square"
+        curves = np.concatenate(intervals.curves)
+        variables["likelihood"] = (("likelihood_point", "of"), curves, "1", meaning)
+    return variables
+
+
+def _coordinate_names(problem: Problem) -> list[str]:
+    names = list(problem.parameters.keys)
+    for one in problem.series:
+        if one.measured.data.profile:
+            names += [f"{one.key} {name}" for name in one.measured.data.nuisance]
+    return names
+
+
+def point_variables(found: Estimate, finer: np.ndarray | None) -> Variables:
+    """Return measured and predicted values, and those of a finer mesh."""
+    problem, of = found.problem, ("point",)
+    numbers, labels, abscissas, names = [], [], [], []
+    for k, one in enumerate(problem.series):
+        name, places = one.measured.abscissa
+        count = len(one.columns)
+        numbers += [k] * one.measured.points
+        labels += [*one.columns] * len(places)
+        abscissas += list(np.repeat(places, count))
+        names += [name] * one.measured.points
+    variables: dict[str, tuple] = {
+        "series": (of, numbers, "1", "data set, from 0"),
+        "observation": (of, labels, "1", "observed column"),
+        "abscissa_name": (of, names, "1", "what varies"),
+        "abscissa": (of, np.array(abscissas, float), "1", "its value"),
+        "observed": (of, problem.observed, "1", "measured value"),
+        "noise": (of, problem.noise, "1", "its standard deviation"),
+        "predicted": (of, found.predicted, "1", "prediction"),
+        "residual": (of, found.residuals, "1", "measured less predicted, over the noise"),
+        "band": (of, found.band, "1", "standard deviation of the prediction by the parameters"),
+        "weight": (of, found.weights, "1", "weight by the loss"),
+    }
+    if finer is not None:
+        meaning = "prediction on a finer mesh less prediction"
+        variables["model_error"] = (of, finer - found.predicted, "1", meaning)
+    return variables
+
+
+def text_variables(texts: Mapping[str, list[str]]) -> Variables:
+    """Return lines of text by name; none for no lines."""
+    return {
+        name: ((f"{name}_line",), lines, "1", f"{name}, in words")
+        for name, lines in texts.items()
+        if lines
+    }
+
+
+def attributes_of(found: Estimate, fit: Fit) -> dict[str, Any]:
+    """Return the attributes of the file: status, chi-square, and cost."""
+    low, high = found.chi2_range(fit.level)
+    solves, rolls, convolutions = found.problem.evaluations.cost
+    return {
+        "status": DONE if found.iterations < fit.iterations else "not converged",
+        "message": found.message,
+        "chi2": found.chi2,
+        "chi2_low": low,
+        "chi2_high": high,
+        "degrees": found.degrees,
+        "points": found.problem.observed.size,
+        "iterations": found.iterations,
+        "solves": solves,
+        "rolls": rolls,
+        "convolutions": convolutions,
+        "version": versions()["tractive-sam"],
+    }
+
+
+def test_variables(gains: Sequence[Gain]) -> Variables:
+    """Return the candidates of the next test; nothing without any."""
+    if not gains:
+        return {}
+    return {
+        "test": (("test",), [one.label for one in gains], "1", "candidate of the next test"),
+        "test_gain": (("test",), [one.gain for one in gains], "1",
+                      "fall of the logarithm of the determinant of the covariance"),
+        "test_sd": (("test", "parameter"), [one.deviation for one in gains], "1",
+                    "standard deviations after the test"),
+    }  # fmt: skip

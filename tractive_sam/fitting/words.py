@@ -1,0 +1,91 @@
+"""What data do not determine, and what is doubtful about a fit, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from tractive_sam.fitting.design import Fit
+from tractive_sam.fitting.estimate import Directions, Estimate
+
+SIMPLE = 0.03
+"""Difference from a simple number below which an exponent is written as that number."""
+
+
+def describe_undetermined(found: Estimate) -> list[str]:
+    """Return a sentence for each direction in which the data do not determine parameters."""
+    parameters = found.problem.parameters
+    directions = Directions.of(found.weighted)
+    rows = _sparse_rows(directions.null.T, directions.involved)
+    decided = "; the priors decide" if len(found.directions.null.T) < len(rows) else ""
+    texts = []
+    for row in rows:
+        involved = np.flatnonzero(np.abs(row[: len(parameters)]) > directions.involved)
+        keys = [parameters.keys[k] for k in involved]
+        if not keys:
+            texts.append("the position of a profile is not determined")
+        elif len(keys) == 1:
+            texts.append(f"{keys[0]} is not determined: no data depend on it at the estimate")
+        elif len(keys) == 2 and parameters.logarithmic[involved].all():
+            texts.append(f"only {_product(keys, row[involved])} is determined")
+        else:
+            texts.append(f"only combinations of {', '.join(keys)} are determined")
+    return [text + decided for text in texts]
+
+
+def _product(keys: Sequence[str], direction: np.ndarray) -> str:
+    """Return the product of powers that stays the same along a direction of the logarithms."""
+    power = -direction[0] / direction[1]
+    for simple in (1.0, -1.0, 2.0, -2.0, 0.5, -0.5, 3.0, -3.0):
+        if abs(power - simple) < SIMPLE * abs(simple):
+            power = simple
+    sign = "*" if power > 0.0 else "/"
+    exponent = "" if abs(power) == 1.0 else f"^{abs(power):.3g}"
+    return f"{keys[0]} {sign} {keys[1]}{exponent}"
+
+
+def _sparse_rows(rows: np.ndarray, small: float) -> list[np.ndarray]:
+    """Return a basis of the same space in which each direction has few entries."""
+    rows = np.array(rows, float)
+    done = 0
+    for column in range(rows.shape[1] if rows.size else 0):
+        if done == len(rows):
+            break
+        pivot = done + int(np.abs(rows[done:, column]).argmax())
+        if abs(rows[pivot, column]) < small:
+            continue
+        rows[[done, pivot]] = rows[[pivot, done]]
+        rows[done] /= rows[done, column]
+        for other in range(len(rows)):
+            if other != done:
+                rows[other] -= rows[other, column] * rows[done]
+        done += 1
+    return [row / np.linalg.norm(row) for row in rows]
+
+
+def list_notes(found: Estimate, table: Fit) -> list[str]:
+    """Return what is doubtful about a fit."""
+    parameters = found.problem.parameters
+    notes = []
+    if found.iterations >= table.iterations:
+        notes.append(f"the search ended at {table.iterations} iterations: raise fit.iterations")
+    low, high = found.chi2_range(table.level)
+    if found.chi2 > high:
+        cure = "the noise is larger than stated, or the model does not describe the data"
+        notes.append(f"chi-square {found.chi2:.3g} is above its expected range: {cure}")
+    if found.chi2 < low:
+        notes.append(f"chi-square {found.chi2:.3g} is below its expected range: less noise")
+    if found.degrees <= 0:
+        notes.append("as many parameters as points: chi-square tells nothing about the model")
+    for key, value, low_end, high_end in zip(
+        parameters.keys, parameters.values(found.u), parameters.lower, parameters.upper, strict=True
+    ):
+        for bound, name in ((low_end, "lower"), (high_end, "upper")):
+            if np.isclose(value, bound, rtol=1e-6, atol=0.0):
+                notes.append(
+                    f"{key} is at its {name} bound, {bound:g}: its interval is no interval"
+                )
+    if messages := found.problem.failures:
+        notes.append(f"{len(messages)} computations failed on the way: {messages[-1]}")
+    return notes
