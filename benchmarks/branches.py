@@ -22,7 +22,7 @@ from timing import show, write
 
 import tractive_sam as ts
 from tractive_sam.contact import Asked, Model, Stepper, equilibrium
-from tractive_sam.contact.equilibrium import start_of
+from tractive_sam.contact.steady import start_of
 from tractive_sam.solvers import steepness
 
 

@@ -28,7 +28,7 @@ from discs import discs, timed
 from timing import show, write
 
 import tractive_sam as ts
-from tractive_sam.contact import Model, State, equilibrium
+from tractive_sam.contact import Model, equilibrium
 from tractive_sam.mechanics.invariants import von_mises
 from tractive_sam.operators import Lattice, surface_stress
 from tractive_sam.reference import (
@@ -37,6 +37,7 @@ from tractive_sam.reference import (
     line_pressure_stress,
     line_shear_stress,
 )
+from tractive_sam.results import State
 from tractive_sam.results.edges import beyond, both_ends
 from tractive_sam.run import measured_gap
 from tractive_sam.subsurface import stress_maximum, stress_volume

@@ -23,8 +23,9 @@ from matplotlib.figure import Figure
 from timing import RESULTS, show, write
 
 import tractive_sam as ts
-from tractive_sam.contact import Model, State, equilibrium
+from tractive_sam.contact import Model, equilibrium
 from tractive_sam.mechanics.wear import Archard, ArchardByWork
+from tractive_sam.results import State
 
 SHARES = (0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0)
 ACROSS = (16, 32, 64, 128)

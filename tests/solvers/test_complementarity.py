@@ -10,7 +10,7 @@ import pytest
 
 import tractive_sam as ts
 from tractive_sam.contact import Model, equilibrium
-from tractive_sam.contact.equilibrium import start_of
+from tractive_sam.contact.steady import start_of
 from tractive_sam.solvers.newton_system import Iterate
 
 TOLERANCE = 1e-9

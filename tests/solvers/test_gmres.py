@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tractive_sam.solvers.gmres import gmres
+from tractive_sam.solvers.krylov import gmres
 
 
 @pytest.fixture

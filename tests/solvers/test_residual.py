@@ -7,7 +7,7 @@ from tests.operators.test_elastic import dense
 from tests.scenes import steady
 from tests.test_hard_scenes import residual
 from tractive_sam.contact import Model
-from tractive_sam.contact.equilibrium import start_of
+from tractive_sam.contact.steady import start_of
 from tractive_sam.operators import STAGGERED, Lattice
 from tractive_sam.operators.stencil import edge_angles
 from tractive_sam.solvers.newton_system import Iterate

@@ -31,7 +31,7 @@ from tractive_sam.solvers import (
     Start,
     Uzawa,
 )
-from tractive_sam.solvers.gmres import gmres
+from tractive_sam.solvers.krylov import gmres
 from tractive_sam.solvers.ladder import METHODS, NORMAL, ONE_AFTER_THE_OTHER
 from tractive_sam.solvers.newton_system import Iterate, System
 from tractive_sam.solvers.projection import ProjectedMap

@@ -35,9 +35,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tractive_sam.contact.equilibrium import start_of
 from tractive_sam.contact.heat import in_warmth, warming
 from tractive_sam.contact.model import Model
+from tractive_sam.contact.steady import start_of
 from tractive_sam.extras import check_extra
 from tractive_sam.mechanics import Coulomb, FallingCoulomb
 from tractive_sam.results import COLUMNS, State, by_name

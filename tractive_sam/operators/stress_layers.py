@@ -10,9 +10,9 @@ import numpy as np
 
 from tractive_sam.kernels.stress_lattice import layer_table
 from tractive_sam.kernels.stress_spectral import layer_product
-from tractive_sam.operators.extent import reach
 from tractive_sam.operators.fft import padded_length, transform
 from tractive_sam.operators.influence import Lattice
+from tractive_sam.operators.load_extent import reach
 from tractive_sam.operators.stress_fft import LayerTransform, layer_transform
 
 KEPT = 64 * 2**20

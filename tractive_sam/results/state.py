@@ -88,7 +88,7 @@ class State:
     rolling_resistance : float
         Work of the pressure per distance rolled, the integral of p_n dh/dx over the gap h of the
         undeformed, worn bodies, N; zero for bodies of equal material. By differences in which
-        `work_supplied` is what friction dissipates on any mesh (`contact.equilibrium`).
+        `work_supplied` is what friction dissipates on any mesh (`contact.steady`).
     sliding : ndarray of bool
         Elements in contact whose traction has reached the friction bound.
     status : Status

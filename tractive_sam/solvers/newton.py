@@ -21,8 +21,7 @@ import numpy as np
 
 from tractive_sam.results import Cost, Status
 from tractive_sam.solvers.conjugate_gradients import ConjugateGradients
-from tractive_sam.solvers.conjugate_residuals import conjugate_residuals
-from tractive_sam.solvers.gmres import gmres
+from tractive_sam.solvers.krylov import conjugate_residuals, gmres
 from tractive_sam.solvers.newton_system import Iterate, System
 from tractive_sam.solvers.outcome import Note, Outcome, Start, closed
 from tractive_sam.solvers.problem import Held, Problem

@@ -7,8 +7,9 @@ from functools import cached_property, lru_cache
 import numpy as np
 from scipy.special import elliprd
 
-from tractive_sam.contact import Model, State, fitted, jacobian_of
+from tractive_sam.contact import Model, fitted, jacobian_of
 from tractive_sam.operators import one_blas_thread
+from tractive_sam.results import State
 from tractive_sam.run import measured_gap, nearby, under, warn_of_gap
 from tractive_sam.scene import Scene
 from tractive_sam.tables.rest_slopes import extrapolate_slopes, rest_meshes

@@ -1,11 +1,35 @@
-"""Generalised minimal residuals, preconditioned from the right, without restarts."""
+"""Krylov methods for linear systems, preconditioned from the right, without restarts.
+
+Generalised minimal residuals store one vector of each iteration. Generalised conjugate residuals
+store three; their solution is a sum of vectors that the operator has acted on, and so the response
+to it is a sum as well.
+"""
 
 from collections.abc import Callable
 from math import hypot, sqrt
+from typing import Protocol
 
 import numpy as np
 
 Map = Callable[[np.ndarray], np.ndarray]
+
+
+class LinearSystem(Protocol):
+    """A linear system whose matrix contains an elastic operator."""
+
+    shape: tuple[int, ...]
+
+    def right_hand_side(self) -> np.ndarray:
+        """Return the right-hand side, shape (n,)."""
+
+    def preconditioner(self, vector: np.ndarray) -> np.ndarray:
+        """Apply an approximate inverse of the matrix."""
+
+    def response(self, vector: np.ndarray) -> np.ndarray:
+        """Return the response of the elastic operator to the fields of a vector."""
+
+    def product(self, vector: np.ndarray, response: np.ndarray) -> np.ndarray:
+        """Return the matrix times a vector with this response, which may be overwritten."""
 
 
 def gmres(
@@ -90,3 +114,55 @@ def orthogonalised(w: np.ndarray, basis: np.ndarray) -> tuple[np.ndarray, np.nda
         beyond = sqrt(w @ w)
         components += h
     return w, components, beyond
+
+
+def conjugate_residuals(
+    system: LinearSystem, tolerance: float, most: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Solve a linear system, and return the response to its solution as well.
+
+    The method of Eisenstat, Elman & Schultz (1983), SIAM J. Numer. Anal. 20, 345-357.
+
+    Parameters
+    ----------
+    system : LinearSystem
+        The system.
+    tolerance : float
+        Norm of the residual, relative to that of the right-hand side, at which to stop.
+    most : int
+        Largest number of applications.
+
+    Returns
+    -------
+    vector : ndarray, shape (n,)
+        The solution.
+    response : ndarray, shape (2 or 3, n_x, n_y)
+        Response of the elastic operator to its fields.
+    """
+    left = system.right_hand_side()
+    goal = tolerance * np.linalg.norm(left)
+    rounding = 1e-13  # part of a new vector below which rounding has spoilt its digits
+    found: list[tuple[np.ndarray, np.ndarray]] = []
+    basis = np.empty((min(most, 15), left.size))
+    triangle, along = np.zeros((most, most)), np.zeros(most)
+    while len(found) < most and sqrt(left @ left) > goal:
+        k = len(found)
+        vector = system.preconditioner(left)
+        response = system.response(vector)
+        w, h, beyond = orthogonalised(system.product(vector, response.copy()), basis[:k])
+        if beyond <= rounding * np.linalg.norm(h):
+            break
+        if k == len(basis):
+            basis = np.concatenate((basis, np.empty_like(basis)))
+        np.divide(w, beyond, out=basis[k])
+        triangle[:k, k], triangle[k, k] = h, beyond
+        along[k] = basis[k] @ left
+        left -= along[k] * basis[k]
+        found.append((vector, response))
+    count = len(found)
+    shares = np.linalg.solve(triangle[:count, :count], along[:count])
+    vector, answer = np.zeros(left.size), np.zeros(system.shape)
+    for share, (one, response) in zip(shares, found, strict=True):
+        vector += share * one
+        answer += share * response
+    return vector, answer

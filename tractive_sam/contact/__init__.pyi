@@ -1,0 +1,28 @@
+"""What `contact` lets out, for `__init__.py` and for type checkers."""
+
+from .heat import divide_heat as divide_heat
+from .heat import wear_law_in as wear_law_in
+from .heat import with_heat as with_heat
+from .jacobian import check_jacobian as check_jacobian
+from .jacobian import jacobian_of as jacobian_of
+from .laws import Laws as Laws
+from .measured import across as across
+from .measured import standing_roughness as standing_roughness
+from .measured import uncovered_axes as uncovered_axes
+from .mesh import as_asked as as_asked
+from .mesh import choose_grid as choose_grid
+from .mesh import grown as grown
+from .mesh import reaching as reaching
+from .message import not_resolved as not_resolved
+from .model import Gap as Gap
+from .model import Model as Model
+from .roughness import Roughness as Roughness
+from .roughness import rough_maps as rough_maps
+from .steady import equilibrium as equilibrium
+from .steady import fitted as fitted
+from .steady import fitted_blocks as fitted_blocks
+from .step import Asked as Asked
+from .step import Stepped as Stepped
+from .step import Stepper as Stepper
+from .step import travelled as travelled
+from .worn import Worn as Worn

@@ -1,0 +1,28 @@
+"""What `operators` lets out, for `__init__.py` and for type checkers."""
+
+from .advection import Advection as Advection
+from .convolution import Convolution as Convolution
+from .elastic import Operators as Operators
+from .heat import STEPS_FROM as STEPS_FROM
+from .heat import SurfaceHeat as SurfaceHeat
+from .heat_memory import HeatMemory as HeatMemory
+from .influence import Box as Box
+from .influence import Lattice as Lattice
+from .influence import block_mean as block_mean
+from .kinematics import Kinematics as Kinematics
+from .kinematics import RollingStep as RollingStep
+from .kinematics import SteadyRolling as SteadyRolling
+from .load_extent import extent as extent
+from .memory import available as available
+from .meter import ConvolutionMeter as ConvolutionMeter
+from .rows import row_compliance as row_compliance
+from .stencil import STAGGERED as STAGGERED
+from .stencil import UPWIND as UPWIND
+from .stencil import FrictionSlip as FrictionSlip
+from .stencil import Stencil as Stencil
+from .stress_layers import StressLayers as StressLayers
+from .stress_plane import StressPlane as StressPlane
+from .strip_layers import StripLayers as StripLayers
+from .surface import surface_stress as surface_stress
+from .threads import cores as cores
+from .threads import one_blas_thread as one_blas_thread

@@ -1,0 +1,35 @@
+"""What `solvers` lets out, for `__init__.py` and for type checkers."""
+
+from .anderson import Anderson as Anderson
+from .anderson import combined as combined
+from .bracketing import Bracketing as Bracketing
+from .conjugate_gradients import ConjugateGradients as ConjugateGradients
+from .continuation import Continuation as Continuation
+from .from_rest import FromRest as FromRest
+from .in_sequence import InSequence as InSequence
+from .in_sequence import OneAfterTheOther as OneAfterTheOther
+from .krylov import gmres as gmres
+from .ladder import ALONE as ALONE
+from .ladder import METHODS as METHODS
+from .ladder import NEARBY as NEARBY
+from .ladder import Ladder as Ladder
+from .ladder import Method as Method
+from .ladder import falling_method as falling_method
+from .nested import Nested as Nested
+from .newton import Newton as Newton
+from .newton_system import Iterate as Iterate
+from .newton_system import System as System
+from .outcome import Cost as Cost
+from .outcome import Note as Note
+from .outcome import Outcome as Outcome
+from .outcome import Solver as Solver
+from .outcome import Start as Start
+from .outcome import Status as Status
+from .problem import Held as Held
+from .problem import NormalProblem as NormalProblem
+from .problem import PrescribedForces as PrescribedForces
+from .problem import Problem as Problem
+from .problem import WearInPass as WearInPass
+from .uniqueness import steepness as steepness
+from .uzawa import Uzawa as Uzawa
+from .watched import watched_by as watched_by
