@@ -40,7 +40,7 @@ def browse(folder, *options):
     ).stdout
 
 
-def told_by(html, script, folder, width, height=3000):
+def reported_by(html, script, folder, width, height=3000):
     """What a script at the end of a page posts to the window around it, at a width in pixels."""
     page = html.replace("</body>", f"<script>{script}</script></body>")
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
@@ -61,12 +61,12 @@ class Tab:
 
     def __init__(self, url, folder, width, height=1000):
         self.requests, self.errors, self._number = [], [], 0
-        (theirs, ours), (back, told) = os.pipe(), os.pipe()
+        (theirs, ours), (back, reported) = os.pipe(), os.pipe()
         options = ["--headless", "--disable-gpu", "--no-sandbox", "--remote-debugging-pipe"]
         profile = f"--user-data-dir={folder / 'profile'}"
 
         def connected():
-            first, second = os.dup(theirs), os.dup(told)  # which may be 3 and 4 themselves
+            first, second = os.dup(theirs), os.dup(reported)  # which may be 3 and 4 themselves
             os.dup2(first, 3)
             os.dup2(second, 4)
 
@@ -77,7 +77,7 @@ class Tab:
             stderr=subprocess.DEVNULL,
         )
         os.close(theirs)
-        os.close(told)
+        os.close(reported)
         self._to, self._from = os.fdopen(ours, "wb"), os.fdopen(back, "rb")
         self._session = {}
         target = self._ask("Target.createTarget", url="about:blank")["targetId"]
@@ -116,8 +116,8 @@ class Tab:
 
     def _ask(self, method, **parameters):
         self._number += 1
-        asked = {"id": self._number, "method": method, "params": parameters} | self._session
-        self._to.write(json.dumps(asked).encode() + b"\0")
+        requested = {"id": self._number, "method": method, "params": parameters} | self._session
+        self._to.write(json.dumps(requested).encode() + b"\0")
         self._to.flush()
         while True:
             answer = json.loads(self._read())
@@ -132,8 +132,8 @@ class Tab:
                 return answer["result"]
 
     def _read(self):
-        told = bytearray()
+        reported = bytearray()
         while (one := self._from.read(1)) != b"\0":
             assert one, "the browser has gone"
-            told += one
-        return told
+            reported += one
+        return reported

@@ -228,9 +228,11 @@ def prepare(folder):
     write_results(folder / "a.h5")
     mu = {"key": "friction.mu", "values": [0.2, 0.4]}
     small = ["grid.elements=[15, 15]"]
-    asked = ts.Study(scene="spheres", keep="scalars", without=["subsurface"], set=small, axis=[mu])
-    ts.study(asked, folder / "study", workers=0)
-    (folder / "study.toml").write_text(asked.to_toml())
+    requested = ts.Study(
+        scene="spheres", keep="scalars", without=["subsurface"], set=small, axis=[mu]
+    )
+    ts.study(requested, folder / "study", workers=0)
+    (folder / "study.toml").write_text(requested.to_toml())
     (folder / "rolled.toml").write_text(ROLLED)
     further = ROLLED.replace("revolutions = 1", "revolutions = 2")
     (folder / "further.toml").write_text(further)

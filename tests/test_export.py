@@ -69,7 +69,7 @@ def test_a_stored_revolution_gives_the_same_as_its_contact(contact, tmp_path):
         assert file.attrs["revolution"] == 20
 
 
-def test_what_cannot_be_exported_is_told(contact, tmp_path):
+def test_what_cannot_be_exported_is_reported(contact, tmp_path):
     path = tmp_path / "v.vtkhdf"
     with pytest.raises(LookupError, match=r"10.*0, 20"):
         ts.export_volume(history(contact), path, revolution=10)

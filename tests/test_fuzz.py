@@ -67,8 +67,8 @@ def test_numbers_of_a_scene(changes, tmp_path):
     scene = tmp_path / "scene.toml"
     scene.write_text("\n".join(lines))
     fitting = [s for s in SMALL if f"[{s.split('.')[0]}]" in lines or s.startswith("solver")]
-    told = [f"--set={setting}" for setting in fitting]
-    if outcome("run", scene, "-o", "scene.h5", "--overwrite", *told) == 0:
+    reported = [f"--set={setting}" for setting in fitting]
+    if outcome("run", scene, "-o", "scene.h5", "--overwrite", *reported) == 0:
         history = open_history("scene.h5")
         for name in ("P", "Qx", "p_max", "wear_max"):
             assert np.isfinite(history[name]).all()
@@ -95,10 +95,10 @@ def content(tmp_path_factory):
     names = []
     with h5py.File(path) as file:
         file.visititems(lambda name, item: names.append(name))
-    return path, names  # a failure tells its arguments: not a file's content
+    return path, names  # a failure reports its arguments: not a file's content
 
 
-def readable_or_told(path):
+def readable_or_reported(path):
     for command in (("show", path), ("show", path, "--json")):
         outcome(*command)
     outcome("run", "twin-discs", "--resume", "-o", path, "--set=wear.revolutions=1")
@@ -115,7 +115,7 @@ def test_damaged_results(content, data, tmp_path):
         damaged[at : at + 1] = b"\x55"
     path = tmp_path / "damaged.h5"
     path.write_bytes(damaged)
-    readable_or_told(path)
+    readable_or_reported(path)
 
 
 FOREIGN = st.sampled_from([np.float64(1.0), b"text", "text", np.zeros(0), np.zeros((2, 3, 4))])
@@ -132,7 +132,7 @@ def test_foreign_results(content, number, replaced, value, tmp_path):
         del file[name]
         if replaced:
             file[name] = value
-    readable_or_told(path)
+    readable_or_reported(path)
 
 
 NUMBERS = st.floats(width=64) | st.floats(-2.0, 2.0)

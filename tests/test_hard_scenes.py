@@ -151,8 +151,8 @@ def test_contact_conditions(scene):
     assert (np.hypot(*scaled) <= p * (1.0 + 1e-12)).all()
     assert pytest.approx(scene.load.normal, rel=1e-7) == contact.P
     if scene.load.force_x is not None:
-        asked = np.array([scene.load.force_x, scene.load.force_y])
-        missed = np.array([contact.Qx, contact.Qy]) - asked
+        requested = np.array([scene.load.force_x, scene.load.force_y])
+        missed = np.array([contact.Qx, contact.Qy]) - requested
         # Spread over the contact it is part of the residual; friction bounds what that is.
         assert size(missed) <= 1e-6 * max(scene.friction.mu) * contact.P
 

@@ -183,7 +183,7 @@ def results(tmp_path_factory):
 
 
 @pytest.fixture
-def drawn_by_nothing(monkeypatch):
+def without_plotly(monkeypatch):
     monkeypatch.setattr(sys.modules[pages.report.__module__], "_plotly", lambda: ("0;", {}))
 
 
@@ -208,7 +208,7 @@ def find_accepted(results, path, places):
 
 
 @pytest.mark.slow  # every string of a results file
-def test_results(results, tmp_path, drawn_by_nothing, record_property):
+def test_results(results, tmp_path, without_plotly, record_property):
     path, page = tmp_path / "r.h5", tmp_path / "r.html"
     harmless = pages.report(open_history(results), page).read_text("utf-8")
     places = sorted(texts_of(results), key=kind_of_place)
@@ -250,8 +250,8 @@ def test_scenes_and_studies(tmp_path, text):
     """Every string of a scene and of a study: refused with a message, or taken as text."""
     scene = ts.Scene.builtin("twin-discs").entries()
     scene |= {"title": "a", "duty": [dict(one) for one in BLOCKS]}
-    asked = small(title="a").entries()
-    for given, make in ((scene, ts.Scene), (asked, ts.Study)):
+    requested = small(title="a").entries()
+    for given, make in ((scene, ts.Scene), (requested, ts.Study)):
         tables = json.loads(json.dumps(given, default=str))
         for at in leaves(tables):
             changed = with_leaf(tables, at, text)
@@ -365,7 +365,7 @@ def test_script_of_the_page_parses_no_text_as_html():
 @pytest.mark.slow
 @needs_browser
 def test_in_a_browser(results, tmp_path):
-    """A page whose every text is hostile runs nothing, asks for nothing, and is drawn."""
+    """A page whose every text is hostile runs nothing, requires nothing, and is drawn."""
     path = tmp_path / "r.h5"
     path.write_bytes(results.read_bytes())
     # Each of the texts that would run something, in places of every kind.
@@ -376,9 +376,9 @@ def test_in_a_browser(results, tmp_path):
         put(path, [place], HOSTILE[number % 6])
     page = ts.report(open_history(path), tmp_path / "page.html")
     with Tab(page.as_uri(), tmp_path / "profile", 1440, height=12000) as tab:
-        drawn = tab.run(DRAWN)
+        figures = tab.run(DRAWN)
         run = tab.run("[typeof window.PWNED, document.title == 'PWNED']")
-        asked = [one for one in tab.requests if not one.startswith(("file:", "data:", "blob:"))]
-        assert (tab.errors, asked, drawn["undrawn"]) == ([], [], [])
+        requested = [one for one in tab.requests if not one.startswith(("file:", "data:", "blob:"))]
+        assert (tab.errors, requested, figures["undrawn"]) == ([], [], [])
     assert run == ["undefined", False]
-    assert drawn["charts"] > 5
+    assert figures["charts"] > 5

@@ -1,4 +1,4 @@
-"""What is asked for is loaded, and nothing that takes long besides."""
+"""What is requested is loaded, and nothing that takes long besides."""
 
 import json
 import subprocess
@@ -32,8 +32,10 @@ ts.open_table("steel")(1e-3, 0.0, 0.0, a=1.0, b=1.0, load=1.0, mu=0.3, shear=1.0
 
 def loaded_by(code):
     """Names of the modules that a fresh process has after it ran `code`."""
-    told = f"{code}\nimport json, sys; print(json.dumps(sorted(sys.modules)), file=sys.stderr)"
-    found = subprocess.run([sys.executable, "-c", told], capture_output=True, text=True, check=True)
+    reported = f"{code}\nimport json, sys; print(json.dumps(sorted(sys.modules)), file=sys.stderr)"
+    found = subprocess.run(
+        [sys.executable, "-c", reported], capture_output=True, text=True, check=True
+    )
     return set(json.loads(found.stderr))
 
 

@@ -43,7 +43,7 @@ def test_what_does_not_fit_is_refused_with_what_does(little, key, tmp_path):
         memory.check_roll(Model(scene.with_set([f"{key}={fits[0]}"])), in_memory=False)
 
 
-def test_explain_tells_of_the_stress_and_takes_little(little):
+def test_explain_reports_the_stress_and_takes_little(little):
     scene = ts.Scene.builtin("spheres").with_set(LARGE["subsurface.elements"][1])
     rows = dict(explain.explain(scene)[-1].rows)
     # 1e6 depths of 2 planes, 21 points, 2 bodies and 6 components are 4 GB, and are not all.

@@ -69,7 +69,7 @@ def test_names_of_a_scene_are_its_own():
     assert "revolutions" in dir(SCENE.with_set(WORN).wear)
 
 
-def test_a_figure_shows_itself_once_whatever_a_notebook_was_told(history):
+def test_a_figure_shows_itself_once_whatever_a_notebook_was_reported(history):
     formatters = pytest.importorskip("IPython.core.formatters", reason="of the extra notebooks")
     from IPython.core.pylabtools import select_figure_formats  # noqa: PLC0415
     from matplotlib import pyplot  # noqa: PLC0415

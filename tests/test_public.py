@@ -98,7 +98,7 @@ def test_every_error_crosses_between_processes():
 
 
 def test_what_holds_arrays_is_equal_only_to_itself():
-    """Arrays have no one truth and no hash; those of arguments of functions are held by nobody."""
+    """Arrays have no one truth and no hash; those of arguments of functions are held by no one."""
     holding = {
         kind
         for kind in filter(is_dataclass, classes_of_the_package())
@@ -109,7 +109,7 @@ def test_what_holds_arrays_is_equal_only_to_itself():
     assert not [kind for kind in holding if kind.__eq__ is not object.__eq__]
 
 
-def test_a_gap_measured_too_short_is_told():
+def test_a_gap_measured_too_short_is_reported():
     tables = ts.Scene.builtin("spheres").entries()
     tables["gap"] = {"x": [-1.0, 1.0], "y": [-5.0, 5.0], "separation": np.zeros((2, 2))}
     with pytest.warns(ts.SceneWarning, match="grid.*x"):

@@ -1,4 +1,4 @@
-"""A roll that was interrupted goes on as if it had not been."""
+"""A roll that was interrupted continues as if it had not been."""
 
 import os
 import re
@@ -61,7 +61,7 @@ def whole():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("after", [1, 2, 5])
-def test_goes_on_as_if_nothing_had_happened(tmp_path, whole, after):
+def test_continues_as_if_nothing_had_happened(tmp_path, whole, after):
     interrupted(coarse(), tmp_path / "a.h5", after)
     assert len(open_history(tmp_path / "a.h5")) == after
     assert_same(roll(coarse(), tmp_path / "a.h5", resume=True), whole)
@@ -104,31 +104,31 @@ def test_another_scene_is_refused(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_roll_off_its_grid_goes_on_upon_the_one_that_is_told(tmp_path):
+def test_a_roll_off_its_grid_continues_upon_the_one_that_is_reported(tmp_path):
     scene = coarse("wear.intensity=2e-6", "wear.revolutions=20000", "wear.save=[20000]")
     path = tmp_path / "a.h5"
     before = roll(scene, path)
     assert before.status == "off grid"
-    told = re.findall(r"grid\.\w+=\[[^]]*\]", before.message)
+    reported = re.findall(r"grid\.\w+=\[[^]]*\]", before.message)
     with pytest.raises(ResultsError) as refused:
         roll(scene.with_set(["grid.elements=[99, 99]"]), path, resume=True)
     assert len(re.findall(r"grid\.\w+=\[[^]]*\]", str(refused.value))) == 2
-    after = roll(scene.with_set(told), path, resume=True)
+    after = roll(scene.with_set(reported), path, resume=True)
     assert len(after) > len(before)
 
 
-def test_what_holds_anyway_may_be_told(tmp_path):
+def test_what_holds_anyway_may_be_reported(tmp_path):
     path, short = tmp_path / "a.h5", coarse("wear.revolutions=1", "wear.save=[1]")
     entries = short.entries()
     del entries["friction"]["angle"]
     straight = Scene(**entries)
     roll(straight, path)
-    told = straight.replace(**{"friction.angle": 0.0, "creepage.lateral": 0.0})
-    assert roll(told, path, resume=True).finished
+    reported = straight.replace(**{"friction.angle": 0.0, "creepage.lateral": 0.0})
+    assert roll(reported, path, resume=True).finished
 
 
 @pytest.mark.parametrize(("name", "value"), [("jump", 0.5), ("jump", np.nan), ("approach", np.inf)])
-def test_a_record_that_cannot_be_is_told(tmp_path, name, value):
+def test_a_record_that_cannot_be_is_reported(tmp_path, name, value):
     path, short = tmp_path / "a.h5", coarse("wear.revolutions=1", "wear.save=[1]")
     roll(short, path)
     with h5py.File(path, "r+") as file:
@@ -137,18 +137,18 @@ def test_a_record_that_cannot_be_is_told(tmp_path, name, value):
         roll(short.with_set(["wear.revolutions=2"]), path, resume=True)
 
 
-def test_a_mesh_of_another_version_is_told(tmp_path):
+def test_a_mesh_of_another_version_is_reported(tmp_path):
     path = tmp_path / "a.h5"
     scene = coarse("wear.revolutions=1", "wear.save=[1]")
     roll(scene, path)
-    asked = scene.replace(grid=None, accuracy={"tolerance": 0.1})
+    requested = scene.replace(grid=None, accuracy={"tolerance": 0.1})
     with h5py.File(path, "r+") as file:
-        set_scene(file, asked)
+        set_scene(file, requested)
     with pytest.raises(ResultsError, match="mesh"):
-        roll(asked, path, resume=True)
+        roll(requested, path, resume=True)
 
 
-def test_versions_that_rolled_are_told_with_where_they_began(tmp_path, monkeypatch):
+def test_versions_that_rolled_are_reported_with_where_they_began(tmp_path, monkeypatch):
     path, short = tmp_path / "a.h5", coarse("wear.revolutions=1", "wear.save=[1]")
     before = roll(short, path)
     assert before.provenance == ((0, before.versions),)
@@ -166,7 +166,7 @@ def test_versions_that_rolled_are_told_with_where_they_began(tmp_path, monkeypat
 
 @pytest.mark.slow
 def test_mesh_that_became_too_small_is_widened(tmp_path):
-    """The run stops and names the cure; with it, the run goes on where it stopped."""
+    """The run stops and names the cure; with it, the run continues where it stopped."""
     path = tmp_path / "a.h5"
     narrow = coarse("grid.half_length=[0.35, 0.54]", "grid.elements=[15, 15]")
     history = roll(narrow, path)
@@ -183,7 +183,7 @@ def test_mesh_that_became_too_small_is_widened(tmp_path):
 
 @pytest.mark.slow
 def test_nothing_of_the_revolution_that_failed_is_kept(tmp_path):
-    """Widened and gone on, a roll is that of the wide mesh from the beginning."""
+    """Widened and continued, a roll is that of the wide mesh from the beginning."""
     path, settings = tmp_path / "a.h5", ("wear.revolutions=40", 'wear.stepping="every-revolution"')
     fast = ("wear.intensity=2e-5", "wear.save=[40]", *settings)
     narrow = coarse("grid.half_length=[0.35, 0.54]", "grid.elements=[15, 15]", *fast)
@@ -222,7 +222,7 @@ def test_another_mesh_over_a_measured_gap_is_refused(tmp_path):
     assert roll(scene.with_set(["wear.revolutions=2"]), path, resume=True).finished
 
 
-def test_what_cannot_be_written_is_told_before_anything_is_solved(tmp_path, monkeypatch):
+def test_what_cannot_be_written_is_reported_before_anything_is_solved(tmp_path, monkeypatch):
     monkeypatch.setattr("tractive_sam.rolling.revolutions.fitted_blocks", None)
     with pytest.raises(ResultsError, match="none"):
         roll(coarse(), tmp_path / "none" / "a.h5")
@@ -248,8 +248,8 @@ ts.roll(ts.Scene.from_toml("scene.toml"), "a.h5", resume=True, progress=progress
 
 
 @pytest.mark.slow
-def test_killed_runs_go_on(tmp_path, whole):
-    """Real runs that end without a word: each file opens, holds a true history, and goes on."""
+def test_killed_runs_continue(tmp_path, whole):
+    """Real runs that end without a word: each file opens, holds a true history, and continues."""
     (tmp_path / "scene.toml").write_text(coarse().to_toml())
     found = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     path, held = tmp_path / "a.h5", 0

@@ -19,7 +19,7 @@ from tractive_sam.run.accuracy.error_bars import (
 from tractive_sam.run.accuracy.levels import Levels
 from tractive_sam.subsurface import stress_maxima
 
-pytestmark = pytest.mark.slow  # meshes far finer than asked for
+pytestmark = pytest.mark.slow  # meshes far finer than requested
 
 INSIDE, SURFACE = (LargestStress("von_mises_max", "A", surface) for surface in (False, True))
 
@@ -160,7 +160,7 @@ def test_a_creepage_that_is_found_has_a_bar():
     assert contact.error_bars["Qx"] == abs(contact.Qx - 0.1)
 
 
-def test_a_tolerance_out_of_reach_is_told_with_the_cure():
+def test_a_tolerance_out_of_reach_is_reported_with_the_cure():
     scene = ts.Scene.builtin("spheres").replace(
         **{"accuracy.tolerance": 1e-5, "accuracy.elements": 2000}
     )
@@ -182,7 +182,7 @@ def test_every_level_is_recognised_by_its_mesh():
         levels.of(Levels(ts.Scene.builtin("spheres"), None).grid(0))
 
 
-def test_tractions_tiny_beside_the_pressure_take_no_finer_mesh():
+def test_tractions_tiny_against_the_pressure_take_no_finer_mesh():
     """Bodies of moduli that differ by 1e-6, and a creepage of 1e-7: some 1e-5 of the pressure."""
     scene = ts.Scene.builtin("spheres").replace(
         **{"body.B.shear": 1.000001, "creepage.longitudinal": -1e-7},
@@ -195,18 +195,18 @@ def test_tractions_tiny_beside_the_pressure_take_no_finer_mesh():
 
 def test_error_bars_of_the_life_of_a_volume_hold_what_a_finer_mesh_finds():
     """And are infinite with friction: the integral has no limit at the surface."""
-    asked = {"criterion": "orthogonal-shear", "limit": 1.0, "volume": {"constant": 1e-34}}
+    requested = {"criterion": "orthogonal-shear", "limit": 1.0, "volume": {"constant": 1e-34}}
     discs = ts.Scene.builtin("twin-discs").replace(
-        grid=None, subsurface=None, wear=None, fatigue=asked
+        grid=None, subsurface=None, wear=None, fatigue=requested
     )
     smooth = discs.replace(friction=None, creepage=None)
-    told = ts.roll(smooth.replace(accuracy={"tolerance": 0.05}))
-    half = tuple(1.05 * one for one in told.grid.half_length)
+    reported = ts.roll(smooth.replace(accuracy={"tolerance": 0.05}))
+    half = tuple(1.05 * one for one in reported.grid.half_length)
     finer = ts.roll(smooth.replace(grid={"half_length": half, "elements": (101, 101)}))
     for name in ("stressed_volume", "volume_life"):
-        missed, bar = np.abs(told[name][0] - finer[name][0]), told[f"{name}_error"][0]
+        missed, bar = np.abs(reported[name][0] - finer[name][0]), reported[f"{name}_error"][0]
         assert (missed < bar).all()
-        assert (bar < 0.5 * told[name][0]).all()
+        assert (bar < 0.5 * reported[name][0]).all()
     rough = ts.roll(discs.replace(accuracy={"tolerance": 0.05}))
     hinges = rough["volume_at_top"][0] > 0.9
     assert hinges.any()
@@ -216,15 +216,17 @@ def test_error_bars_of_the_life_of_a_volume_hold_what_a_finer_mesh_finds():
 def test_error_bars_of_fatigue_hold_what_a_finer_mesh_finds():
     material = {"shear_yield": 300.0, "sensitivity": 0.333, "limit": 250.0, "elements": 12}
     discs = ts.Scene.builtin("twin-discs").replace(grid=None, subsurface=None, fatigue=material)
-    told = ts.roll(discs.replace(wear=None, accuracy={"tolerance": 0.05}))
-    assert np.prod(told.grid.elements) < 40**2
-    half = tuple(1.05 * one for one in told.grid.half_length)
+    reported = ts.roll(discs.replace(wear=None, accuracy={"tolerance": 0.05}))
+    assert np.prod(reported.grid.elements) < 40**2
+    half = tuple(1.05 * one for one in reported.grid.half_length)
     mesh = {"half_length": half, "elements": (101, 101)}
     finer = ts.roll(discs.replace(wear=None, grid=mesh))
     for name in ("utilisation", "shakedown_lower", "shakedown_upper", "fatigue_life"):
-        bar = told[f"{name}_error"][0]
-        assert (np.abs(told[name][0] - finer[name][0]) < bar).all()
+        bar = reported[f"{name}_error"][0]
+        assert (np.abs(reported[name][0] - finer[name][0]) < bar).all()
         power = 10.0 if name == "fatigue_life" else 1.0  # of the Woehler line
-        assert (bar < ((1.0 - 0.15) ** -power - 1.0) * told[name][0]).all()  # found 0.04 to 0.09
+        assert (
+            bar < ((1.0 - 0.15) ** -power - 1.0) * reported[name][0]
+        ).all()  # found 0.04 to 0.09
     worn = {"wear.revolutions": 4, "wear.save": (4,), "accuracy": {"tolerance": 0.1}}
     assert (ts.roll(discs.replace(**worn))["damage_error"][-1] > 0.0).all()

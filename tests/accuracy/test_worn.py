@@ -56,7 +56,7 @@ def test_a_file_that_ended_early_is_rolled_on_with_its_bars(scene, history, tmp_
     )
 
 
-def test_a_mesh_too_coarse_for_the_wear_is_told(scene, tmp_path):
+def test_a_mesh_too_coarse_for_the_wear_is_reported(scene, tmp_path):
     path = tmp_path / "discs.h5"
     coarse = scene.replace(**{"accuracy.tolerance": 1e-4, "accuracy.elements": 1000})
     history = ts.roll(coarse, path)

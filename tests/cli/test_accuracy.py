@@ -13,15 +13,15 @@ def test_run_show_and_explain(call, folder):
     result = call("run", "spheres", *COARSE, *stress, "-o", "spheres.h5")
     assert result.exit_code == 0, result.stderr
     assert "±" in result.stdout
-    told = json.loads(call("show", "spheres.h5", "--json").stdout)
-    assert 0.0 < told["Qx_error"][0] < 0.02
-    assert set(told["von_mises_max_error"]) == {"A", "B"}
+    reported = json.loads(call("show", "spheres.h5", "--json").stdout)
+    assert 0.0 < reported["Qx_error"][0] < 0.02
+    assert set(reported["von_mises_max_error"]) == {"A", "B"}
     explained = call("explain", "spheres", *COARSE).stdout
     assert "Qx of the unworn bodies" in explained
     assert "found by refinement" in explained
 
 
-def test_what_is_not_reached_is_told(call, folder):
+def test_what_is_not_reached_is_reported(call, folder):
     fewest = ("--set", "accuracy.tolerance=1e-5", "--set", "accuracy.elements=1000")
     result = call("run", "spheres", *fewest, "-o", "spheres.h5")
     assert result.exit_code == 3

@@ -45,7 +45,7 @@ def test_a_distance_of_a_transient(call, folder):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "reported"),
     [
         (("RESULTS", "--revolution", 1), "no fields of revolution 1; there are those of 0, 2"),
         (("RESULTS", *SMALL), "--set changes a scene"),
@@ -59,10 +59,10 @@ def test_a_distance_of_a_transient(call, folder):
         (("RESULTS", "--body", "C"), "'C' is not one of 'A', 'B'"),
     ],
 )
-def test_bad_input(call, results, arguments, told, folder):
+def test_bad_input(call, results, arguments, reported, folder):
     result = call("export", *(results if word == "RESULTS" else word for word in arguments))
     assert result.exit_code == 2
-    assert told in result.stderr
+    assert reported in result.stderr
     assert not list(folder.iterdir())
 
 
@@ -92,7 +92,7 @@ def test_interrupt(call, results, monkeypatch):
     assert "discs-A.vtkhdf was not written" in result.stderr
 
 
-def test_unfinished_results_are_told(call, results, monkeypatch):
+def test_unfinished_results_are_reported(call, results, monkeypatch):
     monkeypatch.setattr(ts.History, "finished", False)
     result = call("export", results, "--elements", 2)
     assert result.exit_code == 0

@@ -38,7 +38,7 @@ def send(one):
 
 
 @pytest.mark.parametrize("one", interrupt.SIGNALS)
-def test_what_is_asked_is_heeded_where_it_is_looked_for(one):
+def test_what_is_requested_is_heeded_where_it_is_looked_for(one):
     before = signal.getsignal(one)
     with interrupt.defer_signals():
         send(one)
@@ -48,7 +48,7 @@ def test_what_is_asked_is_heeded_where_it_is_looked_for(one):
     interrupt.raise_if_interrupted()  # the note went with the handler
 
 
-def test_nothing_is_asked_of_scripts():
+def test_nothing_is_requested_of_scripts():
     """There, Python's own handler raises at once."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
@@ -87,7 +87,7 @@ def test_no_signal_is_lost_in_a_callback_of_the_garbage_collector():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("one", interrupt.SIGNALS)
-def test_roll_ends_after_the_record_at_hand_and_goes_on_from_it(tmp_path, one):
+def test_roll_ends_after_the_record_at_hand_and_continues_from_it(tmp_path, one):
     wanted = roll(DISCS, tmp_path / "whole.h5")
     path = tmp_path / "cut.h5"
     with interrupt.defer_signals(), pytest.raises(KeyboardInterrupt):
@@ -134,7 +134,7 @@ def ended(folder, module, one, times=1):
 
 
 def ran(folder, text, one):
-    """A process of its own, which can be sent a signal."""
+    """A separate process, which can be sent a signal."""
     paths = os.pathsep.join(filter(None, sys.path))
     # What is ignored here, as in jobs that a shell put behind, would be ignored there.
     before = signal.signal(one, signal.SIG_DFL)

@@ -14,17 +14,17 @@ def test_run_show_plot_and_explain(call, folder, name):
     result = call("run", name, *grid, "-o", "line.h5")
     assert result.exit_code == 0, result.stderr
     assert "N/mm" in result.stdout
-    told = json.loads(call("show", "line.h5", "--json").stdout)
-    assert told["b0"] is None
-    assert told["half_width_y"] == [None]
+    reported = json.loads(call("show", "line.h5", "--json").stdout)
+    assert reported["b0"] is None
+    assert reported["half_width_y"] == [None]
     assert "per length" in call("show", "line.h5").stdout
     with h5py.File("line.h5") as file:
         assert file["history/Qx"].attrs["units"] == "N/mm"
         assert file["fields/pressure"].shape == (1, 65, 1)
     result = call("plot", "line.h5")
     assert result.exit_code == 0
-    drawn = {Path(line).stem for line in result.stdout.splitlines()}
-    assert drawn >= {"pressure", "traction", "slip"}
+    figures = {Path(line).stem for line in result.stdout.splitlines()}
+    assert figures >= {"pressure", "traction", "slip"}
     explained = call("explain", name, *grid).stdout
     assert "plane strain" in explained
     assert "65 elements, given" in explained

@@ -16,7 +16,7 @@ def test_the_page_is_named_after_the_file(call, stored, folder):
     assert (folder / "other.html").stat().st_size > 1e6  # with the script that draws
 
 
-def test_what_cannot_be_written_or_shown_is_told(call, stored, folder):
+def test_what_cannot_be_written_or_shown_is_reported(call, stored, folder):
     assert "cannot be written" in call("report", stored, "-o", folder / "no" / "a.html").stderr
     HistoryWriter("empty.h5", Scene.builtin("spheres"), Grid((1.0, 1.0), (9, 9)))
     result = call("report", "empty.h5")

@@ -42,7 +42,7 @@ def test_settings(call, roll):
     assert scene.friction.mu == (0.4, 0.2)
 
 
-def test_earlier_results_are_kept_unless_told_otherwise(call, roll, folder):
+def test_earlier_results_are_kept_unless_requested(call, roll, folder):
     assert call("run", "spheres").exit_code == 0
     before = (folder / "spheres.h5").read_bytes()
     for others in ([], ["--set", "load.normal=0.3"], ["--resume", "--overwrite"]):
@@ -57,7 +57,7 @@ def test_earlier_results_are_kept_unless_told_otherwise(call, roll, folder):
 
 
 @pytest.mark.parametrize("ending", [("stalled", "try solver.method"), None])
-def test_an_unfinished_run_is_resumed_or_begun_anew_as_told(call, roll, ending):
+def test_an_unfinished_run_is_resumed_or_begun_again_as_requested(call, roll, ending):
     roll.ending, roll.error = ending, None if ending else KeyboardInterrupt()
     assert call("run", "twin-discs").exit_code == 3
     result = call("run", "twin-discs")
@@ -83,7 +83,7 @@ def test_files_of_others_are_never_replaced(call, roll, folder):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "reported"),
     [
         (["nonsense"], ["'nonsense'", "spheres", "twin-discs"]),
         (["missing.toml"], ["missing.toml", "no such file"]),
@@ -96,10 +96,10 @@ def test_files_of_others_are_never_replaced(call, roll, folder):
         (["spheres", "--unknown"], ["No such option"]),
     ],
 )
-def test_bad_input(call, roll, arguments, told):
+def test_bad_input(call, roll, arguments, reported):
     result = call("run", *arguments)
     assert result.exit_code == 2
-    for text in told:
+    for text in reported:
         assert text in result.stderr
     assert not result.stdout
 
@@ -186,7 +186,7 @@ def test_main_results_come_first_and_all_on_demand(call, roll):
     assert "operator_applications" in long
 
 
-def test_a_quiet_run_prints_errors_alone(call, roll):
+def test_a_quiet_run_prints_errors_only(call, roll):
     done = call("run", "twin-discs", "--quiet", "--set", "grid.elements=[7, 7]")
     assert (done.exit_code, done.output) == (0, "")
     roll.ending = ("stalled", "try solver.method")

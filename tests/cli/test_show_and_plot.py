@@ -77,10 +77,10 @@ def test_plot(call, stored, folder):
 
 
 def test_plot_elsewhere_in_another_format(call, stored, monkeypatch):
-    asked = []
-    monkeypatch.setattr(plot, "save_all", lambda *to, **look: asked.append(to[1:]) or ["a.svg"])
+    requested = []
+    monkeypatch.setattr(plot, "save_all", lambda *to, **look: requested.append(to[1:]) or ["a.svg"])
     assert call("plot", stored, "-o", "here", "--format", "svg").stdout == "a.svg\n"
-    assert asked == [(Path("here"), "svg")]
+    assert requested == [(Path("here"), "svg")]
 
 
 @pytest.mark.slow
@@ -116,7 +116,7 @@ def test_a_reader_that_leaves_is_no_fault(stored, arguments):
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
-def test_an_output_that_is_lost_is_told(stored):
+def test_an_output_that_is_lost_is_reported(stored):
     with open("/dev/full", "w") as full:
         program = [sys.executable, "-m", "tractive_sam", "show", "stored.h5"]
         result = subprocess.run(program, stdout=full, stderr=subprocess.PIPE, check=False)
@@ -128,15 +128,15 @@ def test_formats_are_those_of_the_figures():
     assert tuple(Format) == plot.FORMATS
 
 
-def test_show_tells_of_wear_both_what_was_asked_and_what_balances(call, folder):
+def test_show_reports_wear_both_what_was_requested_and_what_balances(call, folder):
     small = ["grid.elements=[13, 29]", "wear.revolutions=1", "wear.save=[1]"]
     ts.roll(ts.Scene.builtin("twin-discs-isotropic").with_set(small), "worn.h5")
-    told = call("show", "worn.h5").stdout
-    assert "k = 0.002 mm3/(N m)" in told
-    assert "wear balance" in told
+    reported = call("show", "worn.h5").stdout
+    assert "k = 0.002 mm3/(N m)" in reported
+    assert "wear balance" in reported
 
 
-def test_records_show_the_smooth_pressure_beside_the_peak(call, stored):
+def test_records_show_the_smooth_pressure_with_the_peak(call, stored):
     shown = call("show", stored).stdout
     heads = next(line for line in shown.splitlines() if "p_95" in line)
     assert heads.index("p_max") < heads.index("p_95")

@@ -47,7 +47,7 @@ def test_study_and_its_table(call, file):
         assert "study-show done" in call(command, "done").stderr
 
 
-def test_studies_of_transients_tell_shifts_and_work(call, folder):
+def test_studies_of_transients_report_shifts_and_work(call, folder):
     lines = [
         'scene = "fretting"',
         'set = ["grid.elements=[17, 17]", "transient.distance=[0, 1]", '
@@ -76,7 +76,7 @@ def test_table_as_csv_dataset_and_figures(call, file, folder):
     assert (folder / "a.nc").exists()
 
 
-def test_failed_case_is_told(call, folder):
+def test_failed_case_is_reported(call, folder):
     (folder / "study.toml").write_text(FAILING)
     result = call("study", "study.toml", "-o", "done", "--workers", "0")
     assert result.exit_code == 3
@@ -103,7 +103,7 @@ def test_explain(call, file, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "reported"),
     [
         (["missing.toml", "-o", "done"], ["missing.toml", "no such file"]),
         (["study.toml"], ["Missing option"]),
@@ -114,12 +114,12 @@ def test_explain(call, file, monkeypatch):
         (["study.toml", "-o", "done", "--scheduler", "nonsense:x"], ["nonsense"]),
     ],
 )
-def test_bad_input(call, file, folder, arguments, told):
+def test_bad_input(call, file, folder, arguments, reported):
     (folder / "other").mkdir()
     (folder / "other" / "precious.txt").write_text("gold")
     result = call("study", *arguments)
     assert result.exit_code == 2
-    for text in told:
+    for text in reported:
         assert text in result.output
 
 
@@ -144,7 +144,7 @@ def test_a_scene_in_place_of_a_study(call, folder):
     assert "1 fault" in result.stderr
 
 
-def test_a_parameter_varies_only_beside_its_law(call, folder):
+def test_a_parameter_varies_only_next_to_its_law(call, folder):
     (folder / "study.toml").write_text(SMALL.replace("friction.mu", "friction.mew"))
     result = call("study", "study.toml", "-o", "done")
     assert result.exit_code == 2
@@ -153,7 +153,7 @@ def test_a_parameter_varies_only_beside_its_law(call, folder):
     assert not (folder / "done").exists()
 
 
-def test_every_fault_of_a_study_is_told(call, folder):
+def test_every_fault_of_a_study_is_reported(call, folder):
     wrong = SMALL.replace("friction.mu", "friction.um").replace('"spheres"', '"spheers"')
     (folder / "study.toml").write_text(wrong)
     result = call("study", "study.toml", "-o", "done")
@@ -165,7 +165,7 @@ def test_every_fault_of_a_study_is_told(call, folder):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "reported"),
     [
         (["nowhere"], "is not the folder of a study"),
         (["done", "--figures", "b", "--quantity", "Qz"], "no quantity Qz"),
@@ -174,8 +174,8 @@ def test_every_fault_of_a_study_is_told(call, folder):
         (["done", "--csv", "no/folder/a.csv"], "cannot be written"),
     ],
 )
-def test_bad_show(call, file, arguments, told):
+def test_bad_show(call, file, arguments, reported):
     call("study", file, "-o", "done", "--workers", "0")
     result = call("study-show", *arguments)
     assert result.exit_code == 2
-    assert told in result.stderr
+    assert reported in result.stderr

@@ -69,7 +69,7 @@ def test_traction_curve_as_printed(creepage, printed):
 
 
 @pytest.mark.slow
-def test_forces_beyond_the_top_of_the_traction_curve_are_told_it():
+def test_forces_beyond_the_top_of_the_traction_curve_are_with_their_maximum():
     below = ts.solve(locomotive(**{"load.force_x": 33.2e3}))
     assert below.Qx == pytest.approx(33.2e3, rel=1e-6)  # its tolerance
     assert -0.016 < below.xi_x < -0.013  # on the rising branch
@@ -80,7 +80,7 @@ def test_forces_beyond_the_top_of_the_traction_curve_are_told_it():
 
 
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
-def test_the_top_is_told_of_either_sign(sign):
+def test_the_top_is_reported_of_either_sign(sign):
     scene = locomotive(**{"load.force_x": sign * 33.9e3, "grid.elements": (25, 23)})
     with pytest.raises(ts.NotConverged) as caught:
         ts.solve(scene)
@@ -129,7 +129,7 @@ def test_cylinder_as_printed():
 
 
 def test_gentle_slope_has_one_solution_and_a_steep_one_several():
-    """Which of several is found hinges on the way to it: of some steep slopes it is another one."""
+    """Of several solutions, the initial guess selects one: for some steep slopes another one."""
 
     def apart(half_speed):
         scene = cylinder(**{"friction.half_speed": half_speed})
@@ -201,7 +201,7 @@ def test_layer_works_for_nothing():
 
 
 @pytest.mark.parametrize("value", [-0.1, math.nan])
-def test_a_law_of_ones_own_that_becomes_negative_is_told(value):
+def test_a_law_user_defined_that_becomes_negative_is_reported(value):
     class Own(ts.SlidingShare):
         least = 0.0
 
@@ -215,8 +215,8 @@ def test_a_law_of_ones_own_that_becomes_negative_is_told(value):
 
 
 @pytest.mark.parametrize("memory", [0.0, 0.2])
-def test_wears_by_the_way_slid_however_little_friction_is_left(memory):
-    """Archard's depth is p_n |s|, whatever the friction: in full slip as of the constant law."""
+def test_wears_by_the_sliding_distance_however_little_friction_is_left(memory):
+    """Archard's depth is p_n |s|, whatever the friction: in full slip as for the constant law."""
     wear = {"intensity": 1e-7, "revolutions": 1, "turns": "each"}
     full = {"creepage.longitudinal": -0.05, "grid.elements": (25, 25), "wear": wear}
     full |= {"solver.slip": "auto"}
@@ -227,7 +227,7 @@ def test_wears_by_the_way_slid_however_little_friction_is_left(memory):
 
 
 @pytest.mark.slow
-def test_a_slope_that_a_mesh_cannot_hold_is_told_where_nothing_is_found():
+def test_a_slope_that_a_mesh_cannot_resolve_is_reported_where_nothing_is_found():
     thick = {"friction.layer": 3e-4, "friction.half_speed": 300.0}
     steep = cylinder(**thick, **{"solver.slip": "auto", "solver.method": "newton"})
     steep = steep.replace(**{"creepage.longitudinal": -0.01})
@@ -242,7 +242,7 @@ def test_random_scenes_converge_or_are_refused(monkeypatch):
     ratios = []
     for seed in (0, 1, 2, 3, 5, 8, 168):
         scene = random.falling_scene(seed)
-        told, cost, note = random.solved(scene)
-        assert told in ("converged", "refused"), note
+        reported, cost, note = random.solved(scene)
+        assert reported in ("converged", "refused"), note
         ratios.append(cost / random.solved(random.constant(scene))[1])
     assert np.median(ratios) < 2.0

@@ -26,7 +26,7 @@ def test_a_flat_gap_changes_nothing():
     assert flat.approach == pytest.approx(plain.approach, rel=1e-9)
 
 
-def test_a_profile_may_be_told_beside_the_mesh_alone():
+def test_a_profile_may_be_reported_for_the_mesh_only():
     plain = steady("spheres", elements=31)
     x = np.linspace(-6.0, 6.0, 33)
     flat = with_gap(x, [-9.0, 9.0], np.full((33, 2), 0.3))

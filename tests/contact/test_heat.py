@@ -1,4 +1,4 @@
-"""Flash temperature of contacts, and friction that answers to it."""
+"""Flash temperature of contacts, and friction that depends on it."""
 
 import numpy as np
 import pytest
@@ -122,7 +122,7 @@ def test_temperatures_have_error_bars(discs):
         assert 0.0 < bar < 0.1
 
 
-def test_a_law_that_knows_no_temperature_is_told(discs):
+def test_a_law_that_knows_no_temperature_is_reported(discs):
     laws = ts.Laws.of(discs).replace(friction=ts.Coulomb(mu=(0.3, 0.3)))
     with pytest.raises(ValueError, match=r"friction\.temperature"):
         ts.solve(discs, laws=laws)
@@ -167,7 +167,7 @@ def test_a_law_that_knows_no_temperature_is_told(discs):
         ),
     ],
 )
-def test_bad_input_is_told(discs, changes, key, words):
+def test_bad_input_is_reported(discs, changes, key, words):
     with pytest.raises(ts.SceneError) as caught:
         discs.replace(**changes)
     (fault,) = caught.value.faults
@@ -207,8 +207,8 @@ def test_wears_and_resumes(discs, tmp_path):
     np.testing.assert_allclose(resumed["temperature_max"], whole["temperature_max"], rtol=1e-12)
 
 
-def test_goes_on_with_the_wear_of_warm_surfaces(discs, tmp_path):
-    """What the last contact wears is told by its temperatures, which the file does not keep."""
+def test_continues_with_the_wear_of_warm_surfaces(discs, tmp_path):
+    """What the last contact wears is reported by its temperatures, which the file does not keep."""
     coarse = {"half_length": (0.35, 0.8), "elements": (15, 15)}
     scene = discs.replace(grid=coarse, wear={"intensity": 2e-6, "revolutions": 20})
     whole = ts.roll(scene)
@@ -231,7 +231,7 @@ def test_a_block_that_waits_for_its_turn_stays_as_warm(discs, tmp_path):
     np.testing.assert_array_equal(*fields)
 
 
-def test_drawn(discs):
+def test_plotted(discs):
     contact = ts.solve(discs)
     for draw in (ts.plot.temperature, ts.plot.friction):
         assert len(draw(contact).axes) == 2  # map and colour bar
@@ -239,7 +239,7 @@ def test_drawn(discs):
         ts.plot.temperature(ts.solve(discs.replace(heat=None, **{"friction.temperature": None})))
 
 
-def test_wears_by_the_way_slid_however_hot(discs, cold):
+def test_wears_by_the_sliding_distance_however_hot(discs, cold):
     """Archard's depth is p_n |s|: of the same pressure and slip, whatever is left of friction."""
     wear = {"intensity": 1e-9, "revolutions": 1}
     hot, plain = (ts.roll(one.replace(wear=wear))["worn_area"] for one in (discs, cold))
@@ -255,8 +255,8 @@ def test_wear_answers_to_the_temperature(cold):
     softening = [[20.0, 1.0], [400.0, 5.0]]
     contact = ts.roll(cold.replace(wear=wear | {"temperature": softening})).state(1)
     factor = np.interp(contact.heat.temperature["A"], *np.transpose(softening))
-    alone = plain.state(1)
-    rate = np.diff(alone.wear[::-1], axis=0, prepend=0.0)[::-1]
+    single = plain.state(1)
+    rate = np.diff(single.wear[::-1], axis=0, prepend=0.0)[::-1]
     assert factor.max() > 1.1
     assert contact.worn_area == pytest.approx(
         float((factor * rate).sum()) * contact.grid.dy, rel=1e-5

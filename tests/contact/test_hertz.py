@@ -36,7 +36,7 @@ def test_ellipse_of_the_discs():
     assert contact.half_width_y == pytest.approx(hertz.b, abs=contact.grid.dy)
 
 
-def test_load_and_approach_are_two_ways_to_say_the_same():
+def test_load_and_approach_are_equivalent():
     loaded = steady("spheres", elements=31)
     approached = steady("spheres", f"load.approach={loaded.approach!r}", elements=31)
     np.testing.assert_allclose(approached.pressure, loaded.pressure, atol=1e-6 * loaded.p_max)

@@ -196,7 +196,7 @@ class Capped(ts.Coulomb):
         return ts.Bound(np.minimum(pressure, most), np.where(pressure < most, 1.0, 0.0))
 
 
-def test_friction_of_ones_own():
+def test_friction_user_defined():
     scene = ball(CREEPING)
     laws = ts.Laws.of(scene).replace(friction=Capped((0.4013, 0.4013)))
     found, expected, columns = compared(scene, laws)
@@ -262,7 +262,7 @@ def test_friction_and_creepages_scale_the_tractions(changes):
 
 def test_the_slope_of_carters_curve():
     """With the mesh: elements at the stick-slip boundary change their state, but the force hardly
-    answers to where that is."""
+    depends on where that is."""
     errors = []
     for n in (64, 256):
         scene = ball(LINE, tolerance=1e-9)

@@ -43,7 +43,7 @@ def test_what_flattens_a_wave_left_out():
 
 
 @pytest.mark.slow
-def test_waves_are_followed_and_the_pressure_converges():
+def test_waves_are_tracked_and_the_pressure_converges():
     """The usual mesh has 2.4 elements a wave; on the one that follows it no note is left."""
     model = rough(PRESSED, y=Y, separation=wave(0.03))
     assert model.grid.elements[0] == USUAL.elements[0]  # nothing varies along x
@@ -103,7 +103,7 @@ def test_noise_that_cannot_be_resolved_is_reported_with_its_numbers():
         assert 1e-4 < part.height < 2.0**0.5 * 1e-4
 
 
-def test_a_map_within_the_bound_is_followed_to_its_step():
+def test_a_map_within_the_bound_is_tracked_to_its_step():
     heights = 1e-4 * np.random.default_rng(0).standard_normal((161, 161))
     x, y = np.linspace(-0.4, 0.4, 161), np.linspace(-0.8, 0.8, 161)
     model = rough(PRESSED, x=x, y=y, separation=heights)
@@ -134,7 +134,7 @@ def test_with_accuracy_the_results_choose_the_mesh_and_one_note_is_left():
     assert len([one for one in caught if str(one.message).startswith("gap: ")]) <= 1
 
 
-def test_profiles_that_travel_are_followed_wherever_they_are():
+def test_profiles_that_travel_are_tracked_wherever_they_are():
     """The waves lie beside the mesh and come into it; of a line contact, too."""
     x = np.linspace(0.5, 1.5, 1001)
     waves = np.outer(1e-4 * np.cos(2.0 * np.pi * x / 0.02), np.ones(2))

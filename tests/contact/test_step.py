@@ -52,10 +52,10 @@ def test_first_order_steps_are_those_of_an_independent_program():
 @pytest.mark.parametrize("length", [0.0, 1.0, 2.0])
 def test_the_slip_of_a_step_is_that_of_dense_matrices(builtin, length):
     model = Model(builtin_on(builtin, 15, **{"solver.slip": "upwind"}))
-    asked = Asked(length * model.grid.dx, (-2e-3, 1e-3, 2e-4), model.scene.normal_load)
-    stepper, before = pressed(model, asked.load)
-    before = stepper.step(before, asked)
-    now = stepper.step(before, asked)
+    requested = Asked(length * model.grid.dx, (-2e-3, 1e-3, 2e-4), model.scene.normal_load)
+    stepper, before = pressed(model, requested.load)
+    before = stepper.step(before, requested)
+    now = stepper.step(before, requested)
     reach = int(length)
     wide = stepper.operators.part((15 + reach, 15))
     coupled = model.elasticity.coupled
@@ -192,8 +192,8 @@ def test_steps_of_parts_of_an_element_keep_a_steady_contact_too():
     stepper = Stepper(model)
     now = stepper.at_rest(steady)
     for part in (0.5, 0.3, 0.7, 0.1):
-        asked = Asked(part * model.grid.dx, (-0.0031, 0.0, 0.0), P)
-        now = stepper.step(now, asked, replace(now.contact))
+        requested = Asked(part * model.grid.dx, (-0.0031, 0.0, 0.0), P)
+        now = stepper.step(now, requested, replace(now.contact))
         # The direction of slip alone is taken elsewhere in a shorter step, to second order.
         assert now.contact.Qx == pytest.approx(steady.Qx, rel=2e-4)
 
@@ -214,8 +214,8 @@ def test_upwind_steps_of_several_elements_are_those_of_one():
         now = stepper.step(now, Asked(0.0, load=P, forces=(0.657 * MU * P, None)))
         found = []
         for _ in range(2 // elements):
-            asked = Asked(elements * model.grid.dx, load=P, forces=(0.657 * MU * P, None))
-            now = stepper.step(now, asked)
+            requested = Asked(elements * model.grid.dx, load=P, forces=(0.657 * MU * P, None))
+            now = stepper.step(now, requested)
             found.append(now.contact.xi_x)
         size.append(np.mean(found))
     # .07 % measured here, .6 % on 45 elements: the share at the edge grows from rest. It was 2 %.

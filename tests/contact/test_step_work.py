@@ -63,15 +63,15 @@ def test_friction_is_the_work_of_tractions_on_the_slip_of_their_particles(builti
         touching = np.pad(past.touching, ((0, way.reach), (0, 0)))
         held = way.held(touching) & stepper.model.stencil.staggered
         tractions = stepper._fields(past), stepper._fields(now.contact)
-        asked = Asked(now.distance, by)
+        requested = Asked(now.distance, by)
         came = way.before(stepper._displacement(before, way.reach), held)
         spread = way.spread(tractions[1], held)
         later = stepper.operators.part(spread.shape[1:]).tangential(spread)[:, :columns]
         slips = (
-            stepper._rigid(asked, way, -0.5 * way.length)
+            stepper._rigid(requested, way, -0.5 * way.length)
             + later
             - stepper._displacement(before, 0)[:, :columns],
-            stepper._rigid(asked, way, way.middle(held)) + now.displacement[:, :columns] - came,
+            stepper._rigid(requested, way, way.middle(held)) + now.displacement[:, :columns] - came,
         )
         halves = [stepper.work.tangential(*one) for one in zip(tractions, slips, strict=True)]
         # Rounding of energies.
@@ -90,8 +90,8 @@ def test_what_is_supplied_does_not_depend_on_the_step(slip, coupled):
         stepper, now = pressed(model, model.scene.normal_load)
         work = 0.0
         for _ in range(round(8 / part)):
-            asked = Asked(part * model.grid.dx, (-0.002, 0.0, 0.0), model.scene.normal_load)
-            now = stepper.step(now, asked)
+            requested = Asked(part * model.grid.dx, (-0.002, 0.0, 0.0), model.scene.normal_load)
+            now = stepper.step(now, requested)
             work += now.supplied
         found.append(work)
     # First-order slip of dissimilar bodies 2.1 and 3.2 %, others below 1.1 %.

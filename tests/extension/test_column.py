@@ -1,4 +1,4 @@
-"""A column of one's own: in memory, in a file, read back, shown, drawn, and when it is resumed."""
+"""A user-defined column: in memory, in a file, read back, shown, drawn, and when it is resumed."""
 
 import io
 import json
@@ -69,17 +69,17 @@ def test_it_is_per_length_in_a_line_contact(tmp_path):
 
 @pytest.mark.slow
 def test_it_is_shown(written, path):
-    def told(*options):
+    def reported(*options):
         command = [sys.executable, "-m", "tractive_sam", "show", str(path), *options]
         return subprocess.run(command, capture_output=True, text=True, check=True).stdout
 
-    assert json.loads(told("--json"))["p_mean"] == written["p_mean"].tolist()
-    (line,) = [line for line in told().splitlines() if "p_mean" in line]
+    assert json.loads(reported("--json"))["p_mean"] == written["p_mean"].tolist()
+    (line,) = [line for line in reported().splitlines() if "p_mean" in line]
     assert "MPa" in line
     assert "mean contact pressure" in line
 
 
-def test_it_is_drawn(written):
+def test_it_is_plotted(written):
     kept = ts.roll(DISCS, columns=[MEAN])
     figure = ts.plot.compare({"file": written, "memory": kept}, "p_mean")
     figure.savefig(io.BytesIO(), dpi=40)
@@ -142,6 +142,6 @@ def test_what_is_no_quantity_is_refused():
         ts.roll(DISCS, columns=["p_mean"])
 
 
-def test_a_value_of_another_shape_is_told():
+def test_a_value_of_another_shape_is_reported():
     with pytest.raises(ValueError, match="column rows"):
         ts.roll(DISCS, columns=[new("rows", of=lambda contact: contact.pressure)])

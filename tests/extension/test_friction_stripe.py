@@ -1,4 +1,4 @@
-"""Friction laws of one's own: a lubricated stripe, and a strength that caps the traction."""
+"""Friction user-defined laws: a lubricated stripe, and a strength that caps the traction."""
 
 from dataclasses import dataclass
 

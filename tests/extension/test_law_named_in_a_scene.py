@@ -168,8 +168,8 @@ class TestNamedLaw:
     def test_blocks_and_cases_have_their_own(self):
         scales = [4000.0, 6000.0]
         cases = ts.solve_many(DISCS.with_set(FILM), {"friction.scale": scales})
-        alone = [ts.solve(DISCS.with_set([*FILM, f"friction.scale={one}"])).Qx for one in scales]
-        np.testing.assert_allclose(cases["Qx"], alone, rtol=1e-6)  # the solver starts elsewhere
+        single = [ts.solve(DISCS.with_set([*FILM, f"friction.scale={one}"])).Qx for one in scales]
+        np.testing.assert_allclose(cases["Qx"], single, rtol=1e-6)  # the solver starts elsewhere
         block = {"revolutions": 1, "friction": {"mu": 0.2}}
         duty = DISCS.with_set(FILM).replace(duty=[{"revolutions": 1}, block])
         assert [one.state(0).frame.mu for one in map(ts.roll(duty).block, (0, 1))] == [
@@ -251,7 +251,7 @@ class TestImports:
 
     @pytest.mark.slow
     @pytest.mark.parametrize("metadata", [False, True])
-    def test_files_beside_a_scene_are_not_imported(self, tmp_path, metadata):
+    def test_files_next_to_a_scene_are_not_imported(self, tmp_path, metadata):
         """`python -m` searches the current folder, which may have been received with a scene."""
         (tmp_path / "film_laws.py").write_text("open('imported', 'w')\n" + FILM_LAWS)
         (tmp_path / "scene.toml").write_text(SPHERES.with_set(FILM).to_toml())

@@ -143,8 +143,8 @@ def test_every_command_takes_it(package, tmp_path):
     shown = json.loads(command(package, tmp_path, "show", "a.h5", "--json"))
     assert shown["energy_max"][-1] > shown["energy_max"][1] > shown["energy_max"][0] == 0.0
     assert "energy_max" in command(package, tmp_path, "show", "a.h5")
-    drawn = command(package, tmp_path, "plot", "a.h5", "-o", "figures", "--dpi", 40)
-    assert "friction-energy" in {Path(line).stem for line in drawn.split()}
+    figures = command(package, tmp_path, "plot", "a.h5", "-o", "figures", "--dpi", 40)
+    assert "friction-energy" in {Path(line).stem for line in figures.split()}
     command(package, tmp_path, "report", "a.h5", "-o", "a.html")
     assert "Energy of friction per width across the track" in (tmp_path / "a.html").read_text()
 

@@ -110,7 +110,7 @@ def test_a_resumed_run_is_the_uninterrupted_one(tmp_path):
 @pytest.mark.slow
 def test_every_command_accepts_the_process(package, tmp_path):
     (tmp_path / "drive.toml").write_text(SCENE.to_toml())
-    explained, _, _, values, shown, drawn, _ = run_commands(
+    explained, _, _, values, shown, figures, _ = run_commands(
         package,
         tmp_path,
         "explain drive.toml",
@@ -124,7 +124,7 @@ def test_every_command_accepts_the_process(package, tmp_path):
     assert "Rolls forth in odd strokes" in explained
     assert json.loads(values)["stroke"] == [0, 1, 2, 3, 4]
     assert "track_depth" in shown
-    names = {Path(line).stem for line in drawn.split()}
+    names = {Path(line).stem for line in figures.split()}
     assert names >= {"pressure-0", "pressure-4", "forces", "worn-mass"}
     assert "track_depth" in (tmp_path / "a.html").read_text()
 

@@ -95,7 +95,7 @@ def test_each_body_runs_in_by_itself():
     assert worn[0] > 1.5 * worn[1]
 
 
-def test_material_runs_in_on_its_way_through_a_transient():
+def test_material_runs_in_within_a_transient():
     scene = DISCS.replace(
         wear={"intensity": 1e-6}, transient={"distance": [0.0, 0.5], "start": "steady"}
     )

@@ -1,4 +1,4 @@
-"""A method of one's own in place of those of the package, for one contact and for a rolled one."""
+"""A user-defined method in place of those of the package, for one contact and for a rolled one."""
 
 from dataclasses import dataclass, replace
 
@@ -65,7 +65,7 @@ def test_rolls():
     assert mine["wear_max"][-1] == pytest.approx(theirs["wear_max"][-1], rel=1e-4)
 
 
-def test_a_failure_is_told_and_raised():
+def test_a_failure_is_reported_and_raised():
     scene = ts.Scene.builtin("spheres").with_set(SMALL)
     hasty = replace(MINE, tangential=Clipped(most=3))
     with pytest.raises(ts.NotConverged) as caught:

@@ -1,4 +1,4 @@
-"""A stress criterion of one's own: Tresca, in the maxima, in a history, on planes, in figures."""
+"""A user-defined stress criterion: Tresca, in the maxima, in a history, on planes, in figures."""
 
 import numpy as np
 import pytest
@@ -62,7 +62,7 @@ def test_columns_are_named_by_it(tmp_path):
     assert ((share > 1.0 - 1e-3) & (share < 2.0 / np.sqrt(3.0) + 1e-3)).all()
 
 
-def test_a_file_goes_on_with_the_same_criterion_only(tmp_path):
+def test_a_file_continues_with_the_same_criterion_only(tmp_path):
     path, short = tmp_path / "discs.h5", DISCS.with_set(["wear.revolutions=1", "wear.save=[0]"])
     assert "Tresca" in ts.roll(short, path, laws=laws(short)).laws
     with pytest.raises(ts.ResultsError, match="Tresca"):
@@ -82,7 +82,7 @@ def test_error_bars_are_named_by_it():
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("empty_pictures")
-def test_figures_are_drawn_by_it(tmp_path):
+def test_figures_are_plotted_by_it(tmp_path):
     contact = ts.solve(DISCS.replace(wear=None))
     for figure in (
         plot.von_mises(contact, "A", "y=0", quantity=Tresca()),

@@ -1,4 +1,4 @@
-"""A wear law of one's own: wear by the energy that friction dissipates."""
+"""A user-defined wear law: wear by the energy that friction dissipates."""
 
 from dataclasses import dataclass
 
@@ -58,7 +58,7 @@ def test_the_worn_section_is_the_work(partly):
     np.testing.assert_allclose(partly.energy_balance, 1.0, rtol=1e-8)
 
 
-def test_the_balance_of_archard_is_not_told(partly):
+def test_the_balance_of_archard_is_not_reported(partly):
     assert np.isnan(partly.wear_balance).all()
 
 

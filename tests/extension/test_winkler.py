@@ -1,4 +1,4 @@
-"""An elasticity of one's own: a Winkler foundation, every point of which gives way by itself.
+"""An user-defined elasticity: a Winkler foundation, every point of which deforms by itself.
 
 Kalker's simplified theory. Under an approach d the pressure is (d - h)/L_n, h = x²/2R_x + y²/2R_y.
 Where it sticks, u_x = L_t p_x is what the bodies have crept since the leading edge a(y):

@@ -41,7 +41,7 @@ ASK = "from {room}.outer import total; print(total(3.0), sum(total.stats.cache_h
 
 @pytest.fixture
 def ask(tmp_path, monkeypatch):
-    """Write formulas into a room of their own; a fresh process gives `total(3.0)`, cache hits."""
+    """Write formulas into a separate room; a fresh process gives `total(3.0)`, cache hits."""
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "kept"))
     room = "room"
     (tmp_path / room).mkdir()
@@ -105,14 +105,14 @@ with compiling_told(lambda: print(1)):
 
 @pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
 def test_compiling_is_reported_once_and_not_for_cached_kernels(ask, tmp_path):
-    def told():
+    def reported():
         command = [sys.executable, "-B", "-c", TOLD.format(room="room")]
         found = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
         return found.stdout
 
     ask("x + 1.0", 2)
-    assert told().split() == ["1", "0", "8.0", "6.0", "6.0"]  # of a whole number, not of 3.0
-    assert told().split() == ["0", "8.0", "6.0", "6.0"]
+    assert reported().split() == ["1", "0", "8.0", "6.0", "6.0"]  # of a whole number, not of 3.0
+    assert reported().split() == ["0", "8.0", "6.0", "6.0"]
 
 
 COLD = """

@@ -22,7 +22,7 @@ from tractive_sam.mechanics import (
     residual_shear,
     von_mises,
 )
-from tractive_sam.mechanics.fatigue import paths
+from tractive_sam.mechanics.fatigue import to_paths
 from tractive_sam.reference import line_pressure_stress, line_shear_stress
 
 compiled = pytest.mark.skipif(
@@ -84,7 +84,7 @@ def test_a_smallest_ball_is_the_optimum_of_its_dual(m, whole):
 def test_distances_of_deviators_are_those_of_j2():
     cycle = random_cycles(1, 30)
     deviators = np.empty((5, 30))
-    fatigue.deviators(deviators, paths(cycle)[0])
+    fatigue.deviators(deviators, to_paths(cycle)[0])
     np.testing.assert_allclose(
         np.linalg.norm(deviators, axis=0), von_mises(cycle)[:, 0] / math.sqrt(3.0), rtol=1e-13
     )
@@ -116,7 +116,7 @@ def room(points):
 
 def plane(cycle, normal, sum_k, product_k, within=None):
     within = room(cycle.shape[1]) if within is None else within
-    return fatigue._plane(paths(cycle)[0], normal, sum_k, product_k, within)
+    return fatigue._plane(to_paths(cycle)[0], normal, sum_k, product_k, within)
 
 
 @pytest.mark.parametrize(("sum_k", "product_k"), [(0.3, 0.0), (0.0, 0.3)])
@@ -136,7 +136,8 @@ def test_steps_towards_a_critical_plane_are_newtons(sum_k, product_k):
         if len({points for _, points in around.values()}) > 1:
             continue
         here, held, at = plane(cycle[..., None], normal, sum_k, product_k, within)
-        step = fatigue._uphill(paths(cycle[..., None])[0], here, held, at, sum_k, product_k, within)
+        path = to_paths(cycle[..., None])[0]
+        step = fatigue._uphill(path, here, held, at, sum_k, product_k, within)
         v = {k: one / difference for k, (one, _) in around.items()}
         ga, gb = 0.5 * (v[1, 0] - v[-1, 0]), 0.5 * (v[0, 1] - v[0, -1])
         haa, hbb = v[1, 0] + v[-1, 0] - 2.0 * v[0, 0], v[0, 1] + v[0, -1] - 2.0 * v[0, 0]
@@ -205,7 +206,7 @@ def test_the_critical_plane_is_that_of_brute_force(sum_k, product_k):
     below_lines = line(0.3, [0.1, 0.5], points=15)
     for cycles in (random_cycles(4, 5), random_cycles(4), out_of_phase, below_lines):
         found = np.empty(cycles.shape[2])
-        fatigue.critical_plane(found, paths(cycles), sum_k, product_k)
+        fatigue.critical_plane(found, to_paths(cycles), sum_k, product_k)
         searched = [find_critical_value(one, sum_k, product_k) for one in np.moveaxis(cycles, 2, 0)]
         assert (found >= np.array(searched) * (1.0 - fatigue.ENOUGH)).all()
         # The search ends .001 from a plane; where a maximum has a bend, values fall in proportion.
@@ -218,7 +219,7 @@ def test_cycles_that_do_no_harm_or_are_none_end_at_once():
     pressure = np.zeros((6, 5, 1))
     pressure[:3] = -100.0
     assert Findley(0.3)(pressure) == 0.0
-    for points in (slice(None), 7):  # all of the cycle, or one point on the way
+    for points in (slice(None), 7):  # all of the cycle, or one point during the run
         cycles = random_cycles(3)
         cycles[4, points, 1] = np.nan
         for judge in JUDGES:
@@ -239,13 +240,13 @@ def test_a_cycle_of_another_shape_is_refused(shape):
 @compiled
 def test_balls_begun_by_the_one_before_are_the_same():
     """Paths beside each other, paths that have nothing in common, and points that coincide."""
-    sliding = paths(line(0.3, np.linspace(0.01, 1.5, 40), points=61))
-    mixed = np.concatenate((sliding, paths(random_cycles(40, 62)), sliding[::-1], 0.0 * sliding))
-    together, alone = np.empty(len(mixed)), np.empty(len(mixed))
+    sliding = to_paths(line(0.3, np.linspace(0.01, 1.5, 40), points=61))
+    mixed = np.concatenate((sliding, to_paths(random_cycles(40, 62)), sliding[::-1], 0.0 * sliding))
+    together, single = np.empty(len(mixed)), np.empty(len(mixed))
     fatigue.balls(together, mixed)
     for k in range(len(mixed)):
-        fatigue.balls(alone[k : k + 1], mixed[k : k + 1])
-    np.testing.assert_allclose(together, alone, rtol=1e-12)  # of the last step
+        fatigue.balls(single[k : k + 1], mixed[k : k + 1])
+    np.testing.assert_allclose(together, single, rtol=1e-12)  # of the last step
 
 
 @pytest.mark.parametrize(("tau", "sigma"), [(180.0, 300.0), (200.0, 330.0)])
@@ -349,8 +350,8 @@ def test_one_residual_stress_serves_a_whole_depth():
     """Points that share a depth leave no less than each alone, and what is left is an optimum."""
     cycles = random_cycles(4, 10)
     together = residual_shear(cycles)
-    alone = [residual_shear(cycles[..., k : k + 1])[0] for k in range(4)]
-    assert (together >= np.array(alone) - 1e-12).all()
+    single = [residual_shear(cycles[..., k : k + 1])[0] for k in range(4)]
+    assert (together >= np.array(single) - 1e-12).all()
 
     def left(residual):
         stress = cycles.copy()

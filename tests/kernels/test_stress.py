@@ -217,7 +217,7 @@ def test_surface_under_the_patch(x, y):
 
 
 @pytest.mark.parametrize(("x", "y"), [(0.500001, 0), (0.6, 0.41), (-3, 0.4), (0, -50), (900, 7)])
-def test_surface_beside_the_patch(x, y):
+def test_surface_next_to_the_patch(x, y):
     s = patch(x, y, 0, 1.0, 0.8)
     np.testing.assert_array_equal(s[:, [XZ, YZ, ZZ]], 0)
 
@@ -344,7 +344,7 @@ def test_long_patch_tends_to_plane_strain():
 
 
 # Square patch of side 1, p_n = p_x = 1, nu = 0.28, below its centre, as another program (CONTACT)
-# prints it: xx, zz, xz. It evaluates beside the point asked for (its values fit x = -1.1e-4, its
+# prints it: xx, zz, xz. It evaluates beside the point requested (its values fit x = -1.1e-4, its
 # sigma_xz at z = 0 is -0.998999), hence 2.5e-4 absolute.
 PRINTED = {
     0.5: (-0.076184, -0.700842, -0.149363),

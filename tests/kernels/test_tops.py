@@ -36,7 +36,7 @@ def test_a_step_leads_to_the_top_of_a_parabola():
     assert fate == GOES_ON  # it gained too much to be sure
 
 
-def test_a_way_ends_where_nothing_is_gained():
+def test_a_path_ends_where_nothing_is_gained():
     _, (fate,), _, _ = step([TOP + 1e-3])
     assert fate == ENDED
 
@@ -55,7 +55,7 @@ def test_uphill_where_it_curves_upwards():
     assert at[2] > 1.0
 
 
-def test_along_the_floor_where_that_bars_the_way():
+def test_along_the_floor_where_that_is_an_obstacle():
     floor = 2.0  # below the top
     (at,), (fate,), (barred,), _ = step([(0.5, 0.0, floor)], floor=floor)
     assert at[2] == floor
@@ -74,7 +74,7 @@ def test_along_the_floor_where_that_bars_the_way():
     assert fate == LOST
 
 
-def test_of_ways_to_one_top_the_highest_goes_on():
+def test_of_paths_to_one_maximum_the_highest_continues():
     starts = [
         TOP + np.array((0.4, 0.0, 0.0)),
         TOP + np.array((0.3, 0.0, 0.0)),
@@ -91,7 +91,7 @@ def test_of_ways_to_one_top_the_highest_goes_on():
     assert (fates == GOES_ON).all()
 
 
-def test_a_way_that_cannot_reach_where_another_ended_is_given_up():
+def test_a_path_that_cannot_reach_where_another_ended_is_given_up():
     starts = [TOP + 1e-3, TOP + np.array((0.9, 0.0, 0.0))]
     for highest, fate in ((1.99, LOST), (2.01, GOES_ON)):
         _, fates, _, _ = step(starts, highest=highest)
@@ -115,7 +115,7 @@ def test_finds_the_tops_between_the_points():
     assert not found[:, [0, 4]].any()
 
 
-def test_compares_with_the_layers_beside():
+def test_compares_with_the_stored_layers():
     values = layer(24, 32, [(5.3, 6.8, 1.0), (16.6, 22.1, 0.5)])
     coarse = 0.25 * sum(values[:, i::2, j::2] for i in (0, 1) for j in (0, 1))
     assert len(find_tops(values, NONE, 0.8 * coarse)) == 2

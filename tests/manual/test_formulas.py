@@ -51,7 +51,7 @@ def test_no_page_loads_anything_from_a_network(theory):
 
 
 @pytest.mark.parametrize("width", [1440, 390])
-def test_every_formula_is_drawn(theory, tmp_path, width):
+def test_every_formula_is_plotted(theory, tmp_path, width):
     pages = [
         page for page in sorted(theory.glob("*.html")) if 'class="math' in page.read_text("utf-8")
     ]

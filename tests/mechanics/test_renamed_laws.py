@@ -23,13 +23,13 @@ def test_fingerprints_equal_those_in_files_of_earlier_versions(law, stored):
 @pytest.mark.parametrize(
     ("former", "name"), [("EachBody", "PerBody"), ("Layered", "InterfacialLayer")]
 )
-def test_former_names_of_laws_warn(former, name):
+def test_earlier_names_of_laws_warn(former, name):
     with pytest.warns(DeprecationWarning, match=name):
         law = getattr(ts, former)
     assert law is getattr(ts, name)
 
 
-def test_methods_may_be_defined_and_called_under_their_former_names():
+def test_methods_may_be_defined_and_called_under_their_earlier_names():
     with pytest.warns(DeprecationWarning, match="single_body"):
 
         class Coated(ts.HalfSpaces):

@@ -56,7 +56,7 @@ def test_the_turns_of_the_round_body_are_counted():
     assert turns.gain == swapped.gain == pytest.approx(0.7, rel=1e-15)
 
 
-def test_swapped_bodies_gain_as_much_on_the_way():
+def test_swapped_bodies_gain_as_much_during_the_run():
     """Per distance rolled, of which a revolution of A takes 2 pi R_A."""
     turns = Turns.from_radii(SHARE, 30.0, 10.0)
     swapped = Turns.from_radii({"A": 0.7, "B": 0.3}, 10.0, 30.0)

@@ -186,7 +186,7 @@ def test_each_body_by_its_own():
     np.testing.assert_array_equal(PerBody(A=A).shares(*fields), [[1.0] * 3, [0.0] * 3])
 
 
-def test_beyond_the_tests_is_told():
+def test_beyond_the_tests_is_reported():
     law = TGammaPerArea(USFD["r8t-uic60"], STEEL)
     assert not law.beyond_tests(*sliding([[119.0]]))
     assert "T-gamma/A = 130" in law.beyond_tests(*sliding([[130.0]]))

@@ -91,7 +91,7 @@ def test_disc(peclet, largest, mean):
         warm = SurfaceHeat(grid, 2.0 * peclet, 1.0, 1.0)(share)
         average = (warm * share).sum() / share.sum()
         errors.append((abs(warm.max() / largest - 1.0), abs(average / mean - 1.0)))
-    assert max(errors[-1]) < 1e-3  # asked for: 1e-2
+    assert max(errors[-1]) < 1e-3  # requested: 1e-2
     assert errors[-1][1] < errors[0][1]
 
 

@@ -1,4 +1,4 @@
-"""What is free, by what the system tells of it."""
+"""What is free, by what the system reports of it."""
 
 import math
 from pathlib import Path
@@ -12,13 +12,13 @@ from tractive_sam.operators import memory
 def groups(tmp_path):
     """Write files of control groups; returns what is left to a process of them."""
 
-    def left(told, files):
+    def left(reported, files):
         for name, text in files.items():
             path = tmp_path / "root" / name
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(text)
-        (tmp_path / "told").write_text(told)
-        return memory._of_groups(tmp_path / "root", tmp_path / "told")
+        (tmp_path / "reported").write_text(reported)
+        return memory._of_groups(tmp_path / "root", tmp_path / "reported")
 
     return left
 

@@ -45,7 +45,7 @@ def test_edge_angles_of_an_ellipse():
     y = 0.8 * X
     pressure = np.sqrt(np.maximum(1.0 - X[:, None] ** 2 - (y[None, :] / 0.7) ** 2, 0.0))
     i, j = STAGGERED.leading(pressure, np.where(pressure > 0, 0.0, 1.0))
-    keep = np.abs(y[j]) < 0.5  # beyond, a neighbour is out of contact and tells less
+    keep = np.abs(y[j]) < 0.5  # beyond, a neighbour is out of contact and reports less
     i, j = i[keep], j[keep]
     angle = edge_angles(pressure, i, j, DX / DY)
     truth = np.arctan2(y[j] / 0.49, X[i])
@@ -107,7 +107,7 @@ def test_stiffness_bounds_the_answer_to_the_traction(normal):
         assert ((answer > 0) == (slip.stiffness > 0)).all()
 
 
-def test_upwind_leaves_the_slip_alone(normal):
+def test_upwind_does_not_change_the_slip(normal):
     _, pressure, gap = normal
     slip = np.random.default_rng(0).normal(size=(2, N, N))
     seen = SteadyRolling(UPWIND).friction_slip(half_space(), pressure, gap)

@@ -107,8 +107,8 @@ def test_bodies_do_not_see_each_other(operator):
 
     together = made(POISSON, SIGNS).at(0.4)
     for body in (0, 1):
-        alone = made(POISSON[body : body + 1], SIGNS[body : body + 1]).at(0.4)
-        np.testing.assert_allclose(together[body], alone[0], atol=1e-15)
+        single = made(POISSON[body : body + 1], SIGNS[body : body + 1]).at(0.4)
+        np.testing.assert_allclose(together[body], single[0], atol=1e-15)
 
 
 def test_results_are_not_overwritten():

@@ -19,20 +19,20 @@ def test_threads_do_not_disturb_each_other():
     bodies = HalfSpaces(Material(1.0, 0.3), Material(1.0, 0.3))
     operator = Operators(Lattice((96, 96), 0.1, 0.1), bodies, 1.0, 1.0).slip
     fields = np.random.default_rng(0).normal(size=(8, 2, 96, 96))
-    alone = [operator(f) for f in fields]
+    single = [operator(f) for f in fields]
     with ThreadPoolExecutor(4) as pool:
         for _ in range(5):
-            for a, b in zip(pool.map(operator, fields), alone, strict=True):
+            for a, b in zip(pool.map(operator, fields), single, strict=True):
                 np.testing.assert_array_equal(a, b)
 
 
 def test_nor_below_the_surface():
     tractions = np.random.default_rng(0).normal(size=(4, 3, 24, 20))
     layers = [StressLayers(Lattice((24, 20), 0.1, 0.1), t, (0.3,), (1.0,)) for t in tractions]
-    alone = [layer.at(0.2) for layer in layers]
+    single = [layer.at(0.2) for layer in layers]
     with ThreadPoolExecutor(4) as pool:
         for _ in range(5):
-            for a, b in zip(pool.map(lambda one: one.at(0.2), layers), alone, strict=True):
+            for a, b in zip(pool.map(lambda one: one.at(0.2), layers), single, strict=True):
                 np.testing.assert_array_equal(a, b)
 
 
@@ -51,7 +51,7 @@ def test_threads_are_bounded_as_those_of_other_libraries(bound, taken, monkeypat
 
 
 @pytest.mark.parametrize("known", [6, None])
-def test_cores_where_the_system_does_not_tell_those_of_a_process(known, monkeypatch):
+def test_cores_where_the_system_does_not_report_those_of_a_process(known, monkeypatch):
     monkeypatch.delattr(os, "sched_getaffinity", raising=False)
     monkeypatch.setattr(os, "cpu_count", lambda: known)
     assert threads.cores() == (known or 1)
@@ -69,7 +69,7 @@ def test_threads_of_a_transform_change_nothing_but_rounding(monkeypatch):
     np.testing.assert_allclose(two[..., :80], one, atol=1e-12 * np.abs(one).max())
 
 
-def test_blas_is_held_and_let_go():
+def test_blas_threads_are_limited_and_restored():
     def counts():
         return [one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas"]
 
@@ -82,7 +82,7 @@ def test_blas_is_held_and_let_go():
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no such processes on this system")
 @pytest.mark.filterwarnings("ignore:.*multi-threaded, use of fork:DeprecationWarning")
 def test_process_forked_while_another_thread_plans_can_plan():
-    """The fork waits for the plan; in the child, nobody is left who would give the planner back."""
+    """The fork waits for the plan; in the child, no one is left who would give the planner back."""
     planning = Event()
 
     def make(number):

@@ -53,17 +53,17 @@ def page(request, tmp_path_factory):
 
 
 @pytest.mark.parametrize("width", [1440, 390], ids=["desktop", "phone"])
-def test_everything_is_drawn(page, tmp_path, width):
+def test_everything_is_plotted(page, tmp_path, width):
     with Tab(page.as_uri(), tmp_path, width, height=12000) as tab:
-        told = tab.run(DRAWN)
+        reported = tab.run(DRAWN)
         requests, errors = tab.requests, tab.errors
     assert errors == []  # nothing that the page does is against its policy
-    assert told["charts"] >= 2
-    assert told["undrawn"] == []
-    assert told["empty"] == []
-    assert told["needed"] <= width
-    assert told["unnamed"] == 0
-    assert told["small"] == 0
+    assert reported["charts"] >= 2
+    assert reported["undrawn"] == []
+    assert reported["empty"] == []
+    assert reported["needed"] <= width
+    assert reported["unnamed"] == 0
+    assert reported["small"] == 0
     assert [one for one in requests if not one.startswith(("file:", "data:", "blob:"))] == []
 
 
@@ -72,7 +72,7 @@ def test_keys_move_the_revolutions(tmp_path):
     page = ts.report(history, tmp_path / "page.html")
     shown = "[document.querySelector('#rows td:nth-child(2)').textContent,"
     shown += " document.querySelector('#at').getAttribute('aria-valuetext')]"
-    drawn = "document.querySelector('.chart.map').data[0].z[15][5]"
+    figures = "document.querySelector('.chart.map').data[0].z[15][5]"
     with Tab(page.as_uri(), tmp_path, 1440) as tab:
         tab.run(DRAWN.replace(".chart", ".chart.map"))
         for _ in range(20):  # to the slider, by the tab key alone
@@ -81,8 +81,8 @@ def test_keys_move_the_revolutions(tmp_path):
             tab.press("Tab", 9)
         assert tab.run("document.activeElement.id") == "at"
         assert tab.run(shown) == ["20", "N = 20"]
-        before = tab.run(drawn)
+        before = tab.run(figures)
         tab.press("ArrowLeft", 37)
         moved = "new Promise(done => requestAnimationFrame(() => setTimeout(() => done(%s), 500)))"
         assert tab.run(moved % shown) == ["5", "N = 5"]
-        assert tab.run(drawn) != before
+        assert tab.run(figures) != before

@@ -57,23 +57,25 @@ def test_arrays_come_back():
     assert (unpacked(arrays.pack_array(values)) == values).all()
 
 
-def test_every_column_that_changes_is_drawn_once(history):
+def test_every_column_that_changes_is_plotted_once(history):
     lines = [line for chart in charts.charts(history) for line in chart["lines"]]
-    drawn = [unpacked(line["values"]) for line in lines]
+    figures = [unpacked(line["values"]) for line in lines]
     for name, values in history.numbers().items():
         column = history.columns[name.split()[0]]
         hidden = column.role in charts.HIDDEN or "position" in column.dims
         known = values[np.isfinite(values)]
         if hidden or known.size < 2 or np.ptp(known) <= 1e-9 * np.abs(known).max():
             continue
-        assert any(np.array_equal(values.astype("<f4"), one, equal_nan=True) for one in drawn), name
+        assert any(np.array_equal(values.astype("<f4"), one, equal_nan=True) for one in figures), (
+            name
+        )
     titles = [chart["title"] for chart in charts.charts(history)]
     assert len(set(titles)) == len(titles)
-    # A column of one's own comes by itself, and is no markup.
+    # A user-defined column comes by itself, and is no markup.
     assert "Share of the &lt;load&gt;" in titles
 
 
-def test_a_force_that_is_zero_is_not_drawn():
+def test_a_force_that_is_zero_is_not_plotted():
     """Of isotropic friction that is driven along x there is no lateral force, and no moment."""
     scene = ts.Scene.builtin("twin-discs-isotropic").replace(subsurface=None)
     short = {"wear.revolutions": 20, "wear.save": (20,), "grid.elements": (9, 15)}
@@ -107,7 +109,7 @@ def test_heat_and_friction_that_varies_are_on_it(history):
     assert not {"temperature_A", "friction"} & set(data.page_data(history)["surface"]["fields"])
 
 
-def test_large_results_are_thinned_and_that_is_told(history, monkeypatch):
+def test_large_results_are_thinned_and_that_is_reported(history, monkeypatch):
     monkeypatch.setattr(data, "MOST_NUMBERS", 400)
     monkeypatch.setattr(data, "FEWEST", 5)
     monkeypatch.setattr(data, "MOST_SAVED", 2)
@@ -130,7 +132,7 @@ def test_stress_is_that_of_the_planes(history):
     assert one["axes"] == ["y", "depth"]
 
 
-def test_stress_of_a_narrower_mesh_is_drawn_in_the_middle(tmp_path, monkeypatch):
+def test_stress_of_a_narrower_mesh_is_plotted_in_the_middle(tmp_path, monkeypatch):
     monkeypatch.setattr("tractive_sam.contact.model.choose_grid", lambda *_: NARROW)
     scene = (
         ts.Scene.builtin("twin-discs")

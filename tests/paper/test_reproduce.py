@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import pytest
 from typer.testing import CliRunner
 
-from tests.browser import browse, needs_browser, told_by
+from tests.browser import browse, needs_browser, reported_by
 from tractive_sam import plot
 from tractive_sam.cli import app
 from tractive_sam.cli.plot import Format
@@ -22,7 +22,7 @@ pytestmark = pytest.mark.slow  # every figure of the paper
 FIGURES = ("5", "6", "7", "8", "15", "16", "17", "18")
 """Those that the text at hand describes."""
 
-# Does not depend on the mesh: theory, symmetry, or the very law that is solved.
+# Does not depend on the mesh: theory, symmetry, or the law that is solved.
 SURE = (
     "P = 0.4705 N",
     "sliding zone is at the back",
@@ -97,13 +97,13 @@ def test_every_figure_is_there_and_is_a_file(reproduced):
 
 
 def test_statements_are_on_the_page(reproduced):
-    told = statements(reproduced)
-    assert {one["verdict"] for one in told} <= set(Verdict)
-    for one in told:
+    reported = statements(reproduced)
+    assert {one["verdict"] for one in reported} <= set(Verdict)
+    for one in reported:
         assert text(one["paper"]) in reproduced.html
         assert text(one["ours"]) in reproduced.html
-    assert "nan" not in json.dumps(told)
-    assert "inf " not in json.dumps(told)
+    assert "nan" not in json.dumps(reported)
+    assert "inf " not in json.dumps(reported)
 
 
 @pytest.mark.parametrize("part", SURE)
@@ -112,7 +112,7 @@ def test_what_no_mesh_changes_agrees(reproduced, part):
     assert found["verdict"] == Verdict.AGREES, found["ours"]
 
 
-def test_reduced_size_is_told(reproduced):
+def test_reduced_size_is_reported(reproduced):
     assert "A reduced size" in reproduced.html
     assert FULL.name not in reproduced.html
 
@@ -160,11 +160,11 @@ def interrupted(work):
 def test_an_earlier_run_is_replaced(tmp_path, monkeypatch):
     module = import_module("tractive_sam.paper.reproduce")
     monkeypatch.setattr(module, "CHAPTERS", (Chapter("One", "Fig. 0", one_figure),))
-    told = []
+    reported = []
     for format in ("png", "pdf"):
-        page = reproduce(tmp_path, format=format, progress=lambda *line: told.append(line))
+        page = reproduce(tmp_path, format=format, progress=lambda *line: reported.append(line))
         assert [file.name for file in (tmp_path / "figures").iterdir()] == [f"fig-00.{format}"]
-    assert told == [(0, "figure fig-00")] * 2
+    assert reported == [(0, "figure fig-00")] * 2
     assert escape(FULL.name) in page.read_text("utf-8")
     monkeypatch.setattr(module, "CHAPTERS", (Chapter("One", "Fig. 0", interrupted),))
     with pytest.raises(KeyboardInterrupt):
@@ -197,7 +197,7 @@ REPORT = """addEventListener("load", () => parent.postMessage({
 @needs_browser
 @pytest.mark.parametrize("width", [1280, 390], ids=["desktop", "phone"])
 def test_it_is_readable_on(reproduced, tmp_path, width):
-    found = told_by(reproduced.html, REPORT, tmp_path, width)
+    found = reported_by(reproduced.html, REPORT, tmp_path, width)
     assert found["width"] == width
     assert found["needed"] <= width
     assert found["images"] == reproduced.html.count("<img")

@@ -65,10 +65,10 @@ def slip():
     return np.stack((-1e-3 * np.sqrt(behind), np.zeros_like(behind)))
 
 
-def contact(asked=None, **changes):
+def contact(requested=None, **changes):
     """A solved contact."""
     fields = {"pressure": pressure(), "traction": traction(), "slip": slip()}
-    of_scene = asked or scene()
+    of_scene = requested or scene()
     found = State(
         scene=of_scene,
         frame=None if of_scene.friction is None else of_scene.friction.frame,
@@ -90,16 +90,16 @@ def contact(asked=None, **changes):
     return found.with_sliding_by_traction()
 
 
-def history(stored=(0, 10, 100), asked=None):
+def history(stored=(0, 10, 100), requested=None):
     """A contact that wears: lower and wider at every stored revolution."""
-    asked = asked or scene()
-    names, records = columns(asked), []
+    requested = requested or scene()
+    names, records = columns(requested), []
     for revolution in sorted({*range(0, 101, 5), *stored}):
         wider = 1 + 0.002 * revolution
         worn = HertzContact(HERTZ.a, HERTZ.b * wider, HERTZ.p0 / wider, 0.01, HERTZ.load)
         profile = 1e-5 * revolution * np.maximum(1 - (Y / worn.b) ** 2, 0)
         now = contact(
-            asked,
+            requested,
             pressure=pressure(worn),
             traction=traction(hertz=worn),
             slip=slip(),
@@ -117,4 +117,4 @@ def history(stored=(0, 10, 100), asked=None):
             "converged": 1.0,
         }
         records.append(Record(values, names, kept if revolution in stored else {}))
-    return History.of_records(records, asked, GRID)
+    return History.of_records(records, requested, GRID)

@@ -27,6 +27,6 @@ def test_numbers_without_a_unit_have_none():
 @pytest.mark.parametrize(
     ("histories", "name"), [({}, "Qx_over_P"), ({"one": strips.history()}, "pressure")]
 )
-def test_what_cannot_be_drawn_is_told(histories, name):
+def test_what_cannot_be_plotted_is_reported(histories, name):
     with pytest.raises(ValueError, match=r"name|history"):
         plot.compare(histories, name)

@@ -34,8 +34,8 @@ def test_slip_zone_is_where_the_traction_reaches_its_bound():
 @pytest.mark.parametrize(("angle", "mu"), [(0, 0.6), (90, 0.3), (180, 0.6), (45, 0.3794733)])
 def test_utilisation_of_orthotropic_friction(angle, mu):
     """Traction along x at the bound: 1/mu² = cos²/mu_1² + sin²/mu_2²."""
-    asked = strips.scene(mu=MU, angle=angle)
-    contact = strips.contact(asked, traction=strips.traction(mu))
+    requested = strips.scene(mu=MU, angle=angle)
+    contact = strips.contact(requested, traction=strips.traction(mu))
     slides = contact.sliding
     assert slides.any()
     np.testing.assert_allclose(contact.utilisation[slides], contact.pressure[slides])
@@ -60,11 +60,11 @@ def test_without_friction():
 
 
 def test_without_hertz_the_contact_is_its_own_scale():
-    alone = strips.scene(hertz=None)
-    contact = strips.contact(alone)
+    single = strips.scene(hertz=None)
+    contact = strips.contact(single)
     own = Scale(contact.half_width_x, contact.half_width_y, contact.p_max, hertz=False)
     assert ContactView.from_source(contact).scale == own
-    scale = ContactView.from_source(strips.history(asked=alone)).scale
+    scale = ContactView.from_source(strips.history(requested=single)).scale
     assert (scale.a, scale.b, scale.p) == (strips.HERTZ.a, strips.HERTZ.b, strips.HERTZ.p0)
     assert scale.p_symbol == r"p_\mathrm{max}"
 

@@ -74,7 +74,7 @@ def test_every_figure_of_a_cycle_is_saved(spectrum, tmp_path):
     assert not any(name.startswith("block-0/") for name in names)
 
 
-def test_a_block_that_is_not_there_is_told_before_any_figure(spectrum, tmp_path):
+def test_a_block_that_is_not_there_is_reported_before_any_figure(spectrum, tmp_path):
     with pytest.raises(LookupError, match="heavy"):
         plot.save_all(spectrum, tmp_path / "none", blocks=["light"])
     assert not (tmp_path / "none").exists()

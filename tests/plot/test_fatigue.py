@@ -14,7 +14,7 @@ from tractive_sam.reference import line_pressure_stress, line_shear_stress
 ASKED = {"shear_yield": 300.0, "sensitivity": 0.333, "limit": 250.0, "elements": 12}
 
 
-def drawn(figure):
+def render(figure):
     figure.savefig(io.BytesIO(), dpi=40)
     return figure
 
@@ -33,7 +33,7 @@ def test_a_last_record_that_was_not_solved_is_left_out():
     )
     history = ts.roll(scene.replace(subsurface=None, fatigue=ASKED))
     assert history.status == "off grid"
-    figure = drawn(plot.wear_against_fatigue(history, "A"))
+    figure = render(plot.wear_against_fatigue(history, "A"))
     wear, balance = figure.axes[0].lines
     assert np.isfinite(wear.get_ydata()).any()
     assert np.isfinite(balance.get_ydata()).any()
@@ -51,7 +51,7 @@ def test_a_last_record_that_was_not_solved_is_left_out():
     ],
 )
 def test_figures(draw, tired):
-    figure = drawn(draw(tired))
+    figure = render(draw(tired))
     assert figure.get_suptitle().startswith("Twin discs")
     box = figure.get_tightbbox()
     width, height = figure.get_size_inches()
@@ -86,7 +86,7 @@ def test_the_map_shows_the_place_of_the_roll(tired):
     np.testing.assert_allclose(course.get_ydata(), tired["p_max"] / 300.0)
 
 
-def test_what_lacks_is_told():
+def test_what_lacks_is_reported():
     plain = ts.roll(ts.Scene.builtin("spheres").with_set(["grid.elements=[15, 15]"]))
     for draw in (plot.shakedown_map, plot.damage, plot.utilisation, plot.wear_against_fatigue):
         with pytest.raises((ValueError, LookupError), match="fatigue"):
@@ -124,7 +124,7 @@ def test_the_limit_is_marked_in_line_contacts():
     (top,) = ts.roll(limited)["utilisation"][:, 0]
     limited = limited.with_set([f"fatigue.limit={0.5 * top * ASKED['limit']:.6g}"])
     history = ts.roll(limited)
-    figure = drawn(plot.utilisation(history, "A"))
+    figure = render(plot.utilisation(history, "A"))
     axes, found = figure.axes[0], history.fatigue("A")
     (contour,) = [one for one in axes.collections if hasattr(one, "levels")]
     marked = np.unique(np.concatenate([path.vertices[:, 1] for path in contour.get_paths()]))

@@ -34,7 +34,7 @@ OF_A_HISTORY = (
 )
 
 
-def drawn(figure):
+def render(figure):
     """The figure, after it was drawn; warnings are errors in these tests."""
     assert isinstance(figure, Figure)
     figure.savefig(io.BytesIO(), dpi=40)
@@ -48,8 +48,8 @@ def labels(figure):
 
 @pytest.mark.parametrize("draw", OF_A_STATE)
 def test_figures_of_a_state(draw):
-    of_contact = drawn(draw(strips.contact()))
-    of_history = drawn(draw(strips.history(), 10))
+    of_contact = render(draw(strips.contact()))
+    of_history = render(draw(strips.history(), 10))
     assert labels(of_contact) == labels(of_history) >= {"$x/a_0$, leading edge right"}
     assert of_contact.get_suptitle().startswith("Strips\n")
     assert "; N\u00a0=\u00a010; " in of_history.get_suptitle()
@@ -58,12 +58,12 @@ def test_figures_of_a_state(draw):
 @pytest.mark.slow
 @pytest.mark.parametrize("draw", OF_A_HISTORY)
 def test_figures_of_a_history(draw):
-    drawn(draw(strips.history()))
+    render(draw(strips.history()))
 
 
 @pytest.mark.parametrize("draw", [plot.pressure, plot.stick_slip_map, plot.traction])
 def test_maps_are_true_to_scale(draw):
-    figure = drawn(draw(strips.contact()))
+    figure = render(draw(strips.contact()))
     box = figure.axes[0].get_window_extent()
     (left, right), (bottom, top) = figure.axes[0].get_xlim(), figure.axes[0].get_ylim()
     assert box.width / box.height == pytest.approx((right - left) / (top - bottom), rel=1e-6)
@@ -91,19 +91,19 @@ def test_maps_side_by_side_share_their_colours():
 
 
 def test_worn_bodies_part_by_what_was_worn_off_them():
-    axes = drawn(plot.worn_profiles(strips.history())).axes[0]
+    axes = render(plot.worn_profiles(strips.history())).axes[0]
     upper, lower = (line.get_ydata() for line in axes.lines[-2:])
     history = strips.history()
     worn = history["wear_profile_A"][-1] + history["wear_profile_B"][-1]
     np.testing.assert_allclose(upper - lower, 1e3 * (worn + history.y**2 / 100.0), rtol=1e-12)
 
 
-def test_a_measured_profile_is_drawn_on_its_body():
+def test_a_measured_profile_is_plotted_on_its_body():
     y = np.linspace(-3.0, 3.0, 61)
     gap = ts.Gap(x=[-9.0, 9.0], y=y, separation=[0.01 * y**2] * 2, body="B", positive="inward")
     given = {"gap": gap, "wear.revolutions": 1, "wear.save": [1], "grid.elements": [9, 15]}
     history = ts.roll(ts.Scene.builtin("twin-discs-isotropic").replace(**given))
-    axes = drawn(plot.worn_profiles(history)).axes[0]
+    axes = render(plot.worn_profiles(history)).axes[0]
     upper, lower = (line.get_ydata() for line in axes.lines[-2:])
     known = history["wear_profile_A"][-1] + history["wear_profile_B"][-1]
     radii = history.scene.body
@@ -122,7 +122,7 @@ def test_a_slender_contact_is_stretched_and_says_so():
     flank = {"body.A.radius_x": 9.0, "body.A.radius_y": 2500.0, "subsurface": None, "wear": None}
     given = {"grid": {"elements": [15, 31]}, "body.B.radius_y": np.inf}
     contact = ts.solve(ts.Scene.builtin("twin-discs-isotropic").replace(**flank, **given))
-    figure = drawn(plot.traction(contact))
+    figure = render(plot.traction(contact))
     axes = figure.axes[0]
     place = axes.get_position()
     width, height = figure.get_size_inches() * place.size
@@ -130,8 +130,8 @@ def test_a_slender_contact_is_stretched_and_says_so():
     assert height < 6.0
     assert all(np.count_nonzero(inside(axis)) >= 3 for axis in (axes.xaxis, axes.yaxis))
     assert "stretched" in figure.get_suptitle()
-    told = figure.get_suptitle().replace("\n", " ")
-    assert "leading edge" in told  # there is no room for it at the axis
+    reported = figure.get_suptitle().replace("\n", " ")
+    assert "leading edge" in reported  # there is no room for it at the axis
     contact = ts.solve(ts.Scene.builtin("spheres").replace(**{"grid.elements": (15, 15)}))
     assert "stretched" not in plot.traction(contact).get_suptitle()
 
@@ -142,7 +142,7 @@ def test_bodies_with_a_measured_ridge_touch_though_nothing_wears(tmp_path):
     gap = ts.Gap(x=[-9.0, 9.0], y=y, separation=[-1e-3 * np.exp(-(y**2))] * 2)
     given = {"gap": gap, "wear": None, "grid.elements": [9, 15], "subsurface": None}
     history = ts.roll(ts.Scene.builtin("twin-discs-isotropic").replace(**given))
-    axes = drawn(plot.worn_profiles(history)).axes[0]
+    axes = render(plot.worn_profiles(history)).axes[0]
     upper, lower = (line.get_ydata() for line in axes.lines)
     assert min(upper - lower) == 0.0
     assert axes.figure.legends == []  # there is one record only
@@ -167,7 +167,7 @@ def test_animation_of_what_does_not_move(tmp_path):
 @pytest.mark.slow
 def test_nothing_overlaps_the_edge_of_the_paper():
     for draw in OF_A_STATE:
-        figure = drawn(draw(strips.history(), 100))
+        figure = render(draw(strips.history(), 100))
         box = figure.get_tightbbox()
         width, height = figure.get_size_inches()
         assert box.x0 >= 0, draw
@@ -177,35 +177,35 @@ def test_nothing_overlaps_the_edge_of_the_paper():
 
 
 def test_sections_of_orthotropic_friction_show_both_bounds():
-    asked = strips.scene(mu=(0.4, 0.2))
+    requested = strips.scene(mu=(0.4, 0.2))
     lateral = strips.traction(0.2, direction=(0.6, 0.8))
-    figure = drawn(plot.traction_sections(strips.contact(asked, traction=lateral)))
+    figure = render(plot.traction_sections(strips.contact(requested, traction=lateral)))
     names = {text.get_text() for text in figure.legends[0].get_texts()}
     assert names == {"$p_x$", "$p_y$", "bound of $p_x$", "bound of $p_y$"}
 
 
-def test_component_that_is_not_there_is_not_drawn():
-    figure = drawn(plot.traction_sections(strips.contact()))
+def test_component_that_is_not_there_is_not_plotted():
+    figure = render(plot.traction_sections(strips.contact()))
     names = {text.get_text() for text in figure.legends[0].get_texts()}
     assert names == {"$p_x$", r"$\pm\mu\,p_n$"}
 
 
 def test_creep_force_curve():
     xi = np.linspace(0, 1.5, 4)
-    figure = drawn(plot.creep_force_curve({"here": (xi, xi)}, {"there": (xi, xi)}))
+    figure = render(plot.creep_force_curve({"here": (xi, xi)}, {"there": (xi, xi)}))
     names = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
     assert names[:2] == ["here", "there"]
     assert len(names) == 4
     assert len(plot.creep_force_curve({"here": (xi, xi)}, theory=False).axes[0].lines) == 1
 
 
-def test_without_contact_the_reason_is_told():
+def test_without_contact_the_reason_is_reported():
     with pytest.raises(ValueError, match="do not touch"):
         plot.pressure(strips.contact(pressure=np.zeros((31, 33))))
 
 
 def test_title_is_no_math():
-    drawn(plot.pressure(strips.contact(strips.scene(title="costs $5_{ or $6"))))
+    render(plot.pressure(strips.contact(strips.scene(title="costs $5_{ or $6"))))
 
 
 def test_settings_of_the_session_stay_as_they_are():
@@ -259,7 +259,7 @@ def test_a_line_contact_has_functions_of_x_and_no_other_contact_has():
 def test_units_are_millimetres_and_megapascals():
     state = plot.ContactView.from_source(strips.history(), 10)
     with plot.units("si-mm"):
-        figure = drawn(plot.pressure(strips.history(), 10))
+        figure = render(plot.pressure(strips.history(), 10))
     axes, bar = figure.axes
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("$x$ (mm), leading edge right", "$y$ (mm)")
     assert bar.get_ylabel() == "contact pressure $p_n$ (MPa)"
@@ -269,10 +269,10 @@ def test_units_are_millimetres_and_megapascals():
         pass
 
 
-def test_titles_tell_what_where_and_over_which_scale():
+def test_titles_report_what_where_and_over_which_scale():
     title = plot.pressure(strips.history(), 10).get_suptitle().replace("\u00a0", " ")
-    for told in ("Strips", "contact pressure", "N = 10", "µ = 0.3", "p₀ = 900 MPa"):
-        assert told in title
+    for reported in ("Strips", "contact pressure", "N = 10", "µ = 0.3", "p₀ = 900 MPa"):
+        assert reported in title
 
 
 @pytest.mark.slow

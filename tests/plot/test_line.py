@@ -3,7 +3,7 @@
 import pytest
 
 from tests.plot import strip_theory as strips
-from tests.plot.test_figures import drawn, labels
+from tests.plot.test_figures import labels, render
 from tractive_sam import plot
 from tractive_sam.run.pipeline import roll
 from tractive_sam.scene import Scene
@@ -26,23 +26,23 @@ def history():
 
 @pytest.mark.parametrize("draw", OF_A_STATE)
 def test_figures_of_a_state(draw, history):
-    figure = drawn(draw(history, 10))
+    figure = render(draw(history, 10))
     assert "$x/a_0$, leading edge right" in labels(figure)
     assert history.title in figure.get_suptitle()
 
 
-def test_slip_is_drawn_in_both_directions(history):
-    names = {text.get_text() for text in drawn(plot.line_slip(history)).legends[0].get_texts()}
+def test_slip_is_plotted_in_both_directions(history):
+    names = {text.get_text() for text in render(plot.line_slip(history)).legends[0].get_texts()}
     assert names == {"$s_x/V$", "$s_y/V$"}
 
 
 def test_pressures_of_the_stored_revolutions(history):
-    figure = drawn(plot.line_pressures(history))
+    figure = render(plot.line_pressures(history))
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["0", "10"]
 
 
 def test_numbers_are_labelled_per_length(history):
-    (axes,) = drawn(plot.compare({"one": history}, "Qx")).axes
+    (axes,) = render(plot.compare({"one": history}, "Qx")).axes
     assert axes.get_ylabel().endswith("per length (N/mm)")
     both = {"line": history, "other": strips.history()}
     assert plot.compare(both, "Qx_over_P").axes
@@ -54,8 +54,8 @@ def test_numbers_are_labelled_per_length(history):
 @pytest.mark.usefixtures("empty_pictures")
 def test_save_all_draws_no_maps(history, tmp_path):
     names = {path.stem for path in plot.save_all(history, tmp_path)}
-    drawn = ("pressure", "traction", "slip", "von-mises-y0")
-    of_states = {f"{name}-{N}" for name in drawn for N in (0, 10)}
+    render = ("pressure", "traction", "slip", "von-mises-y0")
+    of_states = {f"{name}-{N}" for name in render for N in (0, 10)}
     assert names == of_states | {
         "forces",
         "widths",

@@ -55,7 +55,7 @@ def test_columns_that_a_history_lacks_are_refused(names):
         measured.check(strips.history())
 
 
-def test_former_names_warn():
+def test_earlier_names_warn():
     with pytest.warns(DeprecationWarning, match="list_figures"):
         assert plot.figures_of is plot.list_figures
     view = plot.ContactView.from_source(strips.contact())

@@ -24,14 +24,14 @@ def turned():
     return steady("spheres-orthotropic", elements=31)
 
 
-def drawn(figure):
+def render(figure):
     """The figure, after it was drawn; warnings are errors in these tests."""
     assert isinstance(figure, Figure)
     figure.savefig(io.BytesIO(), dpi=40)
     return figure
 
 
-def told(figure):
+def reported(figure):
     """Lines of the legend."""
     return [text.get_text() for text in figure.legends[0].get_texts()]
 
@@ -42,7 +42,7 @@ def marked(axes):
 
 
 def test_both_maxima_are_marked_where_they_are(contact):
-    figure = drawn(plot.von_mises(contact))
+    figure = render(plot.von_mises(contact))
     axes, bar = figure.axes
     maximum, hertz = stress_maximum(contact, "A"), contact.scene.hertz
     interior, surface = marked(axes)
@@ -53,7 +53,7 @@ def test_both_maxima_are_marked_where_they_are(contact):
     at_surface = plane.von_mises[:, 0] / hertz.p0
     place = plane.axes["x"][at_surface.argmax()] / hertz.a
     assert surface == pytest.approx((place, 0.0))
-    first, second, note = told(figure)
+    first, second, note = reported(figure)
     # Beside the maximum by half an element at most, 0.04 a, over which it changes by 0.1 %.
     assert float(first.split("$")[1]) == pytest.approx(maximum.interior / hertz.p0, rel=2e-3)
     assert first.startswith("interior")
@@ -76,49 +76,49 @@ def test_marked_maxima_are_no_maxima_of_the_edges_of_elements():
 
 
 def test_bodies_share_a_scale_of_colours_above_and_below_the_interface(contact):
-    figure = drawn(plot.von_mises_sections(contact))
+    figure = render(plot.von_mises_sections(contact))
     axes, _ = figure.axes
     limits = {filled.get_clim() for filled in axes.collections if filled.filled}
     assert len(limits) == 1
     bottom, top = axes.get_ylim()
     assert -bottom == top == pytest.approx(1.5)
-    kinds = [line.split(":")[0] for line in told(figure)[:-1]]
+    kinds = [line.split(":")[0] for line in reported(figure)[:-1]]
     assert kinds == ["A, interior", "A, surface", "B, interior", "B, surface"]
     (_, a_inside), _, (_, b_inside), _ = marked(axes)
     assert a_inside > 0.0 > b_inside
 
 
 def test_planes_parallel_to_the_surface_show_the_contact(contact):
-    figure = drawn(plot.von_mises_sections(contact, "z=0.5a"))
+    figure = render(plot.von_mises_sections(contact, "z=0.5a"))
     left, right, _ = figure.axes
     assert [ax.get_title(loc="left") for ax in (left, right)] == [
         "body A, $z = 0.5\\,a_0$",
         "body B, $z = 0.5\\,a_0$",
     ]
     assert (left.get_xlabel(), left.get_ylabel()) == ("$x/a_0$", "$y/a_0$")
-    assert len(told(figure)) == 2  # nothing of the surface
+    assert len(reported(figure)) == 2  # nothing of the surface
 
 
 @pytest.mark.parametrize("quantity", ["max_shear", "xx", "xz"])
 def test_other_quantities(contact, quantity):
-    figure = drawn(plot.von_mises_sections(contact, quantity=quantity))
+    figure = render(plot.von_mises_sections(contact, quantity=quantity))
     low, high = figure.axes[0].collections[0].get_clim()
     assert low == (0.0 if quantity == "max_shear" else -high)
     # The shear traction is given; stresses along the surface depend on the mesh.
-    assert (plot.stress.SURFACE_NOTE in told(figure)) == (quantity != "xz")
+    assert (plot.stress.SURFACE_NOTE in reported(figure)) == (quantity != "xz")
 
 
-def test_stress_on_a_plane_is_drawn_as_it_is(contact):
+def test_stress_on_a_plane_is_plotted_as_it_is(contact):
     stress = stress_on_plane(contact, "x=0.5a", "B")
-    figure = drawn(plot.von_mises(stress))
+    figure = render(plot.von_mises(stress))
     assert figure.axes[0].get_xlabel() == "$y$ (mm)"
     assert figure.axes[1].get_ylabel() == r"$\sigma_\mathrm{vM}$ (MPa)"
-    scaled = drawn(plot.von_mises(stress, scale=plot.Scale.from_contact(contact)))
+    scaled = render(plot.von_mises(stress, scale=plot.Scale.from_contact(contact)))
     assert scaled.axes[0].get_title(loc="left") == "body B, $x = 0.5\\,a_0$"
-    drawn(plot.von_mises_sections(stress_on_planes(contact, ["y=0.3"], ["A", "B"])))
+    render(plot.von_mises_sections(stress_on_planes(contact, ["y=0.3"], ["A", "B"])))
 
 
-def test_contact_is_drawn_where_the_plane_crosses_it(contact):
+def test_contact_is_plotted_where_the_plane_crosses_it(contact):
     """Beside the contact, stress at the surface is of the size of rounding."""
 
     def thick(figure):
@@ -133,15 +133,15 @@ def test_contact_is_drawn_where_the_plane_crosses_it(contact):
 def test_depths_may_come_in_any_order(contact):
     downwards = stress_on_plane(contact, "y=0", depths=np.linspace(0.0, 4.0, 21))
     upwards = stress_on_plane(contact, "y=0", depths=np.linspace(4.0, 0.0, 21))
-    assert told(plot.von_mises(downwards)) == told(plot.von_mises(upwards))
+    assert reported(plot.von_mises(downwards)) == reported(plot.von_mises(upwards))
 
 
 @pytest.mark.slow
 def test_nothing_overlaps_the_edge_of_the_paper(turned):
     for plane in ("y=0", "x=0.75a", "z=0"):
         for figure in (
-            drawn(plot.von_mises(turned, "B", plane)),
-            drawn(plot.von_mises_sections(turned, plane, quantity="xy")),
+            render(plot.von_mises(turned, "B", plane)),
+            render(plot.von_mises_sections(turned, plane, quantity="xy")),
         ):
             box = figure.get_tightbbox()
             width, height = figure.get_size_inches()
@@ -152,13 +152,13 @@ def test_nothing_overlaps_the_edge_of_the_paper(turned):
 
 
 def test_sections_are_true_to_scale(turned):
-    axes = drawn(plot.von_mises(turned)).axes[0]
+    axes = render(plot.von_mises(turned)).axes[0]
     box = axes.get_window_extent()
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     assert box.width / box.height == pytest.approx((right - left) / (top - bottom), rel=1e-6)
 
 
-def test_what_cannot_be_drawn_is_told(contact):
+def test_what_cannot_be_plotted_is_reported(contact):
     with pytest.raises(ValueError, match=r"quantity.*von_mises"):
         plot.von_mises(contact, quantity="zy")
     with pytest.raises(ValueError, match='"A" or "B"'):
@@ -186,11 +186,11 @@ def history(contact):
     return History.of_records(records, contact.scene, contact.grid)
 
 
-def test_stored_stress_is_drawn_as_that_of_the_contact(contact, history):
+def test_stored_stress_is_plotted_as_that_of_the_contact(contact, history):
     stored = plot.von_mises_sections(history, "y=0", revolution=10)
-    assert told(stored) == told(plot.von_mises_sections(contact, "y=0"))
+    assert reported(stored) == reported(plot.von_mises_sections(contact, "y=0"))
     assert "N\u00a0=\u00a010" in stored.get_suptitle()
-    assert told(plot.von_mises(history, "A", "z=0.5a"))
+    assert reported(plot.von_mises(history, "A", "z=0.5a"))
 
 
 @pytest.mark.parametrize("quantity", ["von_mises", "xx"])
@@ -206,14 +206,14 @@ def test_ticks_are_limits_of_bands(contact, quantity):
 @pytest.mark.slow
 @pytest.mark.usefixtures("empty_pictures")
 def test_save_all_draws_each_plane_with_the_bodies_it_was_kept_for(history, tmp_path, monkeypatch):
-    drawn = []
+    render = []
     sections = stress.von_mises_sections
 
     def spied(history, plane, bodies, revolution):
-        drawn.append((plane, bodies, revolution))
+        render.append((plane, bodies, revolution))
         return sections(history, plane, bodies, revolution)
 
     monkeypatch.setattr(stress, "von_mises_sections", spied)
     names = {path.name for path in plot.save_all(history, tmp_path)}
     assert {"von-mises-y0-0.png", "von-mises-y0-10.png", "von-mises-z0.5a-10.png"} <= names
-    assert drawn[:2] == [("y=0", ("A", "B"), 0), ("z=0.5a", ("A",), 0)]
+    assert render[:2] == [("y=0", ("A", "B"), 0), ("z=0.5a", ("A",), 0)]

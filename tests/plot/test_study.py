@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.plot.test_figures import drawn
+from tests.plot.test_figures import render
 from tractive_sam import plot
 
 XI = np.array([-0.004, -0.003, -0.001])
@@ -12,7 +12,7 @@ FORCE = plot.Variable("Qx_over_P", np.array([0.3, 0.25, 0.1]), unit="1")
 
 @pytest.mark.parametrize("name", ["creepage.longitudinal", "duty[0].creepage.lateral"])
 def test_forces_rise_with_creepage_from_the_origin_to_the_right(name):
-    (axes,) = drawn(plot.study_curves(plot.Variable(name, XI), FORCE)).axes
+    (axes,) = render(plot.study_curves(plot.Variable(name, XI), FORCE)).axes
     (curve,) = axes.lines
     np.testing.assert_allclose(curve.get_xdata(), [0.1, 0.3, 0.4])  # per cent
     assert np.all(np.diff(curve.get_ydata()) > 0.0)
@@ -24,18 +24,18 @@ def test_forces_rise_with_creepage_from_the_origin_to_the_right(name):
 
 def test_pressure_over_creepage_does_not_shrink_to_a_line():
     pressure = plot.Variable("p_max", np.array([1000.0, 1001.0, 1002.0]), unit="MPa")
-    (axes,) = drawn(plot.study_curves(plot.Variable("creepage.longitudinal", XI), pressure)).axes
+    (axes,) = render(plot.study_curves(plot.Variable("creepage.longitudinal", XI), pressure)).axes
     assert axes.get_ylim()[0] > 999.0
 
 
-def test_other_creepages_are_told_alike():
+def test_other_creepages_are_reported_alike():
     load = plot.Variable("load.normal", np.array([100.0, 200.0]))
     xi = plot.Variable("creepage.longitudinal", XI)
     force = plot.Variable("Qx_over_P", np.tile(FORCE.values, (2, 1)))
-    curves = drawn(plot.study_curves(load, force, xi))
+    curves = render(plot.study_curves(load, force, xi))
     legend = curves.axes[0].get_legend()
     assert [one.get_text() for one in legend.get_texts()] == ["0.4", "0.3", "0.1"]
-    axes, _ = drawn(plot.study_map(load, xi, force)).axes
+    axes, _ = render(plot.study_map(load, xi, force)).axes
     assert [one.get_text() for one in axes.get_yticklabels()] == ["0.1", "0.3", "0.4"]
     assert legend.get_title().get_text() == axes.get_ylabel() == xi.label
 

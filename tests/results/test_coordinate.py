@@ -95,19 +95,19 @@ def test_a_written_history_is_rolled_on(path):
 
 
 def test_it_is_shown(path):
-    def told(*options):
+    def reported(*options):
         result = CliRunner().invoke(app, ["show", str(path), *options])
         assert result.exit_code == 0, result.output
         return result.stdout
 
-    assert json.loads(told("--json"))["distance"] == (STEP * np.arange(4)).tolist()
-    first = [line.split()[0] for line in told().splitlines() if line.strip()]
+    assert json.loads(reported("--json"))["distance"] == (STEP * np.arange(4)).tolist()
+    first = [line.split()[0] for line in reported().splitlines() if line.strip()]
     assert first[first.index("s") + 1] == "mm"
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("empty_pictures")
-def test_it_is_drawn(history, tmp_path):
+def test_it_is_plotted(history, tmp_path):
     (axes,) = plot.compare({"one": history}, "p_max").axes
     np.testing.assert_array_equal(axes.lines[0].get_xdata(), history["distance"])
     assert axes.get_xlabel() == "distance $s$ (mm)"
@@ -115,8 +115,8 @@ def test_it_is_drawn(history, tmp_path):
     assert plot.pressure(history, distance=0.3).axes
     (legend,) = plot.wear_profiles(history).legends
     assert [text.get_text() for text in legend.get_texts()] == ["0.1", "0.3"]
-    drawn = {path.name.removesuffix(".png") for path in plot.save_all(history, tmp_path)}
-    assert {"pressure-0.1", "pressure-0.3", "forces", "wear-depth", "wear-profiles"} <= drawn
+    figures = {path.name.removesuffix(".png") for path in plot.save_all(history, tmp_path)}
+    assert {"pressure-0.1", "pressure-0.3", "forces", "wear-depth", "wear-profiles"} <= figures
 
 
 def test_histories_along_several_coordinates_are_not_compared(history):

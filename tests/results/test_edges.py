@@ -40,7 +40,7 @@ def test_half_widths_and_area_are_of_second_order(radius_y):
 
 
 def test_a_line_contact_on_any_elements():
-    """The cubic that tells the place of an edge is one for all places."""
+    """The cubic that reports the place of an edge is one for all places."""
     line = BALL | {"radius_y": math.inf}
     scene = ts.Scene(body={"A": line, "B": PLATE}, load={"normal": 100.0})
     a = scene.hertz.a
@@ -87,7 +87,7 @@ def test_what_sticks_of_a_ball_that_is_shifted(n):
 
 
 def test_stick_is_counted_where_traction_falls_as_it_begins_to_slide():
-    """Then nothing tells where between two elements that is."""
+    """Then nothing reports where between two elements that is."""
     scene = ts.Scene.builtin("locomotive")
     half_length = (1.3 * scene.hertz.a, 1.3 * scene.hertz.b)
     found = ts.solve(scene.replace(grid={"half_length": half_length, "elements": (31, 31)}))

@@ -81,7 +81,7 @@ class TestHistory:
         np.testing.assert_allclose(history.energy_balance, 1.0, atol=1e-2)
         np.testing.assert_allclose(history.wear_balance[1:], 1.0, atol=1e-2)
 
-    def test_what_a_contact_has_is_told_where_it_is(self, history):
+    def test_what_a_contact_has_is_reported_where_it_is(self, history):
         with pytest.raises(AttributeError, match=r"history\.state\(n\)\.pressure"):
             _ = history.pressure
         with pytest.raises(AttributeError, match=r"history\['Qx'\]"):
@@ -109,7 +109,7 @@ class TestHistory:
             assert stress.von_mises.max() <= largest * 1.02
 
     @pytest.mark.parametrize(
-        ("ask", "told"),
+        ("ask", "reported"),
         [
             (lambda h: h["no_such"], "p_max"),  # what there is
             (lambda h: h["pressure"], "history.field"),  # the cure
@@ -118,8 +118,8 @@ class TestHistory:
             (lambda h: h.stress("A", "z=9"), "y=0 of A"),
         ],
     )
-    def test_what_is_not_there_is_told_with_what_is(self, history, ask, told):
-        with pytest.raises(LookupError, match=told):
+    def test_what_is_not_there_is_reported_with_what_is(self, history, ask, reported):
+        with pytest.raises(LookupError, match=reported):
             ask(history)
 
     def test_plain_numbers_are_json(self, history):
@@ -179,7 +179,7 @@ class TestState:
         for name in ("Qx", "Qy", "Mz", "approach", "xi_x", "message", "status", "work_supplied"):
             assert getattr(solved, name) == getattr(stored, name)
 
-    def test_it_goes_on_as_the_solved_one(self, discs, history):
+    def test_it_continues_as_the_solved_one(self, discs, history):
         again = ts.solve(discs, start=history.state(0))
         assert again.cost.applications < 0.5 * history["operator_applications"][0]
 
@@ -220,9 +220,9 @@ def test_dataframe_has_a_column_a_number(history):
 
 
 def test_error_bars_are_of_scenes_that_ask_for_them(discs):
-    asked = discs.replace(grid=None, accuracy={"tolerance": 1e-2})
+    requested = discs.replace(grid=None, accuracy={"tolerance": 1e-2})
     assert not [name for name in columns(discs) if name.endswith("_error")]
-    assert {"Qx_error", "von_mises_max_error", "relative_error"} <= columns(asked).keys()
+    assert {"Qx_error", "von_mises_max_error", "relative_error"} <= columns(requested).keys()
 
 
 def test_every_quantity_has_a_unit_and_a_name():
@@ -242,12 +242,12 @@ def test_quantities_can_be_sent_to_another_process(one):
     assert pickle.loads(pickle.dumps(one)) == one
 
 
-def test_a_stress_that_long_elements_miss_is_told():
+def test_a_stress_that_long_elements_miss_is_reported():
     """Less than two elements deep none is sought: there lies that of a slender contact."""
     flank = {"body.A.radius_x": 9.0, "body.A.radius_y": 2500.0, "body.B.radius_y": np.inf}
-    alone = dict.fromkeys(("wear", "friction", "creepage", "grid"))
+    single = dict.fromkeys(("wear", "friction", "creepage", "grid"))
     planes = {"planes": ["y=0"], "elements": 8}
-    scene = ts.Scene.builtin("twin-discs").replace(**flank, **alone, subsurface=planes)
+    scene = ts.Scene.builtin("twin-discs").replace(**flank, **single, subsurface=planes)
     # Nearly that of a line contact; on coarse elements along x to a per cent.
     largest = 0.55 * scene.hertz.p0
     for elements, missed in (((15, 401), False), ((15, 61), True)):
@@ -259,9 +259,9 @@ def test_a_stress_that_long_elements_miss_is_told():
 def test_a_utilisation_near_the_surface_is_noted_unless_it_has_an_error_bar():
     """Friction has the largest one at the surface; without it, it is half a semi-axis deep."""
     material = {"limit": 250.0, "sensitivity": 0.3, "elements": 8, "bodies": ["B"]}
-    alone = dict.fromkeys(("wear", "subsurface"))
+    single = dict.fromkeys(("wear", "subsurface"))
     grid = {"half_length": (0.32, 0.9), "elements": (25, 25)}
-    rough = ts.Scene.builtin("twin-discs").replace(**alone, grid=grid, fatigue=material)
+    rough = ts.Scene.builtin("twin-discs").replace(**single, grid=grid, fatigue=material)
     note = caveats(ts.roll(rough))["utilisation"]
     assert "B 0.0" in note
     assert "accuracy" in note
@@ -271,16 +271,16 @@ def test_a_utilisation_near_the_surface_is_noted_unless_it_has_an_error_bar():
     assert "utilisation" not in caveats(ts.roll(assured))
 
 
-def test_a_contact_that_grows_to_the_edges_of_a_disc_is_told():
+def test_a_contact_that_grows_to_the_edges_of_a_disc_is_reported():
     """A is wide enough for the worn contact, B for the unworn one, which has no note of its own."""
     scene = ts.Scene.builtin("twin-discs").replace(
         **{"wear.revolutions": 500, "wear.save": [0, 500], "subsurface": None}
     )
     new = 2.0 * scene.hertz.b
     scene = scene.replace(**{"body.A.width": 3.0 * new, "body.B.width": 1.3 * new})
-    told = caveats(ts.roll(scene))
-    assert "body B" in told["width"]
-    assert "body A" not in told["width"]
+    reported = caveats(ts.roll(scene))
+    assert "body B" in reported["width"]
+    assert "body A" not in reported["width"]
     assert caveats(ts.roll(scene.replace(wear=None))) == {}
     with pytest.warns(PlausibilityWarning, match="body B"):
         scene.replace(**{"body.B.width": 1.2 * new})

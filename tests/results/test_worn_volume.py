@@ -41,9 +41,9 @@ def test_mass_is_by_the_density_of_each_body():
     history = ts.roll(discs(30.0, "body.B.density=2700"))
     volume, mass = history["worn_volume"][-1], history["worn_mass"][-1]
     np.testing.assert_allclose(mass / volume, [7.85, 2.7], rtol=1e-12)  # mg/mm³; rounding
-    told = history.to_dict()
-    assert told["worn_mass"]["B"][-1] == mass[1]
-    assert told["worn_volume"].keys() == {"A", "B"}
+    reported = history.to_dict()
+    assert reported["worn_mass"]["B"][-1] == mass[1]
+    assert reported["worn_volume"].keys() == {"A", "B"}
 
 
 def test_a_flat_body_has_no_circumference():

@@ -109,7 +109,7 @@ def test_worn_volume_follows_the_energy_law():
     assert worn[-1] == pytest.approx(expected, rel=1e-3)
 
 
-def test_goes_on_from_any_passage():
+def test_continues_from_any_passage():
     adaptive = rolled(200, "wear.save=[0, 200]")
     model = Model(adaptive[0].contact.scene)
     middle = adaptive[len(adaptive) // 2]

@@ -51,7 +51,7 @@ def test_after_a_drop_of_the_scale_one_step_is_refused():
     assert refused == 1
 
 
-def test_what_a_stop_cuts_short_goes_on_as_wished():
+def test_what_a_stop_cuts_short_continues_as_wished():
     control = Stops(ErrorControl(3), (10, END))
     step = control.first(0, 400, 1)
     assert step.length == 10

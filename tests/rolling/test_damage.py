@@ -42,11 +42,11 @@ def rolled(one, jumps, life=LIFE):
 
 def test_without_wear_the_life_is_the_inverse_of_the_damage():
     one = material([0.0])
-    told = one.columns(LIFE)
+    reported = one.columns(LIFE)
     after = rolled(one, [1, 4, 95, 900])
-    assert after.now.damage_max[0] * told["fatigue_life"] == pytest.approx(1000.0, rel=1e-12)
+    assert after.now.damage_max[0] * reported["fatigue_life"] == pytest.approx(1000.0, rel=1e-12)
     peak = LIFE.damage(np.array([1.2]))[0]
-    assert 1.0 / told["fatigue_life"] == pytest.approx(peak, rel=1e-3)  # a parabola
+    assert 1.0 / reported["fatigue_life"] == pytest.approx(peak, rel=1e-3)  # a parabola
     assert after.error.max() < 1e-12 * after.now.damage_max[0]
     assert math.isnan(after.initiation)
 
@@ -131,10 +131,10 @@ def test_a_flat_body_comes_but_once():
     assert math.isnan(after.columns(LIFE)["wear_margin"])
 
 
-def discs(*settings, **asked):
+def discs(*settings, **requested):
     scene = ts.Scene.builtin("twin-discs").with_set(["grid.elements=[15, 31]", *settings])
-    asked = {name: value for name, value in (ASKED | asked).items() if value is not None}
-    return scene.replace(subsurface=None, fatigue=asked)
+    requested = {name: value for name, value in (ASKED | requested).items() if value is not None}
+    return scene.replace(subsurface=None, fatigue=requested)
 
 
 @pytest.mark.slow
@@ -152,15 +152,15 @@ def test_adaptive_jumps_do_the_damage_of_every_revolution():
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4])
-def test_jumps_are_short_where_the_damage_asks_for_it(each_of_sixty, tolerance):
+def test_jumps_are_short_where_the_damage_requires_it(each_of_sixty, tolerance):
     """At revolution 52 an element leaves the contact, and with it a third of the damage."""
     jumps = ts.roll(discs(*SIXTY, tolerance=tolerance))
     exact = each_of_sixty["damage"][-1]
     np.testing.assert_allclose(jumps["damage"][-1], exact, rtol=tolerance)
     assert len(jumps) < 35
     # Without the error by the points of stress paths, the only one of every revolution.
-    told = (jumps["damage_error"][-1] - each_of_sixty["damage_error"][-1]) / exact
-    assert (told < 10.0 * tolerance).all()  # of some ten jumps that count
+    reported = (jumps["damage_error"][-1] - each_of_sixty["damage_error"][-1]) / exact
+    assert (reported < 10.0 * tolerance).all()  # of some ten jumps that count
 
 
 SIXTY = "wear.revolutions=60", "wear.save=[0, 60]"
@@ -193,7 +193,7 @@ def test_file_and_memory_hold_the_same(whole):
         whole.fatigue("C")
 
 
-def test_it_goes_on_with_the_same_damage(whole, tmp_path):
+def test_it_continues_with_the_same_damage(whole, tmp_path):
     path = tmp_path / "a.h5"
     ts.roll(discs("wear.revolutions=15", "wear.save=[0, 15]"), path)
     on = ts.roll(whole.scene, path, resume=True)
@@ -228,7 +228,7 @@ def test_a_mesh_that_grows_keeps_the_damage(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_mesh_that_grows_on_the_way_changes_nothing():
+def test_a_mesh_that_grows_during_the_run_changes_nothing():
     settings = ["wear.intensity=2e-5", "wear.revolutions=200", "wear.save=[200]"]
     scene = discs(*settings).replace(grid=None)
     narrow = Grid((0.35, 0.54), (15, 15))
@@ -270,7 +270,7 @@ def test_without_wear_there_is_a_life_and_no_damage():
     assert np.isnan(history["wear_margin"]).all()  # there is none
 
 
-def test_stress_above_the_shakedown_limit_is_told(whole):
+def test_stress_above_the_shakedown_limit_is_reported(whole):
     assert whole["shakedown_lower"][-1].min() < 1.0
     assert "shakedown" in whole.message
     bears = ts.roll(discs(shear_yield=3000.0, limit=None).replace(wear=None))
@@ -278,7 +278,7 @@ def test_stress_above_the_shakedown_limit_is_told(whole):
     assert "shakedown" not in bears.message
 
 
-def test_what_is_not_asked_is_not_there():
+def test_what_is_not_requested_is_not_there():
     history = ts.roll(discs("wear.revolutions=1", "wear.save=[0, 1]", limit=None))
     assert "damage" not in history.columns
     assert "shakedown_lower" in history.columns
@@ -312,8 +312,8 @@ def test_blocks_add_up_by_miner(tmp_path):
     assert (jumps["fatigue_life"][0] < 4.0 * life[0] * (1.0 + 1e-9)).all()
     assert (jumps["utilisation"][0] == jumps["block_utilisation"][0].max(axis=0)).all()
     # No block shakes down at more than all of them, with one residual stress.
-    alone = [ts.roll(one.replace(wear=None))["shakedown_lower"][0] for one in spectrum.blocks]
-    assert (jumps["shakedown_lower"][0] <= np.min(alone, axis=0) * (1.0 + 1e-9)).all()
+    single = [ts.roll(one.replace(wear=None))["shakedown_lower"][0] for one in spectrum.blocks]
+    assert (jumps["shakedown_lower"][0] <= np.min(single, axis=0) * (1.0 + 1e-9)).all()
     each = ts.roll(spectrum.with_set(["wear.stepping=every-revolution"]))
     # A cycle wears as its mean does, to what a cycle wears; surfaces are damaged in order.
     np.testing.assert_allclose(jumps["damage"][-1], each["damage"][-1], rtol=0.05)
@@ -335,16 +335,16 @@ def test_a_block_aside_damages_its_own_place():
     both = history.fatigue("A", revolution=0)
     assert both.utilisation.max() == pytest.approx(one.max(), rel=0.05)  # of the elements it is on
     damaged = both.y[both.utilisation[:, 1] > 0.5 * both.utilisation[:, 1].max()]
-    alone = both.y[one[:, 1] > 0.5 * one[:, 1].max()]
-    assert damaged.min() == pytest.approx(alone.min(), abs=0.05)
-    assert damaged.max() == pytest.approx(alone.max() + 0.4, abs=0.1)  # an element
+    single = both.y[one[:, 1] > 0.5 * one[:, 1].max()]
+    assert damaged.min() == pytest.approx(single.min(), abs=0.05)
+    assert damaged.max() == pytest.approx(single.max() + 0.4, abs=0.1)  # an element
 
 
 @pytest.mark.slow
 def test_the_life_of_a_volume():
-    asked = {"criterion": "orthogonal-shear", "sensitivity": None, "limit": 1.0}
+    requested = {"criterion": "orthogonal-shear", "sensitivity": None, "limit": 1.0}
     volume = {"constant": 1e-34}
-    smooth = discs(**asked, volume=volume).replace(wear=None, friction=None, creepage=None)
+    smooth = discs(**requested, volume=volume).replace(wear=None, friction=None, creepage=None)
     smooth = smooth.replace(grid=None)
     loads = (200.0, 250.0)
     lives = [ts.roll(smooth.with_set([f"load.normal={p}"]))["volume_life"][0, 0] for p in loads]
@@ -355,11 +355,11 @@ def test_the_life_of_a_volume():
     ratio = (math.log(0.5) / math.log(0.9)) ** 0.9
     np.testing.assert_allclose(likely / rarely, ratio, rtol=1e-9)
     assert (ts.roll(smooth)["volume_at_top"] < 0.5).all()
-    rough = discs(**asked, volume={}).replace(wear=None)
+    rough = discs(**requested, volume={}).replace(wear=None)
     history = ts.roll(rough)
     assert "volume_life" not in history.columns  # without a constant
     assert (history["volume_at_top"] == 1.0).any()  # friction: the surface counts most
     assert "one element deep" in history.message
     assert "one element deep" not in ts.roll(smooth).message
     with pytest.raises(ts.SceneError, match="limit"):
-        discs(**asked | {"limit": None}, volume=volume)
+        discs(**requested | {"limit": None}, volume=volume)

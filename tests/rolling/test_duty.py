@@ -37,8 +37,8 @@ def assert_same(one, other, *names):
 
 
 def test_alike_blocks_are_one_bit_for_bit():
-    alone = ts.roll(DISCS)
-    assert_same(rolled({"revolutions": 1}, {"revolutions": 2}, {"revolutions": 7}), alone)
+    single = ts.roll(DISCS)
+    assert_same(rolled({"revolutions": 1}, {"revolutions": 2}, {"revolutions": 7}), single)
     letter = ts.roll(DISCS.replace(**LETTER, **{"wear.revolutions": 6}))
     blocks = ({"revolutions": 1}, {"revolutions": 2})
     assert_same(rolled(*blocks, **LETTER, **{"wear.revolutions": 6}), letter)
@@ -46,23 +46,23 @@ def test_alike_blocks_are_one_bit_for_bit():
 
 def test_blocks_that_differ_by_nothing_are_one():
     """Their contacts are solved each on its own."""
-    alone = ts.roll(DISCS)
+    single = ts.roll(DISCS)
     near = rolled({"revolutions": 1}, {"revolutions": 2, "load": {"normal": 300.0 * (1 + 1e-14)}})
-    assert near["solves"][-1] == 2 * alone["solves"][-1]
-    last = alone["wear_profile"][-1]
+    assert near["solves"][-1] == 2 * single["solves"][-1]
+    last = single["wear_profile"][-1]
     # To the residual of the contacts.
     np.testing.assert_allclose(near["wear_profile"][-1], last, atol=1e-6 * last.max())
 
 
 def test_a_block_of_free_rolling_changes_only_the_count():
     """Discs of equal material: it does not wear."""
-    alone = rolled(HEAVY, **LETTER, **{"wear.revolutions": 10})
+    single = rolled(HEAVY, **LETTER, **{"wear.revolutions": 10})
     block = {"revolutions": 4} | {k: v for k, v in FREE.items() if k != "revolutions"}
     mixed = rolled(HEAVY, block, **LETTER, **{"wear.revolutions": 50})
     # After the revolution that wears: the other four leave the profile as it is.
     np.testing.assert_allclose(
         mixed["wear_profile"][[5 * k + 1 for k in range(10)]],
-        alone["wear_profile"][1:],
+        single["wear_profile"][1:],
         rtol=1e-9,
         atol=1e-15,
     )
@@ -124,7 +124,7 @@ def test_jumps_meet_what_is_rolled_block_by_block(blocks):
     assert jumps["solves"].sum() <= 1.2 * len(blocks) * len(jumps)
     for name in ("wear_profile", "wear_profile_A"):
         last = letter[name][-1]
-        # Three times the tolerance, as of a single load, and the wear of half a cycle.
+        # Three times the tolerance, as for a single load, and the wear of half a cycle.
         lag = 0.5 * 3 * letter["wear_per_revolution"][-5:].max()
         np.testing.assert_allclose(jumps[name][-1], last, atol=3e-3 * last.max() + lag, rtol=0.0)
 
@@ -171,7 +171,7 @@ def test_a_block_is_a_history():
         assert block.scene.load.normal == (450.0 if k == 0 else 300.0)
     aside = history.block(2)
     assert "aside" in aside.scene.title
-    # Contact and forces are told from where the band is.
+    # Contact and forces are reported from where the band is.
     assert abs(aside["p_max_at"][-1, 1]) < 0.1
     assert aside.grid.shift == 0.1
     for place in ("1", np.int64(1)):
@@ -231,15 +231,15 @@ def test_it_resumes_as_if_nothing_had_happened(tmp_path, stepping):
     assert_same(history, whole, *names)
     np.testing.assert_array_equal(history.field("pressure"), whole.field("pressure"))
     other = scene.replace(duty=(SLOW, HEAVY, ASIDE))
-    told = r"duty\[0\]\.revolutions.*1.*2"
-    with pytest.raises(ts.ResultsError, match=told):
+    reported = r"duty\[0\]\.revolutions.*1.*2"
+    with pytest.raises(ts.ResultsError, match=reported):
         ts.roll(other, path, resume=True)
     with pytest.raises(ts.ResultsError, match=r"duty.*3.*2"):
         ts.roll(scene.replace(duty=(HEAVY, SLOW)), path, resume=True)
 
 
 @pytest.mark.slow
-def test_killed_spectra_go_on(tmp_path):
+def test_killed_spectra_continue(tmp_path):
     """More kills: benchmarks/duty.py."""
     scene = DISCS.replace(duty=(HEAVY, SLOW), **{"wear.save": (0, 5, 60)})
     (tmp_path / "scene.toml").write_text(scene.to_toml())
@@ -299,7 +299,7 @@ def test_faults_name_the_block(blocks, changes, key):
     assert key in [fault.key for fault in caught.value.faults]
 
 
-def test_a_law_without_hardness_is_told():
+def test_a_law_without_hardness_is_reported():
     with pytest.raises(ts.SceneError) as caught:
         DISCS.with_set(["wear.law=jendel"]).replace(duty=(HEAVY,))
     assert "body.A.hardness" in [fault.key for fault in caught.value.faults]
@@ -319,7 +319,7 @@ def test_a_scene_with_blocks_is_its_text():
     assert pytest.approx(300.0) == contact.P
 
 
-def test_it_is_told_on_the_command_line(tmp_path, monkeypatch):
+def test_it_is_reported_on_the_command_line(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "scene.toml").write_text(DISCS.replace(duty=(HEAVY, SLOW)).to_toml())
     for command in (["explain", "scene.toml"], ["run", "scene.toml"], ["show", "scene.h5"]):

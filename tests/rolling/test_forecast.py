@@ -55,7 +55,7 @@ def test_within_a_factor_of_two_from_a_tenth_on(name, settings):
     scene = ts.Scene.builtin(name).replace(subsurface=None).with_set(settings)
     course = [one for one in foreseen(ts.roll(scene)) if one[0] >= 0.1 and one[2] > 0]
     ratios = [left / truly for _, left, truly in course]
-    assert len(ratios) > 4  # or little is told
+    assert len(ratios) > 4  # or little is reported
     assert min(ratios) >= 0.5
     assert max(ratios) <= 2.0
 

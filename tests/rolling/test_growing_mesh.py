@@ -77,7 +77,7 @@ def test_hot_discs_grow_too():
 
 
 @pytest.mark.slow
-def test_elements_alone_are_laid_over_the_domain_that_is_chosen(tmp_path):
+def test_elements_only_are_laid_over_the_domain_that_is_chosen(tmp_path):
     scene = without_grid(WEARING)
     worn = {"wear.revolutions": 6000, "wear.save": (6000,)}
     given = scene.replace(**{"grid.elements": (15, 23)}, **worn)
@@ -94,7 +94,7 @@ def test_elements_alone_are_laid_over_the_domain_that_is_chosen(tmp_path):
         roll(other, tmp_path / "a.h5", resume=True)
 
 
-def test_a_domain_alone_has_elements_as_a_scene_without_grid():
+def test_a_domain_only_has_elements_as_a_scene_without_grid():
     scene = without_grid(WEARING)
     chosen = mesh.choose_grid(scene)
     given = scene.replace(**{"grid.half_length": [2.0 * one for one in chosen.half_length]})
@@ -111,7 +111,7 @@ def test_a_domain_alone_has_elements_as_a_scene_without_grid():
 
 
 @pytest.mark.slow
-def test_a_domain_alone_goes_on(tmp_path):
+def test_a_domain_only_continues(tmp_path):
     short = {"wear.revolutions": 2, "wear.save": (2,), "grid.half_length": (0.35, 1.4)}
     scene = without_grid(WEARING).replace(**short, **{"solver.tolerance": 1e-6})
     before = roll(scene, tmp_path / "a.h5")

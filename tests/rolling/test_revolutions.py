@@ -85,7 +85,7 @@ def test_the_paper_scheme_agrees_with_the_corrected_one(slip):
         np.testing.assert_allclose(b.contact.pressure, a.contact.pressure, atol=1e-3)
 
 
-def test_goes_on_from_any_passage(roll):
+def test_continues_from_any_passage(roll):
     model = Model(roll[0].contact.scene)
     again = list(steps(model, roll[2]))
     assert [p.revolution for p in again] == [3, 4]

@@ -73,7 +73,7 @@ def test_from_a_state_and_onto_another_mesh():
 
 
 @pytest.mark.slow
-def test_a_mesh_that_grows_knows_what_was_worn_beside_it():
+def test_a_mesh_that_grows_knows_what_was_worn_next_to_it():
     first = ts.roll(DISCS)
     free = DISCS.replace(grid=None).with_set(["wear.stepping=adaptive", "wear.revolutions=400"])
     history = ts.roll(free, start=first)
@@ -129,7 +129,7 @@ def test_from_the_command_line(tmp_path, monkeypatch):
     assert result.exit_code == 0, result.output
     assert ts.open_history("b.h5")["wear_max"][0] > 0.0
     for other, key in (("none.h5", "none.h5"), ("a.h5", "radius_x")):
-        asked = [*run, other, "--set", "body.A.radius_x=32", "-o", "c.h5"]
-        result = CliRunner().invoke(app, asked)
+        requested = [*run, other, "--set", "body.A.radius_x=32", "-o", "c.h5"]
+        result = CliRunner().invoke(app, requested)
         assert result.exit_code == 2
         assert key in result.output

@@ -187,10 +187,10 @@ def test_what_it_cannot_take_names_the_key(changes, key):
     assert key in {fault.key for fault in caught.value.faults}
 
 
-def test_it_is_explained_and_drawn():
+def test_it_is_explained_and_plotted():
     scene = fretting(CROSSLAND | SHORT, cycle_start=1.0)
     text = repr(ts.explain(scene))
     assert "stress history" in text
     assert "memory of the history" in text
-    drawn = {one.name for one in ts.plot.list_figures(ts.roll(scene))}
-    assert drawn >= {"utilisation-A", "damage-A", "fatigue-course"}
+    figures = {one.name for one in ts.plot.list_figures(ts.roll(scene))}
+    assert figures >= {"utilisation-A", "damage-A", "fatigue-course"}

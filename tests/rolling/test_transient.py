@@ -1,4 +1,4 @@
-"""Courses over the distance rolled: what is stepped through, recorded, and gone on from."""
+"""Courses over the distance rolled: what is stepped through, recorded, and continued from."""
 
 import math
 import sys
@@ -28,7 +28,7 @@ def scene(transient, n=N, slip="auto", **changes):
 
 
 @pytest.mark.slow
-def test_a_force_held_after_a_shift_takes_the_creepage_of_an_independent_program():
+def test_a_constant_force_after_a_shift_takes_the_creepage_of_an_independent_program():
     # Printed by CONTACT; 33 elements of 0.25 mm, first-order slip.
     held = {"distance": [0, 14], "load.force_x": [0.657 * MU * P] * 2}
     grid = {"half_length": (4.125, 4.125), "elements": (33, 33)}
@@ -123,7 +123,7 @@ def test_a_bump_travels_through_the_contact():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("stepping", ["even", "adaptive"])
-def test_it_goes_on_where_it_was_stopped(tmp_path, stepping):
+def test_it_continues_where_it_was_stopped(tmp_path, stepping):
     transient = {
         "distance": [0, 2, 2, 5],
         "creepage.longitudinal": [0, -2e-3, -1e-3, -1e-3],
@@ -144,7 +144,7 @@ def test_it_goes_on_where_it_was_stopped(tmp_path, stepping):
             np.testing.assert_allclose(history[name], whole[name], atol=1e-6 * size)
 
 
-def test_it_goes_on_from_the_two_contacts_that_it_had(tmp_path):
+def test_it_continues_from_the_two_contacts_that_it_had(tmp_path):
     transient = {
         "distance": [0, 2],
         "creepage.longitudinal": [0, -2e-3],
@@ -265,7 +265,7 @@ def test_random_courses_converge():
         assert ts.roll(random_scene(seed, 13)).status == "done"
 
 
-def test_friction_may_change_on_the_way():
+def test_friction_may_change_during_the_run():
     transient = {
         "distance": [0, 8, 8, 10],
         "creepage.longitudinal": [-0.02] * 4,
@@ -274,11 +274,11 @@ def test_friction_may_change_on_the_way():
     history = ts.roll(scene(transient, 15))
     before, after = (np.flatnonzero(history["distance"] == 8.0)[k] for k in (0, 1))
     np.testing.assert_allclose(history["Qx_over_P"][before], 0.4, rtol=1e-3)  # slides throughout
-    np.testing.assert_allclose(history["Qx_over_P"][after:], 0.2, rtol=1e-3)  # likewise: 2e-4
+    np.testing.assert_allclose(history["Qx_over_P"][after:], 0.2, rtol=1e-3)  # also: 2e-4
 
 
 def test_what_friction_cannot_carry_ends_with_a_message():
-    # Under an approach only the solution tells the load.
+    # Under an approach only the solution reports the load.
     pressed = scene(None, 15, load={"approach": SPHERES.hertz.approach})
     courses = {"distance": [0, 2], "load.force_x": [0, 1.5 * MU * P]}
     history = ts.roll(pressed.replace(transient=courses))
@@ -291,9 +291,9 @@ def test_what_friction_cannot_carry_ends_with_a_message():
 def test_figures_of_a_transient(tmp_path):
     transient = {"distance": [0, 1, 2], "load.force_x": [0, 0.05, -0.05], "start": "shift"}
     history = ts.roll(scene(transient, 15))
-    drawn = {path.stem for path in ts.plot.save_all(history, tmp_path)}
-    assert {"hysteresis", "energies", "stick", "pressure-over-distance", "forces"} <= drawn
-    assert not any("wear" in name for name in drawn)
+    figures = {path.stem for path in ts.plot.save_all(history, tmp_path)}
+    assert {"hysteresis", "energies", "stick", "pressure-over-distance", "forces"} <= figures
+    assert not any("wear" in name for name in figures)
     assert ts.plot.animate(history, tmp_path / "moving.gif").stat().st_size > 0
     for draw in (ts.plot.hysteresis, ts.plot.energies, ts.plot.stick_course):
         with pytest.raises(ValueError, match="transient"):
@@ -344,7 +344,7 @@ def test_shifts_go_along_a_parameter_and_not_over_millimetres():
 
 
 @pytest.mark.parametrize("length", [2.2, 3.4])
-def test_sliding_that_turns_round_is_followed_in_steps_of_some_elements(length):
+def test_sliding_that_turns_round_is_tracked_in_steps_of_some_elements(length):
     """Friction that looks for its slip from farther than half an element has no solution there."""
     n = 31
     a, dx = SPHERES.hertz.a, 2.0 * SPHERES.grid.half_length[0] / n

@@ -163,9 +163,9 @@ def test_a_step_is_that_of_dense_matrices():
     grid = {"half_length": 4.65, "elements": 31}
     here = cylinder().replace(friction=law, grid=grid, **{DRIVE: -2e-3})
     model = Model(here)
-    stepper, asked = Stepper(model), Asked(model.grid.dx, (-3e-3, 0.0, 0.0), 3111.08)
+    stepper, requested = Stepper(model), Asked(model.grid.dx, (-3e-3, 0.0, 0.0), 3111.08)
     before = stepper.at_rest(ts.solve(here))
-    now = stepper.step(before, asked)
+    now = stepper.step(before, requested)
     matrix = stepper.operators.part((32, 1)).tangential.as_matrix()[:32, :32]
     scale = model.units.pressure * model.frame.mu[0]
     past = np.pad(before.contact.traction[0, :, 0] / scale, (0, 1))
@@ -270,7 +270,7 @@ def test_work_balances_and_wears(step, friction):
 
 
 @pytest.mark.parametrize("friction", [FALLS, REMEMBERS])
-def test_wears_by_the_way_slid_however_little_friction_is_left(friction):
+def test_wears_by_the_sliding_distance_however_little_friction_is_left(friction):
     n, wear = 15, {"coefficient": 1e-7}
     transient = {"distance": [0, 4 * dx(n)], DRIVE: [-0.3] * 2, "start": "steady"}
     volumes = [

@@ -1,4 +1,4 @@
-"""The mesh of a transient becomes wider, and the way goes on as if it had always been so wide."""
+"""The mesh of a transient becomes wider, and the way continues as if it had always been so wide."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ N = 15
 
 def rising(scene, **changes):
     """A load that takes the contact beyond a mesh that is wide enough at first."""
-    # In whole elements: what leaves the mesh in parts of one is not told as exactly at its end.
+    # In whole elements: what leaves the mesh in parts of one is not reported as exactly at its end.
     load, length = scene.normal_load, 9 * narrow(scene).dx
     course = {
         "distance": [0.0, length, 2.0 * length],
@@ -69,7 +69,7 @@ def test_it_is_as_on_the_wide_mesh_from_the_beginning(scene):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["alike", "worn"])
-def test_a_file_becomes_wider_and_is_gone_on_from(tmp_path, monkeypatch, name):
+def test_a_file_becomes_wider_and_is_continued(tmp_path, monkeypatch, name):
     scene = COURSES[name]
     monkeypatch.setattr("tractive_sam.contact.model.choose_grid", lambda *_: narrow(scene))
     whole = ts.roll(scene)
@@ -83,7 +83,7 @@ def test_a_file_becomes_wider_and_is_gone_on_from(tmp_path, monkeypatch, name):
         np.testing.assert_allclose(history[column], whole[column], atol=1e-6 * size)  # as above
 
 
-def test_off_its_grid_it_goes_on_upon_a_wider_one(tmp_path):
+def test_off_its_grid_it_continues_upon_a_wider_one(tmp_path):
     path, scene = tmp_path / "a.h5", COURSES["worn"]
     half = (1.01 * scene.hertz.a,) * 2
     given = scene.replace(grid={"half_length": half, "elements": (N, N)})

@@ -79,7 +79,7 @@ def test_worn_bodies_feed_back_as_in_a_revolution():
 
 
 @pytest.mark.slow
-def test_a_ball_that_slides_to_and_fro_wears_by_pressure_and_way():
+def test_a_ball_that_slides_to_and_fro_wears_by_pressure_and_sliding_distance():
     # Johnson 1985, eq. 3.91: of full traction mu p in x both bodies are displaced by
     # u = pi mu p0 (4 (2 - nu) a^2 - (4 - 3 nu) x^2 - (4 - nu) y^2)/(16 G a). Once all slides, a
     # stroke of 2 D slips 2 (D - u), the first one half as far; the wear is i p times that.
@@ -136,7 +136,7 @@ def test_it_wears_by_the_work_of_friction(step):
 
 
 def test_shifts_wear_by_the_work_of_friction_as_their_steps_become_small():
-    """The work of a step goes by the mean of its tractions: of second order."""
+    """The work of a step follows the mean of its tractions: of second order."""
     apart = []
     for step in (0.2, 0.1):
         table = {"distance": [0, 1, 2], "load.force_x": [0, 0.1, -0.1], "start": "shift"}
@@ -168,7 +168,7 @@ def test_each_body_has_its_share():
     np.testing.assert_allclose(ratio, [1.0, 3.0], rtol=1e-5)  # tractions slip as solved: 9e-7
 
 
-def test_archards_law_counts_the_way_whatever_the_friction():
+def test_archards_law_counts_the_sliding_distance_whatever_the_friction():
     table = {"distance": [0, 30 * DX], "creepage.longitudinal": [-0.1] * 2}
     both = [ts.roll(scene(table | changes)) for changes in ({}, {"friction.mu": [MU, MU / 2]})]
     # Full slip by the creepage: elastic slip is another one, of a tenth; 1.2 % measured.
@@ -180,7 +180,7 @@ def test_archards_law_counts_the_way_whatever_the_friction():
 @pytest.mark.slow
 @pytest.mark.parametrize("start", ["rest", "shift"])
 @pytest.mark.parametrize("stepping", ["even", "adaptive"])
-def test_it_goes_on_where_it_was_stopped(tmp_path, start, stepping):
+def test_it_continues_where_it_was_stopped(tmp_path, start, stepping):
     courses = {"distance": [0, 2, 3], "load.force_x": [0, 0.1, -0.05]}
     how = {"start": start, "stepping": stepping, "tolerance": 1e-2}
     wears = scene(courses | how, 15, wear=10 * LITTLE)
@@ -299,9 +299,15 @@ def test_scenes_without_wear_have_nothing_of_it():
 @pytest.mark.usefixtures("empty_pictures")
 def test_its_figures(tmp_path):
     rolled = ts.roll(scene(rolling(20)))
-    drawn = {path.stem for path in ts.plot.save_all(rolled, tmp_path)}
-    assert {"worn-track", "wear-depth", "wear-profiles", "wear-over-distance", "worn-mass"} <= drawn
+    figures = {path.stem for path in ts.plot.save_all(rolled, tmp_path)}
+    assert {
+        "worn-track",
+        "wear-depth",
+        "wear-profiles",
+        "wear-over-distance",
+        "worn-mass",
+    } <= figures
     shifts = {"distance": [0, 1], "creepage.longitudinal": [0, 0.1], "start": "shift"}
-    drawn = {path.stem for path in ts.plot.save_all(ts.roll(scene(shifts)), tmp_path / "shift")}
-    assert "wear-depth" in drawn
-    assert "worn-track" not in drawn
+    figures = {path.stem for path in ts.plot.save_all(ts.roll(scene(shifts)), tmp_path / "shift")}
+    assert "wear-depth" in figures
+    assert "worn-track" not in figures

@@ -1,4 +1,4 @@
-"""Bodies that come round unequally often."""
+"""Bodies that return unequally often."""
 
 import math
 
@@ -104,7 +104,7 @@ def test_swapped_bodies_come_to_the_same_state():
 
 
 def test_resumed(tmp_path):
-    """A roll that goes on from the file of a shorter one is the same."""
+    """A roll that continues from the file of a shorter one is the same."""
     whole = discs(30.0, 12.0, 40, save=[0, 15, 40])
     roll = ts.roll(whole)
     path = tmp_path / "part.h5"
@@ -114,10 +114,10 @@ def test_resumed(tmp_path):
         np.testing.assert_array_equal(resumed[name], roll[name])
 
 
-def test_explain_tells_whose_revolutions_are_counted():
+def test_explain_reports_whose_revolutions_are_counted():
     """And how often the other body turns."""
     for radii, known in (((30.0, 12.0), ("A", "2.5")), ((math.inf, 40.0), ("B", "only once"))):
         scene = discs(*radii, 3).replace(grid=None)
         (wear,) = (section for section in explain(scene) if section.title == "Wear")
-        told = dict(wear.rows)["turns"]
-        assert all(word in told for word in known)
+        reported = dict(wear.rows)["turns"]
+        assert all(word in reported for word in known)

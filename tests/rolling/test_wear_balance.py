@@ -1,4 +1,4 @@
-"""The balance of wear with the work of friction, as a history tells it."""
+"""The balance of wear with the work of friction, as a history reports it."""
 
 from dataclasses import replace
 
@@ -20,7 +20,7 @@ def rolled(*settings):
     return ts.roll(scene.with_set([*DISCS, *settings]))
 
 
-def told(history):
+def reported(history):
     return balances(history, only_if_open=True)
 
 
@@ -43,25 +43,25 @@ def test_wear_and_work_are_balanced(settings):
     # Elements with negative work, which do not wear: none or few.
     np.testing.assert_allclose(history.wear_balance[1:], 1.0, rtol=1e-4)
     np.testing.assert_allclose(history.energy_balance, 1.0, rtol=1e-9)
-    assert not told(history)
+    assert not reported(history)
     assert history.to_dict()["wear_balance"][0] is None
 
 
 def test_the_papers_slip_misses_work_but_not_wear():
     history = rolled('solver.slip="upwind"')
-    # To the residual of the contact: traction opposes the very slip that wears.
+    # To the residual of the contact: traction opposes the slip that wears.
     np.testing.assert_allclose(history.wear_balance[1:], 1.0, rtol=1e-6)
     assert history.energy_balance.max() < 0.98
-    assert told(history).keys() == {"energy"}
+    assert reported(history).keys() == {"energy"}
 
 
-def test_wear_beyond_the_work_is_told(monkeypatch):
+def test_wear_beyond_the_work_is_reported(monkeypatch):
     """By the pressure, elements that stick beside one that slips wear as if they slipped."""
     law = Archard((2e-6, 1e-6), np.pi / 4)
     monkeypatch.setattr(Model, "wear_law", law)
     history = rolled(STUCK)
     assert history.wear_balance[-1] > 1.5
-    assert told(history).keys() == {"wear"}
+    assert reported(history).keys() == {"wear"}
 
 
 def test_wear_within_what_the_work_can_wear_is_not():
@@ -92,4 +92,4 @@ def test_rounding_is_no_work(shear, setting):
     scene = ts.Scene.builtin("spheres").replace(**{"subsurface": None, "body.B.shear": shear})
     history = ts.roll(scene.with_set(["grid.elements=[31, 31]", setting]))
     assert history.finished
-    assert not told(history)
+    assert not reported(history)

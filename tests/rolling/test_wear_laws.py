@@ -66,9 +66,9 @@ def test_each_body_wears_by_its_own_law():
     A = rolled('wear.law={A="usfd"}', *one)
     B = rolled('wear.law={B="archard"}', "wear.coefficient.B=1e-3", *one)
     # One pass wears 1e-4 of the approach.
-    for body, alone in (("A", A), ("B", B)):
+    for body, single in (("A", A), ("B", B)):
         k = "AB".index(body)
-        assert own["worn_volume"][-1, k] == pytest.approx(alone["worn_volume"][-1, k], rel=1e-2)
+        assert own["worn_volume"][-1, k] == pytest.approx(single["worn_volume"][-1, k], rel=1e-2)
     assert A["worn_volume"][-1, 1] == B["worn_volume"][-1, 0] == 0.0
 
 
@@ -147,7 +147,7 @@ def test_parts_are_kept(tmp_path):
          "wear.law"),
     ],
 )  # fmt: skip
-def test_a_law_without_what_it_needs_is_told(settings, key):
+def test_a_law_without_what_it_needs_is_reported(settings, key):
     with pytest.raises(ts.SceneError) as caught:
         DISCS.with_set(settings)
     assert key in [fault.key for fault in caught.value.faults]

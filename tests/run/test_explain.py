@@ -18,8 +18,8 @@ from tractive_sam.run.explain import (
 SMALL = "grid.elements=[15, 15]"
 
 
-def told(scene):
-    """Answers by section and by what is asked."""
+def reported(scene):
+    """Answers by section and by what is requested."""
     return {section.title: dict(section.rows) for section in explain(scene)}
 
 
@@ -30,7 +30,7 @@ def spheres(*settings):
 @pytest.mark.parametrize("name", ts.builtin_names())
 def test_every_scene_is_explained_in_words(name):
     scene = ts.Scene.builtin(name)
-    sections = told(scene)
+    sections = reported(scene)
     given = [t for t in ("transient", "fatigue") if getattr(scene, t) is not None]
     before, after = (given[:1], given[1:]) if "transient" in given else ([], given)
     parts = [*map(str.capitalize, before), "Heat", *map(str.capitalize, after)]
@@ -53,25 +53,25 @@ def test_it_prints_itself():
 
 def test_what_is_left_out_is_said_with_the_key_that_adds_it():
     scene = spheres().replace(subsurface=None)
-    assert "[wear]" in told(scene)["Wear"]["wear"]
-    assert "[subsurface]" in told(scene)["Stress"]["stress"]
-    assert "[heat]" in told(scene)["Heat"]["heat"]
-    rolling = told(scene.replace(creepage=None))["State"]["tangential problem"]
-    frictionless = told(scene.replace(friction=None, creepage=None))["State"]
+    assert "[wear]" in reported(scene)["Wear"]["wear"]
+    assert "[subsurface]" in reported(scene)["Stress"]["stress"]
+    assert "[heat]" in reported(scene)["Heat"]["heat"]
+    rolling = reported(scene.replace(creepage=None))["State"]["tangential problem"]
+    frictionless = reported(scene.replace(friction=None, creepage=None))["State"]
     assert "creepage" in rolling
     assert "friction" in frictionless["tangential problem"]
     assert "friction" not in frictionless
 
 
-def test_forces_to_transmit_and_creepages_are_told_apart():
-    given = told(spheres("creepage.longitudinal=-0.002"))["State"]["rolling"]
-    found = told(spheres("load.force_x=0.1"))["State"]["rolling"]
+def test_forces_to_transmit_and_creepages_are_distinguished():
+    given = reported(spheres("creepage.longitudinal=-0.002"))["State"]["rolling"]
+    found = reported(spheres("load.force_x=0.1"))["State"]["rolling"]
     assert "xi_x = -0.002" in given
     assert "Q_x = 0.1 N" in found
 
 
 def test_friction_and_wear_laws():
-    discs = told(ts.Scene.builtin("twin-discs").with_set(["grid.elements=[15, 31]"]))
+    discs = reported(ts.Scene.builtin("twin-discs").with_set(["grid.elements=[15, 31]"]))
     assert "(0.6, 0.3) at 45 degrees" in discs["State"]["friction"]
     assert "(2e-06, 1e-06)" in discs["Wear"]["wear"]
     assert "Archard" in discs["Wear"]["law"]
@@ -79,21 +79,24 @@ def test_friction_and_wear_laws():
 
 
 def test_dissimilar_bodies_are_coupled():
-    assert told(spheres())["State"]["coupling"].startswith("none")
+    assert reported(spheres())["State"]["coupling"].startswith("none")
     scene = ts.Scene.builtin("spheres-dissimilar")
-    assert not told(scene)["State"]["coupling"].startswith("none")
+    assert not reported(scene)["State"]["coupling"].startswith("none")
 
 
 def test_the_mesh_is_given_chosen_or_found():
-    assert told(spheres())["Mesh"]["mesh"].startswith("15 x 15 elements, given")
-    assert "chosen" in told(spheres().replace(grid=None))["Mesh"]["mesh"]
-    sections = told(spheres().replace(**{"grid": None, "accuracy.tolerance": 0.05}))
+    assert reported(spheres())["Mesh"]["mesh"].startswith("15 x 15 elements, given")
+    assert "chosen" in reported(spheres().replace(grid=None))["Mesh"]["mesh"]
+    sections = reported(spheres().replace(**{"grid": None, "accuracy.tolerance": 0.05}))
     assert "found" in sections["Mesh"]["mesh"]
     assert "+-" in sections["Accuracy"]["Qx of the unworn bodies"]
 
 
 def test_memory_follows_the_elements():
-    room = [memory.of_contact(Model(spheres(f"grid.elements=[{n}, {n}]"))) for n in (128, 256, 512)]
+    # Of large meshes, which all hold as many vectors.
+    room = [
+        memory.of_contact(Model(spheres(f"grid.elements=[{n}, {n}]"))) for n in (256, 512, 1024)
+    ]
     for coarse, fine in pairwise(room):
         assert fine / coarse == pytest.approx(4.0, rel=0.1)  # sizes of transforms are rounded up
 
@@ -124,16 +127,18 @@ def test_durations_are_given_in_growing_units():
     assert format_duration(0.1) == format_duration(0.9) != format_duration(1.1)
 
 
-def test_fatigue_is_told_and_takes_time():
-    asked = {"shear_yield": 300.0, "sensitivity": 0.3, "limit": 250.0}
+def test_fatigue_is_reported_and_takes_time():
+    requested = {"shear_yield": 300.0, "sensitivity": 0.3, "limit": 250.0}
     plain = spheres()
-    tired = plain.replace(fatigue=asked)
-    section = told(tired)["Fatigue"]
+    tired = plain.replace(fatigue=requested)
+    section = reported(tired)["Fatigue"]
     assert "300" in section["shakedown"]
     assert "Dang Van" in section["criterion"]
     assert (
         "limit"
-        in told(plain.replace(fatigue={"shear_yield": 300.0}))["Fatigue"]["utilisation and damage"]
+        in reported(plain.replace(fatigue={"shear_yield": 300.0}))["Fatigue"][
+            "utilisation and damage"
+        ]
     )
     planes = tired.replace(**{"fatigue.criterion": "findley"})
     counts = [applications(Model(scene)) for scene in (plain, tired, planes)]

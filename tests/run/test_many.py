@@ -27,10 +27,10 @@ def test_is_what_solve_finds_one_by_one(scene):
     assert (found["status"] == "converged").all()
     for values in itertools.product(*over.values()):
         case = dict(zip(over, values, strict=True))
-        alone, here = ts.solve(scene.replace(**case)), found.sel(case)
+        single, here = ts.solve(scene.replace(**case)), found.sel(case)
         for name in ("P", "Qx", "Qy", "Mz", "approach", "xi_x", "spin"):
             # What the tolerance of the scene, 1e-8, leaves of a solution.
-            assert here[name].item() == pytest.approx(getattr(alone, name), abs=1e-7, rel=1e-6)
+            assert here[name].item() == pytest.approx(getattr(single, name), abs=1e-7, rel=1e-6)
 
 
 def test_where_there_may_be_several_solutions_each_begins_from_none(scene):
@@ -38,31 +38,31 @@ def test_where_there_may_be_several_solutions_each_begins_from_none(scene):
     falling = scene.replace(friction=law, **{"creepage.speed": 1000.0})
     over = {XI: [-1e-3, -3e-3, -1e-2]}
     found = ts.solve_many(falling, over)
-    alone = [ts.solve(falling.replace(**{XI: value})).Qx for value in over[XI]]
-    assert found["Qx"].values.tolist() == alone
+    single = [ts.solve(falling.replace(**{XI: value})).Qx for value in over[XI]]
+    assert found["Qx"].values.tolist() == single
 
 
-def test_costs_no_more_than_alone(scene):
+def test_costs_no_more_than_single_ones(scene):
     values = np.linspace(-1e-3, -3e-3, 9)
     found = ts.solve_many(scene, {XI: values})
-    alone = sum(ts.solve(scene.replace(**{XI: v})).cost.applications for v in values)
-    assert found["operator_applications"].sum() < alone
+    single = sum(ts.solve(scene.replace(**{XI: v})).cost.applications for v in values)
+    assert found["operator_applications"].sum() < single
 
 
 def test_jacobian(scene):
     found = ts.solve_many(scene, {XI: [-1e-3, -2e-3]}, jacobian=True)["jacobian"]
-    alone = ts.solve(scene.replace(**{XI: -2e-3}), jacobian=True).jacobian
+    single = ts.solve(scene.replace(**{XI: -2e-3}), jacobian=True).jacobian
     here = found.sel({XI: -2e-3}).values
-    # An element on the verge of slip may be told otherwise from another start.
-    np.testing.assert_allclose(here, alone.values, atol=1e-5 * np.abs(alone.values).max())
+    # An element on the verge of slip may be reported otherwise from another start.
+    np.testing.assert_allclose(here, single.values, atol=1e-5 * np.abs(single.values).max())
 
 
-def test_prescribed_force_gives_way_to_a_creepage(scene):
+def test_prescribed_force_is_replaced_by_a_creepage(scene):
     forced = scene.with_set(["load.force_x=0.05"])
     assert np.isfinite(ts.solve_many(forced, {XI: [-1e-3]})["Qx"]).all()
 
 
-def test_a_case_that_fails_is_told_and_no_number(scene):
+def test_a_case_that_fails_is_reported_and_no_number(scene):
     approached = scene.with_set(["load.approach=0.036"])
     found = ts.solve_many(approached, {"load.force_x": [0.01, 0.4]})  # more than friction carries
     carried, slid = (found.sel({"load.force_x": q}) for q in (0.01, 0.4))
@@ -91,7 +91,7 @@ def test_faults_name_the_key(scene, over, key):
 
 
 @pytest.mark.parametrize(
-    ("over", "told", "not_told"),
+    ("over", "reported", "not_told"),
     [
         ({"load.normal": [0.3, 900.0]}, ["grid.half_length", "load.normal = 900"], ["0.3"]),
         ({"load.normal": [900.0], "friction.mu": [0.2, 0.3]}, ["load.normal = 900"], []),
@@ -103,10 +103,10 @@ def test_faults_name_the_key(scene, over, key):
         ),
     ],
 )
-def test_faults_name_the_values_that_led_to_them(scene, over, told, not_told):
+def test_faults_name_the_values_that_led_to_them(scene, over, reported, not_told):
     with pytest.raises(ts.SceneError) as refused:
         ts.solve_many(scene, over)
-    assert all(one in str(refused.value) for one in told)
+    assert all(one in str(refused.value) for one in reported)
     assert not any(one in str(refused.value) for one in not_told)
 
 
@@ -117,7 +117,7 @@ def test_accuracy_is_refused(scene):
 
 
 @pytest.mark.parametrize("shape", [(), (1,), (3,), (2, 3), (3, 1, 2), (2, 3, 2, 2)])
-def test_snake_meets_all_and_steps_to_neighbours(shape):
+def test_path_meets_all_and_steps_to_neighbours(shape):
     places = list(snake(shape))
     assert sorted(places) == sorted(itertools.product(*map(range, shape)))
     for here, there in itertools.pairwise(places):

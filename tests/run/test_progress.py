@@ -22,9 +22,9 @@ SCENE = ts.Scene.builtin("twin-discs").with_set(
 SCENE = SCENE.replace(subsurface=None)
 
 
-def rolled_on(terminal, asked):
+def rolled_on(terminal, requested):
     """What a terminal is shown of a roll."""
-    with progress.progress_shown(SCENE, asked, terminal) as called:
+    with progress.progress_shown(SCENE, requested, terminal) as called:
         if called is not None:
             ts.roll(SCENE, progress=called)
     return terminal.file.getvalue()
@@ -34,7 +34,7 @@ def terminal(is_one=True):
     return Console(file=io.StringIO(), force_terminal=is_one, width=120)
 
 
-def test_in_a_terminal_where_it_is_asked_for():
+def test_in_a_terminal_where_it_is_requested():
     assert "revolution 3 of 3" in rolled_on(terminal(), True)
     assert not rolled_on(terminal(), False)
     assert not rolled_on(terminal(is_one=False), True)
@@ -53,8 +53,8 @@ def test_by_itself_only_of_what_takes_longer(over_at_once, monkeypatch):
 
 
 def test_of_one_contact_the_mesh_and_its_residual(over_at_once, monkeypatch):
-    def solved_on(terminal, asked):
-        with progress.solving_shown(asked, terminal):
+    def solved_on(terminal, requested):
+        with progress.solving_shown(requested, terminal):
             ts.solve(SCENE, progress=False)
         return terminal.file.getvalue()
 
@@ -91,7 +91,7 @@ def test_in_a_notebook_it_is_one_line_that_is_empty_at_the_end(notebook):
     assert notebook[-1] == ""
 
 
-def test_a_notebook_is_silent_where_that_is_asked_for(notebook, over_at_once):
+def test_a_notebook_is_silent_where_that_is_requested(notebook, over_at_once):
     ts.roll(SCENE, progress=False)
     ts.roll(SCENE)  # and by itself of what is over at once
     assert notebook == []

@@ -1,4 +1,4 @@
-"""What is wrong with a [fatigue] table is told with its key and the cure."""
+"""What is wrong with a [fatigue] table is reported with its key and the cure."""
 
 import pytest
 
@@ -37,7 +37,7 @@ def test_a_fault(changes, key):
     assert key in [fault.key for fault in error.value.faults]
 
 
-def test_pressure_beyond_all_shakedown_is_doubtful():
+def test_pressure_beyond_all_shakedown_is_improbable():
     discs = ts.Scene.builtin("twin-discs")
     with pytest.warns(PlausibilityWarning, match="fatigue"):
         discs.replace(fatigue={"shear_yield": 200.0})

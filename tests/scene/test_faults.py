@@ -340,13 +340,13 @@ def test_parts_fail_by_themselves_with_their_own_keys():
         Load.model_validate({"normal": -1})
 
 
-def test_given_tables_are_left_alone(tables):
+def test_given_tables_are_left_unchanged(tables):
     before = copy.deepcopy(tables)
     Scene(**tables).with_set(["load.approach=0.1"])
     assert tables == before
 
 
-def test_a_key_by_its_former_name_is_told_the_new_one():
+def test_a_key_by_its_earlier_name_is_reported_the_new_one():
     tables = Scene.builtin("spheres").entries()
     tables["load"]["traction_x"] = 0.1
     (fault,) = faults_of(tables)

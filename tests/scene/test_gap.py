@@ -84,7 +84,7 @@ def test_faulty_file(tmp_path, name):
     assert [fault.key for fault in caught.value.faults] == ["file"]
 
 
-def test_file_is_sought_beside_the_scene(tmp_path, spheres):
+def test_file_is_sought_next_to_the_scene(tmp_path, spheres):
     (tmp_path / "profile.csv").touch()
     path = tmp_path / "scene.toml"
     path.write_text(spheres.to_toml() + '\n[gap]\nfile = "profile.csv"\n', encoding="utf-8")

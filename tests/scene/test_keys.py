@@ -1,4 +1,4 @@
-"""Keys are told by the fields that read them, wherever they are told."""
+"""Keys are reported by the fields that read them, wherever they are reported."""
 
 import inspect
 from pathlib import Path
@@ -37,7 +37,7 @@ def test_help_lists_the_keys():
     for kind in (ts.Load, ts.Wear, ts.Body, ts.Friction, ts.Solver):
         assert issubclass(kind, Table)
         for key, info in kind.model_fields.items():
-            is_table = not info.description  # it has a list of its own
+            is_table = not info.description  # it has a separate list
             assert is_table or f"\n{key} : " in kind.__doc__
         assert ">>> " in kind.__doc__
 

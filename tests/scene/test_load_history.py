@@ -82,7 +82,7 @@ def test_a_file_is_its_table(tmp_path):
         ("none.csv", 2, "measured"),
     ],
 )
-def test_what_is_wrong_is_told(measured, levels, key):
+def test_what_is_wrong_is_reported(measured, levels, key):
     with pytest.raises(ts.SceneError) as caught:
         ts.blocks_of(measured, levels)
     assert [fault.key for fault in caught.value.faults] == [key]
@@ -149,7 +149,7 @@ def test_levels_that_change_the_work_are_noted(loads):
         ("loads.csv", "load_history.file"),
     ],
 )
-def test_faults_of_the_table_stand_beside_others(loads, given, key):
+def test_faults_of_the_table_are_listed_with_others(loads, given, key):
     if isinstance(given, dict) and "file" in given:
         given = given | {"file": given["file"].format(loads=loads)}
     with pytest.raises(ts.SceneError) as caught:
@@ -158,7 +158,7 @@ def test_faults_of_the_table_stand_beside_others(loads, given, key):
 
 
 @pytest.mark.parametrize(
-    ("rows", "told"),
+    ("rows", "reported"),
     [
         ("", "line 1"),
         ("normal\n", "line 1"),
@@ -168,9 +168,9 @@ def test_faults_of_the_table_stand_beside_others(loads, given, key):
         ("normal, normal\n300,310\n", "each column once"),
     ],
 )
-def test_a_line_that_cannot_be_read_is_told(loads, rows, told):
+def test_a_line_that_cannot_be_read_is_reported(loads, rows, reported):
     loads.write_text(rows)
-    with pytest.raises(ts.SceneError, match=f"load_history.file: given loads.csv.*{told}"):
+    with pytest.raises(ts.SceneError, match=f"load_history.file: given loads.csv.*{reported}"):
         DISCS.replace(load_history={"file": str(loads)})
 
 

@@ -34,7 +34,7 @@ ALTERNATIVES = [
 ]
 
 
-def test_a_grid_gives_way_to_an_accuracy_and_back(spheres):
+def test_a_grid_is_replaced_by_an_accuracy_and_back(spheres):
     there = spheres.with_set(["grid.half_length=[4, 4]", "grid.elements=[21, 21]"])
     fine = there.with_set(["accuracy.tolerance=1e-3"])
     assert fine.grid is None

@@ -1,4 +1,4 @@
-"""Entries that look as if they were meant in another unit are told, and computed as given."""
+"""Entries that look as if they were meant in another unit are reported, and computed as given."""
 
 import warnings
 from dataclasses import replace
@@ -44,7 +44,7 @@ def test_what_looks_like_another_unit(settings, key):
         DISCS.with_set(settings)
 
 
-def test_a_modulus_in_another_unit_is_told_with_the_grid_it_does_not_fit():
+def test_a_modulus_in_another_unit_is_reported_with_the_grid_it_does_not_fit():
     grid = ["grid.half_length=[0.5, 0.8]", "grid.elements=[31, 31]"]
     with pytest.raises(ts.SceneError) as caught:
         DISCS.with_set(["body.A.young=208", "body.B.young=208", *grid])
@@ -54,7 +54,7 @@ def test_a_modulus_in_another_unit_is_told_with_the_grid_it_does_not_fit():
     assert all("p0" in fault.allowed for fault in caught.value.faults)
 
 
-def test_what_a_course_stands_for_is_told():
+def test_what_a_course_stands_for_is_reported():
     scene = ts.Scene.builtin("traction-control")
     with pytest.warns(PlausibilityWarning, match=r"creepage\.longitudinal"):
         scene.with_set(["creepage.longitudinal=-0.01"])
@@ -69,7 +69,7 @@ def test_creepage_without_friction():
 
 
 @pytest.mark.parametrize("name", ts.builtin_names())
-def test_built_in_scenes_are_beyond_doubt(name):
+def test_built_in_scenes_are_plausible(name):
     with warnings.catch_warnings():
         warnings.simplefilter("error", PlausibilityWarning)
         ts.Scene.builtin(name)
@@ -153,41 +153,41 @@ Y = np.linspace(-0.9, 0.9, 201)
 WAVE = 1e-3  # mm
 
 
-def told(x, y, *settings, **tables):
+def reported(x, y, *settings, **tables):
     """Warnings about a gap that is the sum of one along x and one along y."""
     gap = {"x": X, "y": Y, "separation": np.add.outer(x, y)}
     grid = {"half_length": (0.45, 0.8), "elements": (31, 41)}
-    asked = DISCS.replace(gap=gap, grid=grid, wear=None, **tables).with_set(settings)
+    requested = DISCS.replace(gap=gap, grid=grid, wear=None, **tables).with_set(settings)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        ts.solve(asked, throw=False)
+        ts.solve(requested, throw=False)
     return [str(one.message) for one in caught]
 
 
 def test_a_gap_finer_than_the_mesh():
     fine = WAVE * np.cos(2 * np.pi * Y / 0.03)
-    (text,) = told(0 * X, fine)
+    (text,) = reported(0 * X, fine)
     assert "gap" in text
     # 201 samples over 1.8 mm, of which the mesh has 1.6; along x nothing varies.
     assert "[31, 179]" in text
-    assert not told(0 * X, WAVE * np.cos(2 * np.pi * Y / 0.8))  # resolved by the mesh
-    assert not told(0 * X, Y**2 / 100)  # a form, sampled finely
+    assert not reported(0 * X, WAVE * np.cos(2 * np.pi * Y / 0.8))  # resolved by the mesh
+    assert not reported(0 * X, Y**2 / 100)  # a form, sampled finely
 
 
 def test_a_gap_that_stands_still_while_the_bodies_roll():
     waves = WAVE * np.cos(2 * np.pi * X / 0.3)
-    (text,) = told(waves, 0 * Y)
+    (text,) = reported(waves, 0 * Y)
     assert "along x" in text
-    assert not told(waves, 0 * Y, friction=None, creepage=None)  # nothing rolls
-    assert not told(X**2 / 80, Y**2 / 100)  # the form of a body that turns
+    assert not reported(waves, 0 * Y, friction=None, creepage=None)  # nothing rolls
+    assert not reported(X**2 / 80, Y**2 / 100)  # the form of a body that turns
 
 
-def test_a_warning_is_at_the_line_that_asked():
-    with pytest.warns(PlausibilityWarning) as told:
+def test_a_warning_is_at_the_line_that_requested():
+    with pytest.warns(PlausibilityWarning) as reported:
         DISCS.with_set(["friction.mu=30"])
-    assert [one.filename for one in told] == [__file__]
+    assert [one.filename for one in reported] == [__file__]
     gap = ts.Gap(x=[-9.0, 9.0], y=[-0.1, 0.0, 0.1], separation=[[0.0, 1e-3, 0.0]] * 2)
-    alone = DISCS.replace(gap=gap, wear=None, **{"grid.elements": (9, 9)})
-    with pytest.warns(ts.SceneWarning, match="gap") as told:
-        ts.solve(alone)
-    assert {one.filename for one in told} == {__file__}
+    single = DISCS.replace(gap=gap, wear=None, **{"grid.elements": (9, 9)})
+    with pytest.warns(ts.SceneWarning, match="gap") as reported:
+        ts.solve(single)
+    assert {one.filename for one in reported} == {__file__}

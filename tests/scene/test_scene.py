@@ -47,7 +47,7 @@ def test_none_means_not_given(tables):
     assert Load(normal=1.0, approach=None) == Load(normal=1.0)
 
 
-def test_wear_saves_start_and_end_unless_told():
+def test_wear_saves_start_and_end_by_default():
     wear = Wear(intensity=1e-6, revolutions=70)
     assert wear.save == (0, 70)
     assert (wear.stepping, wear.tolerance) == ("adaptive", 1e-3)
@@ -74,7 +74,7 @@ def test_a_path_in_place_of_keywords():
         Scene("scene.toml")
 
 
-def test_signature_tells_the_keys():
+def test_signature_reports_the_keys():
     for table in (Load, Scene):
         assert list(inspect.signature(table).parameters) == list(table.model_fields)
 
@@ -106,7 +106,7 @@ def test_subsurface_defaults():
     ("elements", "advice"),
     [([91, 5], "10 in y"), ([5, 5], "10 in x.*10 in y"), ([3, 5], r"grid\.half_length")],
 )
-def test_coarse_grid_warns_once_where_it_was_asked_for(tables, elements, advice):
+def test_coarse_grid_warns_once_where_it_was_requested(tables, elements, advice):
     grid = {"half_length": [4.2, 4.2], "elements": elements}
     with pytest.warns(SceneWarning, match=rf"grid\.elements.*{advice}") as record:
         Scene(**tables, grid=grid)
@@ -159,11 +159,11 @@ def test_turns_of_two_flat_bodies_cannot_be_counted():
 
 def test_what_is_given_and_what_holds_anyway_are_the_same_scene():
     scene = Scene.builtin("spheres")
-    told = scene.replace(**{"friction.angle": 0.0, "solver.method": "auto"})
-    assert told.entries() != scene.entries()
-    assert told.settings() == scene.settings()
-    assert told == scene
-    assert told.fingerprint() == scene.fingerprint()
+    reported = scene.replace(**{"friction.angle": 0.0, "solver.method": "auto"})
+    assert reported.entries() != scene.entries()
+    assert reported.settings() == scene.settings()
+    assert reported == scene
+    assert reported.fingerprint() == scene.fingerprint()
     negative = scene.replace(**{"creepage.lateral": -0.0})
     assert negative.fingerprint() == scene.fingerprint()
 

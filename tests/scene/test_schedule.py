@@ -8,7 +8,7 @@ SPHERES = ts.Scene.builtin("spheres")
 WORN = {"coefficient": 1e-4, "revolutions": 20, "save": [0, 5]}
 
 
-def test_one_contact_is_solved_at_the_start_alone():
+def test_one_contact_is_solved_at_the_start_only():
     schedule = SPHERES.schedule
     assert (schedule.end, schedule.stops, schedule.adaptive) == (0, (0,), False)
     assert schedule.message_start == ""
@@ -23,7 +23,7 @@ def test_wear_is_rolled_to_its_last_revolution_whether_that_is_saved_or_not():
 
 
 @pytest.mark.parametrize(("start", "rolls"), [("rest", True), ("shift", False)])
-def test_a_transient_goes_along_its_distance_and_wears_on_the_way(start, rolls):
+def test_a_transient_goes_along_its_distance_and_wears(start, rolls):
     transient = {"distance": [0, 2, 5], "start": start, "load": {"normal": [0.1, 0.4, 0.2]}}
     scene = SPHERES.replace(transient=transient)
     schedule = scene.schedule

@@ -18,7 +18,7 @@ OWN = "[transient.creepage]\nlongitudinal = [0.0, -0.003, -0.003, 0.0]"
 
 
 @pytest.mark.parametrize("creepage", [QUOTED, DOTTED, OWN])
-def test_a_course_is_written_in_any_way(creepage):
+def test_a_course_is_written_in_any_form(creepage):
     scene = ts.Scene.from_toml_text(SPHERES.to_toml() + TABLE.format(creepage=creepage))
     assert scene.transient.courses == {"creepage.longitudinal": (0.0, -0.003, -0.003, 0.0)}
     assert scene.transient.save == (0.5, 5.0)

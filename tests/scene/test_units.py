@@ -57,7 +57,7 @@ def test_friction_bounds_the_force_under_a_pressure():
     assert faults(by_pressure, "load.force_x=1e3").keys() == {"load.force_x"}
 
 
-def test_a_pressure_is_of_the_radii_alone():
+def test_a_pressure_is_of_the_radii_only():
     gap = {"x": [-5, 5], "y": [-5, 5], "separation": [[0, 0], [0, 0]]}
     with pytest.raises(ts.SceneError, match=r"load\.normal") as caught:
         DISCS.replace(gap=gap, **{"load.pressure": 900.0})

@@ -52,7 +52,7 @@ class Counted:
 
 
 @pytest.mark.parametrize("start", [None, Start()])
-def test_the_way_from_rest_costs_what_its_problems_cost(start):
+def test_the_path_from_rest_costs_what_its_problems_cost(start):
     falling = SimpleNamespace(falls=True)
     problem = SimpleNamespace(friction=SimpleNamespace(law=falling), forces=(), eased=float)
     counted = Counted()
@@ -107,7 +107,7 @@ def test_anderson_where_nothing_else_helps():
     assert steady("spheres", *DISSIMILAR, solver=without_first(OTHERS, failing=2)).converged
 
 
-def test_the_way_begins_in_full_slip_and_ends_at_the_problem():
+def test_the_path_begins_in_full_slip_and_ends_at_the_problem():
     problem = tangential_problem()
     way = Continuation(NEWTON)
     full = NEWTON.solve(way.eased(problem, 0.0), 1e-8)
@@ -119,7 +119,7 @@ def test_the_way_begins_in_full_slip_and_ends_at_the_problem():
 
 
 def test_a_stretch_that_fails_is_halved():
-    """Where only short stretches succeed the way takes more problems, and tells them all."""
+    """Where only short stretches succeed the way takes more problems, and reports them all."""
 
     @dataclass(frozen=True)
     class Timid:
@@ -128,9 +128,9 @@ def test_a_stretch_that_fails_is_halved():
         def solve(self, problem, tolerance, start=None):
             outcome = NEWTON.solve(problem, tolerance, start)
             strength = np.abs(problem.rigid).max()
-            told = replace(outcome, approach=strength)
+            reported = replace(outcome, approach=strength)
             near = start is None or max(strength / start.approach, start.approach / strength) < 4.0
-            return told if near else replace(told, status=Status.DIVERGED)
+            return reported if near else replace(reported, status=Status.DIVERGED)
 
     problem = tangential_problem()
     outcome = Continuation(Timid()).solve(problem, 1e-8)
@@ -156,10 +156,10 @@ def test_a_force_is_bracketed_however_small_it_is():
             status, slip = Status.CONVERGED, np.zeros_like(rigid)
             return Outcome(status, 0.0, 1, Cost(), traction=traction, slip=slip, creepage=found)
 
-    alone = tangential_problem()
-    rigid = alone.rigid
+    single = tangential_problem()
+    rigid = single.rigid
     forces = PrescribedForces(np.array([[1.0, 0.0]]), np.zeros(1))
     way = Bracketing(Tiny(), Continuation(Tiny()))
-    outcome = way.solve(replace(alone, forces=forces), 1e-8)
+    outcome = way.solve(replace(single, forces=forces), 1e-8)
     assert outcome.converged
     assert outcome.creepage.tolist() == [2.5]

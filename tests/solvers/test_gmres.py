@@ -23,7 +23,7 @@ def test_solves_to_the_tolerance(system):
     assert iterations < 30
 
 
-def test_residual_meets_the_tolerance_asked_for(system):
+def test_residual_meets_the_tolerance_requested(system):
     A, b = system
     for tolerance in (1e-1, 1e-3, 1e-6):
         x, _ = gmres(A.__matmul__, identity, b, tolerance, 30)

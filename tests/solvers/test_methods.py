@@ -28,7 +28,7 @@ def test_all_converge(contacts):
 def test_all_agree(contacts):
     reference = contacts["newton"]
     for contact in contacts.values():
-        # The residual asked for is 1e-8; the slip operator amplifies it by its condition number.
+        # The residual requested is 1e-8; the slip operator amplifies it by its condition number.
         assert size(contact.traction - reference.traction) < 1e-6 * size(reference.traction)
         assert size(contact.pressure - reference.pressure) < 1e-6 * size(reference.pressure)
 
@@ -69,7 +69,7 @@ def test_a_contact_nearby_changes_nothing(nearby):
         assert found.cost.applications < 0.1 * reference.cost.applications
 
 
-def test_shares_of_the_bound_go_on_next_to_the_contact():
+def test_shares_of_the_bound_continue_next_to_the_contact():
     bound = np.zeros((5, 6))
     bound[1:3, 2:4] = [[1.0, 2.0], [3.0, 4.0]]
     found = shares(np.multiply.outer((0.6, -0.8), bound), bound)
@@ -101,7 +101,7 @@ def test_out_of_iterations_is_said():
 
 @pytest.mark.parametrize("angle", [0, 30, 45, 90])
 @pytest.mark.parametrize("weak", [0.1, 0.05])
-def test_friction_much_stronger_one_way(angle, weak):
+def test_friction_much_stronger_along_one_axis(angle, weak):
     """Newton's unit of slip follows the stronger axis: the weaker would make it too bold."""
     settings = (f"friction.mu=[0.4, {weak}]", f"friction.angle={angle}", 'solver.method="newton"')
     contact = steady("spheres-orthotropic", *settings, elements=45)
@@ -113,7 +113,7 @@ def test_friction_much_stronger_one_way(angle, weak):
     ("longitudinal", "lateral", "spin"),
     [(-5e-4, 3e-4, 1e-3), (-2e-4, 1e-4, 5e-4), (1e-5, 0.0, 1e-3)],
 )
-def test_friction_a_hundred_times_stronger_one_way(angle, longitudinal, lateral, spin):
+def test_friction_a_hundred_times_stronger_along_one_axis(angle, longitudinal, lateral, spin):
     """The steepest ratio allowed, at creepages with which some of the contact sticks.
 
     With the rows of what slips along its tangent, linear systems took all of their 120 iterations;

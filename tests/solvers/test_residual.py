@@ -51,10 +51,10 @@ def test_contact_conditions(settings, scheme):
     slip = np.stack((contact.xi_x - contact.spin * y, contact.xi_y + contact.spin * x))
     slip = slip.reshape(2, -1) - (u_ahead - u)[:2] / grid.dx
     unit = np.abs(slip[:, touching]).max()
-    reported, asked, opposed = slip, slip, slip
+    reported, requested, opposed = slip, slip, slip
     if scheme == "auto":
         gap = np.where(p > 0.0, 0.0, gap.reshape(p.shape))
-        reported, asked, opposed = (
+        reported, requested, opposed = (
             field.reshape(2, -1) for field in staggered(contact, slip.reshape(2, *p.shape), gap)
         )
 
@@ -66,9 +66,9 @@ def test_contact_conditions(settings, scheme):
     sliding = contact.sliding.ravel()
     sticking = touching & ~sliding
     assert (np.hypot(*scaled) <= bound * (1 + 1e-12)).all()
-    assert np.abs(asked[:, sticking]).max(initial=0) < 1e-6 * unit
+    assert np.abs(requested[:, sticking]).max(initial=0) < 1e-6 * unit
     aligned = scaled + bound * slip_scaled / np.maximum(np.hypot(*slip_scaled), 1e-300)
-    # Only where the slip is that of the centre altogether can this be told without the solver.
+    # Only where the slip is that of the centre altogether can this be reported without the solver.
     known = sliding & np.isfinite(opposed).all(axis=0)
     assert np.count_nonzero(known) > 0.5 * np.count_nonzero(sliding)
     assert np.abs(aligned[:, known]).max() < 1e-5 * bound.max()
@@ -91,21 +91,21 @@ def staggered(contact, face, gap):
     """
     p = contact.pressure
     behind, ahead = (np.roll(face, k, axis=1) for k in (1, -1))
-    asked = face.copy()
+    requested = face.copy()
     i, j = STAGGERED.leading(p, gap)
     angle = edge_angles(p, i, j, contact.grid.dx / contact.grid.dy)
     normal = np.stack((np.cos(angle), np.sin(angle)))
     nu = contact.scene.material.poisson
     share = contact.traction[:, i, j] / p[i, j]
     share = (share - nu * normal * (normal * share).sum(axis=0)) / (1 - nu)
-    asked[:, i, j] += share * gap[i + 1, j] / contact.grid.dx
+    requested[:, i, j] += share * gap[i + 1, j] / contact.grid.dx
     centre = 0.375 * behind + 0.75 * face - 0.125 * ahead
     frame = Model(contact.scene).frame
     a, m = frame.slip_to_scaled(face), frame.slip_to_scaled(centre)
     agreement = 2 * (a * m).sum(axis=0) / (a**2 + m**2).sum(axis=0)
     inside = (np.roll(p, -1, axis=0) > 0) & (np.roll(p, -2, axis=0) > 0)
     opposed = np.where(inside & (agreement >= 0.75), centre, np.nan)
-    return 0.5 * (face + behind), asked, opposed
+    return 0.5 * (face + behind), requested, opposed
 
 
 NEARLY_ALIKE = ("body.B.shear=1.000001", "creepage.longitudinal=-1e-7")
@@ -123,7 +123,7 @@ def test_the_residual_is_the_larger_of_both_problems_own(bodies, tolerance):
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
-def test_tractions_that_are_tiny_beside_the_pressure_are_solved_for(tolerance):
+def test_tractions_that_are_tiny_against_the_pressure_are_solved_for(tolerance):
     rough = steady("spheres", *NEARLY_ALIKE, f"solver.tolerance={tolerance}", elements=41)
     close = steady("spheres", *NEARLY_ALIKE, "solver.tolerance=1e-10", elements=41)
     assert np.abs(close.traction).max() < 1e-4 * close.p_max
@@ -144,6 +144,6 @@ def test_tractions_of_the_rounding_of_their_slip_miss_nothing(change):
     response = found.response * (1.0 + change * np.finfo(float).eps)
     fields = start.pressure, start.traction, start.approach, start.creepage
     assert Iterate(problem, *fields, response=response).residual <= 1e-8
-    # More than that is told: half of a thousandth of the creepage.
+    # More than that is reported: half of a thousandth of the creepage.
     response[-2:] += 5e-4 * np.abs(start.creepage).max() * problem.forces.vectors[0][:, None, None]
     assert Iterate(problem, *fields, response=response).residual > 0.5

@@ -1,4 +1,4 @@
-"""Every solver on small problems whose dense matrices tell the truth."""
+"""Every solver on small problems whose dense matrices report the truth."""
 
 from dataclasses import replace
 
@@ -91,7 +91,7 @@ def test_conjugate_gradients_by_an_active_set_and_a_dense_solve(alike):
     np.testing.assert_allclose(outcome.pressure, dense_normal(problem), atol=1e-8)
     loaded = replace(problem, load=float(outcome.pressure.sum()))
     again = ConjugateGradients().solve(loaded, TIGHT)
-    # The load asked for is the one that the approach gave.
+    # The load requested is the one that the approach gave.
     assert again.approach == pytest.approx(problem.approach, rel=1e-8)
 
 
@@ -131,7 +131,7 @@ def test_prescribed_forces(alike, dissimilar, solver):
 
 
 @pytest.mark.parametrize("slip", ["upwind", "auto"])
-def test_held_is_coupled_with_the_pressure_left_alone(slip):
+def test_fixed_pressure_is_coupled_with_the_unchanged_pressure(slip):
     """Bodies of equal material: both blocks at once, or one after the other, are the same."""
     problem = problem_of(*ALIKE, slip=slip)
     one = InSequence(ConjugateGradients(), Newton()).solve(problem, TIGHT)

@@ -53,7 +53,7 @@ def with_stress(record, grid=None):
 
 
 def make_values(number, revolution, names, n_y):
-    """Numbers that tell which record they are of, one for every column."""
+    """Numbers that report which record they are of, one for every column."""
     kinds = {(): lambda k: number + 0.01 * k, ("axis",): lambda k: (0.1 * number, -0.1 * number)}
     kinds[("body",)] = lambda k: {"A": number, "B": number + 1.0}
     values = {
@@ -64,7 +64,7 @@ def make_values(number, revolution, names, n_y):
 
 
 def make_record(number, with_fields=False, grid=None):
-    """A record whose every value tells its number."""
+    """A record whose every value reports its number."""
     grid, names = grid or mesh(), columns(SCENE)
     values = make_values(number, 10 * number, names, len(grid.y))
     fields = {name: np.full(grid.elements, number + 0.1 * k) for k, name in enumerate(FIELDS)}

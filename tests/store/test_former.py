@@ -55,7 +55,7 @@ def test_opens_and_shows(tmp_path, name):
 
 
 def test_a_scene_means_what_it_meant(tmp_path):
-    """Today, bodies of unequal radii would come round unequally often."""
+    """Today, bodies of unequal radii would return unequally often."""
     path = former("twin-discs", tmp_path)
     assert open_history(path).scene.wear.turns == "equal"
     same = Scene.builtin("twin-discs").with_set(AS_WRITTEN)
@@ -69,12 +69,12 @@ for path in sys.argv[1:]:
     try:
         open_history(path)
     except DamagedError:
-        print("told")
+        print("reported")
 """
 
 
-def test_a_damaged_heap_of_texts_is_told(tmp_path):
-    """HDF5 itself does not come back from it, so that a process of its own is asked."""
+def test_a_damaged_heap_of_texts_is_reported(tmp_path):
+    """HDF5 itself may hang: a separate process reads the file."""
     path = former("spheres", tmp_path)
     content, files = path.read_bytes(), []
     at = content.find(b"GCOL")
@@ -83,8 +83,8 @@ def test_a_damaged_heap_of_texts_is_told(tmp_path):
         files[-1].write_bytes(content[: at + 16] + bytes(4080) + content[at + 4096 :])
         at = content.find(b"GCOL", at + 1)
     command = [sys.executable, "-c", OPENS, *files]
-    asked = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
-    assert asked.stdout.split() == ["told"] * len(files)
+    requested = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
+    assert requested.stdout.split() == ["reported"] * len(files)
     assert files
 
 

@@ -1,4 +1,4 @@
-"""Where room ends, a file stays what it was, and what ends is told; with room again it goes on."""
+"""On a full disk a file stays unchanged and an error is reported; with room again it continues."""
 
 import os
 import subprocess
@@ -88,7 +88,7 @@ def every_size(folder):
 
 @pytest.mark.slow  # a run for every size of the disk, each with many small files to write
 def test_where_room_ends_nothing_is_lost_and_the_process_lives(tmp_path):
-    # In a process of its own: what fails in HDF5 may end it, also after the last line.
+    # In a separate process: what fails in HDF5 may end it, also after the last line.
     found = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
     run = subprocess.run([sys.executable, __file__, tmp_path], env=found, check=False)
     assert run.returncode == 0

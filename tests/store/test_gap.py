@@ -120,7 +120,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("name", FAULTS)
-def test_fault_is_told_with_the_file_and_the_cure(tmp_path, name):
+def test_fault_is_reported_with_the_file_and_the_cure(tmp_path, name):
     write, found = FAULTS[name]
     write(tmp_path / name)
     with pytest.raises(GapError, match=found) as error:
@@ -233,7 +233,7 @@ def test_scattered_points_are_refused_without_their_grid(tmp_path):
     assert peak < 50 * 8 * 30_000
 
 
-def test_a_fault_names_the_table_that_asked_for_the_file(tmp_path):
+def test_a_fault_names_the_table_that_requested_the_file(tmp_path):
     path = tmp_path / "profile.csv"
     path.write_text("0 1\n1 2\n")
     with pytest.raises(GapError) as raised:

@@ -76,7 +76,7 @@ def assert_whole(path, count):
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="kills forked processes")
 def test_killed_writer_loses_no_record_of_a_checkpoint(tmp_path):
-    # In a process of its own, which has no threads that a fork could leave in the lurch.
+    # In a separate process, which has no threads that a fork could leave in the lurch.
     found = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
     subprocess.run([sys.executable, __file__, tmp_path], check=True, env=found)
     for k in range(KILLS):
@@ -85,7 +85,7 @@ def test_killed_writer_loses_no_record_of_a_checkpoint(tmp_path):
 
 
 def test_copies_left_behind_are_removed(path, finished):
-    """By the next writer, who is the only one: nobody works on them any more."""
+    """By the next writer, who is the only one: no one works on them any more."""
     left = [path.with_name(f".{path.name}.{run}.new") for run in ("one", "two")]
     for copy in left:
         shutil.copyfile(finished, copy)

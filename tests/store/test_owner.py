@@ -20,13 +20,13 @@ def test_a_second_run_is_refused_while_the_first_rolls(tmp_path):
 
     def take_over(record):
         for options in ({"overwrite": True}, {"resume": True}):
-            with pytest.raises(HeldError) as told:
+            with pytest.raises(HeldError) as reported:
                 ts.roll(scene, path, **options)
-            refused.append(str(told.value))
+            refused.append(str(reported.value))
 
     history = ts.roll(scene, path, progress=take_over)
     assert refused
-    assert all(str(path) in told for told in refused)
+    assert all(str(path) in reported for reported in refused)
     assert history["revolution"].tolist() == [0, 1, 2, 3]
     assert [file.name for file in tmp_path.iterdir()] == [path.name]
 

@@ -31,7 +31,7 @@ def test_what_is_known_of_the_computation(finished):
     np.testing.assert_array_equal(history["p_max_at"][3], [0.1 * 3, -0.1 * 3])
 
 
-def test_what_was_not_recorded_is_told_with_what_was(finished):
+def test_what_was_not_recorded_is_reported_with_what_was(finished):
     history = open_history(finished)
     with pytest.raises(KeyError, match=r"'wear_maximum'.*wear_max, "):
         history["wear_maximum"]
@@ -119,7 +119,7 @@ def test_every_dataset_is_described(finished):
 
 
 def test_a_zero_follows_every_text(finished):
-    # Readers in C may seek it; without one they go on through what lies behind.
+    # Readers in C may seek it; without one they continue through what lies behind.
     texts = []
 
     def check(name, item):
@@ -183,8 +183,8 @@ class TestUnreadable:
             open_history(finished)
 
     @pytest.mark.slow
-    def test_a_lost_page_is_told_before_rolling_goes_on(self, tmp_path):
-        # In a process of its own, which HDF5 may end where it walks a damaged file by itself.
+    def test_a_lost_page_is_reported_before_rolling_continues(self, tmp_path):
+        # In a separate process, which HDF5 may end where it walks a damaged file by itself.
         found = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
         run = subprocess.run(
             [sys.executable, __file__, tmp_path], env=found, check=False, timeout=120
@@ -224,7 +224,7 @@ def test_reference_is_kept_by_name(path):
 
 
 @pytest.mark.parametrize("name", ["p_95", "p_max_at", "wear_profile_A"])
-def test_a_former_file_lacks_what_was_added_since(path, name):
+def test_a_earlier_file_lacks_what_was_added_since(path, name):
     with HistoryWriter(path, SCENE, mesh()) as writer:
         writer.append(make_record(0))
     with h5py.File(path, "a") as file:

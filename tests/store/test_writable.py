@@ -49,7 +49,7 @@ def test_the_mode_of_a_new_file_is_as_usual(path, tmp_path):
     assert mode(path) == mode(usual)
 
 
-def test_a_link_in_a_circle_is_told(path):
+def test_a_link_in_a_circle_is_reported(path):
     path.symlink_to(path)
     with pytest.raises(ResultsError, match=path.name):
         check_results(path)
@@ -69,7 +69,7 @@ def test_the_longest_names(tmp_path, length):
     assert {file.name for file in tmp_path.iterdir()} == {path.name, volume.name}
 
 
-def test_names_that_are_too_long_are_told_as_that(tmp_path):
+def test_names_that_are_too_long_are_reported_as_that(tmp_path):
     path = tmp_path / ("x" * 253 + ".h5")
     with pytest.raises(ResultsError, match="xxx"):
         check_results(path)

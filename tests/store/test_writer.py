@@ -86,7 +86,7 @@ def test_file_can_be_read_while_it_is_written(path):
             assert not history.finished
 
 
-def test_reopened_file_goes_on(finished):
+def test_reopened_file_continues(finished):
     with HistoryWriter.reopen(finished) as writer:
         assert open_history(finished).status == "running"
         for number in (7, 8):
@@ -98,7 +98,7 @@ def test_reopened_file_goes_on(finished):
     assert history.finished
 
 
-def test_error_in_the_computation_is_told_in_the_file(path):
+def test_error_in_the_computation_is_reported_in_the_file(path):
     def interrupted():
         with HistoryWriter(path, SCENE, mesh()) as writer:
             writer.append(make_record(0))
@@ -173,7 +173,7 @@ def test_only_results_are_overwritten_and_only_on_demand(finished, tmp_path):
         HistoryWriter(tmp_path / "nowhere" / "history.h5", SCENE, mesh())
 
 
-def test_link_goes_on_to_point_to_the_results(path, tmp_path):
+def test_link_continues_to_point_to_the_results(path, tmp_path):
     link = tmp_path / "link.h5"
     link.symlink_to(path)
     HistoryWriter(path, SCENE, mesh())

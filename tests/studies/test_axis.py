@@ -59,7 +59,7 @@ def test_samples_are_those_of_the_seed():
 
 
 @pytest.mark.parametrize(
-    ("given", "told"),
+    ("given", "reported"),
     [
         ({"key": "friction.angel", "values": [1]}, "key: given 'friction.angel'.*angle"),
         ({"key": "load.normal"}, "values: given nothing.*start.*stop.*number"),
@@ -76,21 +76,21 @@ def test_samples_are_those_of_the_seed():
         ({**LOADS, "zip": [{**MU, "number": 2}] * 2}, r"zip\[1\].key: given friction.mu again"),
     ],
 )
-def test_bad_axes(given, told):
-    with pytest.raises(SceneError, match=told):
+def test_bad_axes(given, reported):
+    with pytest.raises(SceneError, match=reported):
         Axis(**given)
 
 
 @pytest.mark.parametrize(
-    ("variable", "told"),
+    ("variable", "reported"),
     [
         ([], "variable: given .*"),
         ([MU, MU], r"variable\[1\].key: given friction.mu again"),
         ([MU, {**MU, "key": "x"}], r"variable\[1\].key: given 'x'"),
     ],
 )
-def test_bad_samples(variable, told):
-    with pytest.raises(SceneError, match=told):
+def test_bad_samples(variable, reported):
+    with pytest.raises(SceneError, match=reported):
         Latin(number=2, variable=variable)
 
 

@@ -74,8 +74,8 @@ def test_entries_without_checksum_count_before_the_first_one_that_has_one(tmp_pa
 
 
 def test_a_damaged_case_is_reported_and_computed_again(tmp_path):
-    asked = small(keep="scalars")
-    results = study(asked, tmp_path)
+    requested = small(keep="scalars")
+    results = study(requested, tmp_path)
     file = tmp_path / "complete.jsonl"
     content = bytearray(file.read_bytes())
     content[content.index(b"\n") // 2] ^= 4  # of the first line; a flipped end of it damages two
@@ -84,7 +84,7 @@ def test_a_damaged_case_is_reported_and_computed_again(tmp_path):
     assert "complete.jsonl" in shown.damage_note
     assert shown.counts["waiting"] == 1
     notes = []
-    again = study(asked, tmp_path, say=notes.append)
+    again = study(requested, tmp_path, say=notes.append)
     assert notes == [shown.damage_note]
     assert again.complete
     assert again.damage_note == ""

@@ -284,7 +284,7 @@ def local_cluster():
         yield address, security
 
 
-def test_processes_listen_to_this_machine_alone(local_cluster):
+def test_processes_listen_to_this_machine_only(local_cluster):
     assert local_cluster[0].startswith("tls://127.0.0.1:")
     listening = [one for one in psutil.net_connections("inet") if one.status == "LISTEN"]
     ours = {os.getpid(), *(one.pid for one in psutil.Process().children(recursive=True))}

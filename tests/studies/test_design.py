@@ -65,19 +65,19 @@ def test_scenes_of_the_cases():
         assert case.scene == wanted
 
 
-def test_digest_is_that_of_the_scene_alone():
+def test_digest_is_that_of_the_scene_only():
     before = {case.digest: case.scene for case in cases(small(MU, CREEPAGE))}
     after = {case.digest: case.scene for case in cases(small(CREEPAGE, MU, title="Other"))}
     assert before == after
     assert len(before) == 6
 
 
-def test_scene_file_beside_the_study(written):
+def test_scene_file_next_to_the_study(written):
     written(Scene.builtin("spheres").to_toml(), "mine.toml")
     assert len(Study.from_toml(written(f'scene = "mine.toml"\n{ONE_AXIS}'))) == 2
 
 
-def test_gap_files_beside_the_study(written, tmp_path):
+def test_gap_files_next_to_the_study(written, tmp_path):
     """They are part of the scene: another content is another case."""
     gap = "x,y,separation\n" + "".join(f"{x},{y},0.001\n" for x in (-9.0, 9.0) for y in (-9.0, 9.0))
     written(gap, "one.csv")
@@ -99,7 +99,7 @@ def test_gap_files_beside_the_study(written, tmp_path):
     ]
 
 
-def test_profiles_that_travel_are_read_beside_the_study_and_count(written, tmp_path, monkeypatch):
+def test_profiles_that_travel_are_read_next_to_the_study_and_count(written, tmp_path, monkeypatch):
     bump = "x,y,separation\n" + "".join(f"{x},{y},0.001\n" for x in (0, 9) for y in (-9, 9))
     written(bump, "one.csv")
     text = (
@@ -121,7 +121,7 @@ def test_profiles_that_travel_are_read_beside_the_study_and_count(written, tmp_p
 
 
 @pytest.mark.parametrize("setting", ["gap.file=one.csv", "gap.file = 'one.csv'"])
-def test_gap_file_that_is_set_is_beside_the_study(written, tmp_path, setting):
+def test_gap_file_that_is_set_is_next_to_the_study(written, tmp_path, setting):
     written("x,y,separation\n", "one.csv")
     study = Study.from_toml(written(toml.emit({"scene": "spheres", "set": [setting]}) + ONE_AXIS))
     assert study.scene.gap.file == tmp_path / "one.csv"
@@ -139,7 +139,7 @@ def test_gap_files_of_an_axis_are_the_same_from_another_folder(written, tmp_path
         assert [one.digest for one in cases(again)] == [one.digest for one in cases(study)]
 
 
-def test_fault_of_many_scenes_is_told_once():
+def test_fault_of_many_scenes_is_reported_once():
     with pytest.raises(StudyError) as caught:
         cases(small(CREEPAGE, {"key": "load.normal", "values": [0.4, -1]}))
     (fault,) = caught.value.faults
@@ -153,7 +153,7 @@ def test_scenes_that_are_the_same_are_refused():
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "reported"),
     [
         ("scene = 3", "scene: given 3"),
         ('scene = "spheers"', "scene: given 'spheers'.*spheres"),
@@ -181,12 +181,12 @@ def test_scenes_that_are_the_same_are_refused():
         ),
     ],
 )
-def test_bad_files(written, text, told):
-    with pytest.raises(StudyError, match=told):
+def test_bad_files(written, text, reported):
+    with pytest.raises(StudyError, match=reported):
         Study.from_toml(written(text))
 
 
-def test_faults_are_told_together():
+def test_faults_are_reported_together():
     with pytest.raises(StudyError) as caught:
         Study(scene="nothing", oops=1, axis=[{"key": "friction.mu"}], latin={"number": 0})
     assert [fault.key for fault in caught.value.faults] == [

@@ -46,13 +46,13 @@ def test_dataset_is_written_and_read(done, tmp_path):
 
 @pytest.mark.slow
 def test_dataset_of_a_revolution(tmp_path):
-    asked = Study(
+    requested = Study(
         scene="twin-discs",
         without=["subsurface"],
         set=["grid.elements=[15, 41]", "wear.save=[3]", "wear.revolutions=3"],
         axis=[{"key": "friction.angle", "values": [0, 90]}],
     )
-    results = study(asked, tmp_path, workers=0)
+    results = study(requested, tmp_path, workers=0)
     new = results.dataset(0)
     for number in range(2):
         history = results.history(number)
@@ -61,13 +61,13 @@ def test_dataset_of_a_revolution(tmp_path):
     assert np.isnan(results.dataset(17)["Qx"]).all()
 
 
-def test_stress_of_the_lower_body_alone(tmp_path):
-    asked = Study(
+def test_stress_of_the_lower_body_only(tmp_path):
+    requested = Study(
         scene="spheres",
         set=["grid.elements=[21, 21]", 'subsurface.bodies=["B"]'],
         axis=[{"key": "friction.mu", "values": [0.2, 0.4]}],
     )
-    results = study(asked, tmp_path, workers=0)
+    results = study(requested, tmp_path, workers=0)
     last = results.column("von_mises_max B")
     assert (last > 0.0).all()
     np.testing.assert_array_equal(results.column("von_mises_max B", revolution=0), last)
@@ -104,7 +104,7 @@ def test_csv_of_chosen_quantities_with_units(done, tmp_path):
         done.save_csv(tmp_path / "table.csv", quantities=("Qx_over_p",))
 
 
-def test_what_there_is_not_is_told_with_what_there_is(done):
+def test_what_there_is_not_is_reported_with_what_there_is(done):
     with pytest.raises(KeyError, match=r"'Qx_over_p'.*Qx_over_P"):
         done.column("Qx_over_p")
     with pytest.raises(KeyError, match="'pressure'"):
@@ -116,9 +116,9 @@ def test_what_there_is_not_is_told_with_what_there_is(done):
     assert np.isnan(done.column("von_mises_max A")).all()  # known nowhere, yet a quantity
 
 
-def test_every_status_is_told(tmp_path):
-    asked = small()
-    found = cases(asked)
+def test_every_status_is_reported(tmp_path):
+    requested = small()
+    found = cases(requested)
     files = [tmp_path / f"{case.name}.h5" for case in found]
     folder = Folder(tmp_path)
 
@@ -128,7 +128,7 @@ def test_every_status_is_told(tmp_path):
     def killed(record):
         raise Killed
 
-    with folder.lock(asked):
+    with folder.lock(requested):
         roll(found[0].scene, files[0])
         folder.log_failure(found[1], Outcome("failed", "no space left"))
         with results_writer(files[2]):
@@ -162,8 +162,8 @@ def test_figures_over_two_axes(done, tmp_path):
 
 
 def test_figures_by_default_are_of_what_varies(done, tmp_path):
-    drawn = {path.name.partition("-")[0] for path in save_figures(done, tmp_path)}
-    assert drawn == {"Qx_over_P", "stick_fraction"}  # the pressure is the same everywhere
+    names = {path.name.partition("-")[0] for path in save_figures(done, tmp_path)}
+    assert names == {"Qx_over_P", "stick_fraction"}  # the pressure is the same everywhere
 
 
 def test_figures_over_one_axis(done, tmp_path):
@@ -172,7 +172,7 @@ def test_figures_over_one_axis(done, tmp_path):
     assert names(paths) == ["Qx-curve-mu0.2.pdf"]
 
 
-def test_axes_that_are_held_are_told_apart():
+def test_axes_that_are_fixed_are_distinguished():
     bodies = ({"key": f"body.{body}.radius_x", "values": [300.0, 400.0]} for body in "AB")
     study = small(*bodies, MU)
     assert _short("body.A.radius_x", study) != _short("body.B.radius_x", study)
@@ -204,22 +204,22 @@ def test_figures_while_nothing_is_known(tmp_path):
     [("spheres", ["grid.elements=[21, 21]"], "N"), ("cylinders", [], "N/mm")],
 )
 def test_figures_have_the_units_of_the_contact(scene, mesh, force, tmp_path, monkeypatch):
-    drawn = []
+    variables = []
 
     def keep(x, y, **_):
-        drawn.extend((x, y))
+        variables.extend((x, y))
         return SimpleNamespace(savefig=lambda path, **look: None)
 
     monkeypatch.setattr(figures, "study_curves", keep)
     loads = {"key": "load.normal", "values": [0.3, 0.4]}
-    asked = Study(scene=scene, without=["subsurface"], set=mesh, axis=[loads])
-    results = study(asked, tmp_path / "study", workers=0)
+    requested = Study(scene=scene, without=["subsurface"], set=mesh, axis=[loads])
+    results = study(requested, tmp_path / "study", workers=0)
     save_figures(results, tmp_path, quantities=("Qx",))
-    assert [variable.label for variable in drawn] == [f"$P$ ({force})", f"$Q_x$ ({force})"]
+    assert [variable.label for variable in variables] == [f"$P$ ({force})", f"$Q_x$ ({force})"]
 
 
 @pytest.mark.parametrize(
-    ("options", "told"),
+    ("options", "reported"),
     [
         ({"quantities": ("Qz",)}, "Qz.*Qx"),
         ({"at": {"friction.angle": 0}}, "friction.angle.*creepage"),
@@ -230,8 +230,8 @@ def test_figures_have_the_units_of_the_contact(scene, mesh, force, tmp_path, mon
         ),
     ],
 )
-def test_bad_figures(done, tmp_path, options, told):
-    with pytest.raises(ValueError, match=told):
+def test_bad_figures(done, tmp_path, options, reported):
+    with pytest.raises(ValueError, match=reported):
         save_figures(done, tmp_path, **options)
 
 
@@ -251,7 +251,7 @@ def test_axes_of_courses_and_blocks_are_named_in_a_line():
     assert _variable({"duty[0].load.normal": (1.0, 2.0)}, rolled).label == "$P$ of duty[0] (N)"
 
 
-def test_blocks_of_a_duty_cycle_as_values_of_an_axis_are_told_by_name_and_revolutions():
+def test_blocks_of_a_duty_cycle_as_values_of_an_axis_are_reported_by_name_and_revolutions():
     duty = [{"name": "curve", "revolutions": 7, "creepage.spin": 1e-4}, {"revolutions": 3}]
     assert format_setting(tuple(duty)) == "(curve 7, duty[1] 3)"
     assert format_setting(1.0 / 3.0) == "0.333333"
@@ -261,7 +261,7 @@ def test_blocks_of_a_duty_cycle_as_values_of_an_axis_are_told_by_name_and_revolu
     assert len(set(_texts(many))) == 2
 
 
-def test_doubts_of_scenes_are_not_told_again_where_results_are_opened(tmp_path):
+def test_warnings_of_scenes_are_not_reported_again_where_results_are_opened(tmp_path):
     much = {"key": "friction.mu", "values": [7.0, 8.0]}  # as in per cent
     with pytest.warns(PlausibilityWarning):
         study(small(much, keep="scalars"), tmp_path / "much", workers=0)

@@ -1,4 +1,4 @@
-"""Studies in one process: what is kept, what is run again, and what is told of failures."""
+"""Studies in one process: what is kept, what is run again, and what is reported of failures."""
 
 import re
 import socket
@@ -81,19 +81,19 @@ def test_complete_case_whose_file_was_spoilt_is_computed_again(tmp_path, rolled)
     file = results.rows[0].file
     file.write_bytes(b"")
     assert open_study(tmp_path).rows[0].status == "failed"
-    told = []
-    again = study(small(MU), tmp_path, workers=0, say=told.append)
+    reported = []
+    again = study(small(MU), tmp_path, workers=0, say=reported.append)
     assert again.complete
     assert len(rolled) == 3
     # Computed twice by the same steps: the plans of the transforms may be others.
     assert again.rows[0].last["Qx"] == pytest.approx(results.rows[0].last["Qx"], rel=1e-9)
     aside = file.with_suffix(".damaged")
     assert aside.exists()
-    assert len(told) == 1
-    assert aside.name in told[0]
+    assert len(reported) == 1
+    assert aside.name in reported[0]
 
 
-def test_file_that_may_not_be_read_is_let_alone(tmp_path, monkeypatch):
+def test_file_that_may_not_be_read_is_left_unchanged(tmp_path, monkeypatch):
     (case, _) = cases(small(MU))
     file = tmp_path / f"{case.name}.h5"
     file.write_text("not for everybody")
@@ -113,7 +113,7 @@ JUNK = (
 )
 
 
-def test_what_others_put_into_the_folder_is_let_alone(tmp_path, rolled):
+def test_what_others_put_into_the_folder_is_left_unchanged(tmp_path, rolled):
     results = study(small(MU), tmp_path, workers=0)
     with (tmp_path / "complete.jsonl").open("ab") as table:
         table.write(b"\n" + JUNK % results.rows[0].case.digest.encode())
@@ -126,7 +126,7 @@ def test_what_others_put_into_the_folder_is_let_alone(tmp_path, rolled):
     assert (tmp_path / "notes.txt").exists()
 
 
-def test_versions_that_differ_are_told(tmp_path):
+def test_versions_that_differ_are_reported(tmp_path):
     results = study(small(MU), tmp_path, workers=0)
     ((here, count),) = results.versions.items()
     assert count == 2
@@ -136,7 +136,7 @@ def test_versions_that_differ_are_told(tmp_path):
     assert open_study(tmp_path).versions == {"0.0.1": 1, here: 1}
 
 
-def test_interrupted_case_goes_on_from_its_last_record(tmp_path):
+def test_interrupted_case_continues_from_its_last_record(tmp_path):
     wanted = roll(worn().scene)
     (case,) = cases(worn())
     file = tmp_path / f"{case.name}.h5"
@@ -177,21 +177,21 @@ def worn(**given):
 
 
 def failing():
-    """The second force is more than friction carries, which nobody knows beforehand."""
+    """The second force is more than friction carries, which no one knows beforehand."""
     axis = {"key": "load.force_x", "values": [0.03, 0.4, 0.05]}
     return small(axis, set=["grid.elements=[21, 21]", "load.approach=0.036"])
 
 
-def test_failed_case_is_told_and_stops_no_other(tmp_path):
-    told = []
-    results = study(failing(), tmp_path, workers=0, progress=told.append)
+def test_failed_case_is_reported_and_stops_no_other(tmp_path):
+    reported = []
+    results = study(failing(), tmp_path, workers=0, progress=reported.append)
     assert [row.status for row in results.rows] == ["complete", "failed", "complete"]
     assert results.rows[1].message
-    assert (told[-1].ended, told[-1].failed, told[-1].cases) == (3, 1, 3)
-    assert told[-1].share == pytest.approx(1.0)
+    assert (reported[-1].ended, reported[-1].failed, reported[-1].cases) == (3, 1, 3)
+    assert reported[-1].share == pytest.approx(1.0)
 
 
-def test_case_that_raises_is_told(tmp_path, monkeypatch):
+def test_case_that_raises_is_reported(tmp_path, monkeypatch):
     def broken(scene, path, **options):
         if scene.friction.mu[0] == 0.4:
             raise RuntimeError("no space left")
@@ -201,9 +201,9 @@ def test_case_that_raises_is_told(tmp_path, monkeypatch):
     results = study(small(MU), tmp_path, workers=0)
     assert [row.status for row in results.rows] == ["complete", "failed"]
     assert results.rows[1].message == "RuntimeError: no space left"
-    (told,) = tmp_path.glob("*.txt")
+    (reported,) = tmp_path.glob("*.txt")
     for kept in ("in broken", version("tractive-sam"), socket.gethostname()):
-        assert kept in told.read_text()
+        assert kept in reported.read_text()
     monkeypatch.setattr(worker, "roll", roll)
     assert study(small(MU), tmp_path, workers=0).complete
     assert not list(tmp_path.glob("*.txt"))
@@ -218,14 +218,14 @@ def test_a_case_has_one_writer(tmp_path):
     assert not file.exists()
 
 
-def test_what_another_process_computes_is_waited_for_and_told_once(tmp_path, monkeypatch):
+def test_what_another_process_computes_is_waited_for_and_reported_once(tmp_path, monkeypatch):
     (case, _) = cases(small(MU))
-    told, waits = [], iter(range(2))
+    reported, waits = [], iter(range(2))
     with ExitStack() as held:
         held.enter_context(results_writer(tmp_path / f"{case.name}.h5"))
         monkeypatch.setattr(run, "sleep", lambda _: next(waits) == 1 and held.close())
-        assert study(small(MU), tmp_path, workers=0, say=told.append).complete
-    assert told == [f"waiting for {case}, which another process computes"]
+        assert study(small(MU), tmp_path, workers=0, say=reported.append).complete
+    assert reported == [f"waiting for {case}, which another process computes"]
     assert next(waits, None) is None
 
 
@@ -273,7 +273,7 @@ def test_what_goes_wrong_in_a_run_is_not_laid_to_the_folder(tmp_path):
         raise FileExistsError
 
 
-def test_without_dask_the_cure_is_told(tmp_path, monkeypatch):
+def test_without_dask_the_cure_is_reported(tmp_path, monkeypatch):
     monkeypatch.setattr(cluster, "find_spec", lambda name: None)
     with pytest.raises(ResultsError, match=r"pip install '\.\[study\]'"):
         study(small(), tmp_path, workers=2)
@@ -303,8 +303,8 @@ def test_more_processes_than_the_memory_holds_are_refused(tmp_path, monkeypatch)
 
 def test_long_cases_first(tmp_path):
     revolutions = {"key": "wear.revolutions", "values": [1, 100, 10]}
-    asked = Study(scene="twin-discs", set=["grid.elements=[15, 41]"], axis=[revolutions])
-    tasks, done = run._remaining_tasks(Folder(tmp_path), cases(asked), asked)
+    requested = Study(scene="twin-discs", set=["grid.elements=[15, 41]"], axis=[revolutions])
+    tasks, done = run._remaining_tasks(Folder(tmp_path), cases(requested), requested)
     assert [task.case.changes["wear.revolutions"] for task in tasks] == [100, 10, 1]
     assert done == 0
 
@@ -320,12 +320,12 @@ def test_time_of_the_whole_study_is_shared_by_the_workers(monkeypatch):
     monkeypatch.setattr(cost.explain, "seconds_per_application", lambda model: 1e-3)
     monkeypatch.setattr(cost, "format_duration", str)
     angles = {"key": "friction.angle", "start": 0, "stop": 90, "number": 40}
-    asked = Study(scene="twin-discs", axis=[angles])
+    requested = Study(scene="twin-discs", axis=[angles])
 
     def seconds(workers):
-        told = dict(explain_study(asked, workers)[1].rows)[f"with {workers} workers"]
-        return float(told.removeprefix("about ").partition(";")[0])
+        reported = dict(explain_study(requested, workers)[1].rows)[f"with {workers} workers"]
+        return float(reported.removeprefix("about ").partition(";")[0])
 
-    assert seconds(1) == pytest.approx(sum(estimates(cases(asked))))
+    assert seconds(1) == pytest.approx(sum(estimates(cases(requested))))
     assert seconds(4) == pytest.approx(seconds(1) / 4)
     assert seconds(1000) == pytest.approx(seconds(1) / 40)  # no faster than a case

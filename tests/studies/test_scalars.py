@@ -42,7 +42,7 @@ def computed(monkeypatch):
     return scenes
 
 
-def test_numbers_are_those_of_each_scene_alone(tmp_path):
+def test_numbers_are_those_of_each_scene_only(tmp_path):
     results = study(scalars(), tmp_path)
     assert results.complete
     for row in results.rows:
@@ -77,8 +77,8 @@ def test_what_is_kept_is_shown_as_any_other(tmp_path):
 )
 def test_neighbours_of_any_kind(given):
     loads = {"key": "load.normal", "values": [0.4, 0.4705]}
-    asked = scalars(loads, CREEPAGE if "load.force_x=0.05" not in given["set"] else MU, **given)
-    scenes = [case.scene for case in cases(asked)]
+    requested = scalars(loads, CREEPAGE if "load.force_x=0.05" not in given["set"] else MU, **given)
+    scenes = [case.scene for case in cases(requested)]
     for scene, outcome in zip(scenes, run_chain(scenes), strict=True):
         assert outcome.status == "complete"
         wanted = summary(roll(scene, progress=False))
@@ -115,7 +115,7 @@ def test_complete_cases_are_not_computed_again(tmp_path, computed):
 
 
 @pytest.mark.slow
-def test_what_was_told_done_outlives_the_process(tmp_path, computed):
+def test_what_was_reported_done_outlives_the_process(tmp_path, computed):
     """A client that is killed between two cases, by SIGKILL; half of a line is what it left."""
     (tmp_path / "study.toml").write_text(scalars().to_toml())
     program = (
@@ -144,18 +144,18 @@ def test_scalars_and_results_files_in_one_folder(tmp_path, computed):
     assert len(computed) == 2
 
 
-def test_failed_case_is_told_and_stops_no_other(tmp_path):
+def test_failed_case_is_reported_and_stops_no_other(tmp_path):
     forces = {"key": "load.force_x", "values": [0.05, 0.4]}  # more than friction carries
-    asked = scalars(forces, set=["grid.elements=[15, 15]", "load.approach=0.036"])
-    results = study(asked, tmp_path, workers=0)
+    requested = scalars(forces, set=["grid.elements=[15, 15]", "load.approach=0.036"])
+    results = study(requested, tmp_path, workers=0)
     assert [row.status for row in results.rows] == ["complete", "failed"]
     assert results.rows[1].message
 
 
-def test_neighbours_are_beside_each_other():
-    asked = scalars()
-    order = np.argsort(chain.neighbour_order(asked.shape))
-    found = cases(asked)
+def test_neighbours_are_adjacent():
+    requested = scalars()
+    order = np.argsort(chain.neighbour_order(requested.shape))
+    found = cases(requested)
     for one, two in pairwise(order):
         before, after = found[one].changes, found[two].changes
         assert sum(before[key] != after[key] for key in before) == 1
@@ -164,9 +164,9 @@ def test_neighbours_are_beside_each_other():
 def test_chains_are_short_and_whole():
     tasks = [Task(case, None, 2.0 / 4.5) for case in cases(scalars())]
     assert [len(one) for one in chain.make_chains(tasks)] == [4, 2]
-    alone = {tasks[1].case.digest}
-    assert [len(one) for one in chain.make_chains(tasks, alone)] == [1, 1, 4]
-    assert [task for one in chain.make_chains(tasks, alone) for task in one] == tasks
+    single = {tasks[1].case.digest}
+    assert [len(one) for one in chain.make_chains(tasks, single)] == [1, 1, 4]
+    assert [task for one in chain.make_chains(tasks, single) for task in one] == tasks
 
 
 def test_work_is_that_of_no_files(tmp_path):
@@ -175,6 +175,6 @@ def test_work_is_that_of_no_files(tmp_path):
     assert "one file" in dict(explain_study(scalars(), 2)[1].rows)["results"]
 
 
-def test_what_is_no_way_to_keep():
+def test_what_is_no_format_of_storage():
     with pytest.raises(StudyError, match="keep"):
         small(MU, keep="forces")

@@ -12,12 +12,12 @@ from tractive_sam.subsurface import cycle_depths
 ASKED = {"shear_yield": 300.0, "criterion": "orthogonal-shear", "limit": 250.0}
 
 
-def cylinders(mu, elements, **asked):
+def cylinders(mu, elements, **requested):
     """In full slip; nothing else changes a line contact of equal materials."""
     scene = ts.Scene.builtin("cylinders")
     grid = {"half_length": 1.1 * scene.hertz.a, "elements": elements}
     tables = {"friction.mu": mu, "creepage.longitudinal": -0.05, "grid": grid}
-    return scene.replace(subsurface=None, fatigue=ASKED | asked, **tables)
+    return scene.replace(subsurface=None, fatigue=ASKED | requested, **tables)
 
 
 @pytest.mark.parametrize(
@@ -178,7 +178,7 @@ def test_the_surface_changes_little_as_the_edge_crosses_an_element():
     assert np.ptp(np.log(used), axis=0).max() < 0.02
 
 
-def test_without_a_yield_stress_or_a_limit_the_rest_is_told():
+def test_without_a_yield_stress_or_a_limit_the_rest_is_reported():
     scene = cylinders(0.1, 21)
     contact = ts.solve(scene)
     depths = cycle_depths(contact)
@@ -196,7 +196,7 @@ def test_without_a_yield_stress_or_a_limit_the_rest_is_told():
         ts.fatigue(contact, depths=depths[1:])
 
 
-def test_a_criterion_of_ones_own_is_asked():
+def test_a_criterion_user_defined_is_requested():
     class Doubled(ts.CycleCriterion):
         name, long_name = "doubled", "range of the orthogonal shear stress"
 
@@ -213,8 +213,8 @@ def test_every_record_has_its_columns():
     scene = ts.Scene.builtin("twin-discs").with_set(
         ["grid.elements=[15, 31]", "wear.revolutions=3", "wear.save=[0, 3]"]
     )
-    asked = {"shear_yield": 300.0, "sensitivity": 0.333, "limit": 250.0}
-    scene = scene.replace(subsurface=None, fatigue=asked)
+    requested = {"shear_yield": 300.0, "sensitivity": 0.333, "limit": 250.0}
+    scene = scene.replace(subsurface=None, fatigue=requested)
     history = ts.roll(scene)
     for row, revolution in ((0, 0), (-1, 3)):
         for k, cycled in enumerate(ts.fatigue(history.state(revolution)).values()):
@@ -223,9 +223,9 @@ def test_every_record_has_its_columns():
             assert history["utilisation"][row, k] == pytest.approx(cycled.utilisation_max, rel=1e-9)
     k = 300.0 / history["p_max"][0]
     assert history["fi_surf"][0] <= 0.6 - k
-    told = history.to_dict()
-    assert set(told["utilisation"]) == {"A", "B"}
-    assert told["utilisation_at"]["A"][0][0] is None  # all x count
+    reported = history.to_dict()
+    assert set(reported["utilisation"]) == {"A", "B"}
+    assert reported["utilisation_at"]["A"][0][0] is None  # all x count
     assert "utilisation" not in ts.roll(scene.replace(fatigue=None, wear=None)).columns
 
 
@@ -265,7 +265,7 @@ def test_survival_is_that_of_weibull():
 
 
 def test_rounding_does_not_choose_between_tied_rows():
-    """The best residual stress of a depth leaves two rows equal, which rounding tells apart."""
+    """The best residual stress of a depth leaves two rows equal, which rounding reports apart."""
     depth = np.array([0.0, 0.1, 0.25, 0.4, 0.6])
     rows = np.array([0.3, 0.7, 1.0, 1.0, 0.9, 0.2, 0.4, 1.0, 0.1])
     values = rows[:, None] * np.array([0.5, 0.9, 1.0, 0.8, 0.3])

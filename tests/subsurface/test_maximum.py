@@ -89,7 +89,7 @@ def test_interior_is_that_of_its_point(spheres, body):
     assert there == pytest.approx(found.interior, rel=1e-4)
 
 
-def test_bodies_together_are_as_alone():
+def test_bodies_together_are_as_single_ones():
     contact = steady("spheres-orthotropic", 'subsurface.planes=["y=0"]', elements=41)
     assert stress_maxima(contact) == {body: stress_maximum(contact, body) for body in "AB"}
 
@@ -182,7 +182,7 @@ def test_one_element_in_contact(spheres):
     contact = replace(spheres, pressure=pressure, traction=np.zeros_like(spheres.traction))
     found = stress_maximum(contact)
     assert np.isfinite(found.value)
-    # Sums on the way to it are in single precision: a millionth of the depth.
+    # Sums during the run to it are in single precision: a millionth of the depth.
     assert found.at[:2] == pytest.approx((spheres.grid.x[3], spheres.grid.y[90]), abs=1e-6)
 
 

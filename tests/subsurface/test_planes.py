@@ -66,15 +66,15 @@ def test_plane_at_a_depth_is_a_layer(contact, body):
     np.testing.assert_array_equal(tensor(stress), layer)
 
 
-def test_layers_go_on_beyond_the_mesh(contact):
+def test_layers_continue_beyond_the_mesh(contact):
     wanted, beyond = [0.0, 0.4], 30
     x = contact.grid.lengthened(beyond).x
     np.testing.assert_allclose(x[beyond:-beyond], contact.grid.x, atol=1e-14)
     layers = list(stress_layers(contact, wanted, ("A", "B"), beyond))
-    for (depth, found), *alone in zip(
+    for (depth, found), *single in zip(
         layers, *(stress_volume(contact, wanted, body) for body in "AB"), strict=True
     ):
-        for stress, body, (_, inside) in zip(found, "AB", alone, strict=True):
+        for stress, body, (_, inside) in zip(found, "AB", single, strict=True):
             assert stress.shape == (6, 81, 21)
             np.testing.assert_allclose(
                 stress[:, beyond:-beyond], inside, atol=ROUNDING * contact.p_max
@@ -114,17 +114,17 @@ def test_invariants(contact):
     assert stress.von_mises.shape == stress.max_shear.shape == (21, 5)
 
 
-def test_all_that_the_scene_asks_for(contact):
-    asked = contact.scene.subsurface
+def test_all_that_the_scene_requires(contact):
+    requested = contact.scene.subsurface
     found = list(stress_on_planes(contact))
-    expected = [(str(plane), body) for plane in asked.planes for body in asked.bodies]
+    expected = [(str(plane), body) for plane in requested.planes for body in requested.bodies]
     assert [(str(stress.plane), stress.body) for stress in found] == expected
     for stress in found:
-        alone = stress_on_plane(contact, stress.plane, stress.body)
-        np.testing.assert_allclose(tensor(stress), tensor(alone), atol=1e-15 * contact.p_max)
+        single = stress_on_plane(contact, stress.plane, stress.body)
+        np.testing.assert_allclose(tensor(stress), tensor(single), atol=1e-15 * contact.p_max)
 
 
-def test_depths_of_ones_own(contact):
+def test_depths_user_defined(contact):
     stress = stress_on_plane(contact, "x=0", depths=[0.5, 0.1])
     np.testing.assert_array_equal(stress.depth, [0.5, 0.1])
     assert stress.von_mises.shape == (21, 2)

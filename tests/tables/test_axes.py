@@ -125,11 +125,13 @@ def test_friction_that_varies_is_of_a_scene(name):
 
 
 @pytest.mark.parametrize(
-    "asked", [soft(), scene(friction={"mu": [0.3, 0.15], "angle": 30.0})], ids=["soft", "oblique"]
+    "requested",
+    [soft(), scene(friction={"mu": [0.3, 0.15], "angle": 30.0})],
+    ids=["soft", "oblique"],
 )
-def test_nodes_are_known_by_the_contacts_of_others(asked):
+def test_nodes_are_known_by_the_contacts_of_others(requested):
     """Half of all creepages are solved; the rest follows by the symmetry that is left."""
-    design = ts.TableDesign(scene=asked, elements=15, tolerance=0.2)
+    design = ts.TableDesign(scene=requested, elements=15, tolerance=0.2)
     nodes, contacts = CreepageGrid(*design.symmetries), design.contacts(())
     assert nodes.whole
     ratio = design.ratio(())
@@ -143,8 +145,8 @@ def test_nodes_are_known_by_the_contacts_of_others(asked):
 
 def test_full_slip_is_that_of_friction():
     """Solved under huge creepages where there is no closed form: orthotropic, of one direction."""
-    asked = scene(friction={"mu": [0.3, 0.15], "angle": 30.0})
-    design = ts.TableDesign(scene=asked, elements=15, tolerance=0.2)
+    requested = scene(friction={"mu": [0.3, 0.15], "angle": 30.0})
+    design = ts.TableDesign(scene=requested, elements=15, tolerance=0.2)
     w = np.array([math.cos(0.4), math.sin(0.4), 0.0])
     found = design.contacts(()).forces(REFINEMENT.full * w, 15)
     expected = full_slip_force(1.0, (1.0, 0.5), math.radians(30.0), (w[0], w[1]))
@@ -220,7 +222,7 @@ at = [0, 1000]
 @pytest.mark.slow  # some hundred contacts of each table are solved
 @pytest.mark.parametrize(("text", "name"), [(ANGLE, "angle"), (WORN, "worn")])
 def test_the_command_makes_tables_with_axes(text, name, tmp_path, monkeypatch):
-    """On few nodes: the errors told are those of points anywhere, of all values of the axis."""
+    """On few nodes: the errors reported are those of points anywhere, of all values of the axis."""
     monkeypatch.setattr(grid, "HEADINGS", 3)
     monkeypatch.setattr(grid, "TILTS", 2)
     monkeypatch.setattr(building, "FIRST_U", (0.0, 0.4, 0.7, 1.0))
@@ -254,9 +256,9 @@ def test_the_command_makes_tables_with_axes(text, name, tmp_path, monkeypatch):
     assert np.mean(inside) >= 0.8  # 95 of 100 are to be, of twelve maybe ten
 
 
-def test_files_beside_an_axis_are_sought_from_the_folder_of_the_design(tmp_path):
+def test_files_next_to_an_axis_are_sought_from_the_folder_of_the_design(tmp_path):
     zipped = {"key": "gap.file", "values": ["one.csv", "two.csv"]}
     tables = {"axis": [{"key": "load.normal", "values": [1.0, 2.0], "zip": [zipped]}]}
     ts.TableDesign.resolve_files(tmp_path, tables)
     assert zipped["values"] == [str(tmp_path / "one.csv"), str(tmp_path / "two.csv")]
-    assert ts.TableDesign.resolve_files(tmp_path, {"axis": 5}) == {"axis": 5}  # told later
+    assert ts.TableDesign.resolve_files(tmp_path, {"axis": 5}) == {"axis": 5}  # reported later

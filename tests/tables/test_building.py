@@ -62,7 +62,7 @@ def test_nodes_are_added_until_points_anywhere_are_within_the_tolerance(seed):
 
 @pytest.mark.slow
 def test_a_table_ends_when_points_that_it_has_not_seen_find_nothing():
-    """Nodes are where the points asked for them: these alone would say too little of the others."""
+    """Nodes are where the points requested them: these alone would say too little of the others."""
     one = builder(orthotropic, 5e-3, 0)
     table = one.build()
     assert len(one.check_points) >= 2 * REFINEMENT.anywhere  # the first led to nodes
@@ -72,7 +72,7 @@ def test_a_table_ends_when_points_that_it_has_not_seen_find_nothing():
     assert table.about["held_out_worst"] <= 5e-3
 
 
-def test_points_held_out_leave_no_gap():
+def test_held_out_points_leave_no_gap():
     """A cell of three axes, of 125, holds eight of a thousand of them."""
     one = builder(orthotropic, 5e-3, 0)
     points = np.array(one._points_at_shares(one.anywhere.random(REFINEMENT.anywhere)))[:, 3:]
@@ -85,7 +85,7 @@ def test_points_held_out_leave_no_gap():
 
 
 def test_nodes_are_added_along_the_axis_that_is_to_blame():
-    """The same at all headings and tilts but for cosines: only u asks for nodes."""
+    """The same at all headings and tilts but for cosines: only u requires nodes."""
     table, off = built(lambda _: np.array([1.0, 1.0, 0.5]), 3e-3, 0)
     first = builder(None, 3e-3, 0).axes
     grown = [len(axis) > len(few) for axis, few in zip(table.law.axes, first, strict=True)]

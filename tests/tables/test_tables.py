@@ -1,4 +1,4 @@
-"""Tables of creep forces: laws that they keep, errors that they tell, and what C makes of them."""
+"""Tables of creep forces: their laws, the errors that they report, and the same numbers in C."""
 
 import json
 import math
@@ -62,7 +62,7 @@ def test_small_creepages_are_linear_theory(table):
     k = creep_coefficients(1.5, 0.3)
     linear = -np.array([[k.C11, 0, 0], [0, k.C22, k.C23], [0, -k.C23, k.C33]])
     f, g, _ = scaled(table, 1e-4 * np.eye(3))
-    # Kalker's numbers have three digits; the rest is what the table tells of itself.
+    # Kalker's numbers have three digits; the rest is what the table reports of itself.
     np.testing.assert_allclose(f, 1e-4 * linear, atol=0.04 * 1e-4 * np.abs(linear).max())
     np.testing.assert_allclose(g[:, :, 0], linear, atol=0.04 * np.abs(linear).max())
 
@@ -91,7 +91,7 @@ def test_gradient_is_that_of_the_values(table):
 
 
 @pytest.mark.parametrize("spin", [0.0, 0.7, -0.7])
-def test_gradient_at_rest_and_of_spin_alone(table, spin):
+def test_gradient_at_rest_and_of_spin_only(table, spin):
     """There headings do not count, but slopes by them do; -0 is no other place than 0."""
     h = 1e-5
     for zero in (0.0, -0.0):
@@ -115,7 +115,7 @@ def test_values_and_slopes_have_no_jumps(table):
 
 
 @pytest.mark.slow
-def test_points_anywhere_are_within_the_error_told(table):
+def test_points_anywhere_are_within_the_reported_error(table):
     """Against contacts solved on a finer mesh than any node."""
     random = np.random.default_rng(7)
     inside, (low, high) = 0, table.ellipticity
@@ -285,10 +285,10 @@ def test_c_header_gives_the_same_numbers(table, tmp_path):
     lines = [" ".join(map(repr, row)) for row in given.tolist()]
     lines += ["nan 0 0 1 1 1 1 1 .3", "0 0 0 1 1 0 1 1 .3", "0 0 0 99 1 1 1 1 .3",
               "0 0 0 1 1 1 1 1 .2"]  # fmt: skip
-    told = subprocess.run(
+    reported = subprocess.run(
         ["./main"], cwd=tmp_path, input="\n".join(lines), capture_output=True, text=True, check=True
     )
-    found = np.array([line.split() for line in told.stdout.splitlines()], float)
+    found = np.array([line.split() for line in reported.stdout.splitlines()], float)
     assert found[:, 0].tolist() == [0] * number + [1, 2, 3, 4]
     found = found[:number, 1:]
     forces = np.stack([f.Qx, f.Qy, f.Mz], axis=1)
@@ -320,15 +320,15 @@ def test_command(tmp_path, monkeypatch):
     assert not (tmp_path / "bad.nc").exists()
 
 
-def test_a_table_and_its_design_are_told(tmp_path):
+def test_a_table_and_its_design_are_reported(tmp_path):
     run, file = CliRunner().invoke, str(builtin_tables()["steel"])
     for command in (["show", "steel"], ["show", file], ["explain", file]):
-        told = run(app, command)
-        assert told.exit_code == 0
-        assert "Steel on steel" in told.stdout
-        assert "a=..., b=..., load=..., mu=..., shear=...)" in told.stdout
-    told = json.loads(run(app, ["show", "steel", "--json"]).stdout)
-    assert math.prod(map(len, told["axes"].values())) == told["nodes"]
+        reported = run(app, command)
+        assert reported.exit_code == 0
+        assert "Steel on steel" in reported.stdout
+        assert "a=..., b=..., load=..., mu=..., shear=...)" in reported.stdout
+    reported = json.loads(run(app, ["show", "steel", "--json"]).stdout)
+    assert math.prod(map(len, reported["axes"].values())) == reported["nodes"]
     (tmp_path / "trams.toml").write_text("ellipticity = [0.5, 2.0]\n")
     assert "from 0.5 to 2" in run(app, ["explain", str(tmp_path / "trams.toml")]).stdout
     (tmp_path / "either.toml").write_text(
@@ -349,12 +349,12 @@ def test_a_table_and_its_design_are_told(tmp_path):
     [
         ("tolerance = 0.1", True),
         ('[[axis]]\nkey = "friction.mu"\nname = "mu2"', True),
-        ('[[axis]]\nkey = "friction.mu"', False),  # a study, or a table: not to be told
+        ('[[axis]]\nkey = "friction.mu"', False),  # a study, or a table: not to be reported
         ("axis = 5", False),
         ("[load]\nnormal = 1.0", False),
     ],
 )
-def test_designs_are_known_by_what_they_alone_have(tmp_path, text, answer):
+def test_designs_are_known_by_what_they_only_have(tmp_path, text, answer):
     (tmp_path / "file.toml").write_text(text)
     assert is_design(tmp_path / "file.toml") is answer
 

@@ -102,7 +102,7 @@ def test_a_whole_table_as_text():
     assert lines[0].split()[:2] == ["0", "1"]
 
 
-def test_errors_are_drawn(tmp_path):
+def test_errors_are_plotted(tmp_path):
     random = np.random.default_rng(2)
     checks = {name: np.abs(random.normal(size=(40, 3))) for name in ("check_errors", "check_told")}
     table = of_any()
@@ -164,10 +164,10 @@ def test_c_header(kind, tmp_path):
     outside = rows[-1].copy()
     outside[-1] = 99.0
     lines = "\n".join(" ".join(map(repr, row)) for row in [*rows.tolist(), outside.tolist()])
-    told = subprocess.run(
+    reported = subprocess.run(
         ["./main"], cwd=tmp_path, input=lines, capture_output=True, text=True, check=True
     )
-    found = np.array([line.split() for line in told.stdout.splitlines()], float)
+    found = np.array([line.split() for line in reported.stdout.splitlines()], float)
     assert found[:, 0].tolist() == [0] * len(rows) + [4]
     assert_equal(found[:-1, 1:], all_of(table(*xi, **given)))
 
@@ -206,13 +206,13 @@ def test_fmus_refuse(tmp_path, monkeypatch):
     with pytest.raises(ValueError, match="name in C"):
         write_fmu(of_any(), tmp_path / "1.fmu")
     write_fmu(of_any(), tmp_path / "law.fmu")
-    told = []
+    reported = []
     with pytest.raises(fmpy.fmi1.FMICallException):
         fmpy.simulate_fmu(
             str(tmp_path / "law.fmu"), fmi_type="CoSimulation",
-            start_values={"angle": 50.0}, logger=lambda *said: told.append(said),
+            start_values={"angle": 50.0}, logger=lambda *said: reported.append(said),
         )  # fmt: skip
-    assert any(b"outside the table" in part for said in told for part in said
+    assert any(b"outside the table" in part for said in reported for part in said
                if isinstance(part, bytes))  # fmt: skip
     monkeypatch.setenv("CC", "no-such-compiler")
     assert not write_fmu(of_any(), tmp_path / "sources.fmu")
