@@ -174,7 +174,7 @@ class HalfSpaces(Elasticity):
         """Remove the stress of homogeneous bodies from subclasses with other coefficients."""
         super().__init_subclass__(**kwargs)
         if "coefficients" in vars(cls) and "single_body" not in vars(cls):
-            cls.single_body = Elasticity.single_body
+            cls.single_body = Elasticity.single_body  # type: ignore[assignment, method-assign]
 
     @cached_property
     def material(self) -> CombinedMaterial:

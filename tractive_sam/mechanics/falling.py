@@ -231,6 +231,7 @@ class FallingCoulomb(Coulomb):
         self, pressure: np.ndarray, slip: np.ndarray, x: np.ndarray, y: np.ndarray, second: bool
     ) -> Bound:
         """See `FrictionLaw.bound_sliding`."""
+        assert self.sliding is not None  # as the law falls
         size = np.hypot(*slip)
         share, by_speed = self.sliding.at(self.speed * size)
         if not (share >= 0.0).all():

@@ -42,7 +42,8 @@ class Frame:
     @property
     def weights(self) -> tuple[float, float]:
         """(max mu / mu)² of both axes: squares of scaled over squares of unscaled tractions."""
-        return tuple((max(self.mu) / mu) ** 2 for mu in self.mu)
+        first, second = ((max(self.mu) / mu) ** 2 for mu in self.mu)
+        return first, second
 
     def largest_by(self, axis: int) -> float:
         """Return the derivative of the logarithm of max(mu1, mu2) by one coefficient.

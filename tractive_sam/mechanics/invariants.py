@@ -19,7 +19,7 @@ def von_mises(stress: ArrayLike) -> NDArray[np.float64]:
     >>> float(von_mises([100.0, 0.0, 0.0, 0.0, 0.0, 0.0]))
     100.0
     """
-    xx, yy, zz, xy, xz, yz = stress
+    xx, yy, zz, xy, xz, yz = np.asarray(stress, float)
     normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
     return np.sqrt(0.5 * normal + 3.0 * (xy**2 + xz**2 + yz**2))
 

@@ -37,8 +37,7 @@ class Law:
         with their code. The code of the class itself is not covered. A law that depends on more (a
         file, a compiled library) must override this method.
         """
-        content = _content([type(self), _parameters(self)])
-        return hashlib.sha256(b"".join(content)).hexdigest()
+        return _hash(self)
 
 
 def describe(law: object) -> str:
@@ -51,7 +50,13 @@ def describe(law: object) -> str:
 
 def fingerprint(law: object) -> str:
     """Return the fingerprint of a law, see `Law.fingerprint`, or of any other object."""
-    return law.fingerprint() if isinstance(law, Law) else Law.fingerprint(law)
+    return law.fingerprint() if isinstance(law, Law) else _hash(law)
+
+
+def _hash(law: object) -> str:
+    """Return the hash of the class and the parameters of an object."""
+    content = _content([type(law), _parameters(law)])
+    return hashlib.sha256(b"".join(content)).hexdigest()
 
 
 def _parameters(law: object) -> dict[str, Any]:

@@ -108,13 +108,14 @@ def hertz_line(
     """
     if (load_per_length is None) == (pressure is None):
         raise ValueError("give exactly one of load_per_length and pressure")
-    given = pressure if load_per_length is None else load_per_length
-    for value in (e_star, radius, given):
+    given = [value for value in (load_per_length, pressure) if value is not None]
+    for value in (e_star, radius, *given):
         if not 0 < value < math.inf:
             what = "modulus, radius and load or pressure"
             raise ValueError(f"{what} must be positive and finite, not {value}")
-    if load_per_length is None:
+    if pressure is not None:
         a = 2 * radius * pressure / e_star
         return HertzLine(a, pressure, radius, 0.5 * math.pi * a * pressure)
-    a = math.sqrt(4 * load_per_length * radius / (math.pi * e_star))
-    return HertzLine(a, e_star * a / (2 * radius), radius, load_per_length)
+    (load,) = given
+    a = math.sqrt(4 * load * radius / (math.pi * e_star))
+    return HertzLine(a, e_star * a / (2 * radius), radius, load)

@@ -140,12 +140,13 @@ def hertz(
         _require_positive(pressure=pressure)
         c, p0 = pressure * bend / (e_star * curvature), pressure
         load, approach = 2 * math.pi * c * c * p0 / 3, p0 * c * depth / e_star
-    elif approach is None:
+    elif load is not None:
         _require_positive(load=load)
         c = math.cbrt(3 * load * bend / (2 * math.pi * e_star * curvature))
         p0 = 3 * load / (2 * math.pi * c * c)
         approach = p0 * c * depth / e_star
     else:
+        assert approach is not None  # as one of the three is given
         _require_positive(approach=approach)
         c = math.sqrt(approach * bend / (curvature * depth))
         p0 = approach * e_star / (c * depth)

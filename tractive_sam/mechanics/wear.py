@@ -305,5 +305,6 @@ class ArchardByWork(WearLaw):
 
     def with_friction(self, friction: FrictionLaw) -> "ArchardByWork":
         """See `WearLaw.with_friction`."""
-        falls = self.friction is not None and isinstance(friction, FallingCoulomb)
-        return replace(self, friction=friction) if falls else self
+        if self.friction is None or not isinstance(friction, FallingCoulomb):
+            return self
+        return replace(self, friction=friction)

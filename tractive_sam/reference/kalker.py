@@ -128,7 +128,7 @@ def linear_creep_forces(
 def _log_coefficients() -> CubicSpline:
     """Return the spline of the log of the coefficients, shape (4, 3), over log(a/b)."""
     ratios, *coefficients = zip(*CREEP_COEFFICIENTS, strict=True)
-    return CubicSpline(np.log(ratios), np.log(np.moveaxis(coefficients, 0, 1)))
+    return CubicSpline(np.log(ratios), np.log(np.moveaxis(np.array(coefficients), 0, 1)))
 
 
 def _parabola_weights(poisson: float) -> list[float]:

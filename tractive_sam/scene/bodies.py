@@ -67,9 +67,10 @@ class Body(Table):
     @property
     def material(self) -> Material:
         """Elastic constants."""
-        if self.shear is not None:
-            return Material(self.shear, self.poisson)
-        return Material.from_young(self.young, self.poisson)
+        if self.young is not None:
+            return Material.from_young(self.young, self.poisson)
+        assert self.shear is not None  # as exactly one of both is given
+        return Material(self.shear, self.poisson)
 
 
 def _check_hardness_of_both(entries: ValidEntries) -> Iterator[Fault]:

@@ -243,6 +243,8 @@ class Friction(LawTable):
         """Friction at high speed over that at rest, and the half speed, mm/s; None if constant."""
         if self.law == "constant" or self.named_law:
             return None
-        if self.A is not None:
+        if self.A is not None and self.B is not None:
             return self.A, 1e3 * math.log(2.0) / self.B
+        assert self.kinetic is not None  # as the checks of the table require
+        assert self.half_speed is not None
         return self.kinetic[0] / self.mu[0], self.half_speed

@@ -120,11 +120,12 @@ class Scene(Document):
             warn(note, PlausibilityWarning)
         if self.wear and self.schedule.revolves:
             warn_if_unequal(self.body, self.wear)
-        if self.gap:  # the Hertz ellipse is not the contact
+        hertz = self.hertz
+        if self.gap or hertz is None:  # with a gap the Hertz ellipse is not the contact
             return
-        warn_if_large(self.body, self.hertz)
+        warn_if_large(self.body, hertz)
         if self.grid:
-            warn_if_coarse(self.grid, self.hertz)
+            warn_if_coarse(self.grid, hertz)
 
     @classmethod
     def unfold(cls, given: Mapping[Any, Any]) -> Mapping[Any, Any]:

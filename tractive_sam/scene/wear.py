@@ -203,18 +203,18 @@ class Wear(LawTable):
 
     def _describe_body(self, body: str) -> str:
         """Describe the law of one body."""
-        law, chosen = self.laws[body], self.sets[body]
+        law, name = self.laws[body], self.sets[body]
         if law in BY_COEFFICIENT:
             k = f"k = {getattr(self.coefficient, body):g}"
             return f"Archard, {k} mm3/(N m)" if law == "archard" else f"energy, {k} mm3/J"
-        if law == "table":
-            return f"T-gamma/A of each {self.by}, a table of {len(self.law.table)} points"
-        if law is None:
+        if isinstance(self.law, WearLaws) and law == "table":
+            return f"T-gamma/A of each {self.by}, a table of {len(self.law.table or ())} points"
+        if law is None or name is None:
             return "does not wear"
         inputs = {"usfd": f"T-gamma/A of each {self.by}", "brr": "T-gamma of the contact"}
         sets = COEFFICIENT_SETS[law]
-        source = sets[chosen][1] if law == "jendel" else sets[chosen].source
-        return f"{inputs.get(law, 'sliding speed and p/H')}, {chosen}: {source}"
+        source = sets[name][1] if law == "jendel" else sets[name].source
+        return f"{inputs.get(law, 'sliding speed and p/H')}, {name}: {source}"
 
     def _describe_law(self, slip: str) -> str:
         """Describe the quantity on which the wear law depends, for a discretisation of the slip."""
@@ -283,6 +283,7 @@ class Wear(LawTable):
         k = self.coefficient
         if isinstance(k, Coefficients):
             k = ((k.A or 0.0) + (k.B or 0.0),) * 2
+        assert k is not None  # as the checks of the table require
         return (k[0] / PER_INTENSITY, k[1] / PER_INTENSITY)
 
     def per_work(self, mu: tuple[float, float]) -> tuple[float, float] | None:
@@ -298,7 +299,8 @@ class Wear(LawTable):
         k = self.coefficient
         if not (isinstance(k, Coefficients) and self.together):
             return None
-        share = k.A / (k.A + k.B) if k.A + k.B else 0.5
+        A, B = k.A or 0.0, k.B or 0.0
+        share = A / (A + B) if A + B else 0.5
         return {"A": share, "B": 1.0 - share}
 
 

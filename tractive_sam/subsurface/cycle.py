@@ -7,13 +7,15 @@ to the trailing side: the stress along x on a mesh.
 import math
 from collections.abc import Iterator, Sequence
 from itertools import groupby
+from typing import cast
 
 import numpy as np
 
 from tractive_sam.contact import Laws
-from tractive_sam.mechanics import enclosing_radius, evaluate_cycles, residual_shear
+from tractive_sam.mechanics import HalfSpaces, enclosing_radius, evaluate_cycles, residual_shear
 from tractive_sam.operators import Lattice
 from tractive_sam.results import BodyFatigue, Grid, State
+from tractive_sam.scene import Fatigue
 from tractive_sam.subsurface.depth import check_depths, semi_axes
 from tractive_sam.subsurface.layers import stress_layers
 from tractive_sam.subsurface.loaded import LoadedBodies
@@ -40,7 +42,7 @@ def cycle_depths(contact: State, grading: float = 1.5) -> np.ndarray:
     >>> cycle_depths(ts.solve(tired)).size
     8
     """
-    table = contact.scene.fatigue
+    table = _fatigue_table(contact)
     side = max(contact.grid.sides)
     deepest = max(table.depth * semi_axes(contact)[0], 3.0 * side)
     share = np.linspace(0.0, 1.0, table.elements - 1) ** grading
@@ -80,8 +82,7 @@ def fatigue(
     >>> round(top.interior * 250.0 / scene.hertz.p0, 1), round(top.interior_at[2], 1)
     (0.2, 1.5)
     """
-    if contact.scene.fatigue is None:
-        raise ValueError("the scene has no [fatigue] table; add one with a criterion and a limit")
+    _fatigue_table(contact)
     depths = cycle_depths(contact) if depths is None else check_depths(depths)
     if not depths.size or depths[0] != 0.0 or (np.diff(depths) <= 0.0).any():
         raise ValueError("depths must ascend from 0, the surface")
@@ -120,60 +121,68 @@ def cycle_fatigue(
     >>> each.shape == (1, *worst.path_radius.shape)
     True
     """
-    table, grid = contacts[0].scene.fatigue, contacts[0].grid
+    table, grid = _fatigue_table(contacts[0]), contacts[0].grid
     shape = grid.elements[1], depths.size
     used = {body: np.full((len(contacts), *shape), np.nan) for body in table.bodies}
     residual, radius = ({body: np.zeros(shape) for body in table.bodies} for _ in range(2))
     limit = 1.0 if table.limit is None else table.limit
-
-    def judge(body: str, cycles: Sequence[np.ndarray]) -> Iterator[np.ndarray]:
-        criterion = laws[0].fatigue
-        if criterion is None or len(cycles) > 1:
-            yield enclosing_radius(_join_cycles(cycles))
-        for law, cycle in zip(laws, cycles, strict=True):
-            if law.fatigue is not None:
-                value, path = evaluate_cycles(law.fatigue, cycle)
-                if len(cycles) == 1:
-                    yield path
-                yield np.maximum(value, 0.0) / limit
-
     layers = (
         layer_cycles(contact, depths, law) for contact, law in zip(contacts, laws, strict=True)
     )
     for k, at_depth in enumerate(zip(*layers, strict=True), 1):
         for i, body in enumerate(table.bodies):
             cycles = [layer[i] for _, _, layer in at_depth]
-            radius[body][:, k], *values = judge(body, cycles)
-            residual[body][:, k] = residual_shear(_join_cycles(cycles))
+            radius[body][:, k], residual[body][:, k], values = _evaluate(laws, cycles, limit)
             for utilisation, value in zip(used[body], values, strict=False):
                 utilisation[:, k] = value
     surfaces = (_surfaces(contact, law) for contact, law in zip(contacts, laws, strict=True))
     for passes in zip(*surfaces, strict=True):
         body, cycles = passes[0][0], [cycle for _, cycle, _ in passes]
         is_valid = np.any([rows for _, _, rows in passes], axis=0)
-        values = judge(body, cycles)
-        radius[body][:, 0] = average_rows(next(values), is_valid, radius[body][:, 1])
-        surface = residual_shear(_join_cycles(cycles))
-        residual[body][:, 0] = average_rows(surface, is_valid, residual[body][:, 1])
+        path, shear, values = _evaluate(laws, cycles, limit)
+        radius[body][:, 0] = average_rows(path, is_valid, radius[body][:, 1])
+        residual[body][:, 0] = average_rows(shear, is_valid, residual[body][:, 1])
         for utilisation, value, (_, _, rows) in zip(used[body], values, passes, strict=False):
             utilisation[:, 0] = average_rows(value, rows, utilisation[:, 1])
-    k = table.shear_yield_stress
-    about = laws[0].fatigue, math.nan if k is None else k
-    return {
-        body: (
-            BodyFatigue(
-                body,
-                grid.shifted(0.0).y,
-                depths,
-                used[body].max(axis=0),
-                residual[body],
-                radius[body],
-                *about,
-            ),
-            used[body],
-        )
-        for body in table.bodies
-    }
+    shear_yield = table.shear_yield_stress
+    about = laws[0].fatigue, math.nan if shear_yield is None else shear_yield
+    y = grid.shifted(0.0).y
+    results: dict[str, tuple[BodyFatigue, np.ndarray]] = {}
+    for body in table.bodies:
+        fields = used[body].max(axis=0), residual[body], radius[body]
+        results[body] = BodyFatigue(body, y, depths, *fields, *about), used[body]
+    return results
+
+
+def _fatigue_table(contact: State) -> Fatigue:
+    """Return the [fatigue] table of the scene; raise a ValueError if there is none."""
+    table = contact.scene.fatigue
+    if table is None:
+        raise ValueError("the scene has no [fatigue] table; add one with a criterion and a limit")
+    return table
+
+
+def _evaluate(
+    laws: Sequence[Laws], cycles: Sequence[np.ndarray], limit: float
+) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:
+    """Return the results of the cycles of consecutive passes.
+
+    Returns
+    -------
+    radius, residual : ndarray
+        `enclosing_radius` and `residual_shear` of the path through all cycles.
+    utilisations : list of ndarray
+        Utilisation in each pass; empty without a criterion.
+    """
+    path, utilisations = _join_cycles(cycles), []
+    radius = None
+    for law, cycle in zip(laws, cycles, strict=True):
+        if law.fatigue is not None:
+            value, radius = evaluate_cycles(law.fatigue, cycle)
+            utilisations.append(np.maximum(value, 0.0) / limit)
+    if radius is None or len(cycles) > 1:
+        radius = enclosing_radius(path)
+    return radius, residual_shear(path), utilisations
 
 
 def _join_cycles(cycles: Sequence[np.ndarray]) -> np.ndarray:
@@ -214,7 +223,7 @@ def layer_cycles(
     """
     # Few lengths of layers: transforms are cached for each, also while wear changes the contact.
     lengths, multiple = 3, 4
-    grid, bodies = contact.grid, contact.scene.fatigue.bodies
+    grid, bodies = contact.grid, _fatigue_table(contact).bodies
     # The shear stress is largest ahead and behind the contact at a distance of about the depth.
     part = np.ceil(depths[1:] / depths[-1] * lengths) / lengths
     # At this distance the first columns are an element apart.
@@ -269,12 +278,14 @@ def _columns(grid: Grid, half_width: float, more: int, depth: float, spaces: int
 
 def _surfaces(contact: State, laws: Laws) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
     """Yield for each body its name, the cycles (6, n, m) along rows of corners, and valid rows."""
-    grid, bodies = contact.grid, contact.scene.fatigue.bodies
+    grid, bodies = contact.grid, _fatigue_table(contact).bodies
     load = LoadedBodies.from_contact(contact, bodies, laws)
     lattice = Lattice(grid.elements, grid.dx, grid.dy)
     for name, body in zip(bodies, load.bodies, strict=True):
         sign = SIGNS[name]
-        cycle, is_valid = surface_cycles(lattice, body, load.tractions, sign, contact.sliding)
+        cycle, is_valid = surface_cycles(
+            lattice, cast(HalfSpaces, body), load.tractions, sign, contact.sliding
+        )
         unloaded = np.zeros((6, 1, cycle.shape[2]))
         cycle = np.concatenate((cycle, unloaded), axis=1)
         cycle[4:] *= sign  # in the axes of the contact

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tractive_sam.results import State
-from tractive_sam.scene import Subsurface
+from tractive_sam.scene import Plane, Subsurface
 
 
 def depths(subsurface: Subsurface, a: float) -> np.ndarray:
@@ -50,7 +50,7 @@ def semi_axes(contact: State) -> tuple[float, float]:
 
 def default_depths(contact: State) -> np.ndarray:
     """Return the depths of the [subsurface] of the scene, or of its defaults, mm."""
-    subsurface = contact.scene.subsurface or Subsurface(planes=("y=0",))
+    subsurface = contact.scene.subsurface or Subsurface(planes=(Plane("y", 0.0),))
     return depths(subsurface, semi_axes(contact)[0])
 
 

@@ -2,13 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, cast
 
 import numpy as np
 
 from tractive_sam.contact import Laws
 from tractive_sam.mechanics import Elasticity
-from tractive_sam.results import Grid, widened
+from tractive_sam.results import Grid, State, widened
 from tractive_sam.scene import Scene
 from tractive_sam.subsurface.mirror import SIGNS
 from tractive_sam.subsurface.source import StressSource, stress_source
@@ -27,10 +27,14 @@ class Loading(Protocol):
         See `State`.
     """
 
-    scene: Scene
-    grid: Grid
-    pressure: np.ndarray
-    traction: np.ndarray
+    @property
+    def scene(self) -> Scene: ...  # noqa: D102
+    @property
+    def grid(self) -> Grid: ...  # noqa: D102
+    @property
+    def pressure(self) -> np.ndarray: ...  # noqa: D102
+    @property
+    def traction(self) -> np.ndarray: ...  # noqa: D102
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +90,8 @@ class LoadedBodies:
         tractions = np.concatenate((contact.traction, contact.pressure[None]))
         grid = contact.grid.lengthened(beyond) if beyond else contact.grid
         tractions = widened(tractions, grid.elements)
-        elasticity = (laws or Laws.of_contact(contact)).elasticity
+        # Without laws the contact is a state: stored fields have none.
+        elasticity = (laws or Laws.of_contact(cast(State, contact))).elasticity
         bodies = tuple(elasticity.single_body(name) for name in names)
         signs = tuple(SIGNS[name] for name in names)
         source = stress_source(bodies[0], bodies, signs, grid, tractions)
