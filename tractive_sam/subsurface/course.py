@@ -1,22 +1,23 @@
-"""The stress that material lives through in a course of contacts that change.
+"""Fatigue of the material in a sequence of contacts that change.
 
-Each point of the material keeps its place in its body. Where the bodies shift, that is a place in
-the contact. Where they roll, the contact moves over the point: at the distance s it is at
-x = X - s, if X was its place at the distance 0. Material that is below the contact at the end of
-the course leaves it as if the contact rolled on with the tractions that it has then.
+Each point of the material has a fixed position in its body. If the bodies shift, this is a fixed
+position in the contact. If they roll, the contact moves over the point: at the rolling distance s
+the point is at x = X - s, with its position X at the distance 0. Material below the contact at the
+end of the sequence leaves it as if the contact continued to roll with its last tractions.
 """
 
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 
 from tractive_sam.contact import Laws
-from tractive_sam.mechanics import enclosing_radius, evaluate_cycles, residual_shear
+from tractive_sam.mechanics import HalfSpaces, enclosing_radius, evaluate_cycles, residual_shear
 from tractive_sam.operators import Lattice
 from tractive_sam.results import BodyFatigue, State
-from tractive_sam.subsurface.cycle import average_rows, layer_cycles
+from tractive_sam.subsurface.cycle import average_rows, fatigue_table, layer_cycles
 from tractive_sam.subsurface.loaded import LoadedBodies
 from tractive_sam.subsurface.mirror import SIGNS
 from tractive_sam.subsurface.surface import surface_points
@@ -24,22 +25,22 @@ from tractive_sam.subsurface.surface import surface_points
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """Contacts that follow each other, and how far the material has moved by each.
+    """A sequence of contacts, and the displacement of the material at each of them.
 
     Attributes
     ----------
     contacts : sequence of State
-        Solved, on one mesh.
+        Solved contacts on one mesh.
     places : ndarray, shape (k,)
-        Distance rolled at each, mm; 0 where the bodies shift.
+        Rolling distance at each contact, mm; 0 if the bodies shift.
     laws : Laws
         Criterion and bodies.
     rolls : bool
-        Whether the material was unloaded before it came to the contact.
+        Whether the material is unloaded before it enters the contact.
     steady : bool
-        Whether the bodies rolled steadily under the first contact before.
+        Whether steady rolling under the first contact precedes the sequence.
     paths : int
-        Numbers of stress paths that are held at once.
+        Largest number of stress values in memory.
     """
 
     contacts: Sequence[State]
@@ -50,15 +51,22 @@ class Course:
     paths: int = 2**22
 
     def steps(self, away: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return places (m,) and numbers (m,) of the contacts that the material meets.
+        """Return positions (m,) and numbers (m,) of the contacts that the material passes.
 
-        Where the bodies roll, the last contact rolls further with its tractions; so did the
-        first one before, if it rolled steadily.
+        If the bodies roll, the last contact continues with its tractions, and with `steady` the
+        first contact precedes with its tractions.
 
         Parameters
         ----------
         away : ndarray, shape (n,)
-            Distances that it is rolled before or after, ascending, mm.
+            Rolling distances before and after the sequence, ascending, mm.
+
+        Returns
+        -------
+        positions : ndarray, shape (m,)
+            Rolling distances, mm.
+        numbers : ndarray of int, shape (m,)
+            Contact at each of them.
         """
         number = np.arange(self.places.size)
         if not self.rolls:
@@ -71,10 +79,10 @@ class Course:
 
 
 def course_fatigue(course: Course, depths: np.ndarray) -> dict[str, tuple[BodyFatigue, np.ndarray]]:
-    """What a course of contacts does to the material of each body that [fatigue] names.
+    """Return the fatigue of the material of each body of [fatigue] in a sequence of contacts.
 
-    The course counts as one cycle of every point. Of all points of a row and a depth the result has
-    the largest utilisation and the largest ball.
+    The sequence is one cycle of every point. The results are the largest utilisation and the
+    largest ball of all points of a row and a depth.
 
     Parameters
     ----------
@@ -86,43 +94,43 @@ def course_fatigue(course: Course, depths: np.ndarray) -> dict[str, tuple[BodyFa
     Returns
     -------
     dict of str to (BodyFatigue, ndarray of shape (n_y, n))
-        By body: what the material goes through, and the place x of the point with the largest
-        utilisation, mm; where the bodies roll, its place in the contact at the distance 0.
+        By body: the fatigue, and the position x of the point with the largest utilisation, mm; if
+        the bodies roll, its position in the contact at the distance 0.
     """
     first = course.contacts[0]
-    asked, grid = first.scene.fatigue, first.grid
-    shape = len(asked.bodies), grid.elements[1], depths.size
+    table, grid = fatigue_table(first), first.grid
+    shape = len(table.bodies), grid.elements[1], depths.size
     used, place = np.full(shape, np.nan), np.full(shape, np.nan)
-    left, radius = np.zeros(shape), np.zeros(shape)
-    limit = 1.0 if asked.limit is None else asked.limit
-    half_width = max(one.half_width_x for one in course.contacts)
-    layers = (layer_cycles(one, depths, course.laws, half_width) for one in course.contacts)
+    residual, radius = np.zeros(shape), np.zeros(shape)
+    limit = 1.0 if table.limit is None else table.limit
+    half_width = max(contact.half_width_x for contact in course.contacts)
+    layers = (layer_cycles(contact, depths, course.laws, half_width) for contact in course.contacts)
     for k, at_depth in enumerate(zip(*layers, strict=True), 1):
         x, columns, _ = at_depth[0]
-        for i in range(len(asked.bodies)):
-            cycles = np.stack([one[i] for _, _, one in at_depth])
-            left[i, :, k] = residual_shear(np.concatenate(cycles, axis=1))
+        for i in range(len(table.bodies)):
+            cycles = np.stack([layer[i] for _, _, layer in at_depth])
+            residual[i, :, k] = residual_shear(np.concatenate(cycles, axis=1))
             for rows, material, paths in _paths(course, x, columns, cycles, grid.dx):
-                found = _worst(course.laws, paths, material)
-                radius[i, rows, k], used[i, rows, k], place[i, rows, k] = found
-    for i, body in enumerate(asked.bodies):
-        known, *found = _surface(course, body)
-        for values, own in zip(found, (left, radius, used, place), strict=True):
-            own[i, :, 0] = average_rows(values, known, own[i, :, 1])
-    k = asked.shear_yield_stress
-    about = course.laws.fatigue, math.nan if k is None else k
+                largest = _worst(course.laws, paths, material)
+                radius[i, rows, k], used[i, rows, k], place[i, rows, k] = largest
+    for i, body in enumerate(table.bodies):
+        is_valid, *at_surface = _surface(course, body)
+        for values, field in zip(at_surface, (residual, radius, used, place), strict=True):
+            field[i, :, 0] = average_rows(values, is_valid, field[i, :, 1])
+    shear_yield = table.shear_yield_stress
+    about = course.laws.fatigue, math.nan if shear_yield is None else shear_yield
     y = grid.shifted(0.0).y
     used = np.maximum(used, 0.0) / limit
     return {
-        body: (BodyFatigue(body, y, depths, used[i], left[i], radius[i], *about), place[i])
-        for i, body in enumerate(asked.bodies)
+        body: (BodyFatigue(body, y, depths, used[i], residual[i], radius[i], *about), place[i])
+        for i, body in enumerate(table.bodies)
     }
 
 
 def _worst(
     laws: Laws, path: np.ndarray, material: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the largest radius, the largest value of the criterion and its place in each row.
+    """Return the largest radius, the largest value of the criterion and its position in each row.
 
     Parameters
     ----------
@@ -131,7 +139,7 @@ def _worst(
     path : ndarray, shape (6, m, rows, points)
         Stress of each point.
     material : ndarray, shape (points,)
-        Places of the points.
+        Positions of the points, mm.
     """
     if laws.fatigue is None:
         radius, none = enclosing_radius(path), np.full(path.shape[2], np.nan)
@@ -144,22 +152,22 @@ def _worst(
 def _paths(
     course: Course, x: np.ndarray, columns: np.ndarray, cycles: np.ndarray, dx: float
 ) -> Iterator[tuple[slice, np.ndarray, np.ndarray]]:
-    """Yield rows, places of material (points,), and its paths (6, m, rows, points) at a depth.
+    """Yield rows, positions of material (points,), and its paths (6, m, rows, points) at a depth.
 
-    Between places of known stress it is interpolated.
+    The stress is interpolated between the positions at which it is computed.
 
     Parameters
     ----------
     course : Course
         The contacts.
     x, columns : ndarray, shapes (n,) and (c,)
-        Places in the contact: of a layer, ascending, and ahead of it and behind, mm.
+        Positions in the contact: of a layer, ascending, and ahead of it and behind it, mm.
     cycles : ndarray, shape (contacts, 6, n + c + 1, n_y)
-        Stress there, and none.
+        Stress at these positions, and then none.
     dx : float
-        Distance of the points of the material, mm.
+        Spacing of the points of the material, mm.
     """
-    # Over the layer, and on to where the columns are: they become sparse as stress changes less.
+    # Over the layer and the columns, which become sparse as the stress changes less.
     far = columns[columns > x[-1]] - x[-1]
     passing = dx * np.arange(1, x.size + 1)
     places, contact = course.steps(np.concatenate((passing, passing[-1] + far)))
@@ -175,24 +183,29 @@ def _paths(
     count = places.size + course.rolls
     rows = max(1, course.paths // (6 * count * material.size))
     for first in range(0, cycles.shape[3], rows):
-        here = slice(first, first + rows)
-        stress = cycles[..., here]
+        part = slice(first, first + rows)
+        stress = cycles[..., part]
         paths = np.zeros((6, count, stress.shape[3], material.size))
-        for k, (one, low, high, part) in enumerate(zip(contact, before, after, share, strict=True)):
-            found = (
-                stress[one][:, low] * (1.0 - part[:, None]) + stress[one][:, high] * part[:, None]
-            )
-            paths[:, k] = found.swapaxes(1, 2)
-        yield here, material, paths
+        for k, (number, low, high) in enumerate(zip(contact, before, after, strict=True)):
+            weight, field = share[k][:, None], stress[number]
+            values = field[:, low] * (1.0 - weight) + field[:, high] * weight
+            paths[:, k] = values.swapaxes(1, 2)
+        yield part, material, paths
 
 
 def _surface(
     course: Course, body: str
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Return which rows between the elements are known, and four results of each, shape (m,).
+    """Return the valid rows between the elements, and four results of each, shape (m,).
 
-    These are what residual stress leaves, the largest radius, the largest value of the criterion
-    and its place. A stress at an edge is taken at the nearest corner of elements.
+    A stress at an edge is assigned to the nearest corner of elements.
+
+    Returns
+    -------
+    is_valid : ndarray of bool
+        Rows with a valid path.
+    residual, radius, value, position : ndarray
+        Residual shear, largest radius, largest value of the criterion, and its position.
     """
     grid = course.contacts[0].grid
     lattice, sign = Lattice(grid.elements, grid.dx, grid.dy), SIGNS[body]
@@ -200,7 +213,7 @@ def _surface(
     for contact in course.contacts:
         load = LoadedBodies.from_contact(contact, (body,), course.laws)
         stress, *at, rows = surface_points(
-            lattice, load.bodies[0], load.tractions, sign, contact.sliding
+            lattice, cast(HalfSpaces, load.bodies[0]), load.tractions, sign, contact.sliding
         )
         stress[4:] *= sign  # in the axes of the contact
         found.append((stress, *at))

@@ -42,7 +42,7 @@ def cycle_depths(contact: State, grading: float = 1.5) -> np.ndarray:
     >>> cycle_depths(ts.solve(tired)).size
     8
     """
-    table = _fatigue_table(contact)
+    table = fatigue_table(contact)
     side = max(contact.grid.sides)
     deepest = max(table.depth * semi_axes(contact)[0], 3.0 * side)
     share = np.linspace(0.0, 1.0, table.elements - 1) ** grading
@@ -82,7 +82,7 @@ def fatigue(
     >>> round(top.interior * 250.0 / scene.hertz.p0, 1), round(top.interior_at[2], 1)
     (0.2, 1.5)
     """
-    _fatigue_table(contact)
+    fatigue_table(contact)
     depths = cycle_depths(contact) if depths is None else check_depths(depths)
     if not depths.size or depths[0] != 0.0 or (np.diff(depths) <= 0.0).any():
         raise ValueError("depths must ascend from 0, the surface")
@@ -121,7 +121,7 @@ def cycle_fatigue(
     >>> each.shape == (1, *worst.path_radius.shape)
     True
     """
-    table, grid = _fatigue_table(contacts[0]), contacts[0].grid
+    table, grid = fatigue_table(contacts[0]), contacts[0].grid
     shape = grid.elements[1], depths.size
     used = {body: np.full((len(contacts), *shape), np.nan) for body in table.bodies}
     residual, radius = ({body: np.zeros(shape) for body in table.bodies} for _ in range(2))
@@ -154,7 +154,7 @@ def cycle_fatigue(
     return results
 
 
-def _fatigue_table(contact: State) -> Fatigue:
+def fatigue_table(contact: State) -> Fatigue:
     """Return the [fatigue] table of the scene; raise a ValueError if there is none."""
     table = contact.scene.fatigue
     if table is None:
@@ -223,7 +223,7 @@ def layer_cycles(
     """
     # Few lengths of layers: transforms are cached for each, also while wear changes the contact.
     lengths, multiple = 3, 4
-    grid, bodies = contact.grid, _fatigue_table(contact).bodies
+    grid, bodies = contact.grid, fatigue_table(contact).bodies
     # The shear stress is largest ahead and behind the contact at a distance of about the depth.
     part = np.ceil(depths[1:] / depths[-1] * lengths) / lengths
     # At this distance the first columns are an element apart.
@@ -278,7 +278,7 @@ def _columns(grid: Grid, half_width: float, more: int, depth: float, spaces: int
 
 def _surfaces(contact: State, laws: Laws) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
     """Yield for each body its name, the cycles (6, n, m) along rows of corners, and valid rows."""
-    grid, bodies = contact.grid, _fatigue_table(contact).bodies
+    grid, bodies = contact.grid, fatigue_table(contact).bodies
     load = LoadedBodies.from_contact(contact, bodies, laws)
     lattice = Lattice(grid.elements, grid.dx, grid.dy)
     for name, body in zip(bodies, load.bodies, strict=True):
