@@ -48,7 +48,15 @@ def empty_pictures(monkeypatch):
     monkeypatch.setattr("tractive_sam.plot.figure.Figure.savefig", touch)
 
 
-def pytest_collection_modifyitems(session):
-    """Ignore warnings about improbable values: tests go to limits on purpose."""
+def pytest_collection_modifyitems(session, config, items):
+    """Ignore warnings about improbable values, and do not trace slow tests.
+
+    Tests go to limits on purpose. Coverage doubles the time of a test, and slow tests reach few
+    lines that no quick test reaches.
+    """
     unlikely = "ignore::tractive_sam.schema.PlausibilityWarning"
     session.add_marker(pytest.mark.filterwarnings(unlikely))
+    if config.pluginmanager.hasplugin("_cov"):
+        for item in items:
+            if item.get_closest_marker("slow"):
+                item.add_marker("no_cover")
