@@ -33,7 +33,7 @@ from tests.store.sample_records import SCENE, make_record, mesh
 from tractive_sam.cli import app, main
 from tractive_sam.store import HistoryWriter, ResultsError, open_history, writer
 from tractive_sam.store.checkpoints import Checkpoints
-from tractive_sam.store.opening import results_file
+from tractive_sam.store.opening import open_results
 
 FOREVER = 10**9
 FAULTS = [
@@ -184,7 +184,7 @@ class Results(Output):
 
     def _damage(self, tried: Try) -> Iterator[str]:
         """Describe what is wrong with the file; returns its number of records and its status."""
-        with results_file(self.file) as stored:
+        with open_results(self.file) as stored:
             stored.verify()
         history, wanted = open_history(self.file), len(self.history)
         written = min(self.begun + max(tried.renames - 1, 0), wanted)

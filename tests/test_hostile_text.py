@@ -27,7 +27,7 @@ from tractive_sam.lookup import c_header, columns_of
 from tractive_sam.plot.figure import Figure
 from tractive_sam.schema import SceneError
 from tractive_sam.store import GapError, ResultsError, layout, open_history, read_gap
-from tractive_sam.store.texts import create_text, set_text, text_of
+from tractive_sam.store.texts import create_text, decode_text, set_text
 from tractive_sam.studies import open_study, study
 from tractive_sam.studies.folder import Folder
 from tractive_sam.tables import fmu
@@ -136,7 +136,7 @@ def texts_of(path):
     def look(name, item):
         for key, value in item.attrs.items():
             if isinstance(value, str | bytes):
-                inner = leaves(json.loads(text_of(value))) if key in KEPT_JSON else [()]
+                inner = leaves(json.loads(decode_text(value))) if key in KEPT_JSON else [()]
                 places.extend((name, key, at) for at in inner)
         if isinstance(item, h5py.Dataset) and item.dtype.kind in "OS" and item.size:
             places.append((name, None, ()))
@@ -153,12 +153,12 @@ def put(path, places, text):
         for name, key, at in places:
             item = file[name]
             if key is not None:
-                whole = text_of(item.attrs[key])
+                whole = decode_text(item.attrs[key])
                 set_text(item, key, json.dumps(with_leaf(json.loads(whole), at, text))
                          if key in KEPT_JSON else text.replace("\0", ""))  # fmt: skip
             elif item.shape == () and name == "scene":
                 about = dict(item.attrs)
-                scene = ts.Scene.from_toml_text(text_of(item[()]))
+                scene = ts.Scene.from_toml_text(decode_text(item[()]))
                 blocks = [one.entries() for one in scene.duty]
                 named = ({**blocks[0], "name": text}, *blocks[1:])
                 toml = scene.replace(title=text, duty=named).to_toml()

@@ -52,7 +52,7 @@ def test_a_distance_of_a_transient(call, folder):
         (("RESULTS", "--depth", -1), "depth: a positive number"),
         (("RESULTS", "--elements", 1), "elements: at least 2"),
         (("RESULTS", "-o", "missing/v.vtkhdf"), "missing is not a folder"),
-        (("RESULTS", "-o", "v.vtk"), "v.vtk has not the suffix .vtkhdf"),
+        (("RESULTS", "-o", "v.vtk"), "v.vtk has another suffix than .vtkhdf"),
         (("missing.h5",), "missing.h5 does not exist"),
         (("nothing",), "nothing"),
         (("spheres", "--revolution", 5), "tractive-sam run spheres"),
@@ -70,7 +70,7 @@ def test_a_file_of_another_kind_stays(call, results, folder):
     (folder / "v.vtkhdf").write_text("precious")
     result = call("export", results, "-o", "v.vtkhdf")
     assert result.exit_code == 2
-    assert "is no volume of tractive-sam; choose another name" in result.stderr
+    assert "is not a volume of tractive-sam; choose another name" in result.stderr
     assert (folder / "v.vtkhdf").read_text() == "precious"
 
 

@@ -89,7 +89,7 @@ FAULTS = {
     "single.h5": (lambda path: write_hdf5(path, x=X[:1], y=Y, separation=SEPARATION[:1]), "x of"),
     "words.h5": (lambda path: write_hdf5(path, x=["a"], y=Y, separation=SEPARATION), "unreadable"),
     "pickle.npy": (lambda path: np.save(path, np.array([{}], object)), "unreadable"),
-    "two.npy": (lambda path: np.save(path, POINTS[:, :2]), "neither its body"),
+    "two.npy": (lambda path: np.save(path, POINTS[:, :2]), "without a body"),
     "map.npy": (lambda path: np.save(path, SEPARATION), "gap.step"),
     "fields.npy": (lambda path: np.save(path, np.zeros(3, [("x", float)])), "no field y"),
     "hole.npy": (lambda path: np.save(path, POINTS[1:]), "11 points"),

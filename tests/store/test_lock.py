@@ -3,14 +3,14 @@ import sys
 
 import pytest
 
-from tractive_sam.store.lock import HeldError, is_locked, locked
+from tractive_sam.store.lock import FileInUseError, hold_lock, is_locked
 
 
 def test_one_holder_at_a_time(tmp_path):
     path = tmp_path / "lock"
-    with locked(path):
+    with hold_lock(path):
         assert is_locked(path)
-        with pytest.raises(HeldError), locked(path):
+        with pytest.raises(FileInUseError), hold_lock(path):
             pass
     assert not path.exists()
     assert not is_locked(path)
@@ -20,8 +20,8 @@ def test_lock_ends_with_its_process(tmp_path):
     """However that ends; the file may stay and is taken over."""
     path = tmp_path / "lock"
     holds = (
-        "import sys, time, pathlib; from tractive_sam.store.lock import locked\n"
-        "with locked(pathlib.Path(sys.argv[1])): print('held', flush=True); time.sleep(60)"
+        "import sys, time, pathlib; from tractive_sam.store.lock import hold_lock\n"
+        "with hold_lock(pathlib.Path(sys.argv[1])): print('held', flush=True); time.sleep(60)"
     )
     with subprocess.Popen([sys.executable, "-c", holds, path], stdout=subprocess.PIPE) as holder:
         assert holder.stdout.readline().strip() == b"held"
@@ -30,5 +30,5 @@ def test_lock_ends_with_its_process(tmp_path):
         holder.wait()
     assert path.exists()
     assert not is_locked(path)
-    with locked(path):
+    with hold_lock(path):
         pass

@@ -8,7 +8,13 @@ import pytest
 
 import tractive_sam as ts
 from tests.store.sample_records import SCENE, make_record, mesh
-from tractive_sam.store import HeldError, HistoryWriter, ResultsError, open_history, results_writer
+from tractive_sam.store import (
+    FileInUseError,
+    HistoryWriter,
+    ResultsError,
+    open_history,
+    results_writer,
+)
 from tractive_sam.store.checkpoints import Checkpoints
 
 
@@ -20,7 +26,7 @@ def test_a_second_run_is_refused_while_the_first_rolls(tmp_path):
 
     def take_over(record):
         for options in ({"overwrite": True}, {"resume": True}):
-            with pytest.raises(HeldError) as reported:
+            with pytest.raises(FileInUseError) as reported:
                 ts.roll(scene, path, **options)
             refused.append(str(reported.value))
 
@@ -40,7 +46,7 @@ def test_a_writer_that_was_killed_holds_nothing(finished):
     command = [sys.executable, "-c", holds, finished]
     with subprocess.Popen(command, stdout=subprocess.PIPE) as holder:
         assert holder.stdout.readline().strip() == b"held"
-        with pytest.raises(HeldError), results_writer(finished, overwrite=True):
+        with pytest.raises(FileInUseError), results_writer(finished, overwrite=True):
             pass
         holder.kill()
     with results_writer(finished, overwrite=True):

@@ -10,7 +10,7 @@ import pytest
 
 from tests.store.sample_records import make_record
 from tractive_sam.store import DamagedError, HistoryWriter, ResultsError, open_history
-from tractive_sam.store.opening import results_file
+from tractive_sam.store.opening import open_results
 
 OPENINGS = {
     "h5py": lambda path: h5py.File(path, "r"),
@@ -53,7 +53,7 @@ def test_opens_while_other_code_has_it_open(finished, opened):
 @pytest.mark.slow
 @pytest.mark.parametrize("opened", [name for name in OPENINGS if name != "h5py for writing"])
 def test_other_code_opens_it_while_it_is_read_and_written(finished, opened):
-    with results_file(finished):
+    with open_results(finished):
         OPENINGS[opened](finished).close()
     other = OPENINGS[opened](finished)
     try:

@@ -46,10 +46,10 @@ def test_many_records(path):
 def test_records_wait_for_a_checkpoint(path, monkeypatch):
     """At the first record, where too many fields wait, when it is due, and at the end."""
     size = sum(one.nbytes for one in make_record(0, with_fields=True).fields.values())
-    monkeypatch.setattr("tractive_sam.store.writer.HELD", 2 * size)
+    monkeypatch.setattr("tractive_sam.store.writer.PENDING_BYTES", 2 * size)
 
     class Due(Checkpoints):
-        due = True
+        is_due = True
 
     checkpoints = Due()
     with HistoryWriter(path, SCENE, mesh(), checkpoints=checkpoints) as writer:
@@ -57,7 +57,7 @@ def test_records_wait_for_a_checkpoint(path, monkeypatch):
         for number, (due, with_fields) in enumerate(
             [(True, False), (False, True), (False, True), (False, True), (False, False)]
         ):
-            checkpoints.due = due
+            checkpoints.is_due = due
             writer.append(make_record(number, with_fields))
             held.append(len(open_history(path)))
         assert held == [1, 1, 1, 4, 4]
@@ -69,11 +69,11 @@ def test_checkpoints_take_their_share_of_the_time(monkeypatch):
     now = [0.0]
     monkeypatch.setattr("tractive_sam.store.checkpoints.perf_counter", lambda: now[0])
     checkpoints = Checkpoints(share=0.1)
-    assert checkpoints.due
-    with checkpoints.taken():
+    assert checkpoints.is_due
+    with checkpoints.take():
         now[0] += 1.0
     for now[0], due in ((1.5, False), (10.9, False), (11.1, True)):
-        assert checkpoints.due == due
+        assert checkpoints.is_due == due
 
 
 def test_file_can_be_read_while_it_is_written(path):

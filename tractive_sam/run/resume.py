@@ -11,7 +11,7 @@ from tractive_sam.contact import Gap, Laws, as_asked, choose_grid, reaching
 from tractive_sam.results import UNNAMED, History, LawRecord, Quantity, describe_laws
 from tractive_sam.rolling import Observer, Step, StoredStep, continuing_rows, process_type
 from tractive_sam.scene import Scene
-from tractive_sam.store import DamagedError, ResultsError, state_of
+from tractive_sam.store import DamagedError, ResultsError, read_state
 
 MOST_TOLD = 5
 """Differences of two scenes that are told one by one."""
@@ -84,7 +84,7 @@ def last_step(
             f"{path} is rolled to {along} {place[row]:g} already, {key} = "
             f"{scene.schedule.end:g}: ask for more, or give the run a file of its own"
         )
-    stored = StoredStep(history, row, state_of(path, row))
+    stored = StoredStep(history, row, read_state(path, row))
     with damaged(path, row):
         step = process_type(scene).restore(scene, stored)
     return _on_grid_of(scene, measured, step, path), stored

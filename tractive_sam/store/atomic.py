@@ -1,4 +1,4 @@
-"""Changes to an HDF5 file that happen whole or not at all."""
+"""Atomic changes to HDF5 files: completely or not at all."""
 
 import os
 from collections.abc import Iterator
@@ -18,51 +18,51 @@ from tractive_sam.output_file import (
 from tractive_sam.store.errors import StorageError
 
 LIBVER = ("v110", "v110")
-"""File format: the first whose metadata all have checksums."""
+"""HDF5 file format: the first with checksums of all metadata."""
 
 
 class WritableFile(h5py.File):
-    """An HDF5 file for writing; what the disk refuses is reported by `check`, not by HDF5.
+    """An HDF5 file for writing; `check` reports errors of the disk instead of HDF5.
 
-    HDF5 ends the process if it cannot write while it closes a file.
+    HDF5 would end the process if it could not write while it closes a file.
 
     Parameters
     ----------
     output : OutputFile
-        Where to write.
+        The file that receives the bytes.
     size : int
-        Bytes of the HDF5 file that it holds; 0 for a new one.
+        Size of the HDF5 file in it, bytes; 0 for a new file.
     """
 
     def __init__(self, output: OutputFile, size: int = 0) -> None:
         self._content = _UnfailingFile(output, size)
-        # Without a cache of chunks every write is made at once, so that `check` sees its failure.
+        # Without a chunk cache every write is immediate, so that `check` sees its failure.
         mode = "r+" if size else "w"
         super().__init__(self._content, mode, libver=LIBVER, rdcc_nbytes=0)
 
     def check(self) -> None:
-        """Raise OutputError if the disk refused anything so far."""
+        """Raise OutputError if a write has failed."""
         if self._content.error is not None:
             raise self._content.error
 
     def close(self) -> None:
-        """Close the file; an interrupt waits, since HDF5 does not survive an exception there."""
+        """Close the file; an interrupt is delayed, since HDF5 cannot handle an exception here."""
         with delay_interrupt():
             super().close()
 
 
 @contextmanager
 def atomic_rewrite(path: Path, *, empty: bool = False) -> Iterator[WritableFile]:
-    """Work on a copy of a file, or on an empty one, that takes the place of the file at the end.
+    """Change a copy of a file, or an empty file, which replaces the file when the block ends.
 
-    If the block fails, or the process is killed in it, the file remains as it was. Every copy has a
-    unique name, so that two processes at one file do not write into each other's; what a killed
-    process leaves behind, the next `sole_writer` removes.
+    If the block fails or the process is killed, the file is unchanged. Each copy has a unique name,
+    so two processes never write to the same copy. The next `sole_writer` removes the copies of
+    killed processes.
 
     Raises
     ------
     StorageError
-        If the disk does not take it.
+        If the file cannot be written.
     """
     try:
         with replace_file(path) as output:
@@ -71,7 +71,7 @@ def atomic_rewrite(path: Path, *, empty: bool = False) -> Iterator[WritableFile]
                 try:
                     yield file
                 except Exception:
-                    file.check()  # what HDF5 reports may only follow from that
+                    file.check()  # an error of HDF5 may follow from a failed write
                     raise
             file.check()
     except OutputError as error:
@@ -83,14 +83,14 @@ def atomic_rewrite(path: Path, *, empty: bool = False) -> Iterator[WritableFile]
 
 
 def _is_of_disk(error: Exception) -> bool:
-    """Check whether the system, or HDF5 on top of it, could not read what it had written."""
+    """Check whether an error comes from the disk, reported by the system or by HDF5."""
     return isinstance(error, OSError | RuntimeError) or "errno = " in str(error)
 
 
 class _UnfailingFile:
-    """The file object that HDF5 writes into.
+    """A file object for HDF5 that never raises: after a failed write it stores data in memory.
 
-    After a failure the rest is kept in memory, where HDF5 finds it when it reads it again.
+    HDF5 can read these data again.
     """
 
     def __init__(self, output: OutputFile, size: int) -> None:
@@ -99,6 +99,7 @@ class _UnfailingFile:
         self.error: OutputError | None = None
 
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        """Set the position and return it, as `io.IOBase.seek`."""
         start = {os.SEEK_SET: 0, os.SEEK_CUR: self._position, os.SEEK_END: self._size}
         self._position = start[whence] + offset
         return self._position
@@ -107,23 +108,26 @@ class _UnfailingFile:
         return self._position
 
     def read(self, size: int) -> bytes:
+        """Return at most `size` bytes."""
         data = bytearray(size)
         return bytes(data[: self.readinto(data)])
 
     def readinto(self, buffer) -> int:
+        """Fill a buffer and return the number of bytes; includes data that were not written."""
         view, start = memoryview(buffer).cast("B"), self._position
         count = max(0, min(len(view), self._size - start))
-        found = self._output.read(count, start)
-        view[: len(found)] = found
-        view[len(found) : count] = bytes(count - len(found))  # a hole at the end
-        for place, data in self._unwritten:
-            first, last = max(start, place), min(start + count, place + len(data))
+        stored = self._output.read(count, start)
+        view[: len(stored)] = stored
+        view[len(stored) : count] = bytes(count - len(stored))  # a hole at the end
+        for offset, data in self._unwritten:
+            first, last = max(start, offset), min(start + count, offset + len(data))
             if first < last:
-                view[first - start : last - start] = data[first - place : last - place]
+                view[first - start : last - start] = data[first - offset : last - offset]
         self._position += count
         return count
 
     def write(self, data) -> int:
+        """Write data, or store them in memory after a failure; return their size in bytes."""
         size = memoryview(data).nbytes
         try:
             if self.error is None:
@@ -137,6 +141,7 @@ class _UnfailingFile:
         return size
 
     def truncate(self, size: int) -> int:
+        """Set the length of the file in bytes and return it."""
         try:
             if self.error is None:
                 self._output.truncate(size)
@@ -146,4 +151,4 @@ class _UnfailingFile:
         return size
 
     def flush(self) -> None:
-        """Nothing waits to be written."""
+        """Do nothing: every write is immediate."""

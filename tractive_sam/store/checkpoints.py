@@ -1,35 +1,32 @@
-"""When what was computed is put on disk."""
+"""Times at which computed records are written to the disk."""
 
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from time import perf_counter
 
-SHARE = 0.02
-"""Most of the time that is spent on checkpoints."""
-
 
 class Checkpoints:
-    """So often that it takes no more than a share of the time; the first at once.
+    """Schedule of checkpoints that limits their share of the wall time; the first is immediate.
 
     Parameters
     ----------
     share : float
-        Of the time; infinite for one after every record.
+        Largest share of the wall time; infinite for a checkpoint after every record.
     """
 
-    def __init__(self, share: float = SHARE) -> None:
+    def __init__(self, share: float = 0.02) -> None:
         self._share, self._next = share, -math.inf
 
     @property
-    def due(self) -> bool:
-        """Whether it is time for the next one."""
+    def is_due(self) -> bool:
+        """Whether it is time for the next checkpoint."""
         return perf_counter() >= self._next
 
     @contextmanager
-    def taken(self) -> Iterator[None]:
-        """Take one: what the block takes tells when the next one is due."""
-        began = perf_counter()
+    def take(self) -> Iterator[None]:
+        """Measure the duration of the block, a checkpoint, and schedule the next one."""
+        start = perf_counter()
         yield
-        ended = perf_counter()
-        self._next = ended + (ended - began) / self._share
+        end = perf_counter()
+        self._next = end + (end - start) / self._share

@@ -1,4 +1,4 @@
-"""Reads tables of creep forces."""
+"""Reads the files of creep-force tables."""
 
 import math
 from collections.abc import Mapping
@@ -12,51 +12,50 @@ import numpy as np
 from tractive_sam.output_file import describe_os_error
 from tractive_sam.store.errors import DamagedError, ResultsError
 from tractive_sam.store.hdf5_file import open_to_read
-from tractive_sam.store.hdf5_guard import member, numbers_of
+from tractive_sam.store.hdf5_guard import get_member, numeric_dataset
 
 TABLE_FORMAT = "creep-force table 2"
-"""What a file says of itself; another number is another version."""
-
+"""Value of the attribute `format`, with the version of the format."""
 
 CHECKS = ("check_points", "check_errors", "check_told")
-"""Points that were held out: places, errors, and those that the table tells."""
+"""Datasets of the check points: coordinates, true errors, and errors that the table estimates."""
 
-HELD_OUT = ("held_out", "held_out_median", "held_out_worst", "held_out_inside")
-"""What these points say of the errors of the table."""
+ERROR_SUMMARY = ("held_out", "held_out_median", "held_out_worst", "held_out_inside")
+"""Attributes that summarize the errors at the check points."""
 
 GRADIENTS = (
     "gradient_checks", "gradient_median", "gradient_worst", "gradient_at_rest", "gradient_inside",
 )  # fmt: skip
-"""Summary of the measured errors of gradients."""
+"""Attributes that summarize the measured errors of gradients."""
 
 TEXTS = ("format", "axes", "apart", "scaling", "version", "title", "design")
 """Attributes that are texts."""
 
-NUMBERS = ("whole", "rounds", "contacts", "cpu_seconds", "widened", *HELD_OUT, *GRADIENTS)
+NUMBERS = ("whole", "rounds", "contacts", "cpu_seconds", "widened", *ERROR_SUMMARY, *GRADIENTS)
 """Attributes that are numbers."""
 
 POSITIVE = ("tolerance", "a", "b", "load", "mu", "shear")
-"""Attributes that are positive numbers; all but the first scale the table of a scene."""
+"""Attributes that are positive numbers; all except the first scale the table of a scene."""
 
 
 @dataclass(frozen=True, eq=False)
 class StoredTable:
-    """What a file of a table holds.
+    """Content of the file of a creep-force table.
 
     Attributes
     ----------
     names : tuple of str
-        Axes.
+        Names of the axes.
     axes : tuple of ndarray
-        Nodes.
+        Nodes of each axis.
     coefficients, bars : ndarray
         Derivatives and error bars at the nodes.
     between : tuple of ndarray
-        Errors of interpolation within the intervals of each axis; empty along an axis of one node.
+        Interpolation errors within the intervals of each axis; empty for an axis of one node.
     about : mapping
-        Attributes of the file, and the points that were held out.
+        Attributes of the file, and the check points.
     gradient_bars : ndarray or None
-        Error bars of gradients; none in files from before they were measured.
+        Error bars of gradients; None for files that were written before they were measured.
     """
 
     names: tuple[str, ...]
@@ -69,66 +68,67 @@ class StoredTable:
 
 
 def read_creep_table(path: Path) -> StoredTable:
-    """Read the file of a table.
+    """Read the file of a creep-force table.
 
     Raises
     ------
     ResultsError
-        If it does not exist, is damaged, no table, or one of another version.
+        If the file does not exist, is damaged, is no table, or has another version.
     """
     if not path.is_file():
-        cure = f"tractive-sam table TABLE.toml -o {path} writes one, and steel is built in"
-        raise ResultsError(f"{path}: there is no such table; {cure}")
+        cure = f"write it by tractive-sam table TABLE.toml -o {path}, or use the built-in steel"
+        raise ResultsError(f"{path}: this table does not exist; {cure}")
     try:
         file = open_to_read(path)
     except OSError as error:
-        told = f"{path} cannot be read as a table: {describe_os_error(error)}; make it again"
-        raise DamagedError(told) from error
+        cure = "make it again by tractive-sam table"
+        message = f"{path} cannot be read as a table: {describe_os_error(error)}; {cure}"
+        raise DamagedError(message) from error
     with file:
-        kind = str(_plain(file.attrs.get("format", "")))
+        kind = str(_decode_attribute(file.attrs.get("format", "")))
         if kind != TABLE_FORMAT:
-            told = f"a {kind}" if kind.startswith("creep-force") else "no table of creep forces"
+            found = f"a {kind}" if kind.startswith("creep-force") else "no creep-force table"
             cure = "make it again by tractive-sam table"
-            raise ResultsError(f"{path} is {told}; this version reads {TABLE_FORMAT}: {cure}")
+            raise ResultsError(f"{path} is {found}; this version reads {TABLE_FORMAT}: {cure}")
         try:
-            return _stored(file)
+            return _read_table(file)
         except (LookupError, OSError, TypeError, ValueError) as error:
             raise DamagedError(f"{path} is damaged ({error}); make it again") from error
 
 
-def _stored(file: h5py.File) -> StoredTable:
-    """Return what a file holds, be it of shapes that fit or not."""
-    about = _about(file)
+def _read_table(file: h5py.File) -> StoredTable:
+    """Read all arrays and attributes, without a check of their shapes."""
+    about = _read_attributes(file)
     names = tuple(about["axes"].split())
     for name in names:
         if not name.isidentifier():  # / would lead into groups
             raise ValueError(f"axes: the name {name!r}; allowed: letters, digits and _")
-    axes = tuple(_numbers(file, name) for name in names)
+    axes = tuple(_read_numbers(file, name) for name in names)
     between = tuple(
-        _numbers(file, f"between_{name}") if nodes.size > 1 else np.empty((0, 3))
+        _read_numbers(file, f"between_{name}") if nodes.size > 1 else np.empty((0, 3))
         for name, nodes in zip(names, axes, strict=True)
     )
-    about |= {name: _numbers(file, name) for name in CHECKS if name in file}
-    coefficients, bars = (_numbers(file, name) for name in ("coefficients", "error_bar"))
-    gradient_bars = _numbers(file, "gradient_bar") if "gradient_bar" in file else None
+    about |= {name: _read_numbers(file, name) for name in CHECKS if name in file}
+    coefficients, bars = (_read_numbers(file, name) for name in ("coefficients", "error_bar"))
+    gradient_bars = _read_numbers(file, "gradient_bar") if "gradient_bar" in file else None
     return StoredTable(names, axes, coefficients, bars, between, about, gradient_bars)
 
 
-def _numbers(file: h5py.File, name: str) -> np.ndarray:
-    """Read an array of numbers that lies in the file itself."""
+def _read_numbers(file: h5py.File, name: str) -> np.ndarray:
+    """Read a numeric dataset; links and external datasets are refused."""
     try:
-        return numbers_of(member(file, name))[()]
+        return numeric_dataset(get_member(file, name))[()]
     except (KeyError, ValueError) as error:
         raise ValueError(f"{name}: {error}") from error
 
 
-def _about(file: h5py.File) -> dict[str, Any]:
-    """Read the attributes: texts, and finite numbers, some of which come together or not at all."""
+def _read_attributes(file: h5py.File) -> dict[str, Any]:
+    """Read and check the attributes; some groups must be complete or absent."""
     about: dict[str, Any] = {}
     for name in (*TEXTS, *NUMBERS, *POSITIVE):
         if name not in file.attrs:
             continue
-        value = about[name] = _plain(file.attrs[name])
+        value = about[name] = _decode_attribute(file.attrs[name])
         if name in TEXTS:
             if not isinstance(value, str):
                 raise ValueError(f"{name}: {value!r}; allowed: a text")
@@ -137,15 +137,15 @@ def _about(file: h5py.File) -> dict[str, Any]:
         elif name in POSITIVE and value <= 0.0:
             raise ValueError(f"{name}: {value!r}; allowed: a positive number")
     bars = (*GRADIENTS, "gradient_bar")
-    for together in (HELD_OUT, CHECKS, bars, ("a", "b", "load", "mu", "shear")):
-        lacking = [name for name in together if name not in about and name not in file]
-        if lacking and len(lacking) < len(together):
-            raise ValueError(f"no {', '.join(lacking)}; allowed: all of {', '.join(together)}")
+    for together in (ERROR_SUMMARY, CHECKS, bars, ("a", "b", "load", "mu", "shear")):
+        missing = [name for name in together if name not in about and name not in file]
+        if missing and len(missing) < len(together):
+            raise ValueError(f"no {', '.join(missing)}; allowed: all of {', '.join(together)}")
     return about
 
 
-def _plain(value: Any) -> Any:
-    """An attribute as text or number: netCDF keeps numbers as arrays of one."""
+def _decode_attribute(value: Any) -> Any:
+    """Return an attribute as text or number; netCDF stores a number as an array of length 1."""
     if isinstance(value, np.ndarray | np.generic) and value.size == 1:
         value = value.item()
     return value.decode() if isinstance(value, bytes) else value

@@ -1,4 +1,4 @@
-"""What can be wrong with a file, in words that name the file and the cure."""
+"""Errors of results files and gap files; each message names the file and the remedy."""
 
 from pathlib import Path
 
@@ -17,7 +17,7 @@ class ResultsError(Exception):
 
 
 class DamagedError(ResultsError):
-    """A results file of which something is lost; to compute it again is the cure.
+    """A results file with lost data; compute it again.
 
     Examples
     --------
@@ -33,14 +33,14 @@ class DamagedError(ResultsError):
 
 
 class StorageError(ResultsError):
-    """A file that could be written to begin with, and then no more: of a full disk, say.
+    """A file that can no longer be written, for example because the disk is full.
 
-    What was there before the last change is still there.
+    The content before the last change is unchanged.
     """
 
 
-class HeldError(ResultsError):
-    """A file that another process is writing."""
+class FileInUseError(ResultsError):
+    """A file that another process writes."""
 
 
 class GapError(ValueError):
@@ -49,11 +49,11 @@ class GapError(ValueError):
     Attributes
     ----------
     key : str
-        The entry of the scene at fault.
+        Key of the scene that names the file.
     given : str
-        What was found.
+        The fault in the file.
     allowed : str
-        What is wanted.
+        What the file must contain instead.
 
     Examples
     --------
@@ -73,11 +73,11 @@ class GapError(ValueError):
         super().__init__(f"{self.key}: {self.given}; wanted: {allowed}")
         self._parts = path, given, allowed, table
 
-    def of(self, table: str) -> "GapError":
-        """The same of a file that another table of the scene names."""
+    def for_table(self, table: str) -> "GapError":
+        """Return the error for a file that another table of the scene names."""
         path, given, allowed, _ = self._parts
         return GapError(path, given, allowed, table)
 
     def __reduce__(self):
-        """Pickle by its parts, so that it crosses between processes."""
+        """Pickle the arguments, so that the error can be passed between processes."""
         return GapError, self._parts

@@ -1,4 +1,4 @@
-"""Reads tables of numbers as instruments and spreadsheets write them."""
+"""Reads text tables of instruments and spreadsheets."""
 
 import math
 import re
@@ -12,7 +12,7 @@ from tractive_sam import input_file
 from tractive_sam.store.errors import GapError
 
 LONGEST = 1_000_000
-"""Characters of a line that a table may have."""
+"""Largest length of a line, characters."""
 
 _SPACED = re.compile(r"\d\s+[-+.\w]")  # a number, space, and the next one
 _BEFORE_UNIT = re.compile(r"\s+(?=[\[(])")
@@ -21,18 +21,18 @@ _NAME = re.compile(r"""\s*["']?([^\W\d_]+)[\s_]*[\[(]?\s*(nm|[uµμ]m|mm|m)?\s*[
 
 @dataclass(frozen=True)
 class TextTable:
-    """Rows of cells, with the names of its columns and their units where a header tells them.
+    """Rows of cells, with the names and units of the columns if a header states them.
 
     Attributes
     ----------
     cells : list of list of str
-        All rows of the same length, numbers with decimal points; without the header of columns.
+        Rows of equal length, numbers with decimal points; without the header.
     lines : list of int
-        In which line of the file each row is, from 1.
+        Line number of each row in the file, from 1.
     names : tuple of str
-        In lower case; empty without a header.
+        Names of the columns in lower case; empty without a header.
     units : tuple of str
-        Of each column, empty where the header tells none.
+        Unit of each column; an empty text if the header states none.
     """
 
     cells: list[list[str]]
@@ -41,12 +41,12 @@ class TextTable:
     units: tuple[str, ...] = ()
 
     def numbers(self, path: Path) -> np.ndarray:
-        """All cells as numbers, shape (rows, columns).
+        """Return all cells as numbers, shape (rows, columns).
 
         Raises
         ------
         GapError
-            With the line of the first one that is no finite number.
+            If a cell is no finite number; the message states the line of the first.
         """
         wrong = [
             f"line {line}, {cell!r}"
@@ -55,62 +55,64 @@ class TextTable:
             if not (is_number(cell) and math.isfinite(float(cell)))
         ]
         if wrong:
-            raise GapError(path, one_of(wrong), "a finite number in every cell")
+            raise GapError(path, first_place(wrong), "a finite number in every cell")
         return np.array(self.cells, float)
 
 
-def read_text(path: Path, most: int = 2**30) -> TextTable:
-    """Read a table, by the separator and the decimal sign that its lines have.
+def read_text(path: Path, max_bytes: int = 2**30) -> TextTable:
+    """Read a table; the separator and the decimal sign follow from its lines.
 
     Parameters
     ----------
     path : Path
         The file.
-    most : int
-        Bytes that it may have: some 5000 x 5000 numbers, more than memory takes as text.
+    max_bytes : int
+        Largest size of the file: about 5000 x 5000 numbers, which as text already need too much
+        memory.
 
     Raises
     ------
     GapError
-        If it has no rows, or rows of different lengths.
+        If the file has no rows, or rows of different lengths.
     """
-    text = input_file.read_text(path, most, "utf-8-sig")
-    lines = [(k, line.strip()) for k, line in enumerate(text.splitlines(), 1) if line.strip()]
+    text = input_file.read_text(path, max_bytes, "utf-8-sig")
+    stripped = enumerate(map(str.strip, text.splitlines()), 1)
+    lines = [(number, line) for number, line in stripped if line]
     if any(len(line) > LONGEST for _, line in lines):
-        raise GapError(path, f"a line longer than {LONGEST} characters", "a line for each row")
-    rows = [(k, line) for k, line in lines if line[0] not in "#%"]
+        raise GapError(path, f"a line longer than {LONGEST} characters", "one line for each row")
+    rows = [(number, line) for number, line in lines if line[0] not in "#%"]
     if not rows:
         raise GapError(path, "no rows", "a row of numbers for each point")
-    split = _splitter(rows[-1][1])
+    split = _choose_splitter(rows[-1][1])
     cells = [split(line) for _, line in rows]
-    numbers = [k for k, _ in rows]
-    header = _header(cells[0])
+    line_numbers = [number for number, _ in rows]
+    header = _parse_header(cells[0])
     if header:
-        cells, numbers = cells[1:], numbers[1:]
+        cells, line_numbers = cells[1:], line_numbers[1:]
         if not cells:
             raise GapError(path, "no rows below the header", "a row of numbers for each point")
-    elif rows[0] != lines[0]:  # the last comment before the numbers may be the header
-        header = _header(split(lines[lines.index(rows[0]) - 1][1].lstrip("#% ")))
+    elif rows[0] != lines[0]:  # the last comment line before the numbers may be the header
+        header = _parse_header(split(lines[lines.index(rows[0]) - 1][1].lstrip("#% ")))
         header = header if len(header) == len(cells[0]) else []
     width = len(header) or len(cells[0])
-    other = [
-        f"line {k} of {len(row)} cells, not {width}"
-        for k, row in zip(numbers, cells, strict=True)
+    wrong = [
+        f"line {number} of {len(row)} cells, not {width}"
+        for number, row in zip(line_numbers, cells, strict=True)
         if len(row) != width
     ]
-    if other:
-        raise GapError(path, one_of(other), "rows of the same length")
+    if wrong:
+        raise GapError(path, first_place(wrong), "rows of the same length")
     names, units = zip(*header, strict=True) if header else ((), ())
-    return TextTable(cells, numbers, names, units)
+    return TextTable(cells, line_numbers, names, units)
 
 
-def one_of(places: Sequence[str]) -> str:
-    """The first of many places at which something is wrong, and how many more there are."""
+def first_place(places: Sequence[str]) -> str:
+    """Return the first of several faulty places, and the number of the others."""
     return places[0] if len(places) == 1 else f"{places[0]} and {len(places) - 1} more"
 
 
 def is_number(cell: str) -> bool:
-    """Whether a cell holds a number."""
+    """Check whether a cell contains a number."""
     try:
         float(cell)
     except ValueError:
@@ -118,21 +120,21 @@ def is_number(cell: str) -> bool:
     return True
 
 
-def _splitter(line: str) -> Callable[[str], list[str]]:
-    """Splits lines like this one, a row of numbers, into cells with decimal points."""
+def _choose_splitter(line: str) -> Callable[[str], list[str]]:
+    """Return a function that splits lines like this row of numbers into cells."""
     for separator in (";", "\t"):
         if separator in line:
-            return lambda row: [one.strip().replace(",", ".") for one in row.split(separator)]
+            return lambda row: [cell.strip().replace(",", ".") for cell in row.split(separator)]
     if _SPACED.search(line):
         if re.search(r"\d,\d", line) and "." not in line:
-            return lambda row: [one.replace(",", ".") for one in _BEFORE_UNIT.sub("", row).split()]
+            return lambda row: _BEFORE_UNIT.sub("", row).replace(",", ".").split()
         return lambda row: _BEFORE_UNIT.sub("", row).split()
-    return lambda row: [one.strip() for one in row.split(",")]
+    return lambda row: [cell.strip() for cell in row.split(",")]
 
 
-def _header(cells: list[str]) -> list[tuple[str, str]]:
-    """Name and unit of each column, if these cells are such; the unit may be unknown."""
-    found = [_NAME.fullmatch(one) for one in cells]
-    if not found or not all(found):
+def _parse_header(cells: list[str]) -> list[tuple[str, str]]:
+    """Return (name, unit) of each column; the unit may be empty. Return [] if this is no header."""
+    matches = [_NAME.fullmatch(match) for match in cells]
+    if not matches or not all(matches):
         return []
-    return [(one[1].lower(), re.sub("[µμ]", "u", one[2] or "")) for one in found]
+    return [(match[1].lower(), re.sub("[µμ]", "u", match[2] or "")) for match in matches]

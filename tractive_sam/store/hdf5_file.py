@@ -1,4 +1,4 @@
-"""HDF5 files, opened without regard to what else this process does with them."""
+"""Opens HDF5 files for reading, also files that other code of the process has open."""
 
 from pathlib import Path
 
@@ -11,10 +11,10 @@ from tractive_sam.store.errors import ResultsError
 def open_to_read(path: Path) -> h5py.File:
     """Open an HDF5 file for reading, also while other code of this process has it open.
 
-    HDF5 shares one record of a file between all openings by the same driver, and refuses the next
-    one if its flags differ: those of locks, which h5py and xarray set, or of closing, which netCDF
-    sets. Nothing is shared with the driver of buffered files, which other code does not use. Only
-    a file that this process has open for writing is opened by the usual driver, to share it.
+    HDF5 shares one handle between all openings of a file by the same driver. It refuses an opening
+    with different flags: h5py and xarray set flags of locks, netCDF sets a flag of closing. So the
+    file is opened by the driver for buffered files, which other code does not use. Only a file
+    that this process has open for writing is opened by the usual driver, to share its handle.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ def open_to_read(path: Path) -> h5py.File:
     ResultsError
         If another process has it open for writing.
     OSError
-        If it is no regular file, no HDF5 file, or is damaged.
+        If the file is no regular file, no HDF5 file, or is damaged.
     """
     open_regular(path).close()
     try:
@@ -42,9 +42,9 @@ def open_to_read(path: Path) -> h5py.File:
                 message = f"{path} is open for writing in another program: {cure}"
                 raise ResultsError(message) from error
             if "flag values don't match" not in str(error):
-                raise  # with its cause, which HDF5 states by the usual driver alone
+                raise  # only the usual driver states the cause
         else:
             if file.mode == "r+":
                 return file
-            file.close()  # an earlier reader shares what it has seen before the damage
+            file.close()  # the shared handle of an earlier reader may predate the damage
     raise unopened

@@ -1,11 +1,11 @@
-"""Reads HDF5 files that others wrote: nothing outside the file, and no more than it can hold.
+"""Checks of HDF5 files from other programs before data are read.
 
-An HDF5 file may name other files, which HDF5 opens by itself: by external links, by virtual
-datasets, and by datasets whose numbers lie in a file of raw bytes. Whoever reads such a file would
-have any file of this machine read as numbers. All of them are refused, soft links as well.
+An HDF5 file can refer to other files: by external links, by virtual datasets, and by datasets in
+a file of raw bytes. HDF5 opens these files without a question, so that a reader could be made to
+read any file of the machine. All these references are refused, and soft links, too.
 
-Heaps of texts are looked at before HDF5 does. A heap is a row of objects, each with its size; where
-one of size zero stands, HDF5 goes round for ever. Source: HDF5 file format specification, III.E,
+Heaps of texts are checked before HDF5 reads them. A heap is a sequence of objects, each with its
+size; HDF5 never returns from an object of size zero. Source: HDF5 file format specification, III.E,
 "Disk Format: Level 1E - Global Heap".
 """
 
@@ -15,27 +15,27 @@ from struct import unpack_from
 
 import h5py
 
-SUPERBLOCK_OF_FORMER = 2
-"""Version of the first block of an HDF5 file, up to which texts in heaps are read here."""
+LAST_HEAP_SUPERBLOCK = 2
+"""Last superblock version whose files may contain texts in heaps that this package reads."""
 
 _HEAD, _OBJECT, _SIGNATURE = 16, 16, b"GCOL"
 
 
-def member(group: h5py.Group, name: str) -> h5py.Group | h5py.Dataset:
-    """Return what lies under a name in the file itself.
+def get_member(group: h5py.Group, name: str) -> h5py.Group | h5py.Dataset:
+    """Return the group or dataset of a name, if it is stored in the file itself.
 
     Raises
     ------
     KeyError
-        If there is nothing.
+        If the name does not exist.
     ValueError
-        If a link stands there, or a dataset whose numbers lie in another file.
+        If the name is a link, or the numbers of the dataset are in another file.
     """
     item = group
     for part in filter(None, name.split("/")):
         link = item.get(part, getlink=True)
         if link is None:
-            raise KeyError(f"there is no {name}")
+            raise KeyError(f"{name} does not exist")
         if not isinstance(link, h5py.HardLink):
             raise ValueError(f"{part} is a link; only data in the file itself are read")
         item = item[part]
@@ -44,70 +44,73 @@ def member(group: h5py.Group, name: str) -> h5py.Group | h5py.Dataset:
     return item
 
 
-def check_claim(group: h5py.Group, claimed: int, ratio: int = 1032, least: int = 2**26) -> None:
-    """See that a file can hold as much as it claims, before memory is taken for it.
+def check_claimed_size(
+    group: h5py.Group, claimed: int, ratio: int = 1032, min_bytes: int = 2**26
+) -> None:
+    """Check that a file is large enough for the data that it claims, before memory is allocated.
 
     Parameters
     ----------
     group : h5py.Group
-        Any of the file.
+        Any group of the file.
     claimed : int
-        Bytes in memory.
+        Size of the data in memory, bytes.
     ratio : int
-        Most bytes in memory for a byte in the file: that of deflate.
-    least : int
-        Bytes that any file may claim: what is not written is filled, and takes no room in a file.
+        Largest compression ratio, that of deflate.
+    min_bytes : int
+        Bytes that any file may claim: values that were never written need no space in a file.
 
     Raises
     ------
     ValueError
-        If the file is too small for them.
+        If the file is too small.
     """
     size = group.file.id.get_filesize()
-    if claimed > max(ratio * size, least):
-        raise ValueError(f"{claimed / 2**20:.4g} MiB are claimed by a file of {size} bytes")
+    if claimed > max(ratio * size, min_bytes):
+        raise ValueError(f"a file of {size} bytes claims {claimed / 2**20:.4g} MiB of data")
 
 
-def numbers_of(dataset: h5py.Dataset) -> h5py.Dataset:
-    """Return a dataset that holds numbers, as many as the file can hold.
+def numeric_dataset(dataset: h5py.Dataset) -> h5py.Dataset:
+    """Return a dataset after a check that it is numeric and that the file is large enough for it.
 
     Raises
     ------
     ValueError
-        If it is a group, holds anything else, or claims more.
+        If it is no numeric dataset, or claims more data than the file can contain.
     """
     if not isinstance(dataset, h5py.Dataset) or dataset.dtype.kind not in "biuf":
-        raise ValueError("no array of numbers")
-    check_claim(dataset.parent, dataset.size * max(dataset.dtype.itemsize, 8))
+        raise ValueError("not an array of numbers")
+    check_claimed_size(dataset.parent, dataset.size * max(dataset.dtype.itemsize, 8))
     return dataset
 
 
 def has_endless_heap(path: Path) -> bool:
-    """Whether HDF5 would never come back from reading a text."""
+    """Check whether a heap of texts would keep HDF5 reading for ever."""
     with path.open("rb") as file:
         start = file.read(9)
-        if len(start) < 9 or start[8] > SUPERBLOCK_OF_FORMER:
+        if len(start) < 9 or start[8] > LAST_HEAP_SUPERBLOCK:
             return False
         with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
-            at = content.find(_SIGNATURE)
-            while at >= 0:
-                if _is_endless(content, at):
+            position = content.find(_SIGNATURE)
+            while position >= 0:
+                if _is_endless_heap(content, position):
                     return True
-                at = content.find(_SIGNATURE, at + 1)
+                position = content.find(_SIGNATURE, position + 1)
     return False
 
 
-def _is_endless(content: mmap.mmap, at: int) -> bool:
-    if at + _HEAD > len(content):
+def _is_endless_heap(content: mmap.mmap, position: int) -> bool:
+    """Check whether the heap at a position contains an object of size zero."""
+    if position + _HEAD > len(content):
         return False
-    end = min(at + unpack_from("<Q", content, at + 8)[0], len(content))
-    at += _HEAD
-    while at + _OBJECT <= end:
-        number, _, _, size = unpack_from("<HHIQ", content, at)
+    end = min(position + unpack_from("<Q", content, position + 8)[0], len(content))
+    position += _HEAD
+    while position + _OBJECT <= end:
+        number, _, _, size = unpack_from("<HHIQ", content, position)
         if number:
-            at += _OBJECT + (size + 7) // 8 * 8
+            position += _OBJECT + (size + 7) // 8 * 8
         elif size:
-            at += size  # what is free, its head included
+            position += size  # free space, including its header
         else:
             return True
     return False

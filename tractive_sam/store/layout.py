@@ -18,13 +18,13 @@
     /fatigue   of scenes with [fatigue]: a group for each body with record, revolution, depth (below
                the present surface) and zeta (below the unworn one); utilisation, residual_shear,
                path_radius (record, y, depth), damage (record, y, zeta), worn (record, y)
-    /state     fields (x, y) of the last contact that was solved, from which rolling goes on;
-               attribute: record, its row in /history; what observers resume from, of any shape,
-               under names that begin with theirs
+    /state     fields (x, y) of the last solved contact, from which rolling resumes; attribute:
+               record, its row in /history; arrays of any shape from which observers resume, under
+               names that begin with the name of the observer
 
-A netCDF reader seeks the dimensions of a variable in its own group: /grid/x and /grid/y are hard
-linked into the groups that need them. The record of a row of /fields and /stress is its row in
-/history. All numbers have a checksum, and HDF5 has its own for what it says about them.
+A netCDF reader looks for the dimensions of a variable in the group of the variable: so /grid/x and
+/grid/y are hard linked into the groups that need them. The record of a row of /fields and /stress
+is its row in /history. All numbers have a checksum, and HDF5 adds checksums of its metadata.
 """
 
 import hashlib
@@ -57,33 +57,33 @@ from tractive_sam.results import (
 )
 from tractive_sam.results import columns as columns_of
 from tractive_sam.scene import Plane, Scene, block_label
-from tractive_sam.store.texts import create_text, set_text, text_of
+from tractive_sam.store.texts import create_text, decode_text, set_text
 from tractive_sam.store.versions import versions
 
 FORMAT = "tractive-sam history"
 FORMAT_VERSION = 2
-"""Raised when a reader of the former version would misread the file. That one is still read, see
-`former`; a column more needs no new version, as one that a file lacks reads as nan."""
+"""Increased when readers of the version before would misread the file. Version 1 is still read, see
+`legacy_format`. A new column needs no new version: a missing column reads as nan."""
 
 RUNNING = ("running", "the computation has not ended yet, or was killed")
-"""Status and message until the end."""
+"""Status and message of a run that has not ended."""
 
 REFERENCE = {"a0": "a", "b0": "b", "p0": "p0"}
-"""Attributes for other readers: the unworn contact by Hertz."""
-SQUEEZED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+"""Attributes for other readers: the Hertz solution of the unworn contact."""
+COMPRESSED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 
 CHUNK_BYTES = 4096
-"""Least size of a chunk: a page of the disk. So none lies within a page, and where a page is lost
-and reads as zeros the checksum tells: that of nothing but zeros is zero, too."""
+"""Least size of a chunk: a page of the disk. The checksum of a chunk of zeros is zero, so the
+loss of a page that contains a whole chunk with its checksum would not be noticed."""
 
 DESCRIPTION = ("units", "long_name")
-"""Attributes for other readers, texts of any length: they are never read here."""
+"""Attributes for other readers, texts of variable length: this package never reads them."""
 
 OWN = "own"
-"""Attribute of /history and /fields: columns and fields that are not the package's."""
+"""Attribute of /history and /fields: user-defined columns and fields."""
 
 ROW = Quantity("record", "1", "row of /history")
-TOLD = (
+DESCRIBED = (
     "name",
     "unit",
     "long_name",
@@ -95,22 +95,36 @@ TOLD = (
     "per_length",
     "role",
 )
-"""What is kept of a column that is not the package's."""
+"""Attributes of a user-defined quantity that are stored."""
 
 
-def known_names() -> set[str]:
-    """Names of the package's columns."""
-    return {one.name for one in COLUMNS}
+def package_columns() -> set[str]:
+    """Return the names of the columns that the package defines."""
+    return {column.name for column in COLUMNS}
 
 
-def create(
+def create_layout(
     file: h5py.File,
     scene: Scene,
     mesh: Grid,
     laws: Mapping[str, LawRecord] | None = None,
     coordinate: Quantity | None = None,
 ) -> None:
-    """Lay out an empty results file of a history along a coordinate, by default the scene's."""
+    """Create the groups and datasets of an empty results file.
+
+    Parameters
+    ----------
+    file : h5py.File
+        An empty file.
+    scene : Scene
+        The scene that is computed.
+    mesh : Grid
+        The mesh.
+    laws : mapping of str to LawRecord, optional
+        Laws that replace those of the scene.
+    coordinate : Quantity, optional
+        The column along which the history runs; by default that of the scene.
+    """
     coordinate = coordinate or of_role(columns_of(scene).values(), COORDINATE)
     set_text(file, "format", FORMAT)
     file.attrs["format_version"] = FORMAT_VERSION
@@ -123,31 +137,33 @@ def create(
     grid.attrs["half_length"] = mesh.half_length
     for name, centres, along in (("x", mesh.x, "rolling"), ("y", mesh.y, "lateral")):
         about = Quantity(name, "mm", f"centres of the elements in the {along} direction")
-        _scale(grid, name, centres, about)
-    # A record may have other columns in the place of those with a role.
-    certain = {
-        name: one
-        for name, one in columns_of(scene, (coordinate,)).items()
-        if one.role in ("", COORDINATE)
+        _create_scale(grid, name, centres, about)
+    # A record may replace columns that have a role by other columns.
+    fixed_columns = {
+        name: quantity
+        for name, quantity in columns_of(scene, (coordinate,)).items()
+        if quantity.role in ("", COORDINATE)
     }
     history = file.create_group("history")
-    _create_history(history, grid, certain)
+    _create_history(history, grid, fixed_columns)
     if names := [block_label(scene, k) for k in range(len(scene.duty))]:
-        _labels(history, "block", names, "block of the duty cycle")
-    kept = {name: one for name, one in kept_fields(scene).items() if one is not BOUND}
-    _create_fields(file.create_group("fields"), grid, history, coordinate, kept)
+        _create_labels(history, "block", names, "block of the duty cycle")
+    stored_fields = {
+        name: quantity for name, quantity in kept_fields(scene).items() if quantity is not BOUND
+    }
+    _create_fields(file.create_group("fields"), grid, history, coordinate, stored_fields)
     file.create_group("stress")
     _create_state(file.create_group("state"), grid, history)
 
 
 def set_status(file: h5py.File, status: str, message: str) -> None:
-    """Say how far the computation has come."""
+    """Set the status of the computation and its message."""
     set_text(file["scene"], "status", status)
     set_text(file["scene"], "message", message)
 
 
 def set_scene(file: h5py.File, scene: Scene) -> None:
-    """Set the text of the scene, or replace it: the same one, rolled further."""
+    """Set the text of the scene, or replace it when a run is continued with changed limits."""
     about = {}
     if "scene" in file:
         before = file["scene"].attrs
@@ -157,7 +173,7 @@ def set_scene(file: h5py.File, scene: Scene) -> None:
     dataset = create_text(file, "scene", text)
     for name, value in about.items():
         if isinstance(value, bytes):
-            set_text(dataset, name, text_of(value))
+            set_text(dataset, name, decode_text(value))
         else:
             dataset.attrs[name] = value
     for name, of_hertz in REFERENCE.items():
@@ -167,30 +183,30 @@ def set_scene(file: h5py.File, scene: Scene) -> None:
 
 
 def digest(text: str) -> str:
-    """The checksum of a text."""
+    """Return the SHA-256 checksum of a text."""
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def set_versions(file: h5py.File, before: Sequence[tuple[int, Mapping[str, str]]]) -> None:
-    """Add the programs that compute from here on, where they are others than before."""
-    now = versions()
-    if not before or before[-1][1] != now:
-        before = [*before, (len(file["history/record"]) if before else 0, now)]
-    set_text(file["scene"], "versions", json.dumps(before))
+def set_versions(file: h5py.File, previous: Sequence[tuple[int, Mapping[str, str]]]) -> None:
+    """Add the current package versions, unless they equal the previous ones."""
+    current = versions()
+    if not previous or previous[-1][1] != current:
+        previous = [*previous, (len(file["history/record"]) if previous else 0, current)]
+    set_text(file["scene"], "versions", json.dumps(previous))
 
 
 def add_columns(file: h5py.File, records: Iterable[Record]) -> None:
-    """Make room for what the file does not hold yet: columns, planes and bodies of records."""
-    known: set[str] = set()
+    """Create the columns, fields, planes and bodies of records that the file does not contain."""
+    created: set[str] = set()
     for record in records:
-        if not record.columns.keys() <= known:
+        if not record.columns.keys() <= created:
             _create_columns(file["history"], record.columns, record.blocks)
-            known |= record.columns.keys()
+            created |= record.columns.keys()
         _create_missing_fields(file["fields"], record)
-        for one in record.stress:
-            if (place := place_of(one.body, one.plane, one.block)) not in file["stress"]:
-                group = file["stress"].create_group(place)
-                _create_plane(group, file["grid"], one, record.coordinate)
+        for plane in record.stress:
+            if (path := stress_path(plane.body, plane.plane, plane.block)) not in file["stress"]:
+                group = file["stress"].create_group(path)
+                _create_plane(group, file["grid"], plane, record.coordinate)
         for body in record.cycles:
             bodies = file.require_group("fatigue")
             if body.body not in bodies:
@@ -198,39 +214,44 @@ def add_columns(file: h5py.File, records: Iterable[Record]) -> None:
 
 
 def _create_missing_fields(fields: h5py.Group, record: Record) -> None:
-    """Create those fields of a record that are not there, and say which are not the package's."""
-    known = {BOUND.name: BOUND, **record.own_fields}
+    """Create the missing fields of a record, and describe the user-defined ones."""
+    quantities = {BOUND.name: BOUND, **record.own_fields}
     for name in (name for name in record.fields if name not in fields):
-        _create_field(fields, known[name], record.coordinate)
+        _create_field(fields, quantities[name], record.coordinate)
         if name in record.own_fields:
-            _add_own(fields, [known[name]])
+            _add_own(fields, [quantities[name]])
 
 
 def _add_own(group: h5py.Group, quantities: Iterable[Quantity]) -> None:
-    """Describe what is not the package's, so that a file is read without what defined it."""
-    described = json.loads(text_of(group.attrs[OWN])) if OWN in group.attrs else []
-    described += [{key: getattr(one, key) for key in TOLD} for one in quantities]
+    """Store the description of user-defined quantities, so that any reader understands the file."""
+    described = json.loads(decode_text(group.attrs[OWN])) if OWN in group.attrs else []
+    described += [{key: getattr(quantity, key) for key in DESCRIBED} for quantity in quantities]
     set_text(group, OWN, json.dumps(described))
 
 
-def place_of(body: str, plane: Plane | str, block: int | None = None) -> str:
-    """Where in /stress that on a plane of a body is."""
+def stress_path(body: str, plane: Plane | str, block: int | None = None) -> str:
+    """Return the path within /stress of a plane of a body."""
     return f"{'' if block is None else f'block-{block}/'}{body}/{plane}"
 
 
 def _create_columns(history: h5py.Group, columns: Mapping[str, Quantity], blocks: int = 0) -> None:
-    """Create those columns that are not there, and say which are not the package's."""
-    missing = [one for name, one in columns.items() if name not in history]
+    """Create the missing columns, and describe the user-defined ones."""
+    missing = [column for dimension, column in columns.items() if dimension not in history]
     coordinate = of_role(columns.values(), COORDINATE).name
-    for one in missing:
-        for name in (name for name in one.dims if name not in history):
-            labels = LABELS.get(name) or [str(k + 1) for k in range(blocks)]
-            _labels(history, name, labels, "component" if name in ("axis", "position") else name)
-        scales = [history[name] for name in ("record", *one.dims)]
-        _rows(history, one.name, one, scales, coordinate=coordinate)
-    # A coordinate may be the package's, and yet not that of the scene.
-    own = [one for one in missing if one.name not in known_names() or one.role == COORDINATE]
-    own = [one for one in own if one != REVOLUTION]
+    for column in missing:
+        for dimension in (dimension for dimension in column.dims if dimension not in history):
+            labels = LABELS.get(dimension) or [str(k + 1) for k in range(blocks)]
+            about = "component" if dimension in ("axis", "position") else dimension
+            _create_labels(history, dimension, labels, about)
+        scales = [history[dimension] for dimension in ("record", *column.dims)]
+        _create_rows(history, column.name, column, scales, coordinate=coordinate)
+    # A coordinate may be a column of the package without being the coordinate of the scene.
+    own = [
+        column
+        for column in missing
+        if column.name not in package_columns() or column.role == COORDINATE
+    ]
+    own = [column for column in own if column != REVOLUTION]
     if own:
         _add_own(history, own)
 
@@ -238,48 +259,52 @@ def _create_columns(history: h5py.Group, columns: Mapping[str, Quantity], blocks
 def _create_plane(
     group: h5py.Group, grid: h5py.Group, plane: "PlaneStress", coordinate: Quantity
 ) -> None:
+    """Create the datasets of the stress on a plane."""
     group.attrs["position"] = plane.position
-    record = _scale(group, "record", np.empty(0, int), ROW)
-    _rows(group, coordinate.name, coordinate, (record,), coordinate=coordinate.name)
+    record = _create_scale(group, "record", np.empty(0, int), ROW)
+    _create_rows(group, coordinate.name, coordinate, (record,), coordinate=coordinate.name)
     axes = []
     for name, centres in plane.axes.items():
         if name in grid:
             group[name] = grid[name]
         else:
-            _scale(
+            _create_scale(
                 group, name, centres, Quantity(name, "mm", "depth below the surface of the body")
             )
         axes.append(group[name])
     for name, quantity in STRESS.items():
-        _rows(group, name, quantity, (record, *axes), coordinate=coordinate.name)
+        _create_rows(group, name, quantity, (record, *axes), coordinate=coordinate.name)
 
 
 def _create_cycle(
-    group: h5py.Group, file: h5py.File, one: BodyFatigue, coordinate: Quantity
+    group: h5py.Group, file: h5py.File, fatigue: BodyFatigue, coordinate: Quantity
 ) -> None:
-    """Room for what rolling does to a body, and for what it goes on from."""
-    record = _scale(group, "record", np.empty(0, int), ROW)
-    _rows(group, coordinate.name, coordinate, (record,), coordinate=coordinate.name)
+    """Create the datasets of the fatigue of a body, and those from which a run resumes."""
+    record = _create_scale(group, "record", np.empty(0, int), ROW)
+    _create_rows(group, coordinate.name, coordinate, (record,), coordinate=coordinate.name)
     group["y"] = file["grid/y"]
-    _scale(group, "depth", one.depth, Quantity("depth", "mm", "depth below the present surface"))
-    if one.zeta.size:
+    about = Quantity("depth", "mm", "depth below the present surface")
+    _create_scale(group, "depth", fatigue.depth, about)
+    if fatigue.zeta.size:
         about = Quantity("zeta", "mm", "depth below the unworn surface")
-        _scale(group, "zeta", one.zeta, about)
+        _create_scale(group, "zeta", fatigue.zeta, about)
     for name, quantity in CYCLES.items():
         if all(axis in group for axis in quantity.dims):
             scales = (record, *(group[axis] for axis in quantity.dims))
-            _rows(group, name, quantity, scales, coordinate=coordinate.name, **SQUEEZED)
+            _create_rows(group, name, quantity, scales, coordinate=coordinate.name, **COMPRESSED)
 
 
 def add_state(state: h5py.Group, name: str, values: np.ndarray) -> None:
-    """Keep something more to go on from, beside the fields."""
+    """Add a further array from which the run resumes."""
     chunks = tuple(max(1, n) for n in values.shape)
     about = {"chunks": chunks, "maxshape": (None,) * values.ndim, "fletcher32": True}
     _describe(state.create_dataset(name, data=values, **about), Quantity(name, "", "to go on from"))
 
 
-def _axes(group: h5py.Group, grid: h5py.Group, history: h5py.Group) -> tuple[h5py.Dataset, ...]:
-    """The dimensions of a field, linked into its group."""
+def _link_axes(
+    group: h5py.Group, grid: h5py.Group, history: h5py.Group
+) -> tuple[h5py.Dataset, ...]:
+    """Link the dimensions of a field into its group, and return them: (block,) x, y."""
     group["x"], group["y"] = grid["x"], grid["y"]
     if "block" not in history:
         return group["x"], group["y"]
@@ -288,13 +313,13 @@ def _axes(group: h5py.Group, grid: h5py.Group, history: h5py.Group) -> tuple[h5p
 
 
 def _create_state(state: h5py.Group, grid: h5py.Group, history: h5py.Group) -> None:
-    first, *others = _axes(state, grid, history)
+    first, *axes = _link_axes(state, grid, history)
     for name, quantity in FIELDS.items():
-        _rows(state, name, quantity, (first, *others), rows=len(first))
+        _create_rows(state, name, quantity, (first, *axes), rows=len(first))
 
 
 def _create_history(history: h5py.Group, grid: h5py.Group, columns: Mapping[str, Quantity]) -> None:
-    _scale(history, "record", np.empty(0, int), ROW)
+    _create_scale(history, "record", np.empty(0, int), ROW)
     history["y"] = grid["y"]
     _create_columns(history, columns)
 
@@ -304,34 +329,37 @@ def _create_fields(
     grid: h5py.Group,
     history: h5py.Group,
     coordinate: Quantity,
-    kept: Mapping[str, Quantity],
+    quantities: Mapping[str, Quantity],
 ) -> None:
-    record = _scale(fields, "record", np.empty(0, int), ROW)
-    axes = _axes(fields, grid, history)
-    _rows(fields, coordinate.name, coordinate, (record,), coordinate=coordinate.name)
+    record = _create_scale(fields, "record", np.empty(0, int), ROW)
+    axes = _link_axes(fields, grid, history)
+    _create_rows(fields, coordinate.name, coordinate, (record,), coordinate=coordinate.name)
     scales = (record, *axes)
-    for name, quantity in kept.items():
-        _rows(fields, name, quantity, scales, coordinate=coordinate.name, **SQUEEZED)
+    for name, quantity in quantities.items():
+        _create_rows(fields, name, quantity, scales, coordinate=coordinate.name, **COMPRESSED)
 
 
 def _create_field(fields: h5py.Group, quantity: Quantity, coordinate: Quantity) -> None:
-    """Create one more field; it is unknown in the records before."""
+    """Create a further field; its value is nan in earlier records."""
     scales = [fields[name] for name in ("record", "block", "x", "y") if name in fields]
     about = {"rows": len(fields["record"]), "coordinate": coordinate.name}
-    _rows(fields, quantity.name, quantity, tuple(scales), **about, **SQUEEZED)
+    _create_rows(fields, quantity.name, quantity, tuple(scales), **about, **COMPRESSED)
 
 
-def _labels(group: h5py.Group, name: str, values: Sequence[str], about: str) -> None:
-    """Create a dimension scale of texts, for other readers.
+def _create_labels(group: h5py.Group, name: str, values: Sequence[str], about: str) -> None:
+    """Create a dimension scale of texts for other readers.
 
-    Texts of a fixed length are not texts to all of them; these are of any, and never read here.
+    Some of them do not support texts of fixed length. So these texts have a variable length, and
+    this package never reads them.
     """
     dataset = group.create_dataset(name, data=values)
     dataset.make_scale(name)
     _describe(dataset, Quantity(name, "1", about))
 
 
-def _scale(group: h5py.Group, name: str, values: Sequence, quantity: Quantity) -> h5py.Dataset:
+def _create_scale(
+    group: h5py.Group, name: str, values: Sequence, quantity: Quantity
+) -> h5py.Dataset:
     """Create a dimension scale that can grow."""
     chunk = max(len(values), CHUNK_BYTES // 8)
     dataset = group.create_dataset(
@@ -341,7 +369,7 @@ def _scale(group: h5py.Group, name: str, values: Sequence, quantity: Quantity) -
     return _describe(dataset, quantity)
 
 
-def _rows(
+def _create_rows(
     group: h5py.Group,
     name: str,
     quantity: Quantity,
@@ -350,15 +378,15 @@ def _rows(
     coordinate: str = "",
     **filters: str | int | bool,
 ) -> h5py.Dataset:
-    """Create a dataset with one row a record, as yet without rows, or with a number of them."""
+    """Create a dataset with one row for each record, initially with a number of rows."""
     shape = tuple(len(scale) for scale in dimensions[1:])
-    least = math.ceil(CHUNK_BYTES / (8 * math.prod(shape)))
+    min_rows = math.ceil(CHUNK_BYTES / (8 * math.prod(shape)))
     dataset = group.create_dataset(
         name,
         shape=(rows, *shape),
         dtype=int if quantity.whole else float,
         maxshape=(None,) * len(dimensions),
-        chunks=(1 if filters else max(least, rows), *shape),
+        chunks=(1 if filters else max(min_rows, rows), *shape),
         fillvalue=-1 if quantity.whole else np.nan,
         fletcher32=True,
         **filters,

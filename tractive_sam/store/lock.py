@@ -1,4 +1,4 @@
-"""Locks that end with the process that holds them, however that ends."""
+"""File locks that are released when their process ends, also when it is killed."""
 
 import errno
 from collections.abc import Iterator
@@ -7,31 +7,31 @@ from pathlib import Path
 
 from filelock import FileLock, Timeout
 
-from tractive_sam.store.errors import HeldError
+from tractive_sam.store.errors import FileInUseError
 
 NO_LOCKS = (errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.EINVAL)
-"""Errors of file systems that have no locks."""
+"""Error numbers of file systems without locks."""
 
 
 @contextmanager
-def locked(path: Path) -> Iterator[None]:
-    """Hold a lock, on every machine that shares the file; the file goes with the lock.
+def hold_lock(path: Path) -> Iterator[None]:
+    """Hold a lock in the block, for all machines that share the file; then remove the file.
 
-    Where the file system has no locks, nothing is held: a results file then still has only one
-    writer (see `HistoryWriter`), but the one that comes later takes it over.
+    A file system without locks is accepted: a results file then still has only one writer (see
+    `HistoryWriter`), but a later writer takes over from an earlier one.
 
     Raises
     ------
-    HeldError
-        If another process holds it.
+    FileInUseError
+        If another process holds the lock.
     OSError
-        If its file cannot be made.
+        If the lock file cannot be created.
     """
     lock = FileLock(path)
     try:
         lock.acquire(blocking=False)
     except Timeout:
-        raise HeldError(f"{path} is held by another process") from None
+        raise FileInUseError(f"another process holds {path}; wait until it ends") from None
     except OSError as error:
         if error.errno not in NO_LOCKS:
             raise
@@ -39,17 +39,17 @@ def locked(path: Path) -> Iterator[None]:
         yield
     finally:
         if lock.is_locked:
-            with suppress(OSError):  # some systems remove no file that is open
-                path.unlink()  # while it is held, so that nobody holds a file without name
+            with suppress(OSError):  # some systems cannot remove an open file
+                path.unlink()  # before the release, so that no process locks a removed file
         lock.release()
 
 
 def is_locked(path: Path) -> bool:
-    """Whether some process holds the lock."""
+    """Check whether a process holds the lock."""
     if not path.exists():
         return False
     try:
-        with locked(path):
+        with hold_lock(path):
             return False
-    except HeldError:
+    except FileInUseError:
         return True

@@ -1,4 +1,4 @@
-"""Writes datasets of xarray as netCDF, and reads them."""
+"""Writes xarray datasets as netCDF files, and reads them."""
 
 from collections.abc import Mapping
 from io import BytesIO
@@ -16,14 +16,14 @@ from tractive_sam.store.hdf5_guard import has_endless_heap
 def write_netcdf(
     path: str | PathLike[str], dataset: Any, encoding: Mapping[str, Mapping[str, Any]] | None = None
 ) -> None:
-    """Write a dataset as a netCDF file, by way of the memory: HDF5 does not survive a full disk.
+    """Write a dataset as a netCDF file, first in memory: HDF5 does not survive a full disk.
 
     Parameters
     ----------
     path : path-like
-        The file; replaced as a whole.
+        The file; it is replaced atomically.
     dataset : xarray.Dataset
-        What to write.
+        The dataset.
     encoding : mapping of str to mapping, optional
         Encodings of variables, as `xarray.Dataset.to_netcdf` takes them.
 
@@ -45,13 +45,13 @@ def write_netcdf(
 
 
 def netcdf_format(path: str | PathLike[str]) -> str:
-    """Return the attribute ``format`` of a netCDF file; empty where it has none or is none."""
+    """Return the attribute ``format`` of a netCDF file; empty if there is none."""
     try:
         with open_to_read(Path(path)) as file:
-            found = file.attrs.get("format", "")
+            name = file.attrs.get("format", "")
     except (OSError, ResultsError, TypeError, ValueError):
         return ""
-    return found.decode("utf-8", "replace") if isinstance(found, bytes) else str(found)
+    return name.decode("utf-8", "replace") if isinstance(name, bytes) else str(name)
 
 
 def read_netcdf(path: str | PathLike[str]) -> Any:

@@ -1,4 +1,4 @@
-"""Reads NumPy's files that others wrote: claims are checked before memory is taken for them."""
+"""Reads NumPy files from other programs; sizes are checked before memory is allocated."""
 
 import zipfile
 from math import prod
@@ -17,53 +17,54 @@ def read_array(path: Path) -> np.ndarray:
     Raises
     ------
     OSError
-        If it is no regular file.
+        If the file is no regular file.
     ValueError
-        If it holds objects, or fewer numbers than it claims, or is no such file.
+        If it contains Python objects or fewer numbers than its header states, or is no .npy file.
     """
     with open_regular(path) as file:
         if zipfile.is_zipfile(file):
             raise ValueError("an archive of arrays; its suffix is .npz")
         size = file.seek(0, 2)
         file.seek(0)
-        return _read(file, size)
+        return _read_checked(file, size)
 
 
-def read_archive(path: Path, most: int = 2**31) -> dict[str, np.ndarray]:
-    """Read the arrays of an .npz file, by their names.
+def read_archive(path: Path, max_bytes: int = 2**31) -> dict[str, np.ndarray]:
+    """Read the arrays of an .npz file, by name.
 
     Parameters
     ----------
     path : Path
         The file.
-    most : int
-        Bytes that its arrays may have together: compressed, a small file may hold any number.
+    max_bytes : int
+        Largest total size of the arrays: a small compressed file may contain huge arrays.
 
     Raises
     ------
     OSError, ValueError
-        As by `read_array`; also if there are more bytes than that.
+        See `read_array`; also if the arrays are larger than `max_bytes`.
     """
     with open_regular(path) as file, zipfile.ZipFile(file) as archive:
         members = archive.infolist()
-        size = sum(one.file_size for one in members)
-        if size > most:
-            raise ValueError(f"{size / 2**20:.4g} MiB of arrays, at most {most / 2**20:.4g}")
+        size = sum(member.file_size for member in members)
+        if size > max_bytes:
+            raise ValueError(f"{size / 2**20:.4g} MiB of arrays, at most {max_bytes / 2**20:.4g}")
         arrays = {}
-        for one in members:
-            with archive.open(one) as content:
-                arrays[one.filename.removesuffix(".npy")] = _read(content, one.file_size)
+        for member in members:
+            with archive.open(member) as content:
+                name = member.filename.removesuffix(".npy")
+                arrays[name] = _read_checked(content, member.file_size)
     return arrays
 
 
-def _read(file: BinaryIO, size: int) -> np.ndarray:
-    """Read an array of which there are so many bytes, its header included."""
+def _read_checked(file: BinaryIO, size: int) -> np.ndarray:
+    """Read an array after a check that `size`, in bytes with the header, is large enough for it."""
     version = npy.read_magic(file)
     header = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
     shape, _, dtype = header(file)
     if dtype.hasobject:
-        raise ValueError("objects, and no numbers")
+        raise ValueError("Python objects instead of numbers")
     if any(n < 0 for n in shape) or prod(shape) * dtype.itemsize > size:
-        raise ValueError(f"an array of the shape {shape} is claimed by {size} bytes")
+        raise ValueError(f"{size} bytes claim an array of the shape {shape}")
     file.seek(0)
     return npy.read_array(file, allow_pickle=False)

@@ -1,7 +1,8 @@
-"""Texts in HDF5 files, each of a fixed length.
+"""Texts of fixed length in HDF5 files.
 
-Those of any length lie in heaps that all texts of a file share and that have no checksum: damage to
-one can keep HDF5 busy for ever. So nothing that is read here is one of them.
+HDF5 stores texts of variable length in a heap that all texts of a file share. The heap has no
+checksum, and HDF5 may never return from a damaged heap. So the package reads only texts of fixed
+length.
 """
 
 import h5py
@@ -9,18 +10,18 @@ import numpy as np
 
 
 def set_text(node: h5py.Group | h5py.Dataset, name: str, text: str) -> None:
-    """Set an attribute."""
+    """Set an attribute to a text of fixed length."""
     encoded = text.encode()
-    node.attrs.create(name, encoded, dtype=_kind(encoded))
+    node.attrs.create(name, encoded, dtype=_text_type(encoded))
 
 
-def text_of(value: str | bytes) -> str:
-    """A text as it was read, of either kind.
+def decode_text(value: str | bytes) -> str:
+    """Return a text that h5py read as str or bytes.
 
     Raises
     ------
     ValueError
-        If it is none in UTF-8.
+        If it is no text in UTF-8.
     """
     if not isinstance(value, str | bytes):
         raise ValueError(f"{value!r} is no text")
@@ -28,11 +29,11 @@ def text_of(value: str | bytes) -> str:
 
 
 def create_text(group: h5py.Group, name: str, text: str) -> h5py.Dataset:
-    """Create a dataset that is one text."""
+    """Create a dataset that contains one text."""
     encoded = text.encode()
-    return group.create_dataset(name, data=np.array(encoded, _kind(encoded)))
+    return group.create_dataset(name, data=np.array(encoded, _text_type(encoded)))
 
 
-def _kind(encoded: bytes) -> np.dtype:
-    """Of a length with room for a zero: netCDF-C 4.9.0 reads on until it finds one."""
+def _text_type(encoded: bytes) -> np.dtype:
+    """Return the type of a text with a final zero byte: netCDF-C 4.9.0 reads up to a zero."""
     return h5py.string_dtype("utf-8", len(encoded) + 1)

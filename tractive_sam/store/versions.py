@@ -1,4 +1,4 @@
-"""Versions of the programs that compute and store."""
+"""Versions of Python and of the packages that determine the numbers."""
 
 import platform
 from importlib.metadata import PackageNotFoundError, version
@@ -7,7 +7,7 @@ PACKAGES = ("tractive-sam", "numpy", "scipy", "numba", "pyfftw", "h5py")
 
 
 def versions() -> dict[str, str]:
-    """Versions of Python and of the packages that numbers depend on, by name."""
+    """Return the versions of Python and of `PACKAGES`, by name."""
     return {"python": platform.python_version()} | {name: _version(name) for name in PACKAGES}
 
 

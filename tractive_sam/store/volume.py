@@ -1,16 +1,15 @@
-"""Writes stress in a volume, and the surface over a history, as VTKHDF, which ParaView opens.
+"""Writes stress in a volume, and the surface over a history, as VTKHDF for ParaView.
 
-The file holds an image: points at equal distances, here the centres of the elements over equal
-layers. Of all kinds of grid that VTKHDF knows, an image is the one that every version since the
-first reads, and it costs no coordinates.
+The file contains an image, a grid of equal distances: here the centres of the elements in equal
+layers. Every version of VTKHDF can read an image, and an image needs no coordinates.
 
     /VTKHDF                 attributes: Version, Type, WholeExtent, Origin, Spacing, Direction
     /VTKHDF/PointData       stress (z, y, x, 6), von_mises and max_shear (z, y, x)
     /VTKHDF/Steps           of a surface: attribute NSteps, and Values, revolutions or distances;
                             its arrays pressure, wear, gap (step, y, x), traction and slip
-                            (step, y, x, 3) have no z: of flat images VTK reads none
-    /scene                  the TOML text, beside what readers look at; attributes of the root:
-                            format, format_version, body, revolution, versions
+                            (step, y, x, 3) have no z: VTK reads no z of flat images
+    /scene                  the TOML text; attributes of the root: format, format_version, body,
+                            revolution, versions
 
 Source: VTKHDF file format, docs.vtk.org.
 """
@@ -29,12 +28,12 @@ from tractive_sam.scene import Scene
 from tractive_sam.store.atomic import WritableFile, atomic_rewrite
 from tractive_sam.store.errors import ResultsError
 from tractive_sam.store.hdf5_file import open_to_read
-from tractive_sam.store.texts import create_text, set_text, text_of
+from tractive_sam.store.texts import create_text, decode_text, set_text
 from tractive_sam.store.versions import versions
-from tractive_sam.store.writable import check_writable, sole_writer
+from tractive_sam.store.write_access import check_writable, sole_writer
 
 SUFFIX = ".vtkhdf"
-"""By which ParaView knows the format."""
+"""Suffix by which ParaView recognizes the format."""
 
 VERSION_PREFIX = "version_"
 
@@ -42,13 +41,13 @@ FORMAT = "tractive-sam volume"
 FORMAT_VERSION = 1
 
 VTKHDF_VERSION = (1, 0)
-"""The first one; an image has not changed since."""
+"""The first version; the format of an image has not changed since."""
 
 WITH_STEPS = (2, 0)
-"""The first one that knows steps (ParaView 5.12)."""
+"""The first version with steps (ParaView 5.12)."""
 
 VTK_ORDER = [0, 1, 2, 3, 5, 4]
-"""VTK's xx, yy, zz, xy, yz, xz of our xx, yy, zz, xy, xz, yz."""
+"""Indices of VTK's components xx, yy, zz, xy, yz, xz in our order xx, yy, zz, xy, xz, yz."""
 
 VOLUME = {
     "stress": Quantity(
@@ -67,21 +66,21 @@ SURFACE = {
 """Arrays of a surface."""
 
 COMPONENTS = {"stress": (6,), "traction": (3,), "slip": (3,)}
-"""Of arrays that have several."""
+"""Number of components of vectors and tensors."""
 
 
 @dataclass(frozen=True)
 class Image:
-    """Points at equal distances, of which x counts fastest.
+    """A grid of points at equal distances; the index of x varies fastest.
 
     Attributes
     ----------
     points : tuple of int
         Number of points in x, y and z.
     origin : tuple of float
-        The first one, mm.
+        Coordinates of the first point, mm.
     spacing : tuple of float
-        Distances, positive, mm.
+        Distances of the points in x, y and z, positive, mm.
     """
 
     points: tuple[int, int, int]
@@ -97,31 +96,31 @@ def write_volume(
     about: Mapping[str, str | float],
     overwrite: bool = False,
 ) -> None:
-    """Write layers as they come; the file appears when all are written.
+    """Write the layers of a volume one by one; the file appears when all are written.
 
     Parameters
     ----------
     path : Path
         The file, with `SUFFIX`.
     image : Image
-        Where the points are.
+        The grid of points.
     layers : iterable of mapping of str to ndarray, shape (n_x, n_y) or (6, n_x, n_y)
-        By the names of `VOLUME`, from the lowest z to the highest; stress as xx, yy, zz, xy,
-        xz, yz. Stored in single precision.
+        Arrays by the names of `VOLUME`, from the lowest z to the highest; stress as xx, yy, zz,
+        xy, xz, yz. Stored in single precision.
     scene : Scene
-        What was computed.
+        The scene that was computed.
     about : mapping of str to str or number
-        "body" and "revolution".
+        Values of the attributes "body" and "revolution".
     overwrite : bool
-        Whether a volume there may be replaced. A file of any other kind never is.
+        Whether an existing volume may be replaced. A file of another kind is never replaced.
 
     Raises
     ------
     ResultsError
-        If the file cannot be written, or there is one that may not be replaced.
+        If the file cannot be written, or a file exists that may not be replaced.
     """
-    with _written(path, scene, about, overwrite) as file:
-        arrays = _laid_out(file, image, VOLUME, image.points[2:])
+    with _open_volume(path, scene, about, overwrite) as file:
+        arrays = _create_arrays(file, image, VOLUME, image.points[2:])
         for k, layer in enumerate(layers):
             for name, values in layer.items():
                 arrays[name][k] = (values[VTK_ORDER] if name == "stress" else values).T
@@ -136,24 +135,24 @@ def write_surface(
     scene: Scene,
     overwrite: bool = False,
 ) -> None:
-    """Write the surface at every step as it comes; the file appears when all are written.
+    """Write the surface step by step; the file appears when all steps are written.
 
     Parameters
     ----------
     path, image, scene, overwrite
-        As of `write_volume`; the image is one point high.
+        See `write_volume`; the image is one point high.
     steps : ndarray, shape (n,)
-        What ParaView calls time: revolutions, or a distance.
+        The time of ParaView: revolutions, or a rolling distance.
     states : iterable of mapping of str to ndarray, shape (n_x, n_y) or (2, n_x, n_y)
-        By the names of `SURFACE`. Stored in single precision.
+        Arrays by the names of `SURFACE`. Stored in single precision.
 
     Raises
     ------
     ResultsError
-        As by `write_volume`.
+        See `write_volume`.
     """
-    with _written(path, scene, {}, overwrite) as file:
-        arrays = _laid_out(file, image, SURFACE, (steps.size,))
+    with _open_volume(path, scene, {}, overwrite) as file:
+        arrays = _create_arrays(file, image, SURFACE, (steps.size,))
         file["VTKHDF"].attrs["Version"] = np.array(WITH_STEPS, "i8")
         group = file["VTKHDF"].create_group("Steps")
         group.attrs["NSteps"] = steps.size
@@ -163,17 +162,17 @@ def write_surface(
             offsets[name] = np.arange(steps.size)
         for k, state in enumerate(states):
             for name, values in state.items():
-                # Vectors lie in the plane; ParaView's have three components.
+                # Our vectors have two components, vectors of ParaView three.
                 third = () if values.ndim == 2 else (np.zeros((1, *values.shape[1:])),)
                 arrays[name][k] = np.concatenate((values, *third)).T
             file.check()
 
 
 @contextmanager
-def _written(
+def _open_volume(
     path: Path, scene: Scene, about: Mapping[str, str | float], overwrite: bool
 ) -> Iterator[WritableFile]:
-    """A file that tells what it is of, and appears when all is written."""
+    """Create a file with scene, format and versions; it appears when the block ends."""
     _check_suffix(path)
     with sole_writer(path, overwrite, _check_kind), atomic_rewrite(path, empty=True) as file:
         create_text(file, "scene", scene.to_toml())
@@ -184,12 +183,12 @@ def _written(
 
 
 def check_volume(path: Path, overwrite: bool = False) -> None:
-    """See that a volume can be written, before it is computed.
+    """Check that a volume can be written, before it is computed.
 
     Raises
     ------
     ResultsError
-        If the name has not the suffix, or as by `check_writable`.
+        If the name has another suffix, or see `check_writable`.
     """
     _check_suffix(path)
     check_writable(path, overwrite, _check_kind)
@@ -198,27 +197,28 @@ def check_volume(path: Path, overwrite: bool = False) -> None:
 def _check_suffix(path: Path) -> None:
     if path.suffix != SUFFIX:
         raise ResultsError(
-            f"{path} has not the suffix {SUFFIX}, by which ParaView knows the format"
+            f"{path} has another suffix than {SUFFIX}, which ParaView needs; change the name"
         )
 
 
 def _check_kind(path: Path) -> None:
+    """Check that a file is a volume of this package."""
     try:
         with open_to_read(path) as file:
-            kind = text_of(file.attrs.get("format", ""))
-    except Exception:  # h5py has no one kind of error for what is damaged
+            kind = decode_text(file.attrs.get("format", ""))
+    except Exception:  # h5py raises many types of errors for damaged files
         kind = None
     if kind != FORMAT:
-        raise ResultsError(f"{path} is no volume of tractive-sam")
+        raise ResultsError(f"{path} is not a volume of tractive-sam")
 
 
-def _laid_out(
+def _create_arrays(
     file: h5py.File, image: Image, quantities: Mapping[str, Quantity], outer: tuple[int, ...]
 ) -> dict[str, h5py.Dataset]:
-    """Describe the image, and make room for its arrays; `outer` are their dimensions before y."""
+    """Describe the image and create its arrays; `outer` are their dimensions before y."""
     vtk = file.create_group("VTKHDF")
     vtk.attrs["Version"] = np.array(VTKHDF_VERSION, "i8")
-    vtk.attrs["Type"] = np.bytes_("ImageData")  # the format asks for ASCII of that very length
+    vtk.attrs["Type"] = np.bytes_("ImageData")  # the format requires ASCII of exactly this length
     vtk.attrs["WholeExtent"] = np.array([(0, n - 1) for n in image.points], "i8").ravel()
     vtk.attrs["Origin"] = np.array(image.origin)
     vtk.attrs["Spacing"] = np.array(image.spacing)
@@ -226,12 +226,12 @@ def _laid_out(
     data = vtk.create_group("PointData")
     arrays = {}
     for name, quantity in quantities.items():
-        whole = (*outer, image.points[1], image.points[0], *COMPONENTS.get(name, ()))
+        shape = (*outer, image.points[1], image.points[0], *COMPONENTS.get(name, ()))
         arrays[name] = data.create_dataset(
             name,
-            whole,
+            shape,
             "f4",
-            chunks=(*(1 for _ in outer), *whole[len(outer) :]),
+            chunks=(*(1 for _ in outer), *shape[len(outer) :]),
             compression="gzip",
             compression_opts=1,
             shuffle=True,
@@ -239,5 +239,5 @@ def _laid_out(
         )
         arrays[name].attrs.update({"units": quantity.unit, "long_name": quantity.long_name})
     first = arrays.get(VON_MISES.name, arrays.get("pressure"))
-    first.attrs["Attribute"] = np.bytes_("Scalars")  # what is shown first
+    first.attrs["Attribute"] = np.bytes_("Scalars")  # ParaView shows this array first
     return arrays

@@ -1,10 +1,10 @@
-"""Streams records into a results file that is whole at every moment.
+"""Streams records into a results file that is complete at every moment.
 
-The file changes only by copies that take its place (`atomic_rewrite`), with all records since the
-last one and the state from which rolling goes on. So whenever the process is killed, the file
-opens, holds a history up to some record, and goes on from there; and it can be read meanwhile. When
-a copy is made `Checkpoints` tells; one is made where `HELD` is waiting, and at the end, also where
-that is an exception.
+At a checkpoint a copy replaces the file (`atomic_rewrite`). The copy contains all records so far
+and the state from which rolling resumes. So the file can be read at any time. If the process is
+killed, the file contains the history up to a record, and the run resumes from there. `Checkpoints`
+schedules the copies. A copy is also made when more than `PENDING_BYTES` wait, and at the end, also
+after an exception.
 """
 
 from collections.abc import Iterator, Mapping
@@ -20,19 +20,19 @@ from h5py import File
 from tractive_sam import interrupt
 from tractive_sam.results import Grid, LawRecord, Quantity, Record, widened
 from tractive_sam.scene import Scene
-from tractive_sam.store import former, layout, rows, writable
+from tractive_sam.store import layout, legacy_format, rows, write_access
 from tractive_sam.store.atomic import atomic_rewrite
 from tractive_sam.store.checkpoints import Checkpoints
 from tractive_sam.store.errors import ResultsError
-from tractive_sam.store.opening import results_file
-from tractive_sam.store.reader import open_history, state_of
+from tractive_sam.store.opening import open_results
+from tractive_sam.store.reader import open_history, read_state
 from tractive_sam.store.texts import set_text
 
-HELD = 2**24
-"""Most bytes of fields that wait for the next copy."""
+PENDING_BYTES = 2**24
+"""Largest size of the fields that wait for the next copy, bytes."""
 
 RUN = "run"
-"""Attribute of a file: the run that writes it."""
+"""Attribute of a file: identifier of the run that writes it."""
 
 
 class HistoryWriter:
@@ -41,26 +41,27 @@ class HistoryWriter:
     Parameters
     ----------
     path : path-like
-        The file; `sole_writer` holds it for one run.
+        The file; `sole_writer` reserves it for one run.
     scene : Scene
-        What is computed.
+        The scene that is computed.
     grid : Grid
         The mesh.
     overwrite : bool
-        Whether a results file there may be replaced. A file of any other kind never is.
+        Whether an existing results file may be replaced. A file of another kind is never replaced.
     checkpoints : Checkpoints, optional
-        When records are put on disk.
+        Schedule by which records are written to the disk.
     laws : mapping of str to LawRecord, optional
         `law_records` of the `History`.
     started, measured : str
-        As of `History`.
+        See `History`.
     coordinate : Quantity, optional
-        The column along which the history goes, of the role `COORDINATE`; by default the scene's.
+        The column along which the history runs, of the role `COORDINATE`; by default that of the
+        scene.
 
     Raises
     ------
     ResultsError
-        If there is a file that may not be replaced, or none can be written.
+        If a file exists that may not be replaced, or the file cannot be written.
     """
 
     def __init__(
@@ -76,9 +77,9 @@ class HistoryWriter:
         measured: str = "",
     ) -> None:
         check_results(Path(path), overwrite)
-        self._begin(path, (len(grid.x), len(grid.y)), checkpoints)
+        self._initialise(path, (len(grid.x), len(grid.y)), checkpoints)
         with atomic_rewrite(self.path, empty=True) as file:
-            layout.create(file, scene, grid, laws, coordinate)
+            layout.create_layout(file, scene, grid, laws, coordinate)
             set_text(file["scene"], "started", started)
             set_text(file["scene"], "measured", measured)
             set_text(file["scene"], "datum", "vertex")
@@ -92,43 +93,43 @@ class HistoryWriter:
         records: int | None = None,
         checkpoints: Checkpoints | None = None,
     ) -> Self:
-        """Go on after the last record of an existing results file whose contact was solved.
+        """Continue an existing results file after its last record with a solved contact.
 
         Parameters
         ----------
         path : path-like
             The file.
         scene : Scene, optional
-            The scene as it is to be rolled on; by default as it was.
+            The scene from here on; by default the scene of the file.
         records : int, optional
-            Number of records that it held when it was read to be rolled on.
+            Number of records when the file was read to be resumed.
         checkpoints : Checkpoints, optional
-            When records are put on disk.
+            Schedule by which records are written to the disk.
 
         Raises
         ------
         ResultsError
-            If there is no such file, it is damaged anywhere, it holds other records by now, or
-            cannot be written.
+            If the file does not exist, is damaged, has changed since it was read, or cannot be
+            written.
         """
-        with results_file(Path(path)) as stored:
+        with open_results(Path(path)) as stored:
             stored.verify()
             version = stored.version
         history = open_history(path)
         if records is not None and len(history) != records:
             raise ResultsError(
-                f"{path} held {records} records when it was read, and now holds {len(history)}: "
-                "another run writes it; wait for it, and resume then"
+                f"{path} had {records} records when it was read and has {len(history)} now: "
+                "another run writes it; wait for its end, then resume"
             )
         writer = cls.__new__(cls)
-        writer._begin(path, (len(history.x), len(history.y)), checkpoints)
+        writer._initialise(path, (len(history.x), len(history.y)), checkpoints)
         scene = history.scene if scene is None else scene
         with atomic_rewrite(writer.path, empty=version == 1) as file:
             if version == 1:
                 solved = np.flatnonzero(history["converged"] > 0.0)
                 count = int(solved[-1]) + 1 if solved.size else 0
-                state = state_of(path, count - 1) if count else {}
-                former.rewrite(history, count, state, scene, file)
+                state = read_state(path, count - 1) if count else {}
+                legacy_format.write_history(history, count, state, scene, file)
             else:
                 layout.set_scene(file, scene)
                 rows.drop_after_state(file)
@@ -138,16 +139,17 @@ class HistoryWriter:
             writer._pending = len(file["history/record"]), []
         return writer
 
-    def _begin(
+    def _initialise(
         self, path: str | Path, mesh: tuple[int, int], checkpoints: Checkpoints | None
     ) -> None:
+        """Set the path, the mesh (n_x, n_y) and the schedule, with no pending record."""
         self.path, self._mesh, self._run = Path(path), mesh, uuid4().hex
         self._checkpoints = checkpoints or Checkpoints()
-        # How many records are on disk, and those that are not: both change at once.
+        # The number of records on disk, and the records that wait: both change at once.
         self._pending: tuple[int, list[Record]] = (0, [])
-        self._held = 0  # bytes of their fields
-        self._grid: Grid | None = None  # the last mesh, and the last state with its row
-        self._state: tuple[int, Mapping[str, np.ndarray]] | None = None
+        self._pending_bytes = 0  # size of the fields of the waiting records
+        self._grid: Grid | None = None  # the last mesh
+        self._state: tuple[int, Mapping[str, np.ndarray]] | None = None  # last row and its state
 
     def __enter__(self) -> Self:
         return self
@@ -158,11 +160,11 @@ class HistoryWriter:
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        """Say in the file what stopped the computation, if anything did."""
+        """Record in the file what stopped the computation, if there was an exception."""
         if error is not None:
-            # A full disk may be what stopped it; then the error at hand says more than the next.
+            # A full disk may have stopped it: the first error then states more than the next.
             with suppress(ResultsError):
-                self.finish("stopped early", _told(error))
+                self.finish("stopped early", _describe_stop(error))
 
     def append(
         self,
@@ -170,66 +172,66 @@ class HistoryWriter:
         grid: Grid | None = None,
         state: Mapping[str, np.ndarray] | None = None,
     ) -> None:
-        """Add a record; on disk at the next checkpoint.
+        """Add a record; it is written to the disk at the next checkpoint.
 
         Parameters
         ----------
         record : Record
-            What is to be kept.
+            The record.
         grid : Grid, optional
-            Its mesh, where that may be a wider one of the same elements than the one before; what
-            is stored is padded.
+            The mesh of the record, if it may be wider than the mesh before, with equal elements;
+            stored fields are padded.
         state : mapping of str to ndarray, optional
-            Fields from which to go on after it, by the names of `FIELDS`; taken where its contact
-            was solved.
+            Fields from which to resume after the record, by the names of `FIELDS`; stored if the
+            contact was solved.
 
         Raises
         ------
         StorageError
-            If the disk does not take it. The file is as it was at the last checkpoint.
+            If the file cannot be written. It stays as it was at the last checkpoint.
         ResultsError
             If another run has taken over the file.
         ValueError
-            If the mesh does not have the same number of elements more on either side, or the record
-            is of another mesh; then it is not added.
+            If the mesh is not wider by equal numbers of elements on opposite sides, or the record
+            has another mesh; the record is then not added.
         """
         mesh = self._mesh if grid is None else (len(grid.x), len(grid.y))
         _check_fits(record, self._mesh, mesh)
         self._mesh = mesh
         self._grid = grid or self._grid
-        kept, pending = self._pending
+        stored, pending = self._pending
         pending.append(record)
         if state is not None and record.values["converged"]:
-            self._state = kept + len(pending) - 1, dict(state)
-        self._held += _bytes(record)
-        if self._held > HELD or self._checkpoints.due:
-            with self._checkpoints.taken():
+            self._state = stored + len(pending) - 1, dict(state)
+        self._pending_bytes += _field_bytes(record)
+        if self._pending_bytes > PENDING_BYTES or self._checkpoints.is_due:
+            with self._checkpoints.take():
                 self._write()
 
     def finish(self, status: str, message: str = "") -> None:
-        """Put all records on disk, and say how the computation ended.
+        """Write all records to the disk, with the status of the computation.
 
         Parameters
         ----------
         status, message : str
-            As of `History`.
+            See `History`.
 
         Raises
         ------
         ResultsError
-            As of `append`.
+            See `append`.
         """
         self._write((status, message))
 
     def _write(self, ended: tuple[str, str] | None = None) -> None:
-        """Have a copy with all that is pending take the place of the file."""
+        """Replace the file by a copy with all pending records."""
         with atomic_rewrite(self.path) as file:
-            self._check_own(file)
+            self._check_run(file)
             if self._grid is not None:
                 rows.widen(file, self._grid)
-            kept, pending = self._pending
-            # Some are there already if an interrupt came just after the last copy was put in place.
-            pending = pending[len(file["history/record"]) - kept :]
+            stored, pending = self._pending
+            # Some are in the file already if an interrupt came just after the last replacement.
+            pending = pending[len(file["history/record"]) - stored :]
             layout.add_columns(file, pending)
             if pending:
                 rows.append(file, pending)
@@ -237,30 +239,30 @@ class HistoryWriter:
                 rows.put_state(file, *self._state)
             if ended is not None:
                 layout.set_status(file, *ended)
-            kept = len(file["history/record"])
-        self._pending, self._held = (kept, []), 0
+            stored = len(file["history/record"])
+        self._pending, self._pending_bytes = (stored, []), 0
         self._state = None
 
-    def _check_own(self, file: File) -> None:
-        """Two runs that were given one file must not mix their records."""
+    def _check_run(self, file: File) -> None:
+        """Check that the file still belongs to this run, so that two runs never mix records."""
         if file.attrs.get(RUN) != self._run.encode():
-            cure = "give each run a file of its own"
-            raise ResultsError(f"{self.path} was taken over by another run; {cure}")
+            cure = "choose a separate file for each run"
+            raise ResultsError(f"another run has taken over {self.path}; {cure}")
 
 
-def _bytes(record: Record) -> int:
+def _field_bytes(record: Record) -> int:
     """Size of what is kept of a record beside its numbers."""
     arrays = [*record.fields.values()]
-    arrays += [one for plane in record.stress for one in plane.components.values()]
-    arrays += [one for c in record.cycles for one in vars(c).values() if np.ndim(one)]
-    return sum(one.nbytes for one in arrays)
+    arrays += [array for plane in record.stress for array in plane.components.values()]
+    arrays += [array for c in record.cycles for array in vars(c).values() if np.ndim(array)]
+    return sum(array.nbytes for array in arrays)
 
 
 def _check_fits(record: Record, before: tuple[int, int], mesh: tuple[int, int]) -> None:
-    """See that a record is of a mesh that is the one before, or that one with a margin."""
+    """Check that a mesh is that before or wider, and that the record has this mesh."""
     widened(np.empty(before), mesh)
-    for name, one in record.columns.items():
-        if one.dims == ("y",):
+    for name, quantity in record.columns.items():
+        if quantity.dims == ("y",):
             widened(np.asarray(record.values[name]), mesh[1:])
     for values in record.fields.values():
         widened(values, mesh)
@@ -268,37 +270,37 @@ def _check_fits(record: Record, before: tuple[int, int], mesh: tuple[int, int]) 
 
 @contextmanager
 def results_writer(path: Path, overwrite: bool = False) -> Iterator[None]:
-    """Hold a results file for one run, from the first reading to the last record.
+    """Reserve a results file for one run, from the first reading to the last record.
 
     Raises
     ------
-    HeldError
-        If another process writes it.
+    FileInUseError
+        If another process writes the file.
     ResultsError
-        As by `check_results`.
+        See `check_results`.
     """
-    with interrupt.protect_cleanup(), writable.sole_writer(path, overwrite, _check_kind):
+    with interrupt.protect_cleanup(), write_access.sole_writer(path, overwrite, _check_kind):
         yield
 
 
 def check_results(path: Path, overwrite: bool = False) -> None:
-    """See that a results file can be written, before what may take long.
+    """Check that a results file can be written, before a long computation.
 
     Raises
     ------
     ResultsError
-        As by `check_writable`.
+        See `check_writable`.
     """
-    writable.check_writable(path, overwrite, _check_kind)
+    write_access.check_writable(path, overwrite, _check_kind)
 
 
 def _check_kind(path: Path) -> None:
-    with results_file(path):
+    with open_results(path):
         pass
 
 
-def _told(error: BaseException) -> str:
-    """What stopped a computation, for people."""
+def _describe_stop(error: BaseException) -> str:
+    """Return the message of what stopped a computation."""
     if isinstance(error, KeyboardInterrupt):
         return f"interrupted by {error}" if str(error) else "interrupted"
     return f"{type(error).__name__}: {error}".removesuffix(": ")

@@ -24,7 +24,7 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from tractive_sam.output_file import OutputError, describe_os_error, is_disk_failure, write_file
-from tractive_sam.store import HeldError, ResultsError, StorageError, locked
+from tractive_sam.store import FileInUseError, ResultsError, StorageError, hold_lock
 from tractive_sam.studies.case import DIGEST, Case
 from tractive_sam.studies.case_log import CaseLog
 from tractive_sam.studies.design import Study
@@ -61,9 +61,9 @@ class Folder:
                 if not self._study.exists() and any(self.path.glob("[!.]*")):
                     message = f"{self.path} contains other files; choose an empty folder"
                     raise ResultsError(message)
-                locks.enter_context(locked(self.path / ".client.lock"))
+                locks.enter_context(hold_lock(self.path / ".client.lock"))
                 write_file(self._study, study.to_toml())
-            except HeldError:
+            except FileInUseError:
                 raise ResultsError(
                     f"{self.path} is being run by another client; wait for it, stop it, or choose "
                     "another folder"

@@ -13,7 +13,14 @@ from tractive_sam import interrupt
 from tractive_sam.results import History
 from tractive_sam.run import InTurn, roll
 from tractive_sam.scene import Scene
-from tractive_sam.store import DamagedError, HeldError, lock_of, locked, open_history, versions
+from tractive_sam.store import (
+    DamagedError,
+    FileInUseError,
+    hold_lock,
+    lock_path,
+    open_history,
+    versions,
+)
 from tractive_sam.studies.task import COMPLETE, FAILED, LOCKED, Outcome, summary
 
 ONE_THREAD = {
@@ -76,7 +83,7 @@ def _outcome(compute: Callable[[], Outcome]) -> Outcome:
     began = perf_counter()
     try:
         outcome = compute()
-    except HeldError:
+    except FileInUseError:
         outcome = Outcome(LOCKED, "another process computes it")
     except Exception as error:  # whatever the error, the other cases are computed
         outcome = Outcome(FAILED, f"{type(error).__name__}: {error}", traceback=format_exc())
@@ -90,7 +97,7 @@ def _compute_or_repeat(scene: Scene, file: Path) -> Outcome:
         return _compute(scene, file)
     except DamagedError as error:
         damaged = file.with_suffix(".damaged")
-        with locked(lock_of(file)):
+        with hold_lock(lock_path(file)):
             os.replace(file, damaged)
         note = f"{error}; it was renamed to {damaged.name} and computed again"
         return replace(_compute(scene, file), note=note)

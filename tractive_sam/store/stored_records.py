@@ -1,4 +1,4 @@
-"""What a results file holds of single records, read only when it is asked for."""
+"""Fields, stress and fatigue of single records, read from the file on access."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -7,13 +7,13 @@ import numpy as np
 
 from tractive_sam.results import COMPONENTS, CYCLES, BodyFatigue, PlaneStress
 from tractive_sam.scene import Plane
-from tractive_sam.store.layout import place_of
-from tractive_sam.store.opening import results_file
+from tractive_sam.store.layout import stress_path
+from tractive_sam.store.opening import open_results
 
 
 @dataclass(frozen=True)
 class StoredField:
-    """One field of several records, read from the file whenever a record is asked for.
+    """A field as a sequence over records; each access reads the file.
 
     Attributes
     ----------
@@ -33,14 +33,14 @@ class StoredField:
         return self.length
 
     def __getitem__(self, row: int) -> np.ndarray:
-        """The field of one record, shape (n_x, n_y)."""
-        with results_file(self.path) as file:
+        """Return the field of a record, shape (n_x, n_y)."""
+        with open_results(self.path) as file:
             return file.row(f"fields/{self.name}", range(self.length)[row])
 
 
 @dataclass(frozen=True)
 class StoredStress:
-    """Stress on one plane of several records, read from the file whenever a record is asked for.
+    """Stress on a plane as a sequence over records; each access reads the file.
 
     Attributes
     ----------
@@ -51,9 +51,9 @@ class StoredStress:
     length : int
         Number of records with stress.
     block : int, optional
-        Of a duty cycle: which of its blocks.
+        Number of the block of a duty cycle.
     shift : float
-        Where the band of that lies, mm; it counts y from there.
+        Lateral position of the running band of the block, mm; y counts from there.
     """
 
     path: Path
@@ -67,19 +67,19 @@ class StoredStress:
         return self.length
 
     def __getitem__(self, row: int) -> "PlaneStress":
-        """The stress of one record, on the mesh that it was computed on."""
-        with results_file(self.path) as file:
-            group = f"stress/{place_of(self.body, self.plane, self.block)}"
+        """Return the stress of a record, on the mesh that it was computed on."""
+        with open_results(self.path) as file:
+            group = f"stress/{stress_path(self.body, self.plane, self.block)}"
             names = [name for name in ("x", "y", "depth") if f"{group}/{name}" in file]
             lengths = {name: file.length(f"{group}/{name}") for name in names}
             axes = {name: file.numbers(f"{group}/{name}", (n,)) for name, n in lengths.items()}
             row = range(self.length)[row]
             components = {name: file.row(f"{group}/{name}", row) for name in COMPONENTS}
             position = float(file.attribute(group, "position"))
-        # Beside a mesh that has grown since there is none.
-        known = np.isfinite(components[COMPONENTS[0]])
-        inside = [np.flatnonzero(known.any(axis=other)) for other in (1, 0)]
-        axes = {name: axes[name][at] for name, at in zip(axes, inside, strict=True)}
+        # The mesh may have grown since; the stress outside the former mesh is nan.
+        finite = np.isfinite(components[COMPONENTS[0]])
+        inside = [np.flatnonzero(finite.any(axis=axis)) for axis in (1, 0)]
+        axes = {name: axes[name][points] for name, points in zip(axes, inside, strict=True)}
         if "y" in axes:
             axes["y"] = axes["y"] - self.shift
         components = {name: values[np.ix_(*inside)] for name, values in components.items()}
@@ -89,7 +89,7 @@ class StoredStress:
 
 @dataclass(frozen=True)
 class StoredCycles:
-    """What rolling has done to one body by several records, read whenever one is asked for.
+    """Fatigue of a body as a sequence over records; each access reads the file.
 
     Attributes
     ----------
@@ -98,7 +98,7 @@ class StoredCycles:
     body : str
         "A" or "B".
     shear_yield : float
-        As of `BodyFatigue`.
+        Shear yield stress, MPa; see `BodyFatigue`.
     length : int
         Number of records.
     """
@@ -112,16 +112,16 @@ class StoredCycles:
         return self.length
 
     def __getitem__(self, row: int) -> BodyFatigue:
-        """That of one record; which criterion was asked only the scene tells."""
-        row, none = range(self.length)[row], np.zeros(0)
-        with results_file(self.path) as file:
+        """Return the fatigue of a record, without the criterion: only the scene names it."""
+        row, empty = range(self.length)[row], np.zeros(0)
+        with open_results(self.path) as file:
             group = f"fatigue/{self.body}"
             values = {
-                name: file.row(f"{group}/{name}", row) if f"{group}/{name}" in file else none
+                name: file.row(f"{group}/{name}", row) if f"{group}/{name}" in file else empty
                 for name in CYCLES
             }
             axes = {
-                name: file.whole(f"{group}/{name}") if f"{group}/{name}" in file else none
+                name: file.all_numbers(f"{group}/{name}") if f"{group}/{name}" in file else empty
                 for name in ("y", "depth", "zeta")
             }
         return BodyFatigue(
