@@ -172,7 +172,7 @@ def test_archive_is_measured_before_it_is_unpacked(tmp_path, monkeypatch):
     assert path.stat().st_size < 10**4
     monkeypatch.setattr(numpy_guard, "_read_checked", None)
     with pytest.raises(ValueError, match="MiB"):
-        numpy_guard.read_archive(path, most=8 * 10**5)  # of the numbers; the header is more
+        numpy_guard.read_archive(path, max_bytes=8 * 10**5)  # of the numbers; the header is more
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".npy", ".npz", ".h5", ".txt"])
