@@ -21,7 +21,7 @@ import numpy as np
 from timing import show, write
 
 import tractive_sam as ts
-from tractive_sam.contact import Asked, Model, Stepper, equilibrium
+from tractive_sam.contact import Model, StepInput, Stepper, equilibrium
 from tractive_sam.contact.steady import start_of
 from tractive_sam.solvers import steepness
 
@@ -46,7 +46,7 @@ def steepness_of(contact: ts.State) -> float:
     """Return the steepness of a solution."""
     model = Model(contact.scene, grid=contact.grid)
     problem, start = model.problem(model.undeformed_gap / model.units.gap), start_of(model, contact)
-    problem = problem.holding(start.pressure, contact.gap / model.units.gap)
+    problem = problem.with_pressure(start.pressure, contact.gap / model.units.gap)
     slip = problem.rigid + problem.response(start.traction)
     return steepness(problem, start.pressure, problem.normal.gap, start.traction, slip)
 
@@ -92,7 +92,7 @@ def step_row(seed: int, slip: str, load: float = 178.9) -> dict | None:
             stepper = other if k == len(courses) else Stepper(model)
             with warnings.catch_warnings(record=True) as caught:
                 warnings.simplefilter("always", ts.SceneWarning)
-                now = stepper.step(now, Asked(float(length), (float(xi), 0.0, 0.0), load))
+                now = stepper.step(now, StepInput(float(length), (float(xi), 0.0, 0.0), load))
             if not now.contact.converged:
                 return None
         texts = (str(one.message) for one in caught)

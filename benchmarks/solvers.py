@@ -16,8 +16,8 @@ from tractive_sam.contact import Model, equilibrium
 from tractive_sam.operators.fft import transform
 from tractive_sam.scene import Scene
 from tractive_sam.solvers import Anderson, Nested, Problem, Uzawa
-from tractive_sam.solvers.in_sequence import rectangle
 from tractive_sam.solvers.ladder import HELD, NORMAL
+from tractive_sam.solvers.sequential import rectangle
 
 TOLERANCE = 1e-8
 MESHES = (31, 45, 61, 91, 127, 181, 255, 361)
@@ -34,7 +34,9 @@ def problem_on(n: int, slip: str = "auto") -> Problem:
     model = Model(scene)
     problem = model.problem(model.undeformed_gap / model.units.gap)
     normal = NORMAL.solve(problem.normal, 1e-10)
-    return problem.holding(normal.pressure, normal.gap).within(rectangle(normal.pressure > 0.0))
+    return problem.with_pressure(normal.pressure, normal.gap).within(
+        rectangle(normal.pressure > 0.0)
+    )
 
 
 METHODS = {

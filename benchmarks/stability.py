@@ -107,7 +107,7 @@ def uzawa_step():
             problem = model.problem(model.undeformed_gap / model.units.gap)
             normal = NORMAL.solve(problem.normal, 1e-10)
             touching = normal.pressure > 0.0
-            problem = problem.holding(normal.pressure, normal.gap)
+            problem = problem.with_pressure(normal.pressure, normal.gap)
             bound = slip_step(model.operators, touching)
             row = {"n": n, "a/b": aspect, "estimate": bound}
             contact = equilibrium(model)

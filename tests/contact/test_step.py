@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
-from tractive_sam.contact import Asked, Model, Stepper
+from tractive_sam.contact import Model, StepInput, Stepper
 from tractive_sam.operators import Advection
 
 SPHERES = ts.Scene.builtin("spheres").replace(subsurface=None)
@@ -33,7 +33,7 @@ def builtin_on(name, n, margin=1.2, **changes):
 
 def pressed(model, load=P):
     stepper = Stepper(model)
-    return stepper, stepper.at_rest(stepper.pressed(Asked(load=load)))
+    return stepper, stepper.at_rest(stepper.press(StepInput(load=load)))
 
 
 def test_first_order_steps_are_those_of_an_independent_program():
@@ -43,7 +43,7 @@ def test_first_order_steps_are_those_of_an_independent_program():
     stepper, share = Stepper(model), []
     now = stepper.at_rest(ts.solve(here))
     for _ in range(4):
-        now = stepper.step(now, Asked(model.grid.dx, (-0.003, 0.0, 0.0), P))
+        now = stepper.step(now, StepInput(model.grid.dx, (-0.003, 0.0, 0.0), P))
         share.append(now.contact.Qx / (MU * P))
     np.testing.assert_allclose(share, [0.261486, 0.268602, 0.275641, 0.282597], atol=6e-7)
 
@@ -52,7 +52,7 @@ def test_first_order_steps_are_those_of_an_independent_program():
 @pytest.mark.parametrize("length", [0.0, 1.0, 2.0])
 def test_the_slip_of_a_step_is_that_of_dense_matrices(builtin, length):
     model = Model(builtin_on(builtin, 15, **{"solver.slip": "upwind"}))
-    requested = Asked(length * model.grid.dx, (-2e-3, 1e-3, 2e-4), model.scene.normal_load)
+    requested = StepInput(length * model.grid.dx, (-2e-3, 1e-3, 2e-4), model.scene.normal_load)
     stepper, before = pressed(model, requested.load)
     before = stepper.step(before, requested)
     now = stepper.step(before, requested)
@@ -62,7 +62,7 @@ def test_the_slip_of_a_step_is_that_of_dense_matrices(builtin, length):
     matrix = (wide.coupled_displacement if coupled else wide.tangential).as_matrix()
 
     def displaced(contact):
-        fields = np.pad(stepper._fields(contact), ((0, 0), (0, reach), (0, 0)))
+        fields = np.pad(stepper.model.scaled_fields(contact), ((0, 0), (0, reach), (0, 0)))
         return (matrix @ fields.ravel()).reshape(fields.shape)[-2:]
 
     x, y = model.grid.x[:, None], model.grid.y[None, :]
@@ -90,7 +90,7 @@ def test_a_shift_holds_cattaneos_force():
     for n in (23, 45, 91):
         model = Model(scene(n))
         stepper, now = pressed(model)
-        now = stepper.step(now, Asked(0.0, load=P, forces=(force, None)))
+        now = stepper.step(now, StepInput(0.0, load=P, forces=(force, None)))
         assert now.contact.Qx == pytest.approx(force, rel=1e-6)  # to the solver's tolerance
         found.append(-now.contact.xi_x)
     assert np.abs(np.array(found) / exact - 1.0).max() < 4e-3  # the edge of 23 elements
@@ -114,7 +114,7 @@ def test_work_is_dissipated_or_stored(builtin, length):
     for k in range(4):
         before = now
         by = tuple((1.0 - 0.3 * k) * one for one in rigid)  # turns round at last
-        now = stepper.step(now, Asked(length * model.grid.dx, by, model.scene.normal_load))
+        now = stepper.step(now, StepInput(length * model.grid.dx, by, model.scene.normal_load))
         assert now.contact.converged
         gained = now.energy - before.energy
         size = max(abs(now.supplied), abs(now.friction), abs(gained), now.energy)
@@ -176,7 +176,7 @@ def test_a_steady_contact_stays_as_it_is(builtin, slip):
     steady, model = ts.solve(here), Model(here)
     stepper, creepage = Stepper(model), here.creepage
     by = creepage.longitudinal, creepage.lateral, creepage.spin
-    now = stepper.step(stepper.at_rest(steady), Asked(model.grid.dx, by, here.normal_load))
+    now = stepper.step(stepper.at_rest(steady), StepInput(model.grid.dx, by, here.normal_load))
     size = MU * here.normal_load
     # Both are solved to 1e-8; a step amplifies residuals of smooth slip by the elements across.
     for name in ("Qx", "Qy", "approach"):
@@ -192,7 +192,7 @@ def test_steps_of_parts_of_an_element_keep_a_steady_contact_too():
     stepper = Stepper(model)
     now = stepper.at_rest(steady)
     for part in (0.5, 0.3, 0.7, 0.1):
-        requested = Asked(part * model.grid.dx, (-0.0031, 0.0, 0.0), P)
+        requested = StepInput(part * model.grid.dx, (-0.0031, 0.0, 0.0), P)
         now = stepper.step(now, requested, replace(now.contact))
         # The direction of slip alone is taken elsewhere in a shorter step, to second order.
         assert now.contact.Qx == pytest.approx(steady.Qx, rel=2e-4)
@@ -206,15 +206,15 @@ def test_upwind_steps_of_several_elements_are_those_of_one():
     for elements in (1.5, 2.0, 3.0):
         now = stepper.at_rest(steady)
         for _ in range(6):
-            now = stepper.step(now, Asked(elements * model.grid.dx, (-0.003, 0.0, 0.0), P))
+            now = stepper.step(now, StepInput(elements * model.grid.dx, (-0.003, 0.0, 0.0), P))
         # .2, .1 and .2 % measured; .6, 1.2 and 3.6 % where they stuck all the way.
         assert now.contact.Qx == pytest.approx(steady.Qx, rel=3e-3)
     for elements in (1, 2):
         stepper, now = pressed(model)
-        now = stepper.step(now, Asked(0.0, load=P, forces=(0.657 * MU * P, None)))
+        now = stepper.step(now, StepInput(0.0, load=P, forces=(0.657 * MU * P, None)))
         found = []
         for _ in range(2 // elements):
-            requested = Asked(elements * model.grid.dx, load=P, forces=(0.657 * MU * P, None))
+            requested = StepInput(elements * model.grid.dx, load=P, forces=(0.657 * MU * P, None))
             now = stepper.step(now, requested)
             found.append(now.contact.xi_x)
         size.append(np.mean(found))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.contact.test_step import builtin_on, pressed
-from tractive_sam.contact import Asked, Model
+from tractive_sam.contact import Model, StepInput
 from tractive_sam.operators import Advection
 
 LENGTHS = (0.1, 0.55, 0.37, 1.0, 1.6, 0.83, 2.3)
@@ -34,7 +34,7 @@ def rolled(builtin, slip, n=21):
     for k, length in enumerate(LENGTHS):
         share = np.cos(0.6 * k)
         by = (share * creepage.longitudinal, share * creepage.lateral + 1e-4, creepage.spin)
-        before, now = now, stepper.step(now, Asked(length * model.grid.dx, by, load))
+        before, now = now, stepper.step(now, StepInput(length * model.grid.dx, by, load))
         assert now.contact.converged
         yield stepper, before, now, Advection.from_distance(length), by
 
@@ -61,9 +61,9 @@ def test_friction_is_the_work_of_tractions_on_the_slip_of_their_particles(builti
             continue
         past, columns = before.contact, now.contact.grid.elements[0]
         touching = np.pad(past.touching, ((0, way.reach), (0, 0)))
-        held = way.held(touching) & stepper.model.stencil.staggered
-        tractions = stepper._fields(past), stepper._fields(now.contact)
-        requested = Asked(now.distance, by)
+        held = way.inside(touching) & stepper.model.stencil.staggered
+        tractions = stepper.model.scaled_fields(past), stepper.model.scaled_fields(now.contact)
+        requested = StepInput(now.distance, by)
         came = way.before(stepper._displacement(before, way.reach), held)
         spread = way.spread(tractions[1], held)
         later = stepper.operators.part(spread.shape[1:]).tangential(spread)[:, :columns]
@@ -90,7 +90,7 @@ def test_what_is_supplied_does_not_depend_on_the_step(slip, coupled):
         stepper, now = pressed(model, model.scene.normal_load)
         work = 0.0
         for _ in range(round(8 / part)):
-            requested = Asked(part * model.grid.dx, (-0.002, 0.0, 0.0), model.scene.normal_load)
+            requested = StepInput(part * model.grid.dx, (-0.002, 0.0, 0.0), model.scene.normal_load)
             now = stepper.step(now, requested)
             work += now.supplied
         found.append(work)

@@ -44,7 +44,7 @@ class Clipped:
         )
 
 
-MINE = SOLVERS.InSequence(SOLVERS.ConjugateGradients(), Clipped())
+MINE = SOLVERS.Sequential(SOLVERS.ConjugateGradients(), Clipped())
 SMALL = ["grid.elements=[15, 15]", "solver.tolerance=1e-7"]
 
 

@@ -10,9 +10,9 @@ import pytest
 
 import tractive_sam as ts
 from tests.scenes import interrupted
-from tractive_sam.contact import Asked, Model, Stepper
+from tractive_sam.contact import Model, StepInput, Stepper
 from tractive_sam.run.resume import last_step
-from tractive_sam.solvers import InSequence
+from tractive_sam.solvers import Sequential
 from tractive_sam.solvers.ladder import COUPLED, HELD, NORMAL
 
 SPHERES = ts.Scene.builtin("spheres").replace(subsurface=None, creepage=None)
@@ -306,7 +306,7 @@ def test_figures_of_a_transient(tmp_path):
 def test_steps_are_those_of_newtons_method_at_less_cost(changes):
     table = {"distance": [0, 3], "creepage.longitudinal": [-0.003] * 2, "creepage.spin": [1e-4] * 2}
     rolling = scene(table, **changes)
-    method = COUPLED if "body.B.shear" in changes else InSequence(NORMAL, HELD)
+    method = COUPLED if "body.B.shear" in changes else Sequential(NORMAL, HELD)
     ours, plain = (ts.roll(rolling, solver=solver) for solver in (None, method))
     # Both to the tolerance of the scene, 1e-8, summed over a dozen steps.
     np.testing.assert_allclose(ours["Qx"], plain["Qx"], atol=1e-6 * MU * P)
@@ -318,9 +318,9 @@ def test_what_a_step_reports_solves_its_problem():
     """Tractions brought back to their bound at the end miss by no more than the tolerance."""
     sphere = scene({"distance": [0, 1], "creepage.longitudinal": [0, -0.003]})
     stepper = Stepper(Model(sphere))
-    before = stepper.at_rest(stepper.pressed(Asked(load=P)))
-    found = stepper.step(before, Asked(0.25, (-0.003, 0.001, 0.0), P))
-    again = stepper.step(before, Asked(0.25, (-0.003, 0.001, 0.0), P), found, -1.0)
+    before = stepper.at_rest(stepper.press(StepInput(load=P)))
+    found = stepper.step(before, StepInput(0.25, (-0.003, 0.001, 0.0), P))
+    again = stepper.step(before, StepInput(0.25, (-0.003, 0.001, 0.0), P), found, -1.0)
     assert found.contact.residual <= sphere.solver.tolerance
     bound = MU * found.contact.pressure * (1.0 + 1e-12)  # rounding
     assert (np.hypot(*found.contact.traction) <= bound).all()

@@ -8,7 +8,7 @@ import pytest
 import tractive_sam as ts
 from tests.contact.test_falling import Row, cylinder
 from tests.scenes import interrupted
-from tractive_sam.contact import Asked, Model, Stepper
+from tractive_sam.contact import Model, StepInput, Stepper
 from tractive_sam.mechanics import Exponential
 
 SPHERES = ts.Scene.builtin("spheres").replace(subsurface=None, creepage=None)
@@ -94,9 +94,9 @@ def test_a_force_takes_the_creepage_that_has_it(friction):
     np.testing.assert_allclose(forced["Qx"], np.linspace(*forces, 7), atol=1e-6 * MU * P)
     model, then = Model(here), []
     stepper = Stepper(model)
-    now = stepper.at_rest(stepper.pressed(Asked(load=P)))
+    now = stepper.at_rest(stepper.press(StepInput(load=P)))
     for creepage in forced["creepage_found"][1:, 0]:
-        now = stepper.step(now, Asked(model.grid.dx, (creepage, 0.0, 0.0), P))
+        now = stepper.step(now, StepInput(model.grid.dx, (creepage, 0.0, 0.0), P))
         then.append(now.contact.Qx)
     np.testing.assert_allclose(then, forced["Qx"][1:], atol=1e-6 * MU * P)
 
@@ -163,7 +163,7 @@ def test_a_step_is_that_of_dense_matrices():
     grid = {"half_length": 4.65, "elements": 31}
     here = cylinder().replace(friction=law, grid=grid, **{DRIVE: -2e-3})
     model = Model(here)
-    stepper, requested = Stepper(model), Asked(model.grid.dx, (-3e-3, 0.0, 0.0), 3111.08)
+    stepper, requested = Stepper(model), StepInput(model.grid.dx, (-3e-3, 0.0, 0.0), 3111.08)
     before = stepper.at_rest(ts.solve(here))
     now = stepper.step(before, requested)
     matrix = stepper.operators.part((32, 1)).tangential.as_matrix()[:32, :32]
@@ -187,7 +187,7 @@ def test_tractions_are_bounded_by_the_local_speed_of_the_step(slip):
     here = scene(None, 21, slip, FALLS, **{DRIVE: -4e-3})
     model = Model(here)
     stepper, before = Stepper(model), ts.solve(here)
-    now = stepper.step(stepper.at_rest(before), Asked(dx(21), (-6e-3, 2e-3, 0.0), P)).contact
+    now = stepper.step(stepper.at_rest(before), StepInput(dx(21), (-6e-3, 2e-3, 0.0), P)).contact
     speed = SPEED * np.hypot(*now.slip)
     mu = MU * (KINETIC + (1.0 - KINETIC) * np.exp(-np.log(2.0) * speed / 30.0))
     share = np.hypot(*now.traction) / np.where(now.touching, mu * now.pressure, 1.0)
@@ -213,7 +213,7 @@ def test_both_solutions_of_a_step_are_those_of_an_independent_program(start, pri
     now = stepper.at_rest(ts.solve(here, laws=laws))
     for share, count in zip(printed, slides, strict=True):
         with pytest.warns(ts.SceneWarning, match=r"friction\.law.*friction\.start"):
-            now = stepper.step(now, Asked(model.grid.dx, (-1e-3, 0.0, 0.0), 3111.08))
+            now = stepper.step(now, StepInput(model.grid.dx, (-1e-3, 0.0, 0.0), 3111.08))
         # It prints four digits, and ends when the slip changes by a thousandth.
         assert now.contact.Qx / (0.3 * 3111.08) == pytest.approx(share, rel=3e-4)
         assert now.contact.sliding.sum() == count
@@ -231,7 +231,7 @@ def test_a_step_of_several_solutions_warns_from_both_sides(slip, half_speed):
             warnings.simplefilter("always", ts.SceneWarning)
             before = stepper.at_rest(ts.solve(model.scene))
             caught.clear()
-            now = stepper.step(before, Asked(model.grid.dx, (-1.1e-3, 0.0, 0.0), 3111.08))
+            now = stepper.step(before, StepInput(model.grid.dx, (-1.1e-3, 0.0, 0.0), 3111.08))
         found.append(now.contact.Qx)
         warned.append(any("transient.step" in str(one.message) for one in caught))
     several = abs(found[1] / found[0] - 1.0) > 1e-5  # a hundred tolerances
@@ -251,7 +251,7 @@ def test_steps_shorter_than_the_contact_deforms_have_several_solutions_but_for_a
             with warnings.catch_warnings(record=True) as caught:
                 warnings.simplefilter("always", ts.SceneWarning)
                 now = stepper.at_rest(ts.solve(here))
-                stepper.step(now, Asked(length * model.grid.dx, (-1e-3, 0.0, 0.0), 3111.08))
+                stepper.step(now, StepInput(length * model.grid.dx, (-1e-3, 0.0, 0.0), 3111.08))
             warned.append(any("transient.step" in str(one.message) for one in caught))
     assert warned == [False, True, False, False]
 
@@ -370,9 +370,9 @@ def test_a_jump_of_the_creepage_takes_no_shift():
 def test_a_shift_without_speed_is_refused():
     here = scene(None, friction=FALLS)
     stepper = Stepper(Model(here))
-    now = stepper.at_rest(stepper.pressed(Asked(load=P)))
+    now = stepper.at_rest(stepper.press(StepInput(load=P)))
     with pytest.raises(ValueError, match=r"laws\.friction"):
-        stepper.step(now, Asked(0.0, (1e-3, 0.0, 0.0), P))
+        stepper.step(now, StepInput(0.0, (1e-3, 0.0, 0.0), P))
 
 
 def growth(damping, mass, steps=50):
@@ -391,7 +391,9 @@ def growth(damping, mass, steps=50):
         middle, then = velocity, None
         for _ in range(2):  # what the force changes by within a step is small
             by = (0.0, at + middle / SPEED, 0.0)
-            then = stepper.step(now, Asked(model.grid.dx, by, P), earlier, 1.0 if earlier else 0.0)
+            then = stepper.step(
+                now, StepInput(model.grid.dx, by, P), earlier, 1.0 if earlier else 0.0
+            )
             force = then.contact.Qy - steady_force - damping * middle
             force -= spring * (place + 0.5 * time * middle)
             middle = velocity + 0.5 * time * force / mass

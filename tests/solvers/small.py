@@ -20,15 +20,17 @@ def problem_of(*settings, elements=13, slip="upwind") -> Problem:
     return model.problem(model.undeformed_gap / model.units.gap)
 
 
-def held(problem: Problem) -> Problem:
+def with_fixed_pressure(problem: Problem) -> Problem:
     """The tangential problem under the pressure without tractions."""
     normal = NORMAL.solve(problem.normal, 1e-12)
-    return problem.holding(normal.pressure, normal.gap)
+    return problem.with_pressure(normal.pressure, normal.gap)
 
 
 def tangential_problem(elements=21, slip="auto") -> Problem:
     """The tangential problem of two spheres that roll with longitudinal creepage."""
-    return held(problem_of("grid.half_length=[4.08, 4.08]", elements=elements, slip=slip))
+    return with_fixed_pressure(
+        problem_of("grid.half_length=[4.08, 4.08]", elements=elements, slip=slip)
+    )
 
 
 def given_approach(problem: Problem) -> Problem:

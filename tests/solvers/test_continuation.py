@@ -54,7 +54,9 @@ class Counted:
 @pytest.mark.parametrize("start", [None, Start()])
 def test_the_path_from_rest_costs_what_its_problems_cost(start):
     falling = SimpleNamespace(falls=True)
-    problem = SimpleNamespace(friction=SimpleNamespace(law=falling), forces=(), eased=float)
+    problem = SimpleNamespace(
+        friction=SimpleNamespace(law=falling), forces=(), at_speed_ratio=float
+    )
     counted = Counted()
     outcome = FromRest(counted, counted).solve(problem, 1e-6, start)
     assert outcome.converged
@@ -110,12 +112,12 @@ def test_anderson_where_nothing_else_helps():
 def test_the_path_begins_in_full_slip_and_ends_at_the_problem():
     problem = tangential_problem()
     way = Continuation(NEWTON)
-    full = NEWTON.solve(way.eased(problem, 0.0), 1e-8)
+    full = NEWTON.solve(way.easier(problem, 0.0), 1e-8)
     assert full.converged
     # All of the traction opposes the rigid slip: closed form, but for the elastic slip beside it.
     opposed = -problem.normal.pressure * np.sign(problem.rigid[0])
     assert size(full.traction[0] - opposed) < 1e-2 * size(problem.normal.pressure)
-    np.testing.assert_array_equal(way.eased(problem, 1.0).rigid, problem.rigid)
+    np.testing.assert_array_equal(way.easier(problem, 1.0).rigid, problem.rigid)
 
 
 def test_a_stretch_that_fails_is_halved():

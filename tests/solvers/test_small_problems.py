@@ -11,9 +11,9 @@ from tests.solvers.small import (
     DISSIMILAR,
     disc,
     given_approach,
-    held,
     problem_of,
     tangential_problem,
+    with_fixed_pressure,
 )
 from tractive_sam.results.status import Cost, Status
 from tractive_sam.solvers import (
@@ -21,18 +21,18 @@ from tractive_sam.solvers import (
     Bracketing,
     ConjugateGradients,
     Continuation,
-    InSequence,
     Ladder,
     Nested,
     Newton,
     Note,
     Outcome,
     PrescribedForces,
+    Sequential,
     Start,
     Uzawa,
 )
 from tractive_sam.solvers.krylov import gmres
-from tractive_sam.solvers.ladder import METHODS, NORMAL, ONE_AFTER_THE_OTHER
+from tractive_sam.solvers.ladder import METHODS, NORMAL, ROUGH_SEQUENTIAL
 from tractive_sam.solvers.newton_system import Iterate, System
 from tractive_sam.solvers.projection import ProjectedMap
 
@@ -55,7 +55,7 @@ def dense_residual(problem, outcome):
     pressure, traction = outcome.pressure, outcome.traction
     shape = pressure.shape
     missed = []
-    if problem.held:
+    if problem.is_pressure_fixed:
         response = (problem.operators.slip.as_matrix() @ traction.ravel()).reshape(2, *shape)
     else:
         fields = np.concatenate((pressure[None], traction))
@@ -97,7 +97,7 @@ def test_conjugate_gradients_by_an_active_set_and_a_dense_solve(alike):
 
 @pytest.mark.parametrize("solver", [Newton(), Anderson(), Uzawa(), Continuation(Newton())])
 def test_tangential_problem(alike, solver):
-    problem = held(alike)
+    problem = with_fixed_pressure(alike)
     outcome = solver.solve(problem, TIGHT)
     assert outcome.converged
     # The same sums in another order: rounding over the tolerance.
@@ -120,8 +120,8 @@ def test_coupled_problem(dissimilar, solver, control):
 
 @pytest.mark.parametrize("solver", [Newton(), Bracketing(Newton(), Continuation(Newton()))])
 def test_prescribed_forces(alike, dissimilar, solver):
-    for problem in (held(alike), dissimilar):
-        start = None if problem.held else ONE_AFTER_THE_OTHER.solve(problem, TIGHT)
+    for problem in (with_fixed_pressure(alike), dissimilar):
+        start = None if problem.is_pressure_fixed else ROUGH_SEQUENTIAL.solve(problem, TIGHT)
         given = replace(problem, forces=FORCES)
         start = start and replace(start, creepage=np.zeros(2))
         outcome = solver.solve(given, 1e-9, start)
@@ -134,7 +134,7 @@ def test_prescribed_forces(alike, dissimilar, solver):
 def test_fixed_pressure_is_coupled_with_the_unchanged_pressure(slip):
     """Bodies of equal material: both blocks at once, or one after the other, are the same."""
     problem = problem_of(*ALIKE, slip=slip)
-    one = InSequence(ConjugateGradients(), Newton()).solve(problem, TIGHT)
+    one = Sequential(ConjugateGradients(), Newton()).solve(problem, TIGHT)
     both = Newton().solve(problem, TIGHT)
     assert one.converged
     assert both.converged
@@ -159,11 +159,11 @@ def test_cost_is_what_the_operators_were_applied():
     """Reported by the solvers, counted by the operators."""
     for settings in (ALIKE, DISSIMILAR):
         problem = problem_of(*settings, elements=13)
-        problem = problem if problem.coupled else held(problem)
+        problem = problem if problem.coupled else with_fixed_pressure(problem)
         operators = problem.operators
-        start = ONE_AFTER_THE_OTHER.solve(problem, 1e-8) if not problem.held else None
+        start = ROUGH_SEQUENTIAL.solve(problem, 1e-8) if not problem.is_pressure_fixed else None
         for solver in (Newton(), Anderson(), Uzawa()):
-            used = operators.slip if problem.held else operators.coupled
+            used = operators.slip if problem.is_pressure_fixed else operators.coupled
             before = used.applications, operators.tangential_inverse.applications
             cost = solver.solve(problem, 1e-7, start).cost
             after = used.applications, operators.tangential_inverse.applications
@@ -180,7 +180,7 @@ def test_newton_steps_converge_quadratically(settings, slip):
     """A Newton step from a state that is off by h is off by h squared."""
     problem = problem_of(*settings, slip=slip)
     if not problem.coupled:
-        problem = held(problem)
+        problem = with_fixed_pressure(problem)
     solved = Newton().solve(problem, 1e-13)
     rng = np.random.default_rng(0)
     inside = solved.pressure > 0.05 * solved.pressure.max()
@@ -197,7 +197,7 @@ def test_newton_steps_converge_quadratically(settings, slip):
         system = System(problem, at, np.float64)
         rhs = system.right_hand_side()
         step, _ = gmres(system.operator, system.preconditioner, rhs, 1e-12, 400)
-        now = at.fields(problem.held) + system.fields(step)
+        now = at.fields(problem.is_pressure_fixed) + system.fields(step)
         return size(now[-2:] - solved.traction) / size(at.traction - solved.traction)
 
     far, near = missed(1e-3), missed(1e-5)
@@ -223,7 +223,7 @@ class Never:
 
 
 def test_a_ladder_climbs_until_one_converges(alike):
-    problem = held(alike)
+    problem = with_fixed_pressure(alike)
     outcome = Ladder((Never(), Newton(), Never()), with_forces=1).solve(problem, 1e-8)
     assert outcome.converged
     assert [note.status for note in outcome.trace] == [Status.DIVERGED, Status.CONVERGED]
@@ -249,6 +249,6 @@ def test_what_a_method_cannot_do_it_refuses(alike):
 
 def test_bodies_that_do_not_touch_need_no_solver(alike):
     apart = replace(alike.normal, load=None, approach=-1.0)
-    outcome = InSequence(NORMAL, Newton()).solve(replace(alike, normal=apart), 1e-8, Start())
+    outcome = Sequential(NORMAL, Newton()).solve(replace(alike, normal=apart), 1e-8, Start())
     assert outcome.converged
     assert not outcome.pressure.any()

@@ -21,8 +21,7 @@ from .roughness import rough_maps as rough_maps
 from .steady import equilibrium as equilibrium
 from .steady import fitted as fitted
 from .steady import fitted_blocks as fitted_blocks
-from .step import Asked as Asked
-from .step import Stepped as Stepped
 from .step import Stepper as Stepper
-from .step import travelled as travelled
+from .step_result import StepInput as StepInput
+from .step_result import StepResult as StepResult
 from .worn import Worn as Worn

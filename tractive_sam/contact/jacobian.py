@@ -93,7 +93,7 @@ def jacobian_of(
     gap = (model.undeformed_gap + contact.wear) / model.units.gap
     whole = tangential = _Linearised(model, model.problem(gap), contact)
     if not model.elasticity.coupled:
-        tangential = whole.with_pressure_held()
+        tangential = whole.with_fixed_pressure()
     rows, asked = ["Qx", "Qy", "Mz"], {}
     for k, creepage in enumerate(model.scene.contact_type.creepages):
         if (*model.free, False)[k]:
@@ -160,9 +160,9 @@ class _Linearised:
         self._force = model.units.pressure * model.grid.element_area
         self._none = np.zeros((3, *model.grid.elements))
 
-    def with_pressure_held(self) -> "_Linearised":
+    def with_fixed_pressure(self) -> "_Linearised":
         """The tangential problem under the pressure of this one."""
-        held = self.problem.holding(self.at.pressure, self.at.gap)
+        held = self.problem.with_pressure(self.at.pressure, self.at.gap)
         return _Linearised(self.model, held, self.contact)
 
     @property
@@ -199,7 +199,7 @@ class _Linearised:
         stretched = np.concatenate((self._none[:1], E[:, None, None] * at.traction))
         response = self.problem.response(stretched[-self.problem.shape[0] :])
         self._beside += 1
-        gap = self._none[0] if self.problem.held else response[0]
+        gap = self._none[0] if self.problem.is_pressure_fixed else response[0]
         # The unit of slip goes with the square of the larger coefficient.
         unit = 2.0 * self.model.frame.largest_by(axis)
         turned = at.seen.stretched(at.slip, at.traction, E, unit)

@@ -7,12 +7,12 @@ from functools import cached_property
 import numpy as np
 
 from tractive_sam.contact.laws import Laws
-from tractive_sam.contact.measured import Gap, lowest, resampled
+from tractive_sam.contact.measured import Gap, lowest, resampled, sampled
 from tractive_sam.contact.mesh import choose_grid
 from tractive_sam.contact.worn import Worn
 from tractive_sam.mechanics import Coulomb, Frame, Friction, FrictionLaw, WearLaw
 from tractive_sam.operators import STAGGERED, UPWIND, Lattice, Operators, SteadyRolling, Stencil
-from tractive_sam.results import Grid
+from tractive_sam.results import Grid, State
 from tractive_sam.scene import Scene
 from tractive_sam.solvers import (
     METHODS,
@@ -162,6 +162,26 @@ class Model:
             # At once: a distance that all elements share would take the digits of the parabola.
             gap = gap + (taken - lowest(self.measured, self.grid, taken, self.scene.body.radii))
         return gap if self.datum == "vertex" else gap - gap.min()
+
+    def with_wear_before(self, worn: np.ndarray | float) -> np.ndarray:
+        """Return a depth worn off both bodies with the depth worn before the start, mm."""
+        before = self.worn_before
+        return np.zeros(self.grid.elements) + worn + (0.0 if before is None else before)
+
+    def scaled_fields(self, contact: State) -> np.ndarray:
+        """Return dimensionless tractions of a contact; of dissimilar bodies after the pressure."""
+        traction = self.frame.to_scaled(contact.traction) / self.units.pressure
+        if not self.elasticity.coupled:
+            return traction
+        return np.concatenate((contact.pressure[None] / self.units.pressure, traction))
+
+    def profile_offset(self, distance: float) -> np.ndarray | float:
+        """Return what the profiles fixed to the bodies add to the gap after a distance, mm."""
+        grid, added = self.grid, 0.0
+        for x, y, separation in self.profiles:
+            at_x = np.clip(grid.x + distance, x[0], x[-1])
+            added = added + sampled((x, y, separation), at_x, np.clip(grid.y, y[0], y[-1]))
+        return added
 
     @cached_property
     def friction_law(self) -> FrictionLaw:

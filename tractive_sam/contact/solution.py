@@ -13,7 +13,7 @@ from tractive_sam.contact.model import Model
 from tractive_sam.mechanics import Coulomb
 from tractive_sam.results import State, Status
 from tractive_sam.schema import warn
-from tractive_sam.solvers import ALONE, Outcome, Problem, Solver, Start, falling_method
+from tractive_sam.solvers import PRESSURE_ONLY, Outcome, Problem, Solver, Start, falling_method
 from tractive_sam.solvers import steepness as steepness_of
 
 
@@ -35,7 +35,7 @@ def solve_problem(
     """
     normal, coupled = problem.normal, model.elasticity.coupled
     if normal.load is None and normal.gap.min() >= normal.approach:
-        return ALONE.solve(problem, tolerance)  # they do not touch: nothing to solve
+        return PRESSURE_ONLY.solve(problem, tolerance)  # they do not touch: nothing to solve
     if coupled and start is not None and not start.pressure.any():
         start = None  # Newton's method has no contact area to begin with
     return _solver_of(model, problem).solve(problem, tolerance, start)
@@ -44,7 +44,7 @@ def solve_problem(
 def _solver_of(model: Model, problem: Problem) -> Solver:
     """Return the method for a problem of bodies that touch."""
     if not model.transmits:
-        return ALONE
+        return PRESSURE_ONLY
     solver = model.method.dissimilar if model.elasticity.coupled else model.method.alike
     if not problem.friction.law.falls:
         return solver

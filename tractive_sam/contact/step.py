@@ -4,188 +4,46 @@ See `operators.kinematics` for the slip of a step. Of the past a step knows only
 its pressure, tractions and gap.
 """
 
-import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from tractive_sam.contact.measured import sampled
 from tractive_sam.contact.model import Model
 from tractive_sam.contact.solution import solve_problem, state_of
+from tractive_sam.contact.step_result import StepInput, StepResult
+from tractive_sam.contact.step_wear import StepWear
 from tractive_sam.contact.step_work import Particles, StepWork
-from tractive_sam.mechanics import Friction, FrictionLaw, PreviousShare, WearConditions, WearLaw
+from tractive_sam.mechanics import Friction, FrictionLaw, PreviousShare
 from tractive_sam.operators import Advection, ConvolutionMeter, RollingStep
-from tractive_sam.results import Cost, Grid, State, Status, widened
-from tractive_sam.solvers import (
-    ALONE,
-    NormalProblem,
-    Note,
-    Outcome,
-    Problem,
-    Start,
-)
-
-
-def travelled(model: Model, distance: float) -> np.ndarray | float:
-    """What the profiles fixed to the bodies add to the gap after a distance, mm."""
-    grid, added = model.grid, 0.0
-    for x, y, separation in model.profiles:
-        at_x = np.clip(grid.x + distance, x[0], x[-1])
-        added = added + sampled((x, y, separation), at_x, np.clip(grid.y, y[0], y[-1]))
-    return added
-
-
-Three = tuple[float, float, float]
-
-MOST_WORN = 1.0
-"""Depth that a step may wear over the elastic depth of a ripple as short as elements are."""
-
-TOO_DEEP = (
-    "the wear of a step is too deep for the contact to answer to: lower transient.step or "
-    "wear.intensity (wear.coefficient)"
-)
+from tractive_sam.results import Cost, State, Status
+from tractive_sam.solvers import PRESSURE_ONLY, NormalProblem, Note, Outcome, Problem, Start
 
 
 @dataclass(frozen=True, eq=False)
-class Asked:
-    """What a step is asked to do.
-
-    Attributes
-    ----------
-    distance : float
-        Advection rolled, mm; 0: a shift.
-    creepages : tuple of float
-        Longitudinal, lateral and spin creepage, means over the way; of a shift the shifts in x and
-        y, mm, and the turn, radians. Where a force is given, that one does not count.
-    load, approach : float or None
-        Normal load, N, or approach, mm, at the end of the step.
-    forces : tuple of float or None
-        (Q_x, Q_y) at the end, N, in place of creepages.
-    friction : float
-        Factor on the bound of friction at the end.
-    friction_before : float, optional
-        The same at the beginning; by default that at the end.
-    separation : ndarray, shape (n_x, n_y), or float
-        What is added to the undeformed gap at the end, mm.
-    """
-
-    distance: float = 0.0
-    creepages: Three = (0.0, 0.0, 0.0)
-    load: float | None = None
-    approach: float | None = None
-    forces: tuple[float | None, float | None] = (None, None)
-    friction: float = 1.0
-    friction_before: float | None = None
-    separation: np.ndarray | float = 0.0
-
-    @property
-    def mean_friction(self) -> float:
-        """Factor on the bound of friction on the mean of the way: what wears goes by it."""
-        first = self.friction if self.friction_before is None else self.friction_before
-        return (first + self.friction) / 2.0
-
-
-@dataclass(frozen=True, eq=False)
-class Stepped:
-    """A contact at the end of a step, and the work of the step.
-
-    Attributes
-    ----------
-    contact : State
-        Its slip is the mean one of the step per distance rolled; of a shift the slip itself, mm.
-        Likewise its creepages, with those that were found.
-    supplied : float
-        Work of what drives the bodies, N mm: by tangential forces and, of dissimilar bodies, by the
-        load.
-    friction : float
-        Work of friction, N mm.
-    distance : float
-        Advection rolled in the step, mm.
-    shifted : bool
-        Whether it was a shift.
-    energy : float
-        Elastic energy at the end, N mm: of the tractions, of dissimilar bodies with the pressure.
-    displacement : ndarray, shape (2 or 3, n_x + reach, n_y)
-        Dimensionless, at the nodes of the mesh and ahead of it.
-    normal : NormalProblem, optional
-        What its pressure solves, where tractions do not change that.
-    worn : ndarray, shape (2, n_x, n_y)
-        Depth worn since the start off the particles of A and B that are at the elements, mm.
-    gained : ndarray, shape (2, n_x, n_y)
-        What of it the step wore.
-    deep : float
-        What the step wore over the most that pressure can answer to.
-    """
-
-    contact: State
-    supplied: float = 0.0
-    friction: float = 0.0
-    distance: float = 0.0
-    shifted: bool = False
-    energy: float = 0.0
-    displacement: np.ndarray = field(default_factory=lambda: np.zeros((2, 0, 0)), repr=False)
-    normal: NormalProblem | None = field(default=None, repr=False)
-    worn: np.ndarray = field(default_factory=lambda: np.zeros((2, 0, 0)), repr=False)
-    gained: np.ndarray = field(default_factory=lambda: np.zeros((2, 0, 0)), repr=False)
-    deep: float = 0.0
-
-    def on(self, grid: Grid) -> "Stepped":
-        """The same on a wider mesh of the same elements, see `State.on`.
-
-        What has passed the mesh is as deep as at its end.
-        """
-        worn, gained = (widened(one, grid.elements) for one in (self.worn, self.gained))
-        behind = (grid.elements[0] - self.worn.shape[1]) // 2
-        worn[:, :behind] = worn[:, behind : behind + 1]
-        of_mesh = {"displacement": np.zeros((2, 0, 0)), "normal": None}
-        return replace(self, contact=self.contact.on(grid), worn=worn, gained=gained, **of_mesh)
-
-    def since(self, earlier: "Stepped | None") -> "Stepped":
-        """Return the step with what it did after a shorter step from the same contact."""
-        if earlier is None:
-            return self
-        return replace(
-            self,
-            supplied=self.supplied - earlier.supplied,
-            friction=self.friction - earlier.friction,
-            distance=self.distance - earlier.distance,
-            gained=self.gained - earlier.gained,
-        )
-
-    def presses_like(self, normal: NormalProblem) -> bool:
-        """Whether its pressure is known to solve a normal problem."""
-        known = self.normal is not None and self.contact.touching.any()
-        return bool(known and normal.is_the_same_as(self.normal))
-
-
-@dataclass(frozen=True, eq=False)
-class Carriage:
+class ParticleMotion:
     """How particles came to the nodes in a step.
 
     Attributes
     ----------
-    way : Advection
-        Their way.
-    held : ndarray of bool, shape (n_x, n_y)
+    advection : Advection
+        Distance that they moved.
+    curved : ndarray of bool, shape (n_x, n_y)
         Which of them are interpolated by a parabola, see `Advection.before`.
     displacement : ndarray, shape (2 or 3, n_x, n_y)
         Dimensionless displacements that they had before.
     rigid : ndarray, shape (2, n_x, n_y)
         Slip of the undeformed bodies, dimensionless.
     found : ndarray or float
-        The part of it that was found where a force is given.
-    law : FrictionLaw
-        That of friction at rest, with what the particles remember.
+        The part of it by creepages that were found for prescribed forces.
     """
 
-    way: Advection
-    held: np.ndarray
+    advection: Advection
+    curved: np.ndarray
     displacement: np.ndarray
     rigid: np.ndarray
-    found: np.ndarray | float
-    law: FrictionLaw
+    found: np.ndarray | float = 0.0
 
 
 class Stepper:
@@ -194,7 +52,7 @@ class Stepper:
     Parameters
     ----------
     model : Model
-        The scene in numbers; what a step asks takes the place of its load, creepages and forces.
+        The scene in numbers; the inputs of a step replace its load, creepages and forces.
 
     Raises
     ------
@@ -205,121 +63,120 @@ class Stepper:
     def __init__(self, model: Model):
         if model.elasticity.layer:
             raise ValueError("laws: a transient takes no interfacial layer")
-        self.model, self.wear_law, self.work = model, model.wear_law, StepWork(model)
-        self.operators = model.operators
+        self.model, self.operators, self.work = model, model.operators, StepWork(model)
+        law = model.wear_law
+        self.wear = None if law is None else StepWear(model, law)
 
     def step(
-        self, before: Stepped, asked: Asked, earlier: Stepped | None = None, ratio: float = 0.0
-    ) -> Stepped:
+        self,
+        before: StepResult,
+        inputs: StepInput,
+        earlier: StepResult | None = None,
+        ratio: float = 0.0,
+    ) -> StepResult:
         """Take a step.
 
         Parameters
         ----------
-        before : Stepped
-            The one before.
-        asked : Asked
-            What is asked.
-        earlier : Stepped, optional
-            The one before that: what the first guess is extrapolated from. With a negative ratio
-            the end of a longer step: the first guess is interpolated.
+        before : StepResult
+            The step before.
+        inputs : StepInput
+            What the step is given.
+        earlier : StepResult, optional
+            The step before that one: the first guess is extrapolated from both. With a negative
+            ratio the end of a longer step: the first guess is interpolated.
         ratio : float
-            Length of the step over that of the one before, or minus that over the longer one.
+            Length of the step over that of the step before, or minus that over the longer step.
 
         Returns
         -------
-        Stepped
+        StepResult
             Converged or not: see its contact.
         """
-        meter = ConvolutionMeter(self.model.operators.lattice.padded)
-        now = self._taken(before, asked, earlier, ratio)
-        return replace(now, contact=now.contact.with_convolutions(meter.convolutions))
-
-    def _taken(
-        self, before: Stepped, asked: Asked, earlier: Stepped | None, ratio: float
-    ) -> Stepped:
-        model, grid = self.model, self.model.grid
-        way = Advection.from_distance(asked.distance / grid.dx)
-        past, displacement = before.contact, self._displacement(before, way.reach)
-        touching = _ahead(past.pressure, way.reach) > 0.0
-        held = way.held(touching) & model.stencil.staggered
-        rigid = self._rigid(asked, way, way.middle(held))
-        came = way.before(displacement, held)
-
-        worn = way.carried(before.worn)
-        expected = worn + self._expected(before, earlier, ratio)
-        gap = np.where(past.touching, 0.0, past.gap) / model.units.gap
-        ahead = _ahead(gap, way.reach, edge=True)
-        law = self._law(before, asked, way)
+        meter = ConvolutionMeter(self.operators.lattice.padded)
+        advection = Advection.from_distance(inputs.distance / self.model.grid.dx)
+        motion, law = self._motion(before, inputs, advection), self._law(before, inputs, advection)
+        worn = advection.carried(before.worn)
+        expected = worn
+        if earlier is not None:
+            expected = worn + (ratio * before.gained if ratio >= 0.0 else -ratio * earlier.gained)
         problem = replace(
-            self._problem(asked, expected.sum(axis=0), law),
-            rigid=rigid - came[-2:],
-            forces=model.forces_of(asked.forces),
-            kinematics=RollingStep(
-                model.stencil, self._entering(way.before(ahead, held), ahead), way.length
-            ),
+            self._problem(inputs, expected.sum(axis=0), law),
+            rigid=motion.rigid - motion.displacement[-2:],
+            forces=self.model.forces_of(inputs.forces),
+            kinematics=self._kinematics(before.contact, motion),
         )
-        start = self._start(before, way, asked, earlier, ratio)
-        if before.presses_like(problem.normal):
-            pressure, height = past.pressure / model.units.pressure, past.gap / model.units.gap
-            approach = past.approach / model.units.gap
-            start = replace(start, pressure=pressure, gap=height, approach=approach)
-        outcome = solve_problem(model, problem, model.scene.solver.tolerance, start)
-        if outcome.top is not None:  # its creepage is over an element's length, like the slip
-            force, creepage = outcome.top
-            outcome = replace(outcome, top=(force, creepage / way.length))
-        if len(problem.forces) and outcome.creepage is None:
-            outcome = _without_contact(problem, outcome)
-        now = self._ended(asked, way, problem, outcome, worn)
-        if not now.contact.converged:
-            return now
-        found = problem.forces.slip(outcome.creepage) if len(problem.forces) else 0.0
-        carried = Carriage(way, held, came, rigid + found, found, law)
-        return self._worked(before, asked, now, carried)
+        start = self._start(before, advection, inputs, earlier, ratio)
+        outcome = self._solve(problem, before, start, advection.length)
+        result = self._result(inputs, advection, problem, outcome, worn)
+        if result.contact.converged:
+            if len(problem.forces):
+                found = problem.forces.slip(outcome.creepage)
+                motion = replace(motion, rigid=motion.rigid + found, found=found)
+            result, groups = self._with_work(before, inputs, result, motion)
+            if self.wear is not None:
+                result = self.wear.worn(inputs, result, advection, law, groups)
+        return replace(result, contact=result.contact.with_convolutions(meter.convolutions))
 
-    def _entering(self, gap: np.ndarray, nodes: np.ndarray) -> np.ndarray:
-        """Return the gap that particles close before they are held in a step, dimensionless.
+    def _motion(
+        self, before: StepResult, inputs: StepInput, advection: Advection
+    ) -> ParticleMotion:
+        """Return how particles come to the nodes; without the slip by unknown creepages."""
+        touching = advection.with_nodes_ahead(before.contact.pressure) > 0.0
+        curved = advection.inside(touching) & self.model.stencil.staggered
+        rigid = self._rigid(inputs, advection, advection.middle(curved))
+        displacement = self._displacement(before, advection.reach)
+        return ParticleMotion(advection, curved, advection.before(displacement, curved), rigid)
+
+    def _kinematics(self, past: State, motion: ParticleMotion) -> RollingStep:
+        """Return the kinematics of a step, with the gap that particles close in it.
 
         Upwind slip holds a particle from the first node ahead of the contact on: in steps of one
         element from where it was, and it closes nothing.
-
-        Parameters
-        ----------
-        gap : ndarray, shape (n_x, n_y)
-            Gap of the particles before the step.
-        nodes : ndarray, shape (n_x + reach, n_y)
-            Gap at the nodes before it.
         """
-        if self.model.stencil.staggered:
-            return gap
-        edge = nodes.copy()
-        for i in range(len(nodes) - 2, -1, -1):
-            edge[i] = np.where(nodes[i] > 0.0, nodes[i], edge[i + 1])
-        return np.maximum(gap - edge[: len(gap)], 0.0)
+        stencil, advection = self.model.stencil, motion.advection
+        gap = np.where(past.touching, 0.0, past.gap) / self.model.units.gap
+        nodes = advection.with_nodes_ahead(gap, edge=True)
+        entering = advection.before(nodes, motion.curved)
+        if not stencil.staggered:
+            edge = nodes.copy()
+            for i in range(len(nodes) - 2, -1, -1):
+                edge[i] = np.where(nodes[i] > 0.0, nodes[i], edge[i + 1])
+            entering = np.maximum(entering - edge[: len(entering)], 0.0)
+        return RollingStep(stencil, entering, advection.length)
 
-    def _expected(
-        self, before: Stepped, earlier: Stepped | None, ratio: float
-    ) -> np.ndarray | float:
-        """Return the depths that a step is expected to wear, mm; arguments as of `step`."""
-        if earlier is None:
-            return 0.0
-        return ratio * before.gained if ratio >= 0.0 else -ratio * earlier.gained
+    def _solve(self, problem: Problem, before: StepResult, start: Start, length: float) -> Outcome:
+        """Solve the problem of a step; a pressure that is known already is not sought again."""
+        model, past = self.model, before.contact
+        if before.has_pressure_of(problem.normal):
+            pressure, gap = past.pressure / model.units.pressure, past.gap / model.units.gap
+            approach = past.approach / model.units.gap
+            start = replace(start, pressure=pressure, gap=gap, approach=approach)
+        outcome = solve_problem(model, problem, model.scene.solver.tolerance, start)
+        if outcome.top is not None:  # its creepage is over an element's length, like the slip
+            force, creepage = outcome.top
+            outcome = replace(outcome, top=(force, creepage / length))
+        if len(problem.forces) and outcome.creepage is None:
+            outcome = _without_contact(problem, outcome)
+        return outcome
 
-    def open_beside(self, stepped: Stepped, separation: np.ndarray | float) -> Stepped:
-        """A step whose mesh was widened, with the gap and the wear beside the mesh that it had."""
-        contact, units = stepped.contact, self.model.units
+    def with_gap_beside(self, result: StepResult, separation: np.ndarray | float) -> StepResult:
+        """Return a step whose mesh was widened with the gap and the wear beside the former mesh."""
+        contact, units = result.contact, self.model.units
         unknown = np.isinf(contact.gap)
         if not unknown.any():
-            return stepped
-        depth, fields = self.off(stepped.worn.sum(axis=0)), self._fields(contact)
-        pressed = (contact.pressure / units.pressure)[None]
-        coupled = self.model.elasticity.coupled
-        moved = self.operators.coupled(fields) if coupled else self.operators.normal(pressed)
+            return result
+        depth = self.model.with_wear_before(result.worn.sum(axis=0))
+        if self.model.elasticity.coupled:
+            moved = self.operators.coupled_displacement(self.model.scaled_fields(contact))
+        else:
+            moved = self.operators.normal((contact.pressure / units.pressure)[None])
         undeformed = self.model.undeformed_gap + separation + depth
         gap = undeformed + units.gap * moved[0] - contact.approach
         contact = replace(contact, gap=np.where(unknown, gap, contact.gap), wear=depth)
-        return replace(stepped, contact=contact)
+        return replace(result, contact=contact)
 
-    def _law(self, before: Stepped, asked: Asked, way: Advection) -> FrictionLaw:
+    def _law(self, before: StepResult, inputs: StepInput, advection: Advection) -> FrictionLaw:
         """Return the law of friction in a step, with what its particles remember.
 
         Raises
@@ -330,287 +187,222 @@ class Stepper:
         law, grid, past = self.model.friction_law, self.model.grid, before.contact
         if not law.falls:
             return law
-        if not way.length:
+        if not advection.length:
             raise ValueError(
                 "laws.friction: friction falls with the speed of sliding, and a shift (a step of "
                 "no distance) has none; roll a short distance in its place"
             )
-        rest = law.weakened(asked.friction_before or asked.friction).bound(
+        rest = law.weakened(inputs.friction_before or inputs.friction).bound(
             past.pressure, grid.x[:, None], grid.y[None, :]
         )
         bound = past.pressure if past.traction_bound is None else past.traction_bound
         touching = rest.radius > 0.0
         lost = np.where(touching, 1.0 - bound / np.where(touching, rest.radius, 1.0), 0.0)
-        return law.with_previous(
-            PreviousShare(grid.x, grid.y, 1.0 - way.carried(lost), asked.distance)
-        )
+        share = 1.0 - advection.carried(lost)
+        return law.with_previous(PreviousShare(grid.x, grid.y, share, inputs.distance))
 
     def _problem(
-        self, asked: Asked, worn: np.ndarray | float = 0.0, law: FrictionLaw | None = None
+        self, inputs: StepInput, worn: np.ndarray | float = 0.0, law: FrictionLaw | None = None
     ) -> Problem:
-        """The normal problem and the friction of a step, with what was worn since the start."""
+        """Return the normal problem and the friction of a step under a depth worn, mm."""
         model, grid, units = self.model, self.model.grid, self.model.units
-        load = None if asked.load is None else asked.load / (units.pressure * grid.element_area)
-        approach = 0.0 if asked.approach is None else asked.approach / units.gap
-        undeformed = model.undeformed_gap + asked.separation + self.off(worn)
-        law = (law or model.friction_law).weakened(asked.friction)
+        load = None if inputs.load is None else inputs.load / (units.pressure * grid.element_area)
+        approach = 0.0 if inputs.approach is None else inputs.approach / units.gap
+        undeformed = model.undeformed_gap + inputs.separation + model.with_wear_before(worn)
+        law = (law or model.friction_law).weakened(inputs.friction)
         x, y = grid.x[:, None], grid.y[None, :]
-        # A slip of a step is over an element's length, the speed of sliding over the way rolled.
-        per_way = units.slip * grid.dx / (asked.distance or grid.dx)
+        # The slip of a step is over an element's length, the speed of sliding over the distance.
+        slip_unit = units.slip * grid.dx / (inputs.distance or grid.dx)
         return Problem(
             NormalProblem(self.operators, undeformed / units.gap, load, approach),
             np.zeros((2, *grid.elements)),
-            Friction(law, x, y, units.pressure, per_way),
+            Friction(law, x, y, units.pressure, slip_unit),
             kinematics=RollingStep(model.stencil),
         )
 
-    def off(self, worn: np.ndarray | float) -> np.ndarray:
-        """Depth worn off both bodies, with that before the start, mm."""
-        began = self.model.worn_before
-        return np.zeros(self.model.grid.elements) + worn + (0.0 if began is None else began)
+    def press(self, inputs: StepInput) -> State:
+        """Press the bodies together without traction, whatever creepages or forces are given."""
+        problem = self._problem(inputs)
+        outcome = PRESSURE_ONLY.solve(problem, self.model.scene.solver.tolerance)
+        slip, depth = np.zeros_like(problem.rigid), self.model.with_wear_before(0.0)
+        return state_of(self.model, problem, outcome, slip, (0.0, 0.0, 0.0), depth)
 
-    def pressed(self, asked: Asked) -> State:
-        """The bodies pressed together without traction, whatever else is asked for."""
-        problem = self._problem(asked)
-        outcome = ALONE.solve(problem, self.model.scene.solver.tolerance)
-        slip = np.zeros_like(problem.rigid)
-        creepages, depth = (0.0, 0.0, 0.0), self.off(0.0)
-        return state_of(self.model, problem, outcome, slip, creepages, depth)
+    def at_rest(self, contact: State) -> StepResult:
+        """Return a contact from which steps may be taken: its energy and displacements."""
+        displacement = self._displacement(StepResult(contact), 0)
+        energy = self.work.energy(self.model.scaled_fields(contact), displacement)
+        none = np.zeros((2, *self.model.grid.elements))
+        return StepResult(contact, energy=energy, displacement=displacement, worn=none, gained=none)
 
-    def at_rest(self, contact: State) -> Stepped:
-        """A contact from which steps may be taken: its energy and displacements."""
-        displacement = self._displacement(Stepped(contact), 0)
-        energy, none = self.work.energy(self._fields(contact), displacement), self._unworn
-        return Stepped(contact, energy=energy, displacement=displacement, worn=none, gained=none)
-
-    @property
-    def _unworn(self) -> np.ndarray:
-        return np.zeros((2, *self.model.grid.elements))
-
-    def _fields(self, contact: State) -> np.ndarray:
-        """Dimensionless tractions of a contact; of dissimilar bodies after the pressure."""
-        unit = self.model.units.pressure
-        traction = self.model.frame.to_scaled(contact.traction) / unit
-        if not self.model.elasticity.coupled:
-            return traction
-        return np.concatenate((contact.pressure[None] / unit, traction))
-
-    def _displacement(self, of: Stepped, reach: int) -> np.ndarray:
-        """Dimensionless displacements at the nodes of the mesh and ahead of it."""
+    def _displacement(self, result: StepResult, reach: int) -> np.ndarray:
+        """Return dimensionless displacements at the nodes of the mesh and ahead of it."""
         nx = self.model.grid.elements[0]
-        if of.displacement.shape[1] >= nx + reach:
-            return of.displacement[:, : nx + reach]
-        fields = _ahead(self._fields(of.contact), reach)
-        operators = self.operators.part(fields.shape[1:]) if reach else self.operators
-        return (operators.coupled_displacement if len(fields) == 3 else operators.tangential)(
-            fields
-        )
+        if result.displacement.shape[1] >= nx + reach:
+            return result.displacement[:, : nx + reach]
+        fields = self.model.scaled_fields(result.contact)
+        nodes = np.zeros((len(fields), nx + reach, fields.shape[2]))
+        nodes[:, :nx] = fields
+        operators = self.operators.part(nodes.shape[1:]) if reach else self.operators
+        with_pressure = len(fields) == 3
+        return (operators.coupled_displacement if with_pressure else operators.tangential)(nodes)
 
-    def _rigid(self, asked: Asked, way: Advection, middle: np.ndarray | float) -> np.ndarray:
-        """Slip of the undeformed bodies in a step, dimensionless, shape (2, n_x, n_y).
+    def _rigid(
+        self, inputs: StepInput, advection: Advection, middle: np.ndarray | float
+    ) -> np.ndarray:
+        """Return the slip of the undeformed bodies in a step, dimensionless, (2, n_x, n_y).
 
         Parameters
         ----------
-        asked : Asked
+        inputs : StepInput
             Creepages of the step; one in place of which a force is given does not count.
-        way : Advection
+        advection : Advection
             Its length.
         middle : ndarray, shape (n_x, n_y), or float
             Distance from the nodes to the places where the rigid slip is taken, in elements.
         """
         model, grid = self.model, self.model.grid
-        given = [
-            0.0 if force is not None else one
-            for one, force in zip(asked.creepages, (*asked.forces, None), strict=True)
-        ]
-        if not model.stencil.staggered and way.length:
+        longitudinal, lateral, spin = (
+            0.0 if force is not None else creepage
+            for creepage, force in zip(inputs.creepages, (*inputs.forces, None), strict=True)
+        )
+        if not model.stencil.staggered and advection.length:
             middle = middle - 0.5
         x, y = grid.x[:, None] + grid.dx * middle, grid.y[None, :]
-        longitudinal, lateral, spin = given
         slip = np.stack(np.broadcast_arrays(longitudinal - spin * y, lateral + spin * x))
-        over = way.length if asked.distance else 1.0 / grid.dx
-        return model.frame.slip_to_scaled(slip) * (over / model.units.slip)
+        return model.frame.slip_to_scaled(slip) * (self._elements(advection) / model.units.slip)
+
+    def _elements(self, advection: Advection) -> float:
+        """Return the distance in elements by which slip is divided; of a shift a millimetre."""
+        return advection.length or 1.0 / self.model.grid.dx
 
     def _start(
-        self, before: Stepped, way: Advection, asked: Asked, earlier: Stepped | None, ratio: float
+        self,
+        before: StepResult,
+        advection: Advection,
+        inputs: StepInput,
+        earlier: StepResult | None,
+        ratio: float,
     ) -> Start:
-        """Where the solution is sought first: on the line through the two steps before."""
-        units, frame, columns = self.model.units, self.model.frame, self.model.grid.elements[0]
-        over = (way.length or 1.0 / self.model.grid.dx) / units.slip
+        """Return the first guess: on the line through the two steps before."""
+        model, units = self.model, self.model.units
         first, share = (before, 0.0) if earlier is None else (earlier, ratio)
 
-        def extrapolate(of: Callable[[Stepped], Any]) -> Any:
-            now = of(before)
-            return now + share * (now - of(first)) if share else now
+        def extrapolate(value: Callable[[StepResult], Any]) -> Any:
+            last = value(before)
+            return last + share * (last - value(first)) if share else last
 
         pressure = extrapolate(lambda one: one.contact.pressure)
-        found = [
+        creepages = [
             extrapolate(lambda one, k=k: getattr(one.contact, k))
-            for k, force in zip(("xi_x", "xi_y"), asked.forces, strict=True)
+            for k, force in zip(("xi_x", "xi_y"), inputs.forces, strict=True)
             if force is not None
         ]
-        response = extrapolate(lambda one: self._displacement(one, 0)[:, :columns])
-        pulled = pressure < 0.0
-        coupled = self.model.elasticity.coupled
+        response = None
+        if not (model.elasticity.coupled and pressure.min() < 0.0):
+            columns = model.grid.elements[0]
+            response = extrapolate(lambda one: self._displacement(one, 0)[:, :columns])
+        traction = extrapolate(lambda one: one.contact.traction)
         return Start(
             np.maximum(pressure, 0.0) / units.pressure,
-            frame.to_scaled(extrapolate(lambda one: one.contact.traction)) / units.pressure,
+            model.frame.to_scaled(traction) / units.pressure,
             extrapolate(lambda one: one.contact.approach) / units.gap,
-            np.nan_to_num(found) * over,
-            None if coupled and pulled.any() else response,
+            np.nan_to_num(creepages) * (self._elements(advection) / units.slip),
+            response,
         )
 
-    def _ended(
-        self, asked: Asked, way: Advection, problem: Problem, outcome: Outcome, worn: np.ndarray
-    ) -> Stepped:
-        """Return the contact at the end of a step in mm, N and MPa, without its work."""
-        model, units = self.model, self.model.units
-        known = [k for k in (0, 1) if asked.forces[k] is not None]
-        creepages = list(asked.creepages)
-        over = way.length or 1.0 / model.grid.dx
-        for k, value in zip(known, outcome.creepage if known else (), strict=True):
-            creepages[k] = float(value) * units.slip / over
-        slip = units.slip / over * model.frame.slip_to_physical(outcome.slip)
-        if way.length:
+    def _result(
+        self,
+        inputs: StepInput,
+        advection: Advection,
+        problem: Problem,
+        outcome: Outcome,
+        worn: np.ndarray,
+    ) -> StepResult:
+        """Return the contact at the end of a step in mm, N and MPa, without its work and wear."""
+        model, creepages = self.model, list(inputs.creepages)
+        per_distance = model.units.slip / self._elements(advection)
+        sought = [k for k in (0, 1) if inputs.forces[k] is not None]
+        for k, value in zip(sought, outcome.creepage if sought else (), strict=True):
+            creepages[k] = float(value) * per_distance
+        slip = per_distance * model.frame.slip_to_physical(outcome.slip)
+        if advection.length:
             slip = model.stencil.at_centres(slip)
-        depth = self.off(worn.sum(axis=0))
-        contact = state_of(model, problem, outcome, slip, tuple(creepages), depth)
-        return Stepped(
+        longitudinal, lateral, spin = creepages
+        depth = model.with_wear_before(worn.sum(axis=0))
+        contact = state_of(model, problem, outcome, slip, (longitudinal, lateral, spin), depth)
+        return StepResult(
             contact,
-            distance=asked.distance,
-            shifted=not asked.distance,
+            distance=inputs.distance,
+            shifted=not inputs.distance,
             normal=None if model.elasticity.coupled else problem.normal,
             worn=worn,
-            gained=self._unworn,
+            gained=np.zeros_like(worn),
         )
 
-    def _worked(self, before: Stepped, asked: Asked, now: Stepped, carried: Carriage) -> Stepped:
-        """Return a step with its work, its energy and what it wears, see `step_work`."""
-        way, work = carried.way, self.work
-        displacement = self._displacement(now, max(way.reach, 1))
-        further = way.part and self.model.elasticity.coupled  # see _later
-        cost = now.contact.cost + Cost(2.0 if further else 1.0)  # for the displacement
-        now = replace(now, contact=replace(now.contact, cost=cost), displacement=displacement)
-        groups = self._particles(before, asked, now, carried)
-        energy = work.energy(self._fields(now.contact), displacement)
+    def _with_work(
+        self, before: StepResult, inputs: StepInput, result: StepResult, motion: ParticleMotion
+    ) -> tuple[StepResult, tuple[Particles, ...]]:
+        """Return a step with its work and its energy, and the particles that wear.
+
+        See `step_work`.
+        """
+        between, work = motion.advection.part, self.work
+        displacement = self._displacement(result, max(motion.advection.reach, 1))
+        further = between and self.model.elasticity.coupled  # see _later
+        cost = result.contact.cost + Cost(2.0 if further else 1.0)  # for the displacement
+        contact = replace(result.contact, cost=cost)
+        result = replace(result, contact=contact, displacement=displacement)
+        groups = self._particles(before, inputs, result, motion)
+        energy = work.energy(self.model.scaled_fields(contact), displacement)
         supplied, friction = work.supplied(groups), work.friction(groups)
-        if way.part:
+        if between:
             friction = supplied - (energy - before.energy)
             groups = work.matched(groups, friction)
-        now = replace(now, supplied=supplied, friction=friction, energy=energy)
-        return now if self.wear_law is None else self._wear(asked, now, carried, groups)
+        return replace(result, supplied=supplied, friction=friction, energy=energy), groups
 
     def _particles(
-        self, before: Stepped, asked: Asked, now: Stepped, carried: Carriage
+        self, before: StepResult, inputs: StepInput, result: StepResult, motion: ParticleMotion
     ) -> tuple[Particles, ...]:
         """Return the particles whose tractions do the work of a step."""
-        way, held, past = carried.way, carried.held, before.contact
-        columns, fields = self.model.grid.elements[0], self._fields(past)
-        change = now.displacement[:, :columns] - carried.displacement
-        after = Particles(now.contact.pressure, self._fields(now.contact), change, carried.rigid)
-        if not way.part:
-            came = way.before(_ahead(fields, way.reach), held)
-            pressed = way.before(_ahead(past.pressure[None], way.reach), held)[0]
-            mean = 0.5 * (after.pressure + pressed), 0.5 * (after.fields + came)
+        advection, curved, past = motion.advection, motion.curved, before.contact
+        columns, fields = self.model.grid.elements[0], self.model.scaled_fields(past)
+        change = result.displacement[:, :columns] - motion.displacement
+        last = self.model.scaled_fields(result.contact)
+        after = Particles(result.contact.pressure, last, change, motion.rigid)
+        if not advection.part:
+            previous = advection.before(advection.with_nodes_ahead(fields), curved)
+            pressed = advection.before(advection.with_nodes_ahead(past.pressure), curved)
+            mean = 0.5 * (after.pressure + pressed), 0.5 * (after.fields + previous)
             return (replace(after, pressure=mean[0], fields=mean[1]),)
-        moves = way.spread((~now.contact.sticking).astype(float), np.zeros_like(held))
+        moves = advection.spread((~result.contact.sticking).astype(float), np.zeros_like(curved))
         earlier = Particles(
             past.pressure,
             fields,
-            self._later(now, way, held) - self._displacement(before, 0)[:, :columns],
-            self._rigid(asked, way, -0.5 * way.length) + carried.found,
+            self._later(result, motion) - self._displacement(before, 0)[:, :columns],
+            self._rigid(inputs, advection, -0.5 * advection.length) + motion.found,
             earlier=True,
             wearing=(moves[:columns] > 0.0).astype(float),
         )
         return replace(after, weight=0.5), replace(earlier, weight=0.5)
 
-    def _later(self, now: Stepped, way: Advection, held: np.ndarray) -> np.ndarray:
-        """Displacements after a step of the particles that were at the nodes before it.
+    def _later(self, result: StepResult, motion: ParticleMotion) -> np.ndarray:
+        """Return displacements after a step of the particles that were at the nodes before it.
 
         Of dissimilar bodies the adjoint of the interpolation, as the pressure does work on them. Of
         alike ones a straight line, which takes no application: they only distribute the wear.
         """
         columns = self.model.grid.elements[0]
         if not self.model.elasticity.coupled:
-            return way.after(now.displacement[:, :columns])
-        spread = way.spread(self._fields(now.contact), held)
+            return motion.advection.after(result.displacement[:, :columns])
+        fields = self.model.scaled_fields(result.contact)
+        spread = motion.advection.spread(fields, motion.curved)
         return self.operators.part(spread.shape[1:]).coupled_displacement(spread)[:, :columns]
-
-    def _wear(
-        self, asked: Asked, now: Stepped, carried: Carriage, groups: tuple[Particles, ...]
-    ) -> Stepped:
-        """Return a step with what its particles wear off."""
-        gained, deep, way = self._unworn, 0.0, carried.way
-        law = self.wear_law.with_friction(carried.law).weakened(asked.mean_friction)
-        law = law.under(WearConditions(now.contact.wear, math.nan))
-        for one in groups:
-            depth = self._gained(asked, self._rubbing(now, one, way), law)
-            deep = max(deep, self._deep(one.pressure, depth))
-            gained += one.weight * (way.carried(depth) if one.earlier else depth)
-        worn = now.worn + gained
-        contact = replace(now.contact, wear=self.off(worn.sum(axis=0)))
-        if deep > 1.0:
-            contact = replace(contact, status=Status.OUT_OF_ITERATIONS, note=TOO_DEEP)
-        return replace(now, contact=contact, worn=worn, gained=gained, deep=deep)
-
-    def _rubbing(self, now: Stepped, particles: Particles, way: Advection) -> Particles:
-        """Return particles with the tractions that wear.
-
-        A shift slips with the traction that it ends with: where that has turned round on the way,
-        its mean opposes neither.
-        """
-        if way.length:
-            return particles
-        last, pressure = now.contact.pressure, particles.pressure
-        share = np.divide(pressure, last, out=np.zeros_like(last), where=last > 0.0)
-        ending = np.where(last > 0.0, share * self._fields(now.contact), particles.fields)
-        return replace(particles, fields=ending)
-
-    def _gained(self, asked: Asked, particles: Particles, law: WearLaw) -> np.ndarray:
-        """Depths that a step wears off A and B, shape (2, n_x, n_y), mm.
-
-        Of each particle by its pressure, its traction, and all that it has slipped. A law that
-        depends on the work of friction wears exactly by `Stepped.friction` where bodies roll. A
-        shift wears as if it rolled the length of an element, which matters to a law that is not
-        linear in the slip only.
-        """
-        model, units = self.model, self.model.units
-        over = asked.distance or model.grid.dx
-        slipped = particles.wearing * particles.slip
-        slip = units.slip * model.grid.dx / over * model.frame.slip_to_physical(slipped)
-        traction = units.pressure * model.frame.to_physical(particles.traction)
-        return over * law.rates(model.scene.wear_share, particles.pressure, traction, slip)
-
-    def _deep(self, pressure: np.ndarray, gained: np.ndarray) -> float:
-        """What a step wears over the most that pressure can answer to.
-
-        The gap of a step holds the wear that those before foretell, w' = 2 w_1 - w_2, w_1 of one
-        and w_2 of two steps ago. Pressure answers a ripple of it by its stiffness, and what it
-        wears off, by the mean pressure of a step, is w = w_1 - r (w' + w_1')/2, r the depth of a
-        step over the elastic depth of the ripple: beyond r = 1.15 ripples grow.
-        """
-        units = self.model.units
-        elastic = self.operators.ripple_compliance * units.gap * pressure / units.pressure
-        worn = gained.sum(axis=0)
-        return float(np.max(worn[worn > 0.0] / (MOST_WORN * elastic[worn > 0.0]), initial=0.0))
 
 
 def _without_contact(problem: Problem, outcome: Outcome) -> Outcome:
-    """What comes of forces where the bodies have parted: none can be had."""
+    """Return the outcome for prescribed forces of bodies that have parted: they carry none."""
     none = np.zeros(len(problem.forces))
     if not problem.forces.target.any():
         return replace(outcome, creepage=none)
     note = Note("the bodies have parted and carry no force", Status.DIVERGED)
     return replace(outcome, status=Status.DIVERGED, residual=1.0, creepage=none, trace=(note,))
-
-
-def _ahead(fields: np.ndarray, reach: int, edge: bool = False) -> np.ndarray:
-    """Fields with nodes ahead of the mesh: zero there, or as they are at its edge."""
-    if not reach:
-        return fields
-    count, columns = fields.shape[-2:]
-    nodes = np.zeros((*fields.shape[:-2], count + reach, columns))
-    nodes[..., :count, :] = fields
-    if edge:
-        nodes[..., count:, :] = fields[..., -1:, :]
-    return nodes

@@ -60,10 +60,10 @@ class Advection:
         return self.elements + (2 if self.part else 0)
 
     def middle(self, parabola: np.ndarray) -> np.ndarray:
-        """Return the distance from particles to the middle of their way, in elements.
+        """Return the distance from particles to the middle of their path, in elements.
 
-        Spin makes the rigid slip linear over the way, so that its mean is that in the middle. Where
-        the way is interpolated by a straight line, so is the rigid slip on it.
+        Spin makes the rigid slip linear along the path, so that its mean is that in the middle.
+        Where the path is interpolated by a straight line, so is the rigid slip on it.
 
         Parameters
         ----------
@@ -74,7 +74,7 @@ class Advection:
         return np.where(parabola, 0.5 * d, (0.5 * m * m + f * (m + 0.5)) / d)
 
     def before(self, nodes: np.ndarray, parabola: np.ndarray) -> np.ndarray:
-        """Values a step before at the places where the particles of the nodes were.
+        """Return values a step before at the places where the particles of the nodes were.
 
         Parameters
         ----------
@@ -132,7 +132,7 @@ class Advection:
         return (1.0 - self.part) * here + self.part * behind
 
     def carried(self, nodes: np.ndarray) -> np.ndarray:
-        """Depths that move with the material: none becomes negative, and their sum is kept.
+        """Return depths that move with the material: none negative, and of the same sum.
 
         Of parts of an element as the flux from node to node, by slopes that make no new extremes
         (van Leer 1974, J. Comput. Phys. 14, 361-370): of second order, like the parabola, where it
@@ -165,8 +165,27 @@ class Advection:
 
         return here + leaving(here, ahead, beyond) - leaving(before, here, ahead)
 
-    def held(self, contact: np.ndarray) -> np.ndarray:
-        """Particles whose three nodes were in contact, shape (n_x, n_y), as `parabola`.
+    def with_nodes_ahead(self, fields: np.ndarray, edge: bool = False) -> np.ndarray:
+        """Return fields with `reach` nodes ahead of the mesh: zero, or as at its edge.
+
+        Parameters
+        ----------
+        fields : ndarray, shape (..., n_x, n_y)
+            At the nodes of the mesh.
+        edge : bool
+            Whether the nodes ahead have the values at the edge.
+        """
+        if not self.reach:
+            return fields
+        count, columns = fields.shape[-2:]
+        nodes = np.zeros((*fields.shape[:-2], count + self.reach, columns))
+        nodes[..., :count, :] = fields
+        if edge:
+            nodes[..., count:, :] = fields[..., -1:, :]
+        return nodes
+
+    def inside(self, contact: np.ndarray) -> np.ndarray:
+        """Return which particles were between three nodes in contact, (n_x, n_y), as `parabola`.
 
         Parameters
         ----------

@@ -21,10 +21,10 @@ the gap there from a smooth course. Interpolated in the same way, both match at 
 holds a particle from the first node ahead of the contact on, as in steps of one element: it slips
 by -share x (gap less the gap at that node), which is nothing in steps up to one element.
 
-**Where slip points.** The mean slip of the way belongs to its middle, d/2 ahead of the particle; it
-is turned back to the particle's place (`kernels.friction.turn`), by half an element at most. From
-farther, what is turned answers the element's own traction less than that of its neighbours, and
-where slip reverses a step may have no solution.
+**Where slip points.** The mean slip of the path belongs to its middle, d/2 ahead of the particle;
+it is turned back to the particle's place (`kernels.friction.turn`), by half an element at most.
+From farther, the turned slip depends less on the element's own traction than on that of its
+neighbours, and where slip reverses a step may have no solution.
 """
 
 from abc import ABC, abstractmethod
@@ -92,7 +92,7 @@ class Kinematics(ABC):
         """
 
     def slip_weight(self, operators: Operators, radius: np.ndarray) -> float:
-        """Return the weight of slip relative to tractions on the way to a solution."""
+        """Return the weight of slip relative to tractions in the iterations."""
         return 1.0
 
     def slip_scale(self, block: int) -> float:

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from tractive_sam.contact import Model, Stepped, divide_heat
+from tractive_sam.contact import Model, StepResult, divide_heat
 from tractive_sam.operators import HeatMemory
 from tractive_sam.results import BODIES, FlashTemperature, Grid, State, widened
 from tractive_sam.rolling.observer import Observer
@@ -84,7 +84,7 @@ class TransientHeat(Observer):
             known, heat=heat, past=_each(carried, lambda one, q: one.after(q), heat.flux)
         )
 
-    def _after_shift(self, stepped: Stepped, model: Model) -> "TransientHeat":
+    def _after_shift(self, stepped: StepResult, model: Model) -> "TransientHeat":
         contact, none = stepped.contact, np.zeros(stepped.contact.grid.elements)
         made = _made(stepped)
         warmth = {
@@ -131,7 +131,7 @@ def _put_together(contact: State, model: Model) -> FlashTemperature:
     return FlashTemperature(contact.grid, contact.touching, warmth, dict.fromkeys(BODIES, none))
 
 
-def _made(stepped: Stepped) -> np.ndarray:
+def _made(stepped: StepResult) -> np.ndarray:
     """Return the heat that friction makes in a step per area, mJ/mm², shape (n_x, n_y).
 
     By the tractions at its end, scaled to the work of friction of the step.

@@ -18,14 +18,13 @@ from typing import Any
 import numpy as np
 
 from tractive_sam.contact import (
-    Asked,
     Model,
-    Stepped,
+    StepInput,
     Stepper,
+    StepResult,
     Worn,
     equilibrium,
     not_resolved,
-    travelled,
 )
 from tractive_sam.results import BODIES, Grid, State, Status
 from tractive_sam.rolling.control import ErrorControl, Stops, Trial
@@ -49,7 +48,7 @@ class Moment(Step):
         Rolled so far, mm; of shifts the place on their parameter, and so of lengths below.
     stretch : int
         The stretch between two knots that it lies in or ends; -1 of the first knot.
-    stepped : Stepped
+    stepped : StepResult
         The contact, and the work of the step to it.
     length : float
         The step to it, mm; 0 where nothing may be extrapolated from it.
@@ -58,7 +57,7 @@ class Moment(Step):
     shifts : ndarray, shape (3,)
         Shifts of A over B in x and y, mm, and turn, radians, since the start: without the
         creepages that were rolled at, unless these are what is sought.
-    before : Stepped, optional
+    before : StepResult, optional
         The contact a step before.
     solves : int
         Contacts solved for it.
@@ -70,24 +69,24 @@ class Moment(Step):
         Largest depth worn off both so far, mm, also where the contact has passed.
     began : Worn, optional
         Worn bodies with which it began; None of new ones.
-    earlier : Stepped, optional
+    earlier : StepResult, optional
         The contact of the record before, if that lies between two steps.
     """
 
     contacts: tuple[State, ...] = field(init=False)
     distance: float
     stretch: int
-    stepped: Stepped
+    stepped: StepResult
     length: float = 0.0
     wish: float = 0.0
     shifts: np.ndarray = field(default_factory=lambda: np.zeros(3))
-    before: Stepped | None = None
+    before: StepResult | None = None
     solves: int = 1
     friction: float = 0.0
     volumes: np.ndarray = field(default_factory=lambda: np.zeros(2))
     deepest: float = 0.0
     began: Worn | None = None
-    earlier: Stepped | None = None
+    earlier: StepResult | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "contacts", (self.stepped.contact,))
@@ -99,7 +98,7 @@ class Moment(Step):
 
     def on(self, grid: Grid) -> "Moment":
         """The same on a wider mesh of the same elements; `Transient` finds the gap beside it."""
-        before = None if self.before is None else Stepped(self.before.contact.on(grid))
+        before = None if self.before is None else StepResult(self.before.contact.on(grid))
         return replace(self, stepped=self.stepped.on(grid), before=before)
 
     @property
@@ -150,7 +149,7 @@ class Moment(Step):
         may_store = not course.jumps_after(self.stretch, self.distance)
         return StepRecord(contact, given, may_store)
 
-    def _worn(self, rolls: bool, step: Stepped) -> dict[str, Any]:
+    def _worn(self, rolls: bool, step: StepResult) -> dict[str, Any]:
         """Return what the step and those before have worn."""
         wear, grid, each = self.contact.wear, self.contact.grid, self.stepped.worn
         # Of shifts nothing is behind the contact: there it is the deepest of each row of elements.
@@ -201,14 +200,14 @@ class Transient(Process[Moment]):
                 xi_x=found["xi_x"][last],
                 xi_y=found["xi_y"][last],
             )
-            before = Stepped(earlier)
+            before = StepResult(earlier)
         none, depths = np.zeros((2, *contact.grid.elements)), {}
         worn = {"friction": float(np.nansum(history["step_friction"][: row + 1]))}
         if "step_worn" in history.columns:
             depths = {name: state[name] for name in ("worn", "gained")}
             worn |= {"volumes": history["worn_volume"][row], "deepest": history["wear_max"][row]}
         energy = float(history["elastic_energy"][row])
-        stepped = Stepped(contact, energy=energy, **{"worn": none, "gained": none} | depths)
+        stepped = StepResult(contact, energy=energy, **{"worn": none, "gained": none} | depths)
         shifts = np.array([history[name][row] for name in ("shift_x", "shift_y", "turn")])
         return Moment(
             float(found["distance"][row]),
@@ -245,8 +244,8 @@ class Transient(Process[Moment]):
         creepages: tuple[float, float, float],
         at: float,
         then: Mapping[str, float | None] | None = None,
-    ) -> Asked:
-        return Asked(
+    ) -> StepInput:
+        return StepInput(
             distance,
             creepages,
             now["load.normal"],
@@ -259,7 +258,7 @@ class Transient(Process[Moment]):
 
     def _separation(self, distance: float) -> np.ndarray | float:
         """What travelling profiles add to the gap there, mm; a shift moves none."""
-        return travelled(self.model, distance if self.courses.rolls else 0.0)
+        return self.model.profile_offset(distance if self.courses.rolls else 0.0)
 
     def begin(self) -> Moment:
         """See `Process.begin`: the first knot."""
@@ -268,11 +267,11 @@ class Transient(Process[Moment]):
             friction = model.friction_law.weakened(self.courses.weakening(first))
             known = model.measured, model.grid, model.laws.replace(friction=friction)
             steady = Model(self.courses.scene_at(first), *known, datum=model.datum)
-            worn, depth = self.stepper.off(0.0), self._separation(at)
+            worn, depth = model.with_wear_before(0.0), self._separation(at)
             contact = equilibrium(steady, worn + depth, check_resolution=False)
             contact = replace(contact, scene=model.scene, wear=worn, laws=model.laws)
             return self._begun(contact, at)
-        pressed = self.stepper.pressed(self._asked(0.0, first, (0.0, 0.0, 0.0), at))
+        pressed = self.stepper.press(self._asked(0.0, first, (0.0, 0.0, 0.0), at))
         moment = self._begun(pressed, at)
         forced = first["load.force_x"], first["load.force_y"]
         shifts = np.array([first[key] for key in CREEPAGES])
@@ -295,7 +294,7 @@ class Transient(Process[Moment]):
     def advance(self, last: Moment) -> Iterator[Moment]:
         """See `Process.advance`."""
         courses, separation = self.courses, self._separation(last.distance)
-        last = replace(last, stepped=self.stepper.open_beside(last.stepped, separation))
+        last = replace(last, stepped=self.stepper.with_gap_beside(last.stepped, separation))
         while last.contact.converged:
             if last.distance == courses.knots[last.stretch + 1]:
                 if last.stretch + 1 == courses.stretches:
@@ -435,7 +434,7 @@ class Transient(Process[Moment]):
     def _moment(
         self,
         last: Moment,
-        stepped: Stepped,
+        stepped: StepResult,
         at: float,
         stretch: int,
         length: float,

@@ -38,7 +38,7 @@ def _creepage(_table: Any, model: Model) -> Iterator[Row]:
 
 
 def _solver(table: Solver, model: Model) -> Iterator[Row]:
-    yield Row("method", f"{model.method.told}, to a residual of {table.tolerance:g}")
+    yield Row("method", f"{model.method.description}, to a residual of {table.tolerance:g}")
     if model.transmits:
         scheme = "towards the leading edge (upwind, the paper's): its error falls with their size"
         if model.stencil.staggered:

@@ -14,7 +14,7 @@ from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeEl
 from tractive_sam.results import Record
 from tractive_sam.rolling import Forecast
 from tractive_sam.scene import Scene
-from tractive_sam.solvers import watched_by
+from tractive_sam.solvers import report_to
 
 AT_FIRST = 2.0
 """Seconds before anything is shown, unless it is asked for: most rolls are over by then."""
@@ -84,7 +84,7 @@ def progress_shown(
     try:
         if progress:
             bar.show(first, 0.0, None, "")
-        with watched_by(begin):
+        with report_to(begin):
             yield advance
     finally:
         bar.close()
@@ -116,7 +116,7 @@ def solving_shown(progress: bool | None = None, terminal: Console | None = None)
             bar.show(f"solving, {_solving(mesh, residual)}", 0.0, None, "")
 
     try:
-        with watched_by(show):
+        with report_to(show):
             yield
     finally:
         for bar in bars:

@@ -1,10 +1,10 @@
 """Methods that see nothing but a dimensionless problem and return an outcome.
 
-Each is a frozen record of its settings with a method `solve(problem, tolerance, start)`, and so may
-be one of your own: `solve(scene, solver=...)` takes any object that has it. They combine: on nested
-meshes, one after the other, by way of easier problems.
+Each is a frozen record of its settings with a method `solve(problem, tolerance, start)`;
+`solve(scene, solver=...)` takes any object with that method. They combine: on nested meshes, in
+sequence, by easier problems.
 
-    >>> plain = ts.solvers.InSequence(ts.solvers.ConjugateGradients(), ts.solvers.Newton())
+    >>> plain = ts.solvers.Sequential(ts.solvers.ConjugateGradients(), ts.solvers.Newton())
     >>> alike = ts.solve(scene, solver=plain)
     >>> round(alike.Qx / contact.Qx, 6)
     1.0
@@ -12,8 +12,16 @@ meshes, one after the other, by way of easier problems.
 
 import lazy_loader
 
+from tractive_sam.deprecation import with_renamed
+
 # Names, listed in __init__.pyi, are looked up when first used.
-__getattr__, __dir__, _ = lazy_loader.attach_stub(__name__, __file__)
+_lookup, __dir__, _ = lazy_loader.attach_stub(__name__, __file__)
+_RENAMED = {
+    "Held": "FixedPressure",
+    "InSequence": "Sequential",
+    "OneAfterTheOther": "RoughSequential",
+}
+__getattr__ = with_renamed(__name__, _lookup, _RENAMED)
 
 # Others are for the packages above, and no part of what users see.
 __all__ = [
@@ -22,18 +30,18 @@ __all__ = [
     "ConjugateGradients",
     "Continuation",
     "Cost",
+    "FixedPressure",
     "FromRest",
-    "Held",
-    "InSequence",
     "Ladder",
     "Nested",
     "Newton",
     "NormalProblem",
     "Note",
-    "OneAfterTheOther",
     "Outcome",
     "PrescribedForces",
     "Problem",
+    "RoughSequential",
+    "Sequential",
     "Solver",
     "Start",
     "Status",

@@ -1,8 +1,8 @@
-"""Continuation: a hard problem by way of easier ones, each started from the one before.
+"""Continuation: a hard problem by easier ones, each started from the one before.
 
-The way begins in full slip, at `FULL` times the creepages: there tractions oppose the rigid slip,
+The path begins in full slip, at `FULL` times the creepages: there tractions oppose the rigid slip,
 whatever the elasticity does. As the creepages fall, stick spreads from the leading edge. A stretch
-of the way that fails is halved.
+of the path that fails is halved.
 """
 
 from collections.abc import Callable
@@ -21,11 +21,11 @@ class Continuation:
     solver : Solver
         Solves each problem, from the outcome of the one before.
     full : float
-        Creepages at the beginning of the way, over those asked for.
+        Creepages at the beginning of the path, over the prescribed ones.
     first, shortest : float
-        Stretches of the way from 0 to 1: the first one, and the shortest before giving up.
+        Stretches of the path from 0 to 1: the first one, and the shortest before giving up.
     rough : float
-        Residual asked for on the way.
+        Residual of the problems before the last.
     """
 
     solver: Solver
@@ -37,24 +37,24 @@ class Continuation:
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve by way of easier problems; see `Solver`.
+        """Solve by easier problems; see `Solver`.
 
         Returns
         -------
         Outcome
-            With the cost of the whole way; not converged where it did not lead to its end.
+            With the cost of the path; not converged if it did not lead to its end.
         """
         rough = max(tolerance, self.rough)
 
         def solve(ahead: float, before: Outcome) -> Outcome:
             last = tolerance if ahead == 1.0 else rough
-            return self.solver.solve(self.eased(problem, ahead), last, before)
+            return self.solver.solve(self.easier(problem, ahead), last, before)
 
-        now = self.solver.solve(self.eased(problem, 0.0), rough, start)
+        now = self.solver.solve(self.easier(problem, 0.0), rough, start)
         return continued(now, solve, "creepage", self.first, self.shortest)
 
-    def eased(self, problem: Problem, done: float) -> Problem:
-        """The problem at a part of the way, from 0 to 1."""
+    def easier(self, problem: Problem, done: float) -> Problem:
+        """Return the problem at a part of the path, from 0 to 1."""
         return replace(problem, rigid=self.full ** (1.0 - done) * problem.rigid)
 
 
@@ -65,14 +65,14 @@ def continued(
     first: float,
     shortest: float,
 ) -> Outcome:
-    """Go a way from 0 to 1: a stretch that fails is halved, after others the next is twice as long.
+    """Follow a path from 0 to 1: a stretch that fails is halved, after others the next is doubled.
 
     Parameters
     ----------
     now : Outcome
-        At the beginning of the way.
+        At the beginning of the path.
     solve : callable
-        Solves the problem at a part of the way, from the outcome of the one before.
+        Solves the problem at a part of the path, from the outcome of the one before.
     along : str
         What changes.
     first, shortest : float
@@ -81,7 +81,7 @@ def continued(
     Returns
     -------
     Outcome
-        With the cost of the whole way; not converged where it did not lead to its end.
+        With the cost of the path; not converged if it did not lead to its end.
     """
     done, stretch, taken, tried = 0.0, first, 1, now
     while now.converged and done < 1.0 and stretch >= shortest:

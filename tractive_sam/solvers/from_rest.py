@@ -60,7 +60,7 @@ class FromRest:
                 return outcome
             spent.append(outcome)
         begin = np.inf if self.sliding else 0.0
-        now = self.solver.solve(problem.eased(begin), max(tolerance, self.rough))
+        now = self.solver.solve(problem.at_speed_ratio(begin), max(tolerance, self.rough))
         at_once = self.nearby.solve(problem, tolerance, now)
         outcome = _costing(at_once, now, *spent)
         if not outcome.converged and now.converged:
@@ -79,7 +79,7 @@ class FromRest:
         def solve(ahead: float, before: Outcome) -> Outcome:
             speed = 1.0 / ahead if self.sliding else ahead
             last = tolerance if ahead == 1.0 else max(tolerance, self.rough)
-            return self.nearby.solve(problem.eased(speed), last, before)
+            return self.nearby.solve(problem.at_speed_ratio(speed), last, before)
 
         return continued(now, solve, "speed", self.first, shortest)
 

@@ -7,11 +7,11 @@ from tractive_sam.solvers.bracketing import Bracketing
 from tractive_sam.solvers.conjugate_gradients import ConjugateGradients
 from tractive_sam.solvers.continuation import Continuation
 from tractive_sam.solvers.from_rest import FromRest
-from tractive_sam.solvers.in_sequence import InSequence, OneAfterTheOther
 from tractive_sam.solvers.nested import Nested
 from tractive_sam.solvers.newton import Newton
 from tractive_sam.solvers.outcome import Outcome, Solver, Start
 from tractive_sam.solvers.problem import Problem
+from tractive_sam.solvers.sequential import RoughSequential, Sequential
 from tractive_sam.solvers.uniqueness import OneSolution
 from tractive_sam.solvers.uzawa import Uzawa
 
@@ -60,10 +60,10 @@ class Method:
         Of bodies of equal material, the pressure of which does not feel the tractions.
     dissimilar : Solver
         Of others.
-    told : str
+    description : str
         What it does.
     cure : str
-        What to try where it does not converge.
+        What to try if it does not converge.
     wears_in_pass : bool
         Whether it updates the wear of a pass within its iterations.
     predictable : bool
@@ -72,7 +72,7 @@ class Method:
 
     alike: Solver
     dissimilar: Solver
-    told: str
+    description: str
     cure: str = (
         "raise solver.tolerance, or refine the mesh with grid.elements where the contact is only a "
         "few elements wide"
@@ -82,17 +82,17 @@ class Method:
 
     @classmethod
     def of(cls, solver: Solver) -> "Method":
-        """A solver of one's own, for all bodies."""
+        """Return a user-defined solver as a method for all bodies."""
         return cls(solver, solver, repr(solver))
 
 
 NORMAL = Nested(ConjugateGradients())
-ALONE = InSequence(NORMAL)
+PRESSURE_ONLY = Sequential(NORMAL)
 """Bodies without cause for traction."""
 
 HELD, COUPLED = Newton(krylov=120), Newton(krylov=150)
 NEARBY = Newton(
-    krylov=60,  # three vectors of each iteration are held
+    krylov=60,  # three vectors of each iteration are stored
     halvings=3,
     rise=0.5,  # the response to a shorter step is known as well
     bounded=False,
@@ -102,17 +102,17 @@ NEARBY = Newton(
 )
 """Newton's method from a start nearby: a step or a revolution before."""
 
-NEWTON = InSequence(NORMAL, Nested(HELD, nearby=NEARBY))
-ONE_AFTER_THE_OTHER = OneAfterTheOther(NORMAL, Nested(HELD))
+NEWTON = Sequential(NORMAL, Nested(HELD, nearby=NEARBY))
+ROUGH_SEQUENTIAL = RoughSequential(NORMAL, Nested(HELD))
 """Where the method for dissimilar bodies starts."""
 
-COUPLED_NEWTON = Nested(COUPLED, begin=ONE_AFTER_THE_OTHER, nearby=NEARBY)
+COUPLED_NEWTON = Nested(COUPLED, begin=ROUGH_SEQUENTIAL, nearby=NEARBY)
 
 _NOT_AUTO = 'try solver.method = "auto"'
 
 METHODS = {
     "auto": Method(
-        alike=InSequence(
+        alike=Sequential(
             NORMAL,
             Ladder(
                 (NEWTON.tangential, Bracketing(HELD, Continuation(HELD)), Anderson()),
@@ -122,13 +122,13 @@ METHODS = {
         dissimilar=Ladder(
             (COUPLED_NEWTON, Bracketing(COUPLED, Continuation(COUPLED)), Anderson()),
             with_forces=2,
-            begin=ONE_AFTER_THE_OTHER,
+            begin=ROUGH_SEQUENTIAL,
         ),
-        told="auto: newton; where that fails, of given creepages continued from full slip, then "
-        "anderson, and of prescribed forces by creepages in place of a force",
+        description="auto: newton; where that fails, of given creepages continued from full slip, "
+        "then anderson, and of prescribed forces by creepages in place of a force",
     ),
     "newton": Method(NEWTON, COUPLED_NEWTON, "newton"),
-    "anderson": Method(InSequence(NORMAL, Anderson()), Anderson(), "anderson", _NOT_AUTO),
+    "anderson": Method(Sequential(NORMAL, Anderson()), Anderson(), "anderson", _NOT_AUTO),
     "uzawa": Method(Uzawa(), Uzawa(), "uzawa", _NOT_AUTO, wears_in_pass=True, predictable=False),
 }
 """By the names that ``solver.method`` may have."""
@@ -146,7 +146,7 @@ def falling_method(solver: Solver, sliding: bool, once: bool) -> Solver:
     once : bool
         Whether the solution must not depend on the start, as in a step of a transient.
     """
-    if isinstance(solver, InSequence):
+    if isinstance(solver, Sequential):
         return replace(solver, tangential=falling_method(solver.tangential, sliding, once))
     nearby = solver.rungs[0] if isinstance(solver, Ladder) else solver
     # On the path from rest no start is near enough for less than the whole of Newton's method.

@@ -10,7 +10,7 @@ import numpy as np
 
 from tractive_sam.solvers.outcome import Outcome, Solver, Start
 from tractive_sam.solvers.problem import NormalProblem, Problem
-from tractive_sam.solvers.watched import tell
+from tractive_sam.solvers.progress import report
 
 
 def refine(values: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
@@ -101,7 +101,7 @@ class Nested:
             share = float(next(sizes) / next(sizes))
             earlier.append((coarse, share))
             start = refined(coarse, coarse_problem, problem)
-        tell(problem.operators.lattice.shape, 1.0)
+        report(problem.operators.lattice.shape, 1.0)
         if start is None and self.begin is not None:
             start = self.begin.solve(problem, tolerance)
             earlier.append((start, 1.0))
@@ -122,7 +122,7 @@ def refined(
     if isinstance(problem, NormalProblem):
         pressure = refine_pressure(coarse.pressure, coarse.gap, problem.gap.shape)
         return Start(pressure, approach=coarse.approach)
-    if problem.held:
+    if problem.is_pressure_fixed:
         if not np.isfinite(coarse.residual):
             return None
         pressure = problem.normal.pressure

@@ -3,9 +3,9 @@
 The friction law is the root of F(p) = p - disc(p - s(p)), unilateral contact that of
 p - max(0, p - gap). Where an element sticks a step asks that its slip vanish; where it slips the
 traction moves along the disc. Of bodies of equal material the tractions are the only unknowns,
-under a pressure that is held; pressure makes dissimilar surfaces slip and tractions make them lift,
-so that neither problem can be solved by itself, and alternating between them diverges for strong
-coupling: then both are unknowns of the same iteration.
+under a pressure that is fixed. Pressure makes dissimilar surfaces slip and tractions make them
+lift, and alternating between both problems diverges for strong coupling: then pressure and
+tractions are unknowns of the same iteration.
 
 The linear systems are preconditioned by the circulant inverse for the pressure and by the
 kinematics for the tractions (`operators.kinematics`). They are solved by generalised conjugate
@@ -24,8 +24,8 @@ from tractive_sam.solvers.conjugate_gradients import ConjugateGradients
 from tractive_sam.solvers.krylov import conjugate_residuals, gmres
 from tractive_sam.solvers.newton_system import Iterate, System
 from tractive_sam.solvers.outcome import Note, Outcome, Start, closed
-from tractive_sam.solvers.problem import Held, Problem
-from tractive_sam.solvers.watched import tell
+from tractive_sam.solvers.problem import FixedPressure, Problem
+from tractive_sam.solvers.progress import report
 
 GOLDEN = 0.5 * (1.0 + 5.0**0.5)
 
@@ -88,7 +88,7 @@ class Newton:
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve a problem, with its pressure free or held.
+        """Solve a problem, with its pressure free or fixed.
 
         Parameters
         ----------
@@ -111,7 +111,7 @@ class Newton:
         least, since, before, bounded = np.inf, 0, np.inf, self.bounded
         status, taken = Status.OUT_OF_ITERATIONS, 0
         for taken in range(self.steps + 1):
-            tell(problem.operators.lattice.shape, at.residual)
+            report(problem.operators.lattice.shape, at.residual)
             if at.residual <= tolerance and not (at.is_admissible or problem.kinematics.joint):
                 # Only the slip by the very tractions dissipates what drives the bodies.
                 at, bounded, cost = at.within_bound(problem), True, cost + Cost(1.0)
@@ -136,7 +136,7 @@ class Newton:
             at, spent = self._advanced(problem, at, goal, stalled, bounded)
             cost = cost + spent
         # What is beyond a bound, or remains where the gap is open, is part of the residual.
-        pressure = at.pressure if problem.held else closed(at.pressure, at.gap)
+        pressure = at.pressure if problem.is_pressure_fixed else closed(at.pressure, at.gap)
         bound = problem.bound(pressure).radius
         return Outcome(
             status,
@@ -149,12 +149,12 @@ class Newton:
             slip=at.slip,
             approach=float(at.approach),
             creepage=at.creepage,
-            trace=(Note("newton" if problem.held else "coupled newton", status),),
+            trace=(Note("newton" if problem.is_pressure_fixed else "coupled newton", status),),
         )
 
     def _first(self, problem: Problem, start: Start | Outcome | None) -> tuple[Iterate, Cost]:
         cost, normal = Cost(), problem.normal
-        if start is None and not problem.held:
+        if start is None and not problem.is_pressure_fixed:
             found = ConjugateGradients().solve(normal, 1e-3)
             start, cost = Start(found.pressure, approach=found.approach), cost + found.cost
         start = start or Start()
@@ -164,7 +164,7 @@ class Newton:
         if creepage is None or not len(problem.forces):
             creepage = np.zeros(len(problem.forces))
         pressure, approach = start.pressure, start.approach
-        if isinstance(normal, Held):
+        if isinstance(normal, FixedPressure):
             pressure, approach = normal.pressure, 0.0
         elif normal.load is None:
             approach = normal.approach
@@ -227,7 +227,7 @@ class Newton:
             nonlocal trials
             one = Iterate(
                 problem,
-                at.pressure if problem.held else at.pressure + length * step[0],
+                at.pressure if problem.is_pressure_fixed else at.pressure + length * step[0],
                 at.traction + length * step[-2:],
                 at.approach + length * closer,
                 at.creepage + length * faster,

@@ -41,8 +41,8 @@ class Iterate:
         bounded: bool = True,
         response: np.ndarray | None = None,
     ):
-        held, normal, forces = problem.held, problem.normal, problem.forces
-        self.pressure = pressure if held else np.maximum(pressure, 0.0)
+        fixed, normal, forces = problem.is_pressure_fixed, problem.normal, problem.forces
+        self.pressure = pressure if fixed else np.maximum(pressure, 0.0)
         self.bound = problem.bound(self.pressure)
         self.traction, self._bounded = traction, bounded
         if bounded:
@@ -50,34 +50,34 @@ class Iterate:
         self.approach, self.creepage = approach, creepage
         self.applications = 0
         if response is None or self._brought_back(pressure, traction):
-            response, self.applications = problem.response(self.fields(held)), 1
+            response, self.applications = problem.response(self.fields(fixed)), 1
         self.response = response
         self.slip = problem.rigid + response[-2:]
         if len(forces):
             self.slip += forces.slip(creepage)
-        self.gap = normal.gap if held else normal.gap + response[0] - approach
-        self.active = self.pressure > (0.0 if held else self.gap)
+        self.gap = normal.gap if fixed else normal.gap + response[0] - approach
+        self.active = self.pressure > (0.0 if fixed else self.gap)
         # An element with an open gap has left the contact, whatever pressure a step has left on it.
-        touching = self.pressure if held else closed(self.pressure, self.gap)
+        touching = self.pressure if fixed else closed(self.pressure, self.gap)
         self.seen = problem.friction_slip(touching, self.gap)
         # The tractions lie within the bound at rest, the law asks for that under the slip.
         self.bound = problem.bound_sliding(
             self.bound, self.pressure, self.traction, self.slip, self.seen
         )
         self.law = problem.linearise(
-            self.traction, self.slip, self.bound, self.seen, None if held else self.active
+            self.traction, self.slip, self.bound, self.seen, None if fixed else self.active
         )
         self.elastic_slip = forces.elastic_slip(self.slip, creepage)
 
         # Resultants, given and missed, count as if spread evenly over the contact.
         elements = max(np.count_nonzero(self.active), 1)
         self.load_missed = 0.0 if problem.load is None else problem.load - self.pressure.sum()
-        self.force_missed, missed, asked = forces.target, 0.0, 0.0
+        self.force_missed, missed, wanted = forces.target, 0.0, 0.0
         if len(forces):
             self.force_missed = forces.target - forces.force(self.traction)
             missed = np.sum(self.force_missed**2) / elements
-            asked = np.linalg.norm(forces.target) / np.sqrt(elements)
-        drag = max(np.linalg.norm(self.traction + self.law.defect), asked)
+            wanted = np.linalg.norm(forces.target) / np.sqrt(elements)
+        drag = max(np.linalg.norm(self.traction + self.law.defect), wanted)
         self._tangential = self.law.merit + missed
         self._normal = 0.0
         defect = np.sqrt(self.law.squares + missed)
@@ -85,7 +85,7 @@ class Iterate:
         rounded = ROUNDING * np.sqrt(self.pressure.size) * np.abs(self.response[-2:]).max()
         self.residual = relative(defect, drag) if defect > rounded else 0.0
         self.ratio = 1.0
-        if not held:
+        if not fixed:
             self._normal = np.sum(np.minimum(self.pressure, self.gap) ** 2)
             self._normal += self.load_missed**2 / elements
             # No less than of a pressure that has the load: to have none is no solution.
@@ -110,12 +110,12 @@ class Iterate:
 
     def within_bound(self, problem: Problem) -> "Iterate":
         """Return the iterate without pressure on open gaps, and with tractions within the bound."""
-        pressure = self.pressure if problem.held else closed(self.pressure, self.gap)
+        pressure = self.pressure if problem.is_pressure_fixed else closed(self.pressure, self.gap)
         return Iterate(problem, pressure, self.traction, self.approach, self.creepage)
 
-    def fields(self, held: bool) -> np.ndarray:
+    def fields(self, fixed: bool) -> np.ndarray:
         """The unknown fields."""
-        return self.traction if held else np.concatenate((self.pressure[None], self.traction))
+        return self.traction if fixed else np.concatenate((self.pressure[None], self.traction))
 
     def merit_by(self, ratio: float) -> float:
         """Size of what the conditions miss, where those of the tractions count `ratio` times."""
@@ -139,7 +139,7 @@ class System:
     def __init__(self, problem: Problem, at: Iterate, kind: type):
         self.problem, self.at, self.kind = problem, at, kind
         self.operators, self.vectors = problem.operators, problem.forces.vectors
-        self.free, self.under_load = not problem.held, problem.load is not None
+        self.free, self.under_load = not problem.is_pressure_fixed, problem.load is not None
         self.shape = problem.shape
         self.size = int(np.prod(self.shape))
         self.length = self.size + self.under_load + len(self.vectors)

@@ -1,7 +1,7 @@
 """What a solver is given: dimensionless contact problems (units: `operators.elastic`).
 
-The pressure is an unknown of a `Problem`, or it is **held**: of bodies of equal material it does
-not feel the tractions and is solved for beforehand. Problems are never changed, other ones are
+The pressure is an unknown of a `Problem`, or it is **fixed**: of bodies of equal material it does
+not depend on the tractions and is solved for beforehand. Problems are never changed, other ones are
 made.
 """
 
@@ -13,6 +13,7 @@ from typing import Self
 
 import numpy as np
 
+from tractive_sam.deprecation import RenamedAttribute
 from tractive_sam.mechanics import Bound, Friction, Linearisation
 from tractive_sam.operators import (
     Box,
@@ -51,8 +52,8 @@ class NormalProblem:
 
     def is_the_same_as(self, other: "NormalProblem") -> bool:
         """Whether both have the same solution."""
-        asked = self.load == other.load and self.approach == other.approach
-        return asked and np.array_equal(self.gap, other.gap)
+        prescribed = self.load == other.load and self.approach == other.approach
+        return prescribed and np.array_equal(self.gap, other.gap)
 
     def within(self, box: Box) -> "NormalProblem":
         """The problem of the elements of a rectangle, as if there were no others."""
@@ -60,7 +61,7 @@ class NormalProblem:
         return replace(self, operators=self.operators.part(gap.shape), gap=gap)
 
     def coarsened(self) -> "NormalProblem":
-        """The same problem on elements of twice the size."""
+        """Return the problem on elements of twice the size."""
         block = self.operators.lattice.block
         return replace(
             self,
@@ -102,24 +103,24 @@ class PrescribedForces:
         return float(np.linalg.norm(np.linalg.pinv(self.vectors) @ self.target))
 
     def elastic_slip(self, slip: np.ndarray, creepage: np.ndarray) -> float:
-        """Largest slip but for the creepages sought; the size of those that matter beside it."""
+        """Return the largest slip without the unknown creepages: creepages of its size matter."""
         if not len(self):
             return 0.0
         return float(np.abs(slip - self.slip(creepage)).max())
 
-    def trust_fraction(self, creepage: np.ndarray, change: np.ndarray, beside: float) -> float:
-        """Longest part of a change that trusts its linearisation, at most 1.
+    def trust_fraction(self, creepage: np.ndarray, change: np.ndarray, elastic: float) -> float:
+        """Return the longest part of a change that trusts its linearisation, at most 1.
 
-        Where nearly everything slips the forces hardly answer the creepages, and a Newton step
-        would run away. Full slip begins at a slip of order one, or of that `beside` them.
+        Where nearly everything slips the forces hardly depend on the creepages, and a Newton step
+        would run away. Full slip begins at a slip of order one, or of the `elastic` slip.
         """
         size = np.abs(change).max(initial=0.0)
-        trusted = 3.0 + np.abs(creepage).max(initial=0.0) + beside
+        trusted = 3.0 + np.abs(creepage).max(initial=0.0) + elastic
         return float(min(1.0, trusted / size)) if size > 0.0 else 1.0
 
-    def diverged(self, creepage: np.ndarray, beside: float) -> bool:
+    def diverged(self, creepage: np.ndarray, elastic: float) -> bool:
         """Whether the creepages have run away: the forces are beyond what friction can carry."""
-        return bool(np.abs(creepage).max(initial=0.0) > 1e4 * (1.0 + beside))
+        return bool(np.abs(creepage).max(initial=0.0) > 1e4 * (1.0 + elastic))
 
     def slip(self, creepage: np.ndarray) -> np.ndarray:
         """Constant slip of the unknown creepages, shape (2, 1, 1)."""
@@ -135,8 +136,8 @@ class PrescribedForces:
 
 
 @dataclass(frozen=True, eq=False)
-class Held:
-    """A normal problem that is solved already.
+class FixedPressure:
+    """A normal problem that is solved already: its pressure and gap.
 
     Parameters
     ----------
@@ -150,10 +151,10 @@ class Held:
     pressure: np.ndarray
     gap: np.ndarray
 
-    def coarsened(self) -> "Held":
-        """The same on elements of twice the size."""
+    def coarsened(self) -> "FixedPressure":
+        """Return pressure and gap on elements of twice the size."""
         block = self.operators.lattice.block
-        return Held(
+        return FixedPressure(
             self.operators.coarsened,
             block_mean(self.pressure, block, "constant"),
             block_mean(self.gap, block, "edge"),
@@ -169,16 +170,16 @@ class Problem:
     that an element answers for belong to the kinematics.
 
     Unknowns and the response to them are **fields** of shape (3, n_x, n_y): pressure and tractions,
-    gap and slip; where the pressure is held, of shape (2, n_x, n_y): tractions, and slip. So
+    gap and slip; where the pressure is fixed, of shape (2, n_x, n_y): tractions, and slip. So
     `fields[-2:]` are always the tangential ones.
 
     Parameters
     ----------
-    normal : NormalProblem or Held
-        The normal block, free or held; it has the operators.
+    normal : NormalProblem or FixedPressure
+        The normal block, free or fixed; it has the operators.
     rigid : ndarray, shape (2, n_x, n_y)
         Slip that does not depend on the unknowns: of the undeformed bodies; in a step less the
-        displacements that the particles had before; where the pressure is held with the slip by it.
+        displacements that the particles had before; under a fixed pressure with the slip by it.
     friction : Friction
         The friction law on the mesh.
     forces : PrescribedForces
@@ -190,12 +191,16 @@ class Problem:
         How slip follows from displacement.
     """
 
-    normal: NormalProblem | Held
+    normal: NormalProblem | FixedPressure
     rigid: np.ndarray
     friction: Friction = field(default_factory=Friction)
     forces: PrescribedForces = field(default_factory=PrescribedForces)
     wear: WearInPass | None = None
     kinematics: Kinematics = field(default_factory=SteadyRolling)
+
+    held = RenamedAttribute("is_pressure_fixed")
+    holding = RenamedAttribute("with_pressure")
+    eased = RenamedAttribute("at_speed_ratio")
 
     @property
     def operators(self) -> Operators:
@@ -208,48 +213,50 @@ class Problem:
         return self.operators.elasticity.coupled
 
     @property
-    def held(self) -> bool:
-        """Whether the pressure is held."""
-        return isinstance(self.normal, Held)
+    def is_pressure_fixed(self) -> bool:
+        """Whether the pressure is known, and the tractions are sought under it."""
+        return isinstance(self.normal, FixedPressure)
 
     @property
     def load(self) -> float | None:
-        """Sum of the pressure that is asked for; None where approach or pressure are given."""
-        return None if isinstance(self.normal, Held) else self.normal.load
+        """Prescribed sum of the pressure; None where approach or pressure are given."""
+        return None if isinstance(self.normal, FixedPressure) else self.normal.load
 
     @property
     def shape(self) -> tuple[int, int, int]:
         """Shape of the fields."""
-        return (2 if self.held else 3, *self.rigid.shape[1:])
+        return (2 if self.is_pressure_fixed else 3, *self.rigid.shape[1:])
 
-    def holding(self, pressure: np.ndarray, gap: np.ndarray) -> "Problem":
-        """The tangential problem under a pressure and the gap that goes with it."""
+    def with_pressure(self, pressure: np.ndarray, gap: np.ndarray) -> "Problem":
+        """Return the tangential problem under a pressure and the gap that belongs to it."""
         rigid = self.rigid
         if self.coupled:
             fields = np.concatenate((pressure[None], np.zeros_like(rigid)))
             rigid = rigid + self._coupled(fields)[1:]
-        return replace(self, normal=Held(self.operators, pressure, gap), rigid=rigid, wear=None)
+        return replace(
+            self, normal=FixedPressure(self.operators, pressure, gap), rigid=rigid, wear=None
+        )
 
     def within(self, box: Box) -> Self:
-        """The tangential problem, of a pressure that is held, on a rectangle around the contact."""
+        """Return the tangential problem, of a fixed pressure, on a rectangle around the contact."""
         friction, normal = self.friction, self.normal
         # Contiguous, for the vector instructions of the kernels.
         pressure, gap = (
             np.ascontiguousarray(field[box]) for field in (normal.pressure, normal.gap)
         )
-        held = Held(self.operators.part(pressure.shape), pressure, gap)
+        fixed = FixedPressure(self.operators.part(pressure.shape), pressure, gap)
         x = friction.x[box[0]] if len(friction.x) > 1 else friction.x
         y = friction.y[:, box[1]] if friction.y.shape[1] > 1 else friction.y
         return replace(
             self,
-            normal=held,
+            normal=fixed,
             rigid=np.ascontiguousarray(self.rigid[:, *box]),
             friction=friction.on(x, y),
             kinematics=self.kinematics.within(box),
         )
 
     def coarsened(self) -> Self:
-        """The same problem on elements of twice the size."""
+        """Return the problem on elements of twice the size."""
         block = self.operators.lattice.block
         friction, scale = self.friction, self.kinematics.slip_scale(block[0])
         friction = friction.on(
@@ -274,16 +281,16 @@ class Problem:
         return self.kinematics.coupled(self.operators)
 
     def response(self, fields: np.ndarray) -> np.ndarray:
-        """Elastic part of gap and slip, of fields; counts as one application."""
-        if self.held:
+        """Return the elastic part of gap and slip by fields; counts as one application."""
+        if self.is_pressure_fixed:
             return self._tangential(fields)
         if self.coupled:
             return self._coupled(fields)
         return np.concatenate((self.operators.normal(fields[:1]), self._tangential(fields[1:])))
 
     def bound(self, pressure: np.ndarray) -> Bound:
-        """Bound of the friction law under a pressure."""
-        return self._bound_held if self.held else self.friction.bound(pressure)
+        """Return the bound of the friction law under a pressure."""
+        return self._fixed_bound if self.is_pressure_fixed else self.friction.bound(pressure)
 
     def bound_sliding(
         self,
@@ -293,33 +300,33 @@ class Problem:
         slip: np.ndarray,
         seen: FrictionSlip,
     ) -> Bound:
-        """Bound under the slip of the leading faces: that of `bound`, unless the law falls."""
+        """Return the bound under the slip of the leading faces: `bound`, unless the law falls."""
         if not self.friction.law.falls:
             return bound
         sticking = seen.sticking(slip, traction)
         return self.friction.bound_sliding(pressure, sticking, seen.bound, seen.staggered)
 
     def friction_slip(self, pressure: np.ndarray, gap: np.ndarray) -> FrictionSlip:
-        """The slip that the friction law sees under a pressure and a gap."""
-        if self.held:
-            return self._slip_held
+        """Return the slip that the friction law sees under a pressure and a gap."""
+        if self.is_pressure_fixed:
+            return self._fixed_slip
         return self.kinematics.friction_slip(self.operators, pressure, gap)
 
     @cached_property
-    def _bound_held(self) -> Bound:
+    def _fixed_bound(self) -> Bound:
         return self.friction.bound(self.normal.pressure)
 
     @cached_property
-    def _slip_held(self) -> FrictionSlip:
+    def _fixed_slip(self) -> FrictionSlip:
         normal = self.normal
         return self.kinematics.friction_slip(self.operators, normal.pressure, normal.gap)
 
     def project(self, traction: np.ndarray, radius: np.ndarray, physical: bool) -> np.ndarray:
-        """The nearest tractions within the bound (`FrictionLaw.project`)."""
+        """Return the nearest tractions within the bound (`FrictionLaw.project`)."""
         return self.friction.law.project(traction, radius, physical)
 
     def opposed(self, traction: np.ndarray, slip: np.ndarray, seen: FrictionSlip) -> np.ndarray:
-        """The slip that the tractions oppose, from that of the leading faces."""
+        """Return the slip that the tractions oppose, from the slip of the leading faces."""
         sticking = seen.sticking(slip, traction)
         return self.friction.law.opposed(sticking, seen.bound, seen.staggered)
 
@@ -331,7 +338,7 @@ class Problem:
         seen: FrictionSlip,
         active: np.ndarray | None,
     ) -> Linearisation:
-        """The friction law linearised at tractions and the slip of the leading faces."""
+        """Return the friction law linearised at tractions and the slip of the leading faces."""
         sticking = seen.sticking(slip, traction)
         weight = self.kinematics.slip_weight(self.operators, bound.radius)
         return self.friction.law.linearise(
@@ -355,6 +362,6 @@ class Problem:
         bound = self.bound_sliding(self.bound(pressure), pressure, traction, slip, seen)
         return (pressure > 0.0) & (np.hypot(*(traction - opposed)) > bound.radius), bound
 
-    def eased(self, speed: float) -> "Problem":
-        """The same at another speed of rolling, over its own: 0 with the friction of rest."""
+    def at_speed_ratio(self, speed: float) -> "Problem":
+        """Return the problem at a fraction of the rolling speed; 0 has the friction of rest."""
         return replace(self, friction=self.friction.at_speed_ratio(speed))

@@ -80,7 +80,7 @@ class ProjectedMap:
     def of(cls, problem: Problem, contact: Array, step_factor: float) -> "ProjectedMap":
         """With steps that are right for a contact area, that of the slip over its bound given."""
         slip = step_factor * slip_step(problem.operators, contact)
-        gap = [] if problem.held else [gap_step(problem.operators, contact)]
+        gap = [] if problem.is_pressure_fixed else [gap_step(problem.operators, contact)]
         return cls(problem, np.array([*gap, slip, slip])[:, None, None])
 
     def shortened(self, factor: float) -> "ProjectedMap":
@@ -88,12 +88,12 @@ class ProjectedMap:
         return replace(self, steps=factor * self.steps)
 
     def _pressure(self, state: Array) -> Array:
-        return self.problem.normal.pressure if self.problem.held else state[0]
+        return self.problem.normal.pressure if self.problem.is_pressure_fixed else state[0]
 
     def admissible(self, state: Array) -> Array:
         """Pressure not negative, tractions within the bound it gives."""
         problem = self.problem
-        if problem.held:
+        if problem.is_pressure_fixed:
             radius = problem.bound(problem.normal.pressure).radius
             return problem.project(state, radius, physical=False)
         out = np.maximum(state, 0.0)
@@ -105,24 +105,30 @@ class ProjectedMap:
         problem, normal, pressure = self.problem, self.problem.normal, self._pressure(state)
         response = problem.response(state)
         slip = problem.rigid + response[-2:]
-        gap = normal.gap if problem.held else normal.gap + response[0] - normal.approach
+        gap = (
+            normal.gap if problem.is_pressure_fixed else normal.gap + response[0] - normal.approach
+        )
         if problem.wear is not None:
             gap = gap + problem.wear(pressure, state[-2:], slip)
-        seen = problem.friction_slip(pressure if problem.held else closed(pressure, gap), gap)
+        seen = problem.friction_slip(
+            pressure if problem.is_pressure_fixed else closed(pressure, gap), gap
+        )
         opposed = problem.opposed(state[-2:], slip, seen)
         bound = problem.bound(pressure)
         radius = problem.bound_sliding(bound, pressure, state[-2:], slip, seen).radius
         target = problem.project(state[-2:] - opposed, radius, physical=False)
         residual, misses = missed(target, state[-2:]), opposed
-        if not problem.held:
+        if not problem.is_pressure_fixed:
             pressed = np.maximum(pressure - gap, 0.0)
             residual = max(missed(pressed, pressure), residual)
             misses = np.concatenate((gap[None], opposed))
         return Evaluation(self.admissible(state - self.steps * misses), residual, gap, slip)
 
     def without_open(self, state: Array, now: Evaluation) -> tuple[Array, Evaluation]:
-        """A state without pressure where its gap is open, evaluated again if it has any."""
-        if self.problem.held or np.array_equal(pressure := closed(state[0], now.gap), state[0]):
+        """Return a state without pressure on open gaps, and its evaluation."""
+        if self.problem.is_pressure_fixed or np.array_equal(
+            pressure := closed(state[0], now.gap), state[0]
+        ):
             return state, now
         state = self.admissible(np.concatenate((pressure[None], state[1:])))
         return state, self(state)
@@ -186,7 +192,7 @@ class Projection(ABC):
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve a problem, with its pressure free or held.
+        """Solve a problem, with its pressure free or fixed.
 
         Parameters
         ----------
@@ -210,7 +216,7 @@ class Projection(ABC):
         traction = start.traction
         if traction is None or not np.isfinite(traction).all():
             traction = np.zeros_like(problem.rigid)
-        if problem.held:
+        if problem.is_pressure_fixed:
             mapping = ProjectedMap.of(problem, problem.normal.pressure > 0.0, self.step_factor)
             outcome, _ = self._iterated(mapping, tolerance, traction)
         else:
@@ -273,10 +279,10 @@ class Projection(ABC):
             now.residual,
             taken,
             Cost(taken + 1.0 + again),
-            pressure=problem.normal.pressure if problem.held else state[0],
+            pressure=problem.normal.pressure if problem.is_pressure_fixed else state[0],
             gap=now.gap,
             traction=state[-2:],
             slip=now.slip,
-            approach=None if problem.held else problem.normal.approach,
+            approach=None if problem.is_pressure_fixed else problem.normal.approach,
             creepage=np.zeros(0),
         )

@@ -93,7 +93,7 @@ class OneSolution:
         outcome = self.nearby.solve(problem, tolerance, start)
         if not outcome.converged:
             return self.path.solve(problem, tolerance).costing(outcome)
-        pressed = problem.normal if problem.held else outcome
+        pressed = problem.normal if problem.is_pressure_fixed else outcome
         fields = pressed.pressure, pressed.gap, outcome.traction, outcome.slip
         found = steepness(problem, *fields)
         if found < 1.0:

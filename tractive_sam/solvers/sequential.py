@@ -11,51 +11,51 @@ from tractive_sam.solvers.nested import shares
 from tractive_sam.solvers.outcome import Note, Outcome, Solver, Start
 from tractive_sam.solvers.problem import NormalProblem, PrescribedForces, Problem
 
-AROUND = 2
-"""Elements around a contact nearby in which the normal problem is solved."""
-
 
 @dataclass(frozen=True)
-class InSequence:
-    """The normal problem without the lift by tractions, then the tangential one under its pressure.
+class Sequential:
+    """Solves the normal problem without the lift by tractions, then the tangential one.
 
-    The latter on the rectangle around the contact.
+    The tangential problem has the pressure found, on the rectangle around the contact.
 
     Attributes
     ----------
     normal, tangential : Solver
-        Methods of both. Without the second there is no traction.
+        Methods of both problems. Without the second there is no traction.
+    around : int
+        Elements around a contact nearby in which the normal problem is solved.
     """
 
     normal: Solver
     tangential: Solver | None = None
+    around: int = 2
 
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve a problem whose pressure is free, or held; see `Solver`."""
-        if problem.held:
+        """Solve a problem whose pressure is free or fixed; see `Solver`."""
+        if problem.is_pressure_fixed:
             return self._tangential(problem, tolerance, start)
         touching = start is not None and start.pressure is not None and start.pressure.any()
         normal = self._normal(problem.normal, tolerance, start if touching else None)
-        alone = problem.holding(normal.pressure, normal.gap)
+        inner = problem.with_pressure(normal.pressure, normal.gap)
         if not (normal.converged and self.tangential is not None and normal.pressure.any()):
-            return replace(normal, traction=np.zeros_like(alone.rigid), slip=alone.rigid)
-        tangential = self._tangential(alone, tolerance, start)
+            return replace(normal, traction=np.zeros_like(inner.rigid), slip=inner.rigid)
+        tangential = self._tangential(inner, tolerance, start)
         residual = max(normal.residual, tangential.residual)
         return replace(_with_pressure(tangential.after(normal), normal), residual=residual)
 
     def _normal(
         self, problem: NormalProblem, tolerance: float, start: Start | Outcome | None
     ) -> Outcome:
-        """On the rectangle around a contact nearby; on the whole mesh where it reaches beyond."""
+        """Solve on the rectangle around a contact nearby; on the mesh if the contact exceeds it."""
         if start is None:
             return self.normal.solve(problem, tolerance)
         if isinstance(start, Start) and start.gap is not None:
             known = {"pressure": start.pressure, "gap": start.gap, "approach": start.approach}
             return Outcome(Status.CONVERGED, 0.0, 0, Cost(), **known)
         shape = problem.gap.shape
-        box = rectangle(start.pressure > 0.0, AROUND)
+        box = rectangle(start.pressure > 0.0, self.around)
         if box == tuple(slice(0, n) for n in shape):
             return self.normal.solve(problem, tolerance, start)
         near = self.normal.solve(problem.within(box), tolerance, Start(start.pressure[box]))
@@ -87,7 +87,7 @@ class InSequence:
 
 
 def _on_part(problem: Problem, start: Start | Outcome, box: Box) -> Start:
-    """The tangential part of a start on a rectangle, by its share of the bound."""
+    """Return the tangential part of a start on a rectangle, by its share of the bound."""
     if start.traction is None:
         return Start(creepage=start.creepage)
     traction, response = start.traction[:, *box], getattr(start, "response", None)
@@ -101,15 +101,15 @@ def _on_part(problem: Problem, start: Start | Outcome, box: Box) -> Start:
 
 
 @dataclass(frozen=True)
-class OneAfterTheOther:
-    """The same roughly and on the whole mesh, as a start for what couples both problems.
+class RoughSequential:
+    """Solves both problems in sequence, roughly and on the mesh: a start for coupled methods.
 
     Attributes
     ----------
     normal, tangential : Solver
-        Methods of both.
+        Methods of both problems.
     rough : float
-        Residual to which to solve, whatever is asked for.
+        Residual to which to solve, for any tolerance.
     """
 
     normal: Solver
@@ -119,26 +119,26 @@ class OneAfterTheOther:
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve a problem whose pressure is free, from nothing; see `Solver`."""
+        """Solve a problem whose pressure is free, without a start; see `Solver`."""
         normal = self.normal.solve(problem.normal, self.rough)
-        alone = problem.holding(normal.pressure, normal.gap)
-        outcome = self.tangential.solve(alone, self.rough)
+        tangential = problem.with_pressure(normal.pressure, normal.gap)
+        outcome = self.tangential.solve(tangential, self.rough)
         if not outcome.converged and len(problem.forces):
-            # The slip by the uncoupled pressure can be more than the forces can be had with: then
-            # the creepages are left to the coupled method.
-            given = replace(alone, forces=PrescribedForces())
+            # The slip by the uncoupled pressure can be more than these forces allow: then the
+            # coupled method finds the creepages.
+            given = replace(tangential, forces=PrescribedForces())
             without = self.tangential.solve(given, self.rough).after(outcome)
             outcome = replace(without, creepage=np.zeros(len(problem.forces)))
         return _with_pressure(outcome.after(normal), normal)
 
 
 def _with_pressure(tangential: Outcome, normal: Outcome) -> Outcome:
-    """An outcome with the pressure under which it was found."""
+    """Return an outcome with the pressure under which it was found."""
     return replace(tangential, pressure=normal.pressure, gap=normal.gap, approach=normal.approach)
 
 
 def _beyond(problem: Problem, needed: float) -> Outcome:
-    """What comes of forces that are more than friction can carry, however fast the bodies creep."""
+    """Return the outcome for forces that exceed friction at any creepage."""
     none = np.zeros_like(problem.rigid)
     note = Note(f"the forces take {needed:.1%} of what friction can carry", Status.DIVERGED)
     creepage = np.zeros(len(problem.forces))
@@ -148,7 +148,7 @@ def _beyond(problem: Problem, needed: float) -> Outcome:
 
 
 def rectangle(contact: np.ndarray, around: int = 0) -> Box:
-    """The contact, a row on both sides in x, and so many elements around it.
+    """Return the contact, a row on both sides in x, and a number of elements around it.
 
     The slip at the centre of an element needs that of the row behind it, the slip of a leading
     element the gap ahead.
@@ -161,7 +161,7 @@ def rectangle(contact: np.ndarray, around: int = 0) -> Box:
 
 
 def _rounded(first: int, end: int, most: int) -> slice:
-    """At least these elements, a whole number of steps where there are that many.
+    """Return at least these elements, a multiple of a step length if the mesh has as many.
 
     Contacts that grow element by element then share their operators and plans, at the price of at
     most a sixteenth more elements, or three.
@@ -174,7 +174,7 @@ def _rounded(first: int, end: int, most: int) -> slice:
 
 
 def placed(field: np.ndarray, box: Box, shape: tuple[int, int]) -> np.ndarray:
-    """A field on the rectangle as a field on the mesh, zero around it."""
+    """Return a field on a rectangle as a field on the mesh, zero around it."""
     whole = np.zeros((*field.shape[:-2], *shape))
     whole[..., *box] = field
     return whole

@@ -1,0 +1,26 @@
+"""Progress of a solve: the mesh and its residual, reported to what shows them."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+
+Reporter = Callable[[tuple[int, int], float], None]
+"""Takes the mesh that is solved on, and the residual there."""
+
+_reporter: ContextVar[Reporter | None] = ContextVar("reporter", default=None)
+
+
+@contextmanager
+def report_to(reporter: Reporter) -> Iterator[None]:
+    """Report the progress of what is solved in the block."""
+    before = _reporter.set(reporter)
+    try:
+        yield
+    finally:
+        _reporter.reset(before)
+
+
+def report(mesh: tuple[int, int], residual: float) -> None:
+    """Report the progress of a solve, if something shows it."""
+    if (reporter := _reporter.get()) is not None:
+        reporter(mesh, residual)
