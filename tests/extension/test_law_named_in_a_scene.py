@@ -64,6 +64,7 @@ SPHERES = ts.Scene.builtin("spheres").with_set(["grid.elements=[15, 15]"]).repla
 DISCS = ts.Scene.builtin("twin-discs").replace(subsurface=None)
 DISCS = DISCS.with_set(["wear.revolutions=2", "wear.save=[0, 2]", "grid.elements=[15, 31]"])
 FILM = ["friction.law=film_laws:Film", "friction.scale=5000"]
+STRONG_FILM = ["friction.law=film_laws:Film", "friction.scale=0.05"]  # p_max is .017 MPa
 WORN = {"law": "film_laws:ByWork", "per_work": 5e-6, "revolutions": 2, "save": [0, 2]}
 
 
@@ -185,8 +186,7 @@ class TestNamedLaw:
         ] == axis["values"]
 
     def test_a_study_solves_with_it(self, tmp_path):
-        film = ["friction.law=film_laws:Film", "friction.scale=0.05"]  # p_max is .017 MPa
-        scene, steps = SPHERES.with_set(film), [-1e-3, -4e-3]
+        scene, steps = SPHERES.with_set(STRONG_FILM), [-1e-3, -4e-3]
         axis = {"key": "creepage.longitudinal", "values": steps}
         cases = ts.Study(scene=scene, axis=[axis], keep="scalars")
         found = ts.study(cases, tmp_path / "a", workers=0).column("Qx")
@@ -197,6 +197,24 @@ class TestNamedLaw:
         # Each case starts from the one before: equal to the tolerance of the solver, 1e-8.
         np.testing.assert_allclose(found, of_film, rtol=1e-6)
         assert (np.array(of_film) < of_coulomb).all()
+
+    def test_contacts_of_a_table_have_it(self):
+        film, coulomb = (
+            ts.TableDesign(scene=one, elements=15, tolerance=0.2).contacts(())
+            for one in (SPHERES.with_set(STRONG_FILM), SPHERES)
+        )
+        creepages = np.array([-0.3, 0.1, 0.0])
+        assert abs(film.forces(creepages, 15)[0]) < 0.95 * abs(coulomb.forces(creepages, 15)[0])
+
+    @pytest.mark.slow
+    def test_a_table_is_built_with_it(self):
+        scene = SPHERES.with_set(STRONG_FILM)
+        table = ts.build_table(ts.TableDesign(scene=scene, elements=15, tolerance=0.2))
+        for creepage in (-1e-3, -4e-3):
+            contact = ts.solve(scene.replace(**{"creepage.longitudinal": creepage}))
+            found = table(xi_x=creepage, xi_y=0.0, spin=0.0)
+            # Held-out points of this table are within 2.2 % of mu P.
+            assert abs(found.Qx - contact.Qx) < 0.03 * scene.friction.mu[0] * contact.P
 
     def test_run_resumes_with_the_same_law(self, tmp_path):
         longer = ["wear.revolutions=4", "wear.save=[0, 2, 4]"]
