@@ -117,9 +117,10 @@ class TransientHeat(Observer):
     @property
     def state(self) -> Mapping[str, np.ndarray]:
         """See `Observer.state`; fields of the past have a margin around the mesh."""
-        if self.heat is None:
+        heat = self.heat
+        if heat is None:
             return {}
-        return {"temperature": np.stack([self.heat.temperature[k] for k in BODIES]), **self.past}
+        return {"temperature": np.stack([heat.temperature[k] for k in BODIES]), **self.past}
 
 
 def _put_together(contact: State, model: Model) -> FlashTemperature:

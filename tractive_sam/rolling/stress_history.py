@@ -51,9 +51,9 @@ class StressHistory(Observer):
 
     def describe(self, model: Model) -> Iterator[Row]:
         """See `Observer.describe`."""
-        scene = model.scene
-        if model.laws.fatigue is not None:
-            yield Row("criterion", model.laws.fatigue.long_name)
+        scene, criterion = model.scene, model.laws.fatigue
+        if criterion is not None:
+            yield Row("criterion", criterion.long_name)
         fixed = "fixed in the contact" if scene.schedule.shifts else "rolled over"
         yield Row("stress history", f"of material {fixed}, from {_cycle_start(model):g} on")
         yield Row("cycle", "the history counts as one: the life is in repetitions of it")

@@ -177,7 +177,8 @@ def _read_text(path: Path, settings: scene.Gap) -> _GapData:
     lateral = {unit for unit in table.units[:-1] if unit}
     if len(lateral) > 1:
         raise GapError(path, f"x and y in {', '.join(sorted(lateral))}", "one unit for x and y")
-    units = (*(lateral or {"mm"}), table.units[-1] or "mm") if table.units else ("mm", "mm")
+    height = table.units[-1] or "mm" if table.units else "mm"
+    units = next(iter(lateral), "mm"), height
     few = len(table.cells[0]) <= len(NAMES) and is_number(table.cells[0][0])
     if table.names or few or settings.step is not None:
         data = _gap_from_matrix(path, settings, table.numbers(path), table.names)

@@ -134,7 +134,7 @@ def _choose_splitter(line: str) -> Callable[[str], list[str]]:
 
 def _parse_header(cells: list[str]) -> list[tuple[str, str]]:
     """Return (name, unit) of each column; the unit may be empty. Return [] if this is no header."""
-    matches = [_NAME.fullmatch(match) for match in cells]
-    if not matches or not all(matches):
+    matches = [match for cell in cells if (match := _NAME.fullmatch(cell))]
+    if len(matches) < len(cells):
         return []
     return [(match[1].lower(), re.sub("[µμ]", "u", match[2] or "")) for match in matches]

@@ -31,6 +31,7 @@ import hashlib
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 import h5py
 import numpy as np
@@ -70,7 +71,7 @@ RUNNING = ("running", "the computation has not ended yet, or was killed")
 
 REFERENCE = {"a0": "a", "b0": "b", "p0": "p0"}
 """Attributes for other readers: the Hertz solution of the unworn contact."""
-COMPRESSED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+COMPRESSED: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 
 CHUNK_BYTES = 4096
 """Least size of a chunk: a page of the disk. The checksum of a chunk of zeros is zero, so the
@@ -243,7 +244,7 @@ def _create_columns(history: h5py.Group, columns: Mapping[str, Quantity], blocks
             labels = LABELS.get(dimension) or [str(k + 1) for k in range(blocks)]
             about = "component" if dimension in ("axis", "position") else dimension
             _create_labels(history, dimension, labels, about)
-        scales = [history[dimension] for dimension in ("record", *column.dims)]
+        scales = tuple(history[dimension] for dimension in ("record", *column.dims))
         _create_rows(history, column.name, column, scales, coordinate=coordinate)
     # A coordinate may be a column of the package without being the coordinate of the scene.
     own = [
@@ -341,9 +342,9 @@ def _create_fields(
 
 def _create_field(fields: h5py.Group, quantity: Quantity, coordinate: Quantity) -> None:
     """Create a further field; its value is nan in earlier records."""
-    scales = [fields[name] for name in ("record", "block", "x", "y") if name in fields]
-    about = {"rows": len(fields["record"]), "coordinate": coordinate.name}
-    _create_rows(fields, quantity.name, quantity, tuple(scales), **about, **COMPRESSED)
+    scales = tuple(fields[name] for name in ("record", "block", "x", "y") if name in fields)
+    rows, along = len(fields["record"]), coordinate.name
+    _create_rows(fields, quantity.name, quantity, scales, rows, coordinate=along, **COMPRESSED)
 
 
 def _create_labels(group: h5py.Group, name: str, values: Sequence[str], about: str) -> None:
@@ -358,7 +359,7 @@ def _create_labels(group: h5py.Group, name: str, values: Sequence[str], about: s
 
 
 def _create_scale(
-    group: h5py.Group, name: str, values: Sequence, quantity: Quantity
+    group: h5py.Group, name: str, values: np.ndarray, quantity: Quantity
 ) -> h5py.Dataset:
     """Create a dimension scale that can grow."""
     chunk = max(len(values), CHUNK_BYTES // 8)

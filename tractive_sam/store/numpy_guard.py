@@ -3,7 +3,7 @@
 import zipfile
 from math import prod
 from pathlib import Path
-from typing import BinaryIO
+from typing import IO
 
 import numpy as np
 from numpy.lib import format as npy
@@ -57,7 +57,7 @@ def read_archive(path: Path, max_bytes: int = 2**31) -> dict[str, np.ndarray]:
     return arrays
 
 
-def _read_checked(file: BinaryIO, size: int) -> np.ndarray:
+def _read_checked(file: IO[bytes], size: int) -> np.ndarray:
     """Read an array after a check that `size`, in bytes with the header, is large enough for it."""
     version = npy.read_magic(file)
     header = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0

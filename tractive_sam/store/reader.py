@@ -110,7 +110,7 @@ def _read_history(file: ResultsFile) -> History:
     """Read the columns and prepare the access to fields, stress and fatigue."""
     n, m = file.records, file.length("fields/record")
     mesh = (file.length("grid/x"), file.length("grid/y"))
-    half_length = tuple(map(float, file.attribute("grid", "half_length")))
+    half_x, half_y = map(float, file.attribute("grid", "half_length"))
     scene = _read_scene(file)
     # Also the dimensions for duty cycles: each block, and the wear of each body in each block.
     dims = (*DIMS, *(("block", *axes) for axes in DIMS), PARTS.dims)
@@ -124,7 +124,7 @@ def _read_history(file: ResultsFile) -> History:
         scene,
         file.text("scene", "status"),
         file.text("scene", "message"),
-        Grid(half_length, mesh),
+        Grid((half_x, half_y), mesh),
         quantities,
         {name: _read_column(file, quantity, n, mesh) for name, quantity in quantities.items()},
         {name: StoredField(file.path, name, m) for name in stored_fields},
@@ -154,8 +154,11 @@ def _read_laws(file: ResultsFile) -> dict[str, LawRecord]:
 
 def _read_cycles(file: ResultsFile, scene: Scene, length: int) -> dict[str, StoredCycles]:
     """Return the fatigue of each body; its datasets are checked, but not read."""
-    cycles, settings = {}, scene.fatigue
-    for body in file.names("fatigue") if settings is not None and "fatigue" in file else ():
+    cycles: dict[str, StoredCycles] = {}
+    settings = scene.fatigue
+    if settings is None or "fatigue" not in file:
+        return cycles
+    for body in file.names("fatigue"):
         k, group = settings.shear_yield_stress, f"fatigue/{body}"
         rows, axes = [file.length("grid/y")], {}
         for name in ("depth", "zeta"):
@@ -186,8 +189,9 @@ def _read_column(
     name = next((name for name in names if name in file), None)
     if name is None and column.role != COORDINATE:
         return np.full((records, *shape), np.nan)
+    name = name or f"history/{column.name}"
     if column.dims[:1] != ("body",) or file.version > 1:
-        return file.numbers(name or f"history/{column.name}", (records, *shape))
+        return file.numbers(name, (records, *shape))
     values, stored_bodies = np.full((records, *shape), np.nan), legacy_format.read_bodies(file)
     stored = file.numbers(name, (records, len(stored_bodies), *shape[1:]))
     for k, body in enumerate(stored_bodies):

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import groupby
+from typing import Any
 
 import h5py
 import numpy as np
@@ -52,8 +53,8 @@ def append(file: h5py.File, records: Sequence[Record]) -> None:
 def read_grid(file: h5py.File) -> Grid:
     """Return the mesh of a file."""
     grid = file["grid"]
-    half_length = tuple(map(float, grid.attrs["half_length"]))
-    return Grid(half_length, (len(grid["x"]), len(grid["y"])))
+    half_x, half_y = map(float, grid.attrs["half_length"])
+    return Grid((half_x, half_y), (len(grid["x"]), len(grid["y"])))
 
 
 def _field_groups(record: Record) -> list[str]:
@@ -90,7 +91,8 @@ def _append_group(
     for name in (*about, *values[0]):
         dataset = _open_dataset(group, name)
         before, *shape = dataset.shape
-        columns = about.get(name) or [
+        known: Sequence[Any] = about.get(name, ())
+        columns = known or [
             widened(np.asarray(fields[name]), tuple(shape), outside.get(name, 0.0))
             for fields in values
         ]

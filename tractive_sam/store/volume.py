@@ -238,6 +238,6 @@ def _create_arrays(
             fletcher32=True,
         )
         arrays[name].attrs.update({"units": quantity.unit, "long_name": quantity.long_name})
-    first = arrays.get(VON_MISES.name, arrays.get("pressure"))
+    first = arrays[VON_MISES.name if VON_MISES.name in arrays else "pressure"]
     first.attrs["Attribute"] = np.bytes_("Scalars")  # ParaView shows this array first
     return arrays
