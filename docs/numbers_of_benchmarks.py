@@ -664,6 +664,56 @@ def duty_cores() -> str:
     return format_columns(read_rows("duty_cores.csv"), columns)
 
 
+def fit_powers() -> str:
+    """Return the coefficients of measured twin discs, beside a grid of chi-square."""
+    columns = {
+        "key": ("key", str),
+        "fit": ("fit", number(".3g")),
+        "standard deviation": ("sd", number(".2g")),
+        "by the scatter": ("sd by scatter", number(".2g")),
+        "grid": ("grid", number(".3g")),
+        "its standard deviation": ("sd of grid", number(".2g")),
+        "correlation": ("correlation", number(".2f")),
+        "of the grid": ("of grid", number(".2f")),
+    }
+    return format_columns(read_rows("fit_powers.csv"), columns)
+
+
+def fit_ratios() -> str:
+    """Return predicted over measured work with and without a layer."""
+    columns = {
+        "slip, %": ("slip", number("g", 100.0)),
+        "predicted / measured without layer": ("without layer", number(".2f")),
+        "with the fitted layer": ("fitted", number(".2f")),
+    }
+    return format_columns(read_rows("fit_ratios.csv"), columns)
+
+
+def fit_repeats() -> str:
+    """Return how often intervals cover the truth."""
+    columns = {
+        "test": ("test", str),
+        "key": ("key", str),
+        "truth within the interval, %": ("covered %", number(".1f")),
+        "chi-square within its range, %": ("chi-square expected %", number(".1f")),
+        "contacts of a fit": ("contacts", number(".0f")),
+        "rolls": ("rolls", number(".0f")),
+    }
+    return format_columns(read_rows("fit_repeats.csv"), columns)
+
+
+def fit_cost() -> str:
+    """Return the cost of fits."""
+    columns = {
+        "fit": ("fit", str),
+        "evaluations": ("iterations", number(".0f")),
+        "contacts": ("contacts", number(".0f")),
+        "rolls": ("rolls", number(".0f")),
+        "convolutions": ("convolutions", number(".0f")),
+    }
+    return format_columns(read_rows("fit_cost.csv"), columns)
+
+
 def experiment() -> str:
     """Return measured and predicted frictional work of twin discs."""
     columns = {
@@ -724,5 +774,9 @@ TABLES = {
         duty,
         duty_cores,
         experiment,
+        fit_powers,
+        fit_ratios,
+        fit_repeats,
+        fit_cost,
     )
 }

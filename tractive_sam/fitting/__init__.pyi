@@ -3,6 +3,7 @@
 from .design import FitDesign as FitDesign
 from .design import FitError as FitError
 from .evaluations import Evaluations as Evaluations
+from .figures import fit_figures as fit_figures
 from .figures import save_fit_figures as save_fit_figures
 from .page import report_fit as report_fit
 from .posterior import log_posterior as log_posterior

@@ -77,7 +77,7 @@ def read_measured(data: Data, key: str) -> Measured:
     Raises
     ------
     FitError
-        If columns are missing, have other than finite numbers, or tell no noise.
+        If columns are missing, have other than finite numbers, or give no noise.
     """
     try:
         columns = _columns_of(data)

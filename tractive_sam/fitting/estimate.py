@@ -200,7 +200,7 @@ class Directions:
 
 
 def estimate(problem: Problem, fit: Fit, start: np.ndarray | None = None) -> Estimate:
-    """Minimise the weighted squares from the first values, and from random ones where asked.
+    """Minimise the weighted squares from the first values, and from random ones if the fit has several.
 
     Parameters
     ----------
@@ -349,4 +349,4 @@ LOSSES = {
     "cauchy": lambda z: (np.log1p(z), 1.0 / (1.0 + z)),
     "arctan": lambda z: (np.arctan(z), 1.0 / (1.0 + z**2)),
 }
-"""Losses of squared residuals, and their derivatives, as of `scipy.optimize.least_squares`."""
+"""Losses of squared residuals, and their derivatives, see `scipy.optimize.least_squares`."""

@@ -33,7 +33,7 @@ DONE = "done"
 
 @dataclass(frozen=True, eq=False)
 class Gain:
-    """What one candidate would tell.
+    """Gain of one candidate of the next test.
 
     Attributes
     ----------
@@ -207,7 +207,7 @@ class FitResult:
             return []
         columns = (self.dataset[name].values for name in ("test", "test_gain", "test_sd"))
         return [
-            {"test": str(test), "gain": float(gain), "sd": dict(zip(self.keys, sd, strict=True))}
+            {"test": str(test), "gain": float(gain), "sd": dict(zip(self.keys, sd.tolist(), strict=True))}
             for test, gain, sd in zip(*columns, strict=True)
         ]
 
@@ -260,7 +260,7 @@ def _number(value: float) -> float | None:
 
 
 def _describe_model_error(dataset: xarray.Dataset) -> str:
-    """Describe the error of the mesh beside the noise."""
+    """Describe the error of the mesh, relative to the noise."""
     if "model_error" not in dataset:
         return ""
     error, noise = np.abs(dataset["model_error"].values), dataset["noise"].values

@@ -77,7 +77,7 @@ def list_notes(found: Estimate, table: Fit) -> list[str]:
     if found.chi2 < low:
         notes.append(f"chi-square {found.chi2:.3g} is below its expected range: less noise")
     if found.degrees <= 0:
-        notes.append("as many parameters as points: chi-square tells nothing about the model")
+        notes.append("as many parameters as points: chi-square says nothing about the model")
     for key, value, low_end, high_end in zip(
         parameters.keys, parameters.values(found.u), parameters.lower, parameters.upper, strict=True
     ):

@@ -1,0 +1,249 @@
+"""Fits: coefficients of measured twin discs, coverage of intervals, and cost; for benchmarks.md.
+
+The eight measured powers are those of experiment.py. Repeats of synthetic tests draw normal noise;
+the interval of 95 % should cover the truth in 92 to 98 % of them. One process needs about seven
+minutes.
+
+    python benchmarks/fit.py            # all
+    python benchmarks/fit.py powers     # one of powers, exact, repeats, cost
+"""
+
+import sys
+import warnings
+from time import process_time
+
+import numpy as np
+from experiment import HEAT, SCENE, SLIP, SPEED, TRACK
+from timing import show, write
+
+import tractive_sam as ts
+
+warnings.simplefilter("ignore", ts.SceneWarning)  # coarse meshes and 20 % of slip are meant
+
+REPEATS = 200
+STEPS = (0, 1, 2, 4, 8, 16, 30, 60, 120, 240, 480, 1000, 2000, 3000)
+
+DISCS = (
+    ts.Scene.builtin("twin-discs")
+    .replace(
+        subsurface=None,
+        wear={
+            "coefficient": {"A": 1.3e-4, "B": 2.2e-4},
+            "revolutions": STEPS[-1],
+            "save": STEPS,
+            "stepping": "saved",
+            "turns": "equal",
+        },
+    )
+    .replace(**{"grid.elements": (13, 27)})
+)
+LINE = SCENE.replace(**{"grid.half_length": 0.36, "grid.elements": 101})
+FRICTION = {"friction.mu": 0.46, "friction.layer": 1.7e-6}
+WEAR = {"wear.coefficient.A": 1.3e-4, "wear.coefficient.B": 2.2e-4}
+
+
+def creep(scene: ts.Scene, power: np.ndarray, **more) -> dict:
+    """Return a fit of friction and layer to the work of friction per distance, N/mm."""
+    columns = {"creepage.longitudinal": -SLIP, "t_gamma": power}
+    data = {"values": columns, "vary": "creepage.longitudinal", "observe": "t_gamma"}
+    start = [{"key": "friction.layer", "start": 1e-6}]
+    return {"scene": scene, "free": list(FRICTION), "data": [data | {"noise": 0.05}]} | {
+        "parameter": start, **more
+    }  # fmt: skip
+
+
+def power_of(scene: ts.Scene, mu: float, layer: float) -> np.ndarray:
+    """Work of friction per distance of each slip, N/mm, shape (8,)."""
+    scene = scene.replace(**{"friction.mu": mu, "friction.layer": layer})
+    scenes = (scene.replace(**{"creepage.longitudinal": -slip}) for slip in SLIP)
+    return np.array([ts.solve(one).t_gamma for one in scenes])
+
+
+def powers() -> None:
+    """Fit friction and layer to the measured powers, beside a grid of chi-square."""
+    measured = HEAT * 1e3 / (SPEED * TRACK)
+    found = ts.fit(creep(SCENE, measured))
+    scattered = ts.fit(creep(SCENE, measured, scatter=True, mesh_check=False))
+    before = power_of(SCENE, 0.463, 0.0) / measured
+    after = found.dataset["predicted"].values / measured
+    mu = np.linspace(0.43, 0.50, 15)
+    layers = np.linspace(1.0e-6, 2.6e-6, 17)
+    chi2 = np.array(
+        [
+            [np.square((power_of(SCENE, m, c) / measured - 1.0) / 0.05).sum() for c in layers]
+            for m in mu
+        ]
+    )
+    best = np.unravel_index(chi2.argmin(), chi2.shape)
+    # Near its minimum chi-square is a paraboloid of the logarithms.
+    x, y = np.meshgrid(np.log(mu / mu[best[0]]), np.log(layers / layers[best[1]]), indexing="ij")
+    near = chi2 < chi2.min() + 6.0
+    terms = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1)[near]
+    _, bx, by, cxx, cxy, cyy = np.linalg.lstsq(terms, chi2[near], rcond=None)[0]
+    hessian = np.array([[2.0 * cxx, cxy], [cxy, 2.0 * cyy]])
+    shift = np.linalg.solve(hessian, [-bx, -by])
+    covariance = 2.0 * np.linalg.inv(hessian)
+    deviation = np.sqrt(np.diag(covariance))
+    grid = np.array([mu[best[0]], layers[best[1]]]) * np.exp(shift)
+    rows = []
+    for k, key in enumerate(FRICTION):
+        rows.append(
+            {
+                "key": key,
+                "fit": found.values[key],
+                "sd": found.sd[key],
+                "sd by scatter": scattered.sd[key],
+                "grid": grid[k],
+                "sd of grid": grid[k] * deviation[k],
+                "correlation": found.correlation[0, 1],
+                "of grid": covariance[0, 1] / deviation.prod(),
+                "contacts": found.solves,
+                "contacts of grid": chi2.size * SLIP.size,
+            }
+        )
+    write("fit_powers", rows)
+    show("The measured powers: fit and grid of chi-square", rows)
+    ratios = [
+        {"slip": slip, "without layer": one, "fitted": other}
+        for slip, one, other in zip(SLIP, before, after, strict=True)
+    ]
+    write("fit_ratios", ratios)
+    show("Power, predicted over measured", ratios)
+    print(f"chi-square {found.chi2:.3g}, of the grid {chi2.min():.3g}")
+
+
+def worn(masses: np.ndarray, profile: np.ndarray, y: np.ndarray) -> dict:
+    """Return a fit of the coefficients to three weighings of A and a profile of B."""
+    weighed = {"revolution": [1000, 2000, 3000], "worn_mass": masses}
+    sets = [
+        {"values": weighed, "vary": "revolution", "observe": "worn_mass", "body": "A",
+         "noise": {"absolute": 0.02}},
+        {"values": {"y": y, "depth": profile}, "observe": "wear_profile", "body": "B",
+         "noise": {"absolute": 1e-4}},
+    ]  # fmt: skip
+    return {"scene": DISCS, "free": list(WEAR), "data": sets, "mesh_check": False}
+
+
+def exact() -> None:
+    """Fit data without noise, from other first values: relative errors."""
+    rows = []
+    found = ts.fit(creep(LINE, power_of(LINE, *FRICTION.values()), mesh_check=False))
+    rows += _errors(found, FRICTION)
+    history = ts.roll(DISCS, progress=False)
+    masses = history["worn_mass"][[STEPS.index(n) for n in (1000, 2000, 3000)], 0]
+    design = worn(masses, history["wear_profile_B"][-1], history.y)
+    design["parameter"] = [{"key": key, "start": 0.7 * value} for key, value in WEAR.items()]
+    rows += _errors(ts.fit(design), WEAR)
+    write("fit_exact", rows)
+    show("Data without noise", rows)
+
+
+def _errors(found: ts.FitResult, truth: dict[str, float]) -> list[dict]:
+    return [
+        {"key": key, "truth": value, "error": found.values[key] / value - 1.0,
+         "contacts": found.solves, "rolls": found.rolls}
+        for key, value in truth.items()
+    ]  # fmt: skip
+
+
+def repeats() -> None:
+    """Count how often the interval covers the truth."""
+    rng = np.random.default_rng(1)
+    power = power_of(LINE, *FRICTION.values())
+    history = ts.roll(DISCS, progress=False)
+    masses = history["worn_mass"][[STEPS.index(n) for n in (1000, 2000, 3000)], 0]
+    depth, y = history["wear_profile_B"][-1], history.y
+
+    def creep_repeat() -> ts.FitResult:
+        noisy = power * (1.0 + 0.05 * rng.standard_normal(power.size))
+        return ts.fit(creep(LINE, noisy, mesh_check=False))
+
+    def worn_repeat() -> ts.FitResult:
+        noisy = masses + 0.02 * rng.standard_normal(masses.size)
+        return ts.fit(worn(noisy, depth + 1e-4 * rng.standard_normal(depth.size), y))
+
+    rows = []
+    for name, repeat, truth in (
+        ("creep curve", creep_repeat, FRICTION),
+        ("masses and profile", worn_repeat, WEAR),
+    ):
+        began, inside = process_time(), dict.fromkeys(truth, 0)
+        chi2, solves, rolls = [], 0, 0
+        for _ in range(REPEATS):
+            found = repeat()
+            for key, value in truth.items():
+                low, high = found.interval(key)
+                inside[key] += low <= value <= high
+            low, high = found.chi2_range
+            chi2.append(low <= found.chi2 <= high)
+            solves, rolls = solves + found.solves, rolls + found.rolls
+        rows += [
+            {"test": name, "key": key, "covered %": 100.0 * count / REPEATS,
+             "chi-square expected %": 100.0 * np.mean(chi2), "contacts": solves / REPEATS,
+             "rolls": rolls / REPEATS, "s": (process_time() - began) / REPEATS}
+            for key, count in inside.items()
+        ]  # fmt: skip
+    write("fit_repeats", rows)
+    show(f"Intervals of 95 % in {REPEATS} repeats", rows)
+
+
+def cost() -> None:
+    """Count contacts of a creep curve with and without exact derivatives, and rolls of a test."""
+    measured = HEAT * 1e3 / (SPEED * TRACK)
+    design = creep(SCENE, measured, mesh_check=False)
+    rows = [_cost("creep curve, mu exact", ts.fit(design))]
+    # A temperature law that is one everywhere has no exact derivative.
+    alike = SCENE.replace(**{"friction.strength": 1e6})
+    rows.append(_cost("creep curve, differences", ts.fit({**design, "scene": alike})))
+    truth = {"wear.coefficient.A": 1.3e-4, "wear.coefficient.B": 2.2e-4,
+             "friction.mu": 0.45, "friction.layer": 2e-6}  # fmt: skip
+    adaptive = DISCS.replace(**{"wear.stepping": "adaptive", "wear.save": (0, 3000)})
+    scene = adaptive.replace(
+        friction={"mu": 0.45, "layer": 2e-6}, creepage={"longitudinal": -0.002}
+    )
+    history = ts.roll(scene.replace(**{"wear.save": (0, 1000, 2000, 3000)}), progress=False)
+    rows_of = [history["revolution"].tolist().index(n) for n in (1000, 2000, 3000)]
+    rng = np.random.default_rng(2)
+    sets = []
+    for body in "AB":
+        masses = history["worn_mass"][rows_of, "AB".index(body)]
+        masses = masses * (1.0 + 0.02 * rng.standard_normal(3))
+        columns = {"revolution": [1000, 2000, 3000], "worn_mass": masses}
+        sets.append(
+            {"values": columns, "vary": "revolution", "observe": "worn_mass", "body": body}
+            | {"noise": 0.02}
+        )
+    slips = -np.array([0.001, 0.002, 0.005, 0.02])
+    forces = [ts.solve(scene.replace(**{"creepage.longitudinal": one})).Qx for one in slips]
+    ratios = np.array(forces) / 300.0 * (1.0 + 0.02 * rng.standard_normal(4))
+    columns = {"creepage.longitudinal": slips, "Qx_over_P": ratios}
+    sets.append(
+        {"values": columns, "vary": "creepage.longitudinal", "observe": "Qx_over_P", "at": 0}
+        | {"noise": 0.02}
+    )
+    start = [{"key": key, "start": 0.7 * value} for key, value in truth.items()]
+    found = ts.fit({"scene": scene, "free": [*truth], "data": sets, "parameter": start})
+    rows.append(_cost("twin discs, four parameters", found))
+    write("fit_cost", rows)
+    show("Cost of a fit", rows)
+    for key, value in truth.items():
+        low, high = found.interval(key)
+        print(f"{key}: {found.values[key]:.4g}, from {low:.4g} to {high:.4g}, truth {value:.4g}")
+
+
+def _cost(name: str, found: ts.FitResult) -> dict:
+    attributes = found.dataset.attrs
+    return {
+        "fit": name,
+        "iterations": int(attributes["iterations"]),
+        "contacts": found.solves,
+        "rolls": found.rolls,
+        "convolutions": float(attributes["convolutions"]),
+    }
+
+
+PARTS = {"powers": powers, "exact": exact, "repeats": repeats, "cost": cost}
+
+if __name__ == "__main__":
+    for part in sys.argv[1:] or PARTS:
+        PARTS[part]()
