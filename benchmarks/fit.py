@@ -1,4 +1,6 @@
-"""Fits: coefficients of measured twin discs, coverage of intervals, and cost; for benchmarks.md.
+"""Fits: coefficients of measured twin discs, coverage of intervals, and cost.
+
+Page: docs/howto/fit.md
 
 The eight measured powers are those of experiment.py. Repeats of synthetic tests draw normal noise;
 the interval of 95 % should cover the truth in 92 to 98 % of them. One process needs about seven

@@ -200,7 +200,7 @@ class Directions:
 
 
 def estimate(problem: Problem, fit: Fit, start: np.ndarray | None = None) -> Estimate:
-    """Minimise the weighted squares from the first values, and from random ones if the fit has several.
+    """Minimise the weighted squares from the first values, and from random ones if requested.
 
     Parameters
     ----------

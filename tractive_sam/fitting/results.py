@@ -207,7 +207,11 @@ class FitResult:
             return []
         columns = (self.dataset[name].values for name in ("test", "test_gain", "test_sd"))
         return [
-            {"test": str(test), "gain": float(gain), "sd": dict(zip(self.keys, sd.tolist(), strict=True))}
+            {
+                "test": str(test),
+                "gain": float(gain),
+                "sd": dict(zip(self.keys, sd.tolist(), strict=True)),
+            }
             for test, gain, sd in zip(*columns, strict=True)
         ]
 
