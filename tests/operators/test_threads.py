@@ -91,7 +91,7 @@ def test_process_forked_while_another_thread_plans_can_plan():
             sleep(1e-3)
         return number
 
-    recalled = fft.planned(make, 4)
+    recalled = fft.PlanCache(make, 4)
     other = Thread(target=recalled, args=(0,))
     other.start()
     planning.wait()

@@ -88,8 +88,8 @@ class Operators:
         """Spectra along x of A_nn per traction, mm/MPa, (p_y, p_x/2 + 1), for sums over x."""
         px, _ = self.lattice.padded
         # Even in x: a real spectrum. Parseval over its half: inner frequencies count twice.
-        along = np.fft.rfft(influence.displacement(self.lattice, self.elasticity, "zz"), axis=0)
-        along = along.real / px
+        table = influence.displacement(self.lattice, self.elasticity, "zz")
+        along = np.fft.rfft(table, axis=0).real / px
         along[1:-1] *= 2.0
         return np.ascontiguousarray(along.T)
 

@@ -5,7 +5,7 @@ import os
 from collections.abc import Callable
 from functools import cache, lru_cache
 from threading import Lock, get_ident
-from typing import TypeVar
+from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -39,11 +39,11 @@ def padded_length(n: int) -> int:
 def plan(
     source: np.ndarray, target: np.ndarray, axis: int, direction: str, threads: int = 1
 ) -> pyfftw.FFTW:
-    """FFTW's fastest transform along one axis; planning overwrites both arrays.
+    """Return FFTW's fastest transform along one axis; planning overwrites both arrays.
 
-    Where it goes back to real numbers, executing it overwrites the source.
+    Back to real numbers, executing it overwrites the source.
     """
-    flags = ("FFTW_MEASURE",)
+    flags: tuple[str, ...] = ("FFTW_MEASURE",)
     if direction == "FFTW_BACKWARD" and not np.iscomplexobj(target):
         flags += ("FFTW_DESTROY_INPUT",)
     return pyfftw.FFTW(
@@ -159,8 +159,8 @@ if hasattr(os, "register_at_fork"):
     )
 
 
-def planned(make: Callable[..., Plan], most: int) -> Callable[..., Plan]:
-    """Remember what `make` plans, by its arguments, for each thread of the process.
+class PlanCache(Generic[Plan]):
+    """Plans of each thread of the process, made when first called and found again by arguments.
 
     A plan owns the arrays that it works on, so that threads cannot share it. As all that computes
     recalls one again and again, here is where a program that was asked to stop does.
@@ -171,31 +171,29 @@ def planned(make: Callable[..., Plan], most: int) -> Callable[..., Plan]:
         Plans; its arguments are hashable.
     most : int
         How many are remembered, over all threads.
-
-    Returns
-    -------
-    callable
-        Like `make`; its `cache_clear` forgets all plans and frees their arrays.
     """
 
-    @lru_cache(maxsize=most)
-    def of_thread(_thread: int, *arguments) -> Plan:
-        _wait_for_planner()
-        try:
-            _recall_wisdom()
-            return make(*arguments)
-        finally:
-            _PLANNING.release()
+    def __init__(self, make: Callable[..., Plan], most: int) -> None:
+        @lru_cache(maxsize=most)
+        def of_thread(_thread: int, *arguments) -> Plan:
+            _wait_for_planner()
+            try:
+                _recall_wisdom()
+                return make(*arguments)
+            finally:
+                _PLANNING.release()
 
-    def recalled(*arguments) -> Plan:
+        self._of_thread = of_thread
+        self.cache_clear = of_thread.cache_clear
+        """Forget all plans and free their arrays."""
+
+    def __call__(self, *arguments) -> Plan:
+        """Return the plan of these arguments, made on its first use."""
         interrupt.raise_if_interrupted()
-        return of_thread(get_ident(), *arguments)
-
-    recalled.cache_clear = of_thread.cache_clear
-    return recalled
+        return self._of_thread(get_ident(), *arguments)
 
 
-transform = planned(PaddedTransform, 32)
+transform = PlanCache(PaddedTransform, 32)
 """The `PaddedTransform` of its arguments, made on its first use."""
 
 

@@ -13,15 +13,15 @@ _INTERFACES = "pyfftw.interfaces"
 
 
 def _interfaces_when_used() -> ModuleType:
-    """Stands for the module until something is asked of it."""
+    """Return a module in place of the interfaces, which loads them when one is first used."""
     stand_in = ModuleType(_INTERFACES)
 
-    def first_asked(name: str) -> Any:
+    def load(name: str) -> Any:
         if sys.modules.get(_INTERFACES) is stand_in:
             del sys.modules[_INTERFACES]
         return getattr(import_module(_INTERFACES), name)
 
-    stand_in.__getattr__ = first_asked
+    vars(stand_in)["__getattr__"] = load
     return stand_in
 
 

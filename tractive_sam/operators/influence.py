@@ -8,6 +8,7 @@ condition number of 121 instead of 5 on the scene `spheres` at 45 x 45.
 """
 
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
@@ -126,10 +127,13 @@ def slip(lattice: Lattice, elasticity: Elasticity, component: str) -> np.ndarray
     return (here - ahead) / lattice.dx
 
 
-def block_mean(values: np.ndarray, block: tuple[int, int], mode: str) -> np.ndarray:
+def block_mean(
+    values: np.ndarray, block: tuple[int, int], mode: Literal["constant", "edge"]
+) -> np.ndarray:
     """Return means over blocks of the last two axes; `mode` fills up the last as `numpy.pad`."""
     (nx, ny), (bx, by) = values.shape[-2:], block
     pad = [(0, 0)] * (values.ndim - 2) + [(0, -nx % bx), (0, -ny % by)]
     v = np.pad(values, pad, mode=mode)
     parts = [v[..., i::bx, j::by] for i in range(bx) for j in range(by)]
-    return sum(parts) / len(parts)
+    total: np.ndarray = sum(parts[1:], start=parts[0])
+    return total / len(parts)

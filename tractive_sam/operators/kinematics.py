@@ -181,9 +181,10 @@ class RollingStep(Kinematics):
         self, operators: Operators, pressure: np.ndarray, gap: np.ndarray
     ) -> FrictionSlip:
         """See `Kinematics.friction_slip`: the gap that has closed is `entering`."""
-        lattice, entered = operators.lattice, np.nonzero((pressure > 0.0) & (self.entering > 0.0))
+        lattice = operators.lattice
+        i, j = np.nonzero((pressure > 0.0) & (self.entering > 0.0))
         back = min(self.length, 1.0) if self.stencil.staggered else 0.0
-        seen = back, pressure, self.entering, entered, entered, lattice.dx / lattice.dy
+        seen = back, pressure, self.entering, (i, j), (i, j), lattice.dx / lattice.dy
         return FrictionSlip(*seen, operators.opening, gap_changes=False)
 
     def approximate_inverse(
@@ -199,7 +200,7 @@ class RollingStep(Kinematics):
         Slip is displacement here. Counted in full, a step from rest is taken to slip everywhere,
         and where all tractions at their bound displace much too far, back again in the next.
         """
-        along = np.count_nonzero((radius > 0.0).any(axis=1))
+        along = int(np.count_nonzero((radius > 0.0).any(axis=1)))
         first, _, second = operators.self_displacement
         return self.far / (max(along, self.far) * max(first, second))
 

@@ -4,7 +4,9 @@ import math
 import os
 from contextlib import suppress
 from pathlib import Path
+from types import ModuleType
 
+resource: ModuleType | None
 try:
     import resource
 except ImportError:  # no such limits on this system

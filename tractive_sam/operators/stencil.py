@@ -40,11 +40,11 @@ import numpy as np
 
 from tractive_sam.kernels.friction import lead
 
-Places = tuple[np.ndarray, ...]
-"""Indices (i, j) of elements, two arrays of shape (m,)."""
-
 FARTHEST = 1e3
 """Largest ratio of `entry_beyond`: an edge so near a centre is as good as on it."""
+
+Places = tuple[np.ndarray, np.ndarray]
+"""Indices (i, j) of elements, two arrays of shape (m,)."""
 
 
 @dataclass(frozen=True)
@@ -81,8 +81,8 @@ class Stencil:
         mean[:, 1:] = 0.5 * (slip[:, 1:] + slip[:, :-1])
         return mean
 
-    def leading(self, bound: np.ndarray, gap: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Indices (i, j) of the elements ahead of which the surfaces part; none for `UPWIND`.
+    def leading(self, bound: np.ndarray, gap: np.ndarray) -> Places:
+        """Return indices (i, j) of elements ahead of which the surfaces part; none for `UPWIND`.
 
         Parameters
         ----------
@@ -92,7 +92,8 @@ class Stencil:
         leading = np.zeros(bound.shape, bool)
         if self.staggered:
             leading[:-1] = (bound[:-1] > 0.0) & (bound[1:] <= 0.0) & (gap[1:] > 0.0)
-        return np.nonzero(leading)
+        i, j = np.nonzero(leading)
+        return i, j
 
 
 def edge_angles(bound: np.ndarray, i: np.ndarray, j: np.ndarray, aspect: float) -> np.ndarray:

@@ -5,7 +5,7 @@ Their arrays belong to the plan and are overwritten by its next use.
 
 import numpy as np
 
-from tractive_sam.operators.fft import plan, planned
+from tractive_sam.operators.fft import PlanCache, plan
 from tractive_sam.operators.fftw import pyfftw
 
 
@@ -84,8 +84,8 @@ class EdgeTransform:
         self._plan.execute()
 
 
-layer_transform = planned(LayerTransform, 8)
+layer_transform = PlanCache(LayerTransform, 8)
 """The `LayerTransform` of its arguments, made on its first use."""
 
-edge_transform = planned(EdgeTransform, 8)
+edge_transform = PlanCache(EdgeTransform, 8)
 """The `EdgeTransform` of its arguments, made on its first use."""

@@ -93,9 +93,9 @@ class StressLayers:
         self.lattice = lattice
         self.poisson, self.signs = tuple(poisson), tuple(signs)
         self.threads = threads
-        loaded = tractions.any(axis=0)
+        loaded = np.any(tractions, axis=0)
         # No offset from a loaded element is longer than half a period.
-        farthest = (reach(loaded.any(axis=k)) for k in (1, 0))
+        farthest = (reach(np.any(loaded, axis=k)) for k in (1, 0))
         self._padded = tuple(padded_length(-(-(most + 1) // ROUND) * ROUND) for most in farthest)
         px, py = self._padded
         spectra = transform(3, lattice.shape, self._padded).forward(tractions)

@@ -60,10 +60,10 @@ class StressPlane:
             # From here on the plane is x = position.
             across, step, self._step = grid.y, grid.dy, grid.dx
             tractions = tractions.swapaxes(1, 2)[[1, 0, 2]]
-        loaded = tractions.any(axis=0)
+        loaded = np.any(tractions, axis=0)
         self._points = loaded.shape[1]
-        self._padded = padded_length(reach(loaded.any(axis=0)) + 1)
-        rows = extent(loaded.any(axis=1))
+        self._padded = padded_length(reach(np.any(loaded, axis=0)) + 1)
+        rows = extent(np.any(loaded, axis=1))
         jumps = np.diff(tractions[:, rows], axis=1, prepend=0.0, append=0.0)
         # Plane minus edge, in elements.
         offsets = _snapped((position - across[rows.start]) / step + 0.5) - np.arange(jumps.shape[1])
