@@ -10,7 +10,7 @@ from tractive_sam.schema import Fault, LawTable, NamedLaw, ValidEntries, allow_l
 
 
 class ObserverTable(LawTable):
-    """An [[observer]] table: what follows the steps of a process and records more of them.
+    """An [[observer]] table: an observer that computes further quantities of each record.
 
     It names a subclass of `Observer` of an installed package, or one of its entry points in the
     group "tractive_sam.laws"; further keys are its parameters.
@@ -26,14 +26,14 @@ class ObserverTable(LawTable):
 
     @classmethod
     def describe_array(cls, observers: Sequence[Any], scene: Any) -> Iterator[Row]:
-        """Describe the observers of a scene; what each does is described by itself."""
-        for one in observers:
-            yield Row("observer", str(one.name))
+        """Yield a row for each observer with its name."""
+        for observer in observers:
+            yield Row("observer", str(observer.name))
 
 
 def check_observers(entries: ValidEntries) -> Iterator[Fault]:
     """Report observers that a scene names twice."""
-    names = [one.name.name for one in entries["observer"]]
+    names = [observer.name.name for observer in entries["observer"]]
     for k, name in enumerate(names):
         if name in names[:k]:
             yield Fault(f"observer[{k}].name", name, "each observer once")

@@ -201,6 +201,8 @@ class Scene(Document):
         settings = self.settings()
         settings.pop("title")
         settings.pop("load_history", None)
+        if not self.observer:  # files of earlier versions have no such table
+            settings.pop("observer")
         text = json.dumps(_canonical(settings), sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
 
