@@ -36,6 +36,22 @@ def assert_same(one, other, *names):
         np.testing.assert_array_equal(one[name], other[name], err_msg=name)
 
 
+def test_life_under_a_spectrum_needs_no_wear_and_one_contact_for_each_different_block():
+    """Life by Miner's rule from the lives of the blocks, in memory and in the file."""
+    steel = {"sensitivity": 0.333, "limit": 250.0, "elements": 8}
+    unworn = DISCS.replace(wear=None, fatigue=steel)
+    blocks = ({"revolutions": 3}, HEAVY, {"revolutions": 6})
+    history = ts.roll(unworn.replace(duty=blocks))
+    assert (len(history), history["solves"][0], history.status) == (1, 2, "done")
+    lives = [
+        ts.roll(one)["fatigue_life"][0] for one in (unworn, unworn.replace(load=HEAVY["load"]))
+    ]
+    damages = np.array([0.9 / lives[0], 0.1 / lives[1]])
+    # The largest damages of the blocks need not be at one depth: between their maximum and sum.
+    assert (1.0 / history["fatigue_life"][0] <= damages.sum(axis=0) * (1.0 + 1e-6)).all()
+    assert (1.0 / history["fatigue_life"][0] >= damages.max(axis=0) * (1.0 - 1e-6)).all()
+
+
 def test_alike_blocks_are_one_bit_for_bit():
     single = ts.roll(DISCS)
     assert_same(rolled({"revolutions": 1}, {"revolutions": 2}, {"revolutions": 7}), single)

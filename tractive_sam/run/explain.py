@@ -87,7 +87,8 @@ def explain(scene: Scene) -> Description:
 SECTIONS = (
     ("Bodies", ("body", "elasticity", "load", "gap")),
     ("State", ("creepage", "friction", "solver")),
-    ("Wear", ("wear", "load_history", "duty")),
+    ("Wear", ("wear",)),
+    ("Load spectrum", ("load_history", "duty")),
     ("Stress", ("subsurface",)),
     ("Transient", ("transient",)),
     ("Process", ("process",)),

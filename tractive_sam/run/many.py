@@ -43,7 +43,7 @@ def solve_many(
     Parameters
     ----------
     scene : Scene
-        What does not vary; its [wear] is not rolled.
+        What does not vary; its [wear] and [[duty]] are not rolled.
     over : mapping of str to sequence
         Values by dotted key, ``{"creepage.longitudinal": [-1e-3, -2e-3], "friction.mu": [0.2]}``.
     jacobian : bool
@@ -85,6 +85,7 @@ def solve_many(
     given.check_scene(scene)
     if scene.accuracy is not None:
         raise ValueError("solve_many: one mesh is needed; give the scene [grid], not [accuracy]")
+    scene = scene.without_blocks
     columns_over = _checked(scene, over)
     shape = tuple(map(len, columns_over.values()))
     numbers: dict[str, np.ndarray] = {}

@@ -238,9 +238,10 @@ def check_blocks(entries: ValidEntries) -> Iterator[Fault]:
         )
         return
     wear = entries["wear"]
-    if wear is None:
-        yield Fault("duty", "without [wear]", "a [wear] table with the revolutions to roll")
-    elif (cycle := sum(block.revolutions for block in duty)) > wear.revolutions:
+    if wear is None and entries["fatigue"] is None:
+        cure = "a [wear] table with the revolutions to roll, or a [fatigue] table for the life"
+        yield Fault("duty", "without [wear] and [fatigue]", cure)
+    elif wear is not None and (cycle := sum(block.revolutions for block in duty)) > wear.revolutions:
         given = f"a cycle of {cycle} revolutions"
         yield Fault("duty", given, f"at most {wear.revolutions} revolutions, as wear.revolutions")
     gap, line = entries["gap"], entries["body"].infinitely_long
@@ -261,7 +262,7 @@ def cycle_notes(scene: Any, largest_error: float = 0.01) -> Iterator[str]:
     largest_error : float
         Relative error of the work above which there is a note.
     """
-    cycle, revolutions = scene.spectrum.cycle, scene.wear.revolutions
+    cycle, revolutions = scene.spectrum.cycle, scene.schedule.end
     if revolutions % cycle:
         yield f"duty: the last of {revolutions} / {cycle} cycles is incomplete"
     error = scene.load_history.work_error if scene.load_history else None
