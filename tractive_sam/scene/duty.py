@@ -237,11 +237,11 @@ def check_blocks(entries: ValidEntries) -> Iterator[Fault]:
             "duty", "with [transient]", "[[duty]] or [transient]: blocks are steady rolling"
         )
         return
-    wear = entries["wear"]
+    wear, cycle = entries["wear"], sum(block.revolutions for block in duty)
     if wear is None and entries["fatigue"] is None:
         cure = "a [wear] table with the revolutions to roll, or a [fatigue] table for the life"
         yield Fault("duty", "without [wear] and [fatigue]", cure)
-    elif wear is not None and (cycle := sum(block.revolutions for block in duty)) > wear.revolutions:
+    elif wear is not None and cycle > wear.revolutions:
         given = f"a cycle of {cycle} revolutions"
         yield Fault("duty", given, f"at most {wear.revolutions} revolutions, as wear.revolutions")
     gap, line = entries["gap"], entries["body"].infinitely_long
