@@ -69,7 +69,7 @@ def test_names_are_listed():
 
 
 INTERFACES = """
-import tractive_sam.operators
+import tractive_sam.operators.fftw
 import pyfftw
 before = "pyfftw.interfaces.numpy_fft" in __import__("sys").modules
 pyfftw.interfaces.numpy_fft.fft

@@ -126,9 +126,9 @@ def test_results_are_kept(reproduced):
 
 
 def test_verdicts():
-    assert Verdict.of(True, True) is Verdict.AGREES
-    assert Verdict.of(True, False) is Verdict.PARTLY
-    assert Verdict.of(False) is Verdict.DIFFERS
+    assert Verdict.from_conditions(True, True) is Verdict.AGREES
+    assert Verdict.from_conditions(True, False) is Verdict.PARTLY
+    assert Verdict.from_conditions(False) is Verdict.DIFFERS
 
 
 def test_plain_text_is_escaped_and_indices_lowered():

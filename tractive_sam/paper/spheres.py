@@ -17,7 +17,7 @@ from tractive_sam.paper.finding import (
     format_deviation,
 )
 from tractive_sam.paper.scenes import spheres
-from tractive_sam.plot.stress_maxima import StressMaximum
+from tractive_sam.plot import StressMaximum
 from tractive_sam.results import BODIES, State
 from tractive_sam.run import solve
 from tractive_sam.subsurface import stress_on_plane

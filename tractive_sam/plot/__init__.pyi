@@ -54,6 +54,7 @@ from .registry import history_figure as history_figure
 from .scale import Scale as Scale
 from .stress import von_mises as von_mises
 from .stress import von_mises_sections as von_mises_sections
+from .stress_maxima import StressMaximum as StressMaximum
 from .stress_maxima import stress_maxima as stress_maxima
 from .study import Variable as Variable
 from .study import study_curves as study_curves

@@ -19,6 +19,12 @@ class StressMaximum:
         In the unit of the values.
     at : tuple of float
         Coordinates along the axes of the plane, in their unit.
+
+    Examples
+    --------
+    >>> values, axes = np.array([[1.0, 2.0], [0.0, -3.0]]), (np.arange(2.0), np.arange(2.0))
+    >>> plot.StressMaximum.largest("largest", values, axes)
+    StressMaximum(kind='largest', value=-3.0, at=(1.0, 1.0))
     """
 
     kind: str

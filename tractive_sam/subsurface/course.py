@@ -41,6 +41,12 @@ class Course:
         Whether steady rolling under the first contact precedes the sequence.
     paths : int
         Largest number of stress values in memory.
+
+    Examples
+    --------
+    >>> course = Course([contact, contact], np.array([0.0, 0.1]), ts.Laws.of(contact.scene))
+    >>> course.rolls, course.steady
+    (True, False)
     """
 
     contacts: Sequence[State]
@@ -96,6 +102,15 @@ def course_fatigue(course: Course, depths: np.ndarray) -> dict[str, tuple[BodyFa
     dict of str to (BodyFatigue, ndarray of shape (n_y, n))
         By body: the fatigue, and the position x of the point with the largest utilisation, mm; if
         the bodies roll, its position in the contact at the distance 0.
+
+    Examples
+    --------
+    >>> tired = ts.solve(scene.replace(fatigue={"shear_yield": 300.0, "bodies": ["A"]}))
+    >>> course = Course([tired, tired], np.array([0.0, 0.1]), ts.Laws.of(tired.scene))
+    >>> depths = cycle_depths(tired)
+    >>> worst, place = course_fatigue(course, depths)["A"]
+    >>> worst.residual_shear.shape == place.shape == (tired.grid.elements[1], depths.size)
+    True
     """
     first = course.contacts[0]
     table, grid = fatigue_table(first), first.grid
