@@ -195,7 +195,8 @@ def wear_law_in(model: Model, contact: State) -> WearLaw | None:
     def of(one: WearLaw) -> WearLaw:
         if isinstance(one, ArchardByWork) and one.friction:
             warm = scene.friction.temperature is not None
-            friction = in_warmth(model, temperature) if warm else one.friction
+            rows = model.grid.y
+            friction = in_warmth(model, temperature) if warm else one.friction.on_rows(rows)
             one = replace(one, friction=friction, length=model.grid.dx)
         if scene.wear is not None and scene.wear.temperature:
             one = TemperatureScaledWear(

@@ -27,6 +27,7 @@ from tractive_sam.mechanics import (
     FrictionLaw,
     HalfSpaces,
     InterfacialLayer,
+    LateralFactor,
     OrthogonalShear,
     PerBody,
     Rational,
@@ -237,16 +238,16 @@ def _friction(scene: Scene) -> Coulomb | None:
     table = scene.friction
     if table is None or table.named_law:
         return None
-    mu, angle, share = table.mu, float(np.deg2rad(table.angle)), table.share
-    falls = share is not None and share[0] < 1.0
-    if not falls and table.strength is None and table.temperature is None:
+    mu, angle = table.mu, float(np.deg2rad(table.angle))
+    if not table.varies:
         return Coulomb(mu, angle)
     sliding, speed, memory = None, 0.0, 0.0
-    if falls:
-        sliding = (Rational if table.law == "rational" else Exponential)(*share)
+    if table.falls:
+        sliding = (Rational if table.law == "rational" else Exponential)(*table.share)
         speed, memory = scene.creepage.speed, table.memory
     strength = np.inf if table.strength is None else table.strength
-    return FallingCoulomb(mu, angle, sliding, speed, memory, strength)
+    lateral = None if table.across is None else LateralFactor(*np.array(table.across).T)
+    return FallingCoulomb(mu, angle, sliding, speed, memory, strength, lateral=lateral)
 
 
 def _wear(scene: Scene) -> WearLaw | None:

@@ -185,8 +185,8 @@ class Model:
 
     @cached_property
     def friction_law(self) -> FrictionLaw:
-        """The law of friction; with unit coefficients where there is none."""
-        return self.laws.friction or Coulomb()
+        """The friction law on the rows of the mesh; with unit coefficients where there is none."""
+        return (self.laws.friction or Coulomb()).on_rows(self.grid.y)
 
     @property
     def starts_sliding(self) -> bool:

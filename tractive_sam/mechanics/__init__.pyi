@@ -9,6 +9,7 @@ from .elasticity import HalfSpaces as HalfSpaces
 from .elasticity import Strips as Strips
 from .falling import Exponential as Exponential
 from .falling import FallingCoulomb as FallingCoulomb
+from .falling import LateralFactor as LateralFactor
 from .falling import Rational as Rational
 from .falling import SlidingShare as SlidingShare
 from .falling import TemperatureFactor as TemperatureFactor

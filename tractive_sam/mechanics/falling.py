@@ -1,9 +1,9 @@
-"""Friction that depends on sliding speed, temperature and a strength.
+"""Friction that depends on sliding speed, temperature, lateral position and a strength.
 
 The coefficients are those at rest times a share, which is equal for both tribological axes, and the
 traction is limited by a strength:
 
-    ||p_t||_mu <= min(share(V |s|) factor(T) p_n, strength / max(mu1, mu2)).
+    ||p_t||_mu <= min(share(V |s|) factor(T) factor(y) p_n, strength / max(mu1, mu2)).
 
 The sliding speed is evaluated at the centre of an element, as the traction. The share may have a
 memory: it adapts to the sliding speed over a sliding distance (Vollebregt & Schuttelaars 2012,
@@ -139,6 +139,30 @@ class TemperatureFactor:
         return _interpolate(self.factor, (self.x, self.y), (x, y))
 
 
+@dataclass(frozen=True, eq=False)
+class LateralFactor:
+    """Factor of the lateral position on the friction coefficients.
+
+    Attributes
+    ----------
+    y : ndarray, shape (n,)
+        Ascending positions, mm.
+    factor : ndarray, shape (n,)
+        Factor at each position; linear between them, constant beyond.
+    """
+
+    y: np.ndarray
+    factor: np.ndarray
+
+    def at(self, y: np.ndarray) -> np.ndarray:
+        """Return the factor at positions, mm."""
+        return np.interp(y, self.y, self.factor)
+
+    def on(self, y: np.ndarray) -> "LateralFactor":
+        """Return the factor on the rows of a mesh."""
+        return LateralFactor(y, self.at(y))
+
+
 def _interpolate(
     values: np.ndarray, nodes: tuple[np.ndarray, ...], points: tuple[np.ndarray, ...]
 ) -> np.ndarray:
@@ -177,6 +201,8 @@ class FallingCoulomb(Coulomb):
         Largest traction, MPa.
     warmth : TemperatureFactor, optional
         Factor of the temperature.
+    lateral : LateralFactor, optional
+        Factor of the lateral position.
 
     Examples
     --------
@@ -190,6 +216,7 @@ class FallingCoulomb(Coulomb):
     memory: float = 0.0
     strength: float = np.inf
     warmth: TemperatureFactor | None = None
+    lateral: LateralFactor | None = None
     background: ClassVar[float] = 1.0
     """Speed s0 at which a memory fades without sliding, mm/s."""
 
@@ -197,6 +224,10 @@ class FallingCoulomb(Coulomb):
     def falls(self) -> bool:
         """See `FrictionLaw.falls`."""
         return self.sliding is not None and 0.0 < self.speed < np.inf
+
+    def on_rows(self, y: np.ndarray) -> "FallingCoulomb":
+        """See `FrictionLaw.on_rows`."""
+        return self if self.lateral is None else replace(self, lateral=self.lateral.on(y))
 
     def at_speed_ratio(self, speed: float) -> "FallingCoulomb":
         """See `FrictionLaw.at_speed_ratio`; at infinite speed the law is constant."""
@@ -280,6 +311,8 @@ class FallingCoulomb(Coulomb):
                 x, y = np.array([[0.0], [length]]), np.zeros((1, 1))
                 share = self._with_memory(pressure, size, share, by_speed, x, y, second=True)[0]
         factor = 1.0 if self.warmth is None else self.warmth.factor
+        if self.lateral is not None:
+            factor = factor * self.lateral.factor  # see `on_rows`
         radius = self._capped(pressure, share, factor)[0].radius
         return np.divide(radius, pressure, out=share, where=pressure > 0.0)
 
@@ -319,7 +352,8 @@ class FallingCoulomb(Coulomb):
         return kept, np.where(slides, by_slid * time / self.memory, 0.0)
 
     def _factor(self, x: np.ndarray, y: np.ndarray) -> np.ndarray | float:
-        return 1.0 if self.warmth is None else self.warmth.at(x, y)
+        factor = 1.0 if self.warmth is None else self.warmth.at(x, y)
+        return factor if self.lateral is None else factor * self.lateral.at(y)
 
     def _capped(
         self, pressure: np.ndarray, share: np.ndarray, factor: np.ndarray | float

@@ -174,6 +174,10 @@ class FrictionLaw(Law, ABC):
         """Return the law at a fraction of the rolling speed; 0 gives the static law."""
         return self
 
+    def on_rows(self, y: np.ndarray) -> "FrictionLaw":
+        """Return the law for a mesh with rows at y, mm; by default the same law."""
+        return self
+
     def weakened(self, factor: float) -> "FrictionLaw":
         """Return the law with friction times a factor; by default its bound is multiplied."""
         return self if factor == 1.0 else ScaledFriction(self, factor)
@@ -327,6 +331,10 @@ class ScaledFriction(FrictionLaw):
     ) -> Bound:
         """See `FrictionLaw.bound_sliding`."""
         return self._scaled(self.law.bound_sliding(pressure, slip, x, y, second))
+
+    def on_rows(self, y: np.ndarray) -> "ScaledFriction":
+        """See `FrictionLaw.on_rows`."""
+        return replace(self, law=self.law.on_rows(y))
 
     def at_speed_ratio(self, speed: float) -> "ScaledFriction":
         """See `FrictionLaw.at_speed_ratio`."""

@@ -244,11 +244,15 @@ def check_blocks(entries: ValidEntries) -> Iterator[Fault]:
     elif wear is not None and cycle > wear.revolutions:
         given = f"a cycle of {cycle} revolutions"
         yield Fault("duty", given, f"at most {wear.revolutions} revolutions, as wear.revolutions")
-    gap, line = entries["gap"], entries["body"].infinitely_long
+    reasons = {
+        "with a [gap], which holds at one position": entries["gap"] is not None,
+        "with friction.across, which holds at one position": entries["friction.across"] is not None,
+        "in a line contact": entries["body"].infinitely_long,
+    }
+    reason = next((text for text, holds in reasons.items() if holds), None)
     for k, block in enumerate(duty):
-        if block.shift_y and (gap is not None or line):
-            reason = "with a [gap], which holds at one position" if gap else "in a line contact"
-            allowed = "0; a shift needs radii in y"
+        if block.shift_y and reason:
+            allowed = "0; a shift needs radii in y and friction that does not vary across"
             yield Fault(f"duty[{k}].shift_y", f"{block.shift_y:g} {reason}", allowed)
 
 

@@ -61,7 +61,20 @@ def _check_temperatures_ascend(
     return pairs
 
 
+def _check_positions_ascend(
+    pairs: tuple[tuple[float, float], ...],
+) -> tuple[tuple[float, float], ...]:
+    """Return the pairs; raise a ValueError unless their positions ascend."""
+    if any(late[0] <= early[0] for early, late in pairwise(pairs)):
+        raise ValueError("pairs [y, factor] with ascending y")
+    return pairs
+
+
 Factors = Annotated[tuple[tuple[Real, Positive], ...], AfterValidator(_check_temperatures_ascend)]
+
+LateralFactors = Annotated[
+    tuple[tuple[Real, Positive], ...], AfterValidator(_check_positions_ascend)
+]
 
 
 def describe_factors(factors: tuple[tuple[float, float], ...] | None) -> str:
@@ -181,6 +194,13 @@ class Friction(LawTable):
         None,
         min_length=1,
     )
+    across: LateralFactors | None = entry(
+        "factor on the friction coefficients over the lateral position y, mm, linear between the "
+        "pairs and constant beyond, for example a wet stripe",
+        "pairs [y, factor], y ascending, the factors above 0",
+        None,
+        min_length=1,
+    )
     strength: Positive | None = entry(
         "shear strength: upper limit of the traction, MPa", default=None
     )
@@ -210,6 +230,9 @@ class Friction(LawTable):
         if self.named_law:
             text += f", with the law {self.named_law}"
         text += describe_factors(self.temperature)
+        if self.across is not None:
+            (left, first), (right, last) = self.across[0], self.across[-1]
+            text += f"; times {first:g} at y = {left:g} mm to {last:g} at {right:g} mm"
         if self.strength is not None:
             text += f"; traction at most {self.strength:g} MPa"
         if self.layer:
@@ -234,9 +257,19 @@ class Friction(LawTable):
 
     @property
     def varies(self) -> bool:
-        """Whether the coefficients depend on speed, temperature or a strength."""
-        falls = self.share is not None
-        return falls or self.strength is not None or self.temperature is not None
+        """Whether the traction bound is not the pressure times constant coefficients."""
+        factors = self.temperature, self.across, self.strength
+        return self.falls or any(factor is not None for factor in factors)
+
+    @property
+    def falls(self) -> bool:
+        """Whether the coefficients fall with the sliding speed."""
+        return self.share is not None and self.share[0] < 1.0
+
+    @property
+    def largest_factor(self) -> float:
+        """Largest factor of the lateral position on the coefficients."""
+        return 1.0 if self.across is None else max(factor for _, factor in self.across)
 
     @property
     def share(self) -> tuple[float, float] | None:

@@ -32,6 +32,13 @@ def _check_no_spin(entries: ValidEntries) -> Iterator[Fault]:
         yield Fault("creepage.spin", shorten(entries["creepage.spin"]), cure)
 
 
+def _check_friction_is_even(entries: ValidEntries) -> Iterator[Fault]:
+    """Report friction that varies across a line contact."""
+    if is_line(entries) and entries["friction.across"] is not None:
+        cure = f"nothing in a line contact, which is constant in y; {_CROWN}"
+        yield Fault("friction.across", shorten(entries["friction.across"]), cure)
+
+
 def _check_directions_of_grid(entries: ValidEntries) -> Iterator[Fault]:
     """Report a pair for the grid of a line contact, or one number for another grid."""
     if entries["grid"] is None:
@@ -62,6 +69,7 @@ def _check_unit_of_planes(entries: ValidEntries) -> Iterator[Fault]:
 LINE_CHECKS: tuple[Check, ...] = (
     _check_load_is_given,
     _check_no_spin,
+    _check_friction_is_even,
     _check_directions_of_grid,
     _check_unit_of_planes,
 )

@@ -196,13 +196,12 @@ class Scene(Document):
     def fingerprint(self) -> str:
         """Return a hash of all settings with defaults: equal for equal scenes.
 
-        The title has no influence. A gap file is represented by its name.
+        The title has no influence. A gap file is represented by its name. Keys without a value do
+        not count, so that a later version with further optional keys returns the same hash.
         """
         settings = self.settings()
         settings.pop("title")
         settings.pop("load_history", None)
-        if not self.observer:  # files of earlier versions have no such table
-            settings.pop("observer")
         text = json.dumps(_canonical(settings), sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
 
@@ -348,7 +347,11 @@ def _canonical(value: Any) -> Any:
     """Return a value of JSON types that is equal for equal settings."""
     match value:
         case dict():
-            return {key: _canonical(item) for key, item in value.items()}
+            return {
+                key: _canonical(item)
+                for key, item in value.items()
+                if item is not None and not (isinstance(item, list | tuple) and not item)
+            }
         case list() | tuple():
             return [_canonical(item) for item in value]
         case np.ndarray():

@@ -286,7 +286,8 @@ def _in_design(error: SceneError) -> list[Fault]:
 def _mirrored(scene: Scene) -> bool:
     mu1, mu2 = scene.friction.mu
     aligned = mu1 == mu2 or scene.friction.angle % 90.0 == 0.0
-    return aligned and scene.gap is None and not _has_named_law(scene)
+    uneven = scene.gap is not None or scene.friction.across is not None
+    return aligned and not uneven and not _has_named_law(scene)
 
 
 def _reversed(scene: Scene) -> bool:
