@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, Protocol
 
 from tractive_sam.markup import Html, as_html, fill
@@ -58,6 +58,30 @@ class Description(tuple[Section, ...]):
             fill(template, title=section.title, rows=html_table(dict(section.rows)))
             for section in self
         )
+
+
+class ShortArrays:
+    """Base of dataclasses with arrays: their `repr` states shapes and ranges in one line.
+
+    The dataclass is declared with ``repr=False``.
+    """
+
+    def __repr__(self) -> str:
+        values = ((field.name, getattr(self, field.name)) for field in fields(self) if field.repr)  # type: ignore[arg-type]
+        texts = (f"{name}={_short_repr(value)}" for name, value in values)
+        return f"{type(self).__name__}({', '.join(texts)})"
+
+
+def _short_repr(value: Any) -> str:
+    """Return the shape and the range of an array, and any other value as it is."""
+    if isinstance(value, Mapping):
+        return f"{{{', '.join(f'{key!r}: {_short_repr(item)}' for key, item in value.items())}}}"
+    if not hasattr(value, "dtype") or value.ndim == 0 or value.dtype.kind not in "bif":
+        return repr(value)
+    shape = " x ".join(map(str, value.shape))
+    finite = [float(item) for item in value.flat if math.isfinite(item)]
+    between = f": {min(finite):.4g} to {max(finite):.4g}" if finite else ""
+    return f"<{shape}{between}>"
 
 
 class Labelled(Protocol):

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from tractive_sam.deprecation import RenamedAttribute, accept_former_methods
+from tractive_sam.description import ShortArrays
 from tractive_sam.kernels import friction
 from tractive_sam.mechanics.frame import Frame
 from tractive_sam.mechanics.law import Law
@@ -21,8 +22,8 @@ from tractive_sam.mechanics.law import Law
 Pair = tuple[float, float]
 
 
-@dataclass(frozen=True, eq=False)
-class Bound:
+@dataclass(frozen=True, eq=False, repr=False)
+class Bound(ShortArrays):
     """Traction bound: largest size of the scaled traction of each element.
 
     Attributes
@@ -47,8 +48,8 @@ class Bound:
     slope: "Slope | None" = None
 
 
-@dataclass(frozen=True, eq=False)
-class Slope:
+@dataclass(frozen=True, eq=False, repr=False)
+class Slope(ShortArrays):
     """Derivative of a bound by the slip at the centres of the elements.
 
     The bound is a factor, the share, times the bound at rest. With a memory the share of an element

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from tractive_sam.description import ShortArrays
 from tractive_sam.kernels import wear
 from tractive_sam.mechanics.falling import FallingCoulomb
 from tractive_sam.mechanics.frame import Frame
@@ -13,8 +14,8 @@ from tractive_sam.mechanics.friction import FrictionLaw
 from tractive_sam.mechanics.law import Law
 
 
-@dataclass(frozen=True, eq=False)
-class WearConditions:
+@dataclass(frozen=True, eq=False, repr=False)
+class WearConditions(ShortArrays):
     """State of a contact before a pass, for wear laws that depend on it.
 
     Attributes

@@ -5,13 +5,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tractive_sam.description import ShortArrays
 from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.study import Variable
 from tractive_sam.plot.style import LOOK, apply_style, new_figure, set_title
 
 
-@dataclass(frozen=True, eq=False)
-class FittedCurve:
+@dataclass(frozen=True, eq=False, repr=False)
+class FittedCurve(ShortArrays):
     """Measured values of one observation, and the fitted model.
 
     Attributes

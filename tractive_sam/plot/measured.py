@@ -11,11 +11,12 @@ from typing import Any, Self
 import numpy as np
 from matplotlib.axes import Axes
 
+from tractive_sam.description import ShortArrays
 from tractive_sam.results import BODIES, History
 
 
-@dataclass(frozen=True, eq=False)
-class Measurements:
+@dataclass(frozen=True, eq=False, repr=False)
+class Measurements(ShortArrays):
     """Measured values along the coordinate of a history.
 
     Attributes

@@ -4,9 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tractive_sam.description import ShortArrays
 
-@dataclass(frozen=True, eq=False)
-class GlobalWear:
+
+@dataclass(frozen=True, eq=False, repr=False)
+class GlobalWear(ShortArrays):
     """Results of the global incremental wear model, one entry per revolution, from 0.
 
     Attributes

@@ -6,6 +6,7 @@ from typing import Self
 
 import numpy as np
 
+from tractive_sam.description import ShortArrays
 from tractive_sam.mechanics import CycleCriterion
 from tractive_sam.results.maximum import Maximum
 
@@ -14,8 +15,8 @@ def _none() -> np.ndarray:
     return np.zeros(0)
 
 
-@dataclass(frozen=True, eq=False)
-class BodyFatigue:
+@dataclass(frozen=True, eq=False, repr=False)
+class BodyFatigue(ShortArrays):
     """A pass of the contact as the material of one body lives through it.
 
     Fields have the shape (n_y, n); the first depth is the surface. There they are of displacements

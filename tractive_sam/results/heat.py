@@ -6,11 +6,12 @@ from functools import cached_property
 
 import numpy as np
 
+from tractive_sam.description import ShortArrays
 from tractive_sam.results.grid import Grid
 
 
-@dataclass(frozen=True, eq=False)
-class FlashTemperature:
+@dataclass(frozen=True, eq=False, repr=False)
+class FlashTemperature(ShortArrays):
     """Steady temperatures of both surfaces, and the heat that goes into them.
 
     Attributes

@@ -5,6 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
+from tractive_sam.description import ShortArrays
 from tractive_sam.mechanics import StressCriterion, max_shear, principal_stresses, von_mises
 from tractive_sam.scene import Plane
 
@@ -12,8 +13,8 @@ COMPONENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
 """Components of a stress, in the order of every array of them."""
 
 
-@dataclass(frozen=True, eq=False)
-class PlaneStress:
+@dataclass(frozen=True, eq=False, repr=False)
+class PlaneStress(ShortArrays):
     """Stress of one body on one plane.
 
     Attributes

@@ -14,6 +14,7 @@ from typing import cast
 import numpy as np
 
 from tractive_sam.contact import Laws
+from tractive_sam.description import ShortArrays
 from tractive_sam.mechanics import HalfSpaces, enclosing_radius, evaluate_cycles, residual_shear
 from tractive_sam.operators import Lattice
 from tractive_sam.results import BodyFatigue, State
@@ -23,8 +24,8 @@ from tractive_sam.subsurface.mirror import SIGNS
 from tractive_sam.subsurface.surface import surface_points
 
 
-@dataclass(frozen=True, eq=False)
-class Course:
+@dataclass(frozen=True, eq=False, repr=False)
+class Course(ShortArrays):
     """A sequence of contacts, and the displacement of the material at each of them.
 
     Attributes
