@@ -66,8 +66,8 @@ def _coefficients(lattice: Lattice, elasticity: Elasticity, component: str) -> n
     return elasticity.coefficients(component, offsets, lattice.dx, lattice.dy)
 
 
-def _periodic(
-    table: np.ndarray, parity: tuple[int, int], period: tuple[int, int], shift: int
+def unfold_quadrant(
+    table: np.ndarray, parity: tuple[int, int], period: tuple[int, int], shift: int = 0
 ) -> np.ndarray:
     """Unfold a quadrant by its parities; ``shift`` elements are added to the offset in x."""
     px, py = period
@@ -108,7 +108,7 @@ def displacement(
         mm/MPa.
     """
     coefficients = _coefficients(lattice, elasticity, component)
-    return _periodic(coefficients, _PARITY[component], period or lattice.padded, 0)
+    return unfold_quadrant(coefficients, _PARITY[component], period or lattice.padded, 0)
 
 
 def slip(lattice: Lattice, elasticity: Elasticity, component: str) -> np.ndarray:
@@ -123,7 +123,7 @@ def slip(lattice: Lattice, elasticity: Elasticity, component: str) -> np.ndarray
         For a component of `mechanics.elasticity.COMPONENTS`, 1/MPa.
     """
     coefficients, parity = _coefficients(lattice, elasticity, component), _PARITY[component]
-    here, ahead = (_periodic(coefficients, parity, lattice.padded, shift) for shift in (0, 1))
+    here, ahead = (unfold_quadrant(coefficients, parity, lattice.padded, shift) for shift in (0, 1))
     return (here - ahead) / lattice.dx
 
 

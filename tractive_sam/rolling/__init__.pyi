@@ -2,6 +2,7 @@
 
 from .damage import Damage as Damage
 from .damage import stressed_volume as stressed_volume
+from .elastic_fields import ElasticFields as ElasticFields
 from .forecast import Forecast as Forecast
 from .observer import Observer as Observer
 from .passage import Passage as Passage

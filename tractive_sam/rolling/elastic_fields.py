@@ -1,0 +1,71 @@
+"""An observer that records the elastic energy and stores the displacement of the bodies."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Self
+
+import numpy as np
+
+from tractive_sam.contact import Model
+from tractive_sam.results import BODIES, Quantity, State
+from tractive_sam.rolling.observer import Observer
+from tractive_sam.subsurface import displacement, elastic_energy
+
+
+@dataclass(frozen=True, eq=False)
+class ElasticFields(Observer):
+    """Elastic energy of both bodies, and their displacement at a depth.
+
+    Parameters
+    ----------
+    depth : float
+        Depth of the stored displacement below the surface of each body, mm.
+
+    Examples
+    --------
+    >>> from tractive_sam.rolling import ElasticFields
+    >>> history = ts.roll(scene, observers=[ElasticFields()])
+    >>> history.field("displacement_z_A").shape, bool(history["stored_energy"][0] > 0.0)
+    ((91, 91), True)
+    """
+
+    depth: float = 0.0
+    contacts: tuple[State, ...] = ()
+    weights: tuple[float, ...] = ()
+
+    name = "elastic_fields"
+    columns = (
+        Quantity("stored_energy", "N mm", "elastic energy of both bodies, a mean of blocks"),
+    )
+    fields = tuple(
+        Quantity(f"displacement_{axis}_{body}", "mm", f"displacement of body {body} in {axis}")
+        for body in BODIES
+        for axis in "xyz"
+    )
+
+    def begin(self, step: Any, model: Model) -> Self:
+        """See `Observer.begin`."""
+        return self.after(step, model)
+
+    def after(self, step: Any, model: Model) -> Self:
+        """See `Observer.after`."""
+        return replace(self, contacts=step.contacts, weights=step.weights)
+
+    def restore(self, step: Any, stored: Any) -> Self:
+        """See `Observer.restore`."""
+        return replace(self, contacts=step.contacts, weights=step.weights)
+
+    def record(self, model: Model, recorded: Mapping[str, Any]) -> Mapping[str, Any]:
+        """See `Observer.record`."""
+        each = zip(self.weights, self.contacts, strict=True)
+        return {"stored_energy": sum(w * elastic_energy(contact) for w, contact in each if w)}
+
+    def record_fields(self, block: int) -> Mapping[str, np.ndarray]:
+        """See `Observer.record_fields`."""
+        return {
+            f"displacement_{axis}_{body}": values
+            for body in BODIES
+            for axis, values in zip(
+                "xyz", displacement(self.contacts[block], body, self.depth), strict=True
+            )
+        }
