@@ -48,6 +48,16 @@ def test_first_order_steps_are_those_of_an_independent_program():
     np.testing.assert_allclose(share, [0.261486, 0.268602, 0.275641, 0.282597], atol=6e-7)
 
 
+def test_the_creepage_of_a_step_causes_traction_in_a_scene_without_creepage():
+    forces = []
+    for creepage in (None, {"longitudinal": -3e-3}):
+        model = Model(scene(15, creepage=creepage))
+        stepper, rest = pressed(model)
+        forces.append(stepper.step(rest, StepInput(model.grid.dx, (-3e-3, 0.0, 0.0), P)).contact.Qx)
+    assert forces[0] == pytest.approx(forces[1], rel=1e-12)  # rounding
+    assert forces[0] > 0.01 * MU * P
+
+
 @pytest.mark.parametrize("builtin", ["spheres", "spheres-dissimilar", "spheres-orthotropic"])
 @pytest.mark.parametrize("length", [0.0, 1.0, 2.0])
 def test_the_slip_of_a_step_is_that_of_dense_matrices(builtin, length):

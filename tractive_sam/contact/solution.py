@@ -43,7 +43,7 @@ def solve_problem(
 
 def _solver_of(model: Model, problem: Problem) -> Solver:
     """Return the method for a problem of bodies that touch."""
-    if not model.transmits:
+    if model.laws.friction is None or not problem.has_tangential_cause:
         return PRESSURE_ONLY
     solver = model.method.dissimilar if model.elasticity.coupled else model.method.alike
     if not problem.friction.law.falls:

@@ -213,6 +213,11 @@ class Problem:
         return self.operators.elasticity.coupled
 
     @property
+    def has_tangential_cause(self) -> bool:
+        """Whether anything makes the surfaces slip: the tractions are zero otherwise."""
+        return self.coupled or len(self.forces) > 0 or bool(self.rigid.any())
+
+    @property
     def is_pressure_fixed(self) -> bool:
         """Whether the pressure is known, and the tractions are sought under it."""
         return isinstance(self.normal, FixedPressure)
