@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from hypothesis import settings
+from PIL import Image
 
 from tests import cpu_time
 
@@ -40,12 +41,15 @@ def _strict_numpy():
 
 @pytest.fixture
 def empty_pictures(monkeypatch):
-    """Figures are made, and their files are empty: drawing takes most of the time."""
+    """Figures are made, and their pictures have one dot: drawing takes most of the time."""
 
-    def touch(_figure, path, **_options):
-        Path(path).touch()
+    def save_dot(_figure, target, **_options):
+        if isinstance(target, str | Path):
+            Path(target).touch()
+        else:
+            Image.new("L", (1, 1)).save(target, "png")
 
-    monkeypatch.setattr("tractive_sam.plot.figure.Figure.savefig", touch)
+    monkeypatch.setattr("tractive_sam.plot.figure.Figure.savefig", save_dot)
 
 
 def pytest_collection_modifyitems(session, config, items):

@@ -1,16 +1,16 @@
 """An observer of another package, in one file with public names, follows any process."""
 
 import json
-import os
-import subprocess
 import sys
 from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import tractive_sam as ts
+from tractive_sam.cli import app
 
 SOURCE = Path(__file__).with_name("friction_energy.py")
 NAME = "friction_energy:FrictionEnergy"
@@ -66,18 +66,10 @@ def kind(package):
     return import_module("friction_energy").FrictionEnergy
 
 
-def command(package, folder, *words):
-    """Run a command of the program in a folder; the package is not in that folder."""
-    path = os.pathsep.join([str(package), str(Path(ts.__file__).parents[1])])
-    done = subprocess.run(
-        [sys.executable, "-m", "tractive_sam", *map(str, words)],
-        cwd=folder,
-        env=os.environ | {"PYTHONPATH": path},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
+def command(*words):
+    """Run a command of the program in this process and return what it prints."""
+    done = CliRunner().invoke(app, [str(word) for word in words])
+    assert done.exit_code == 0, done.output
     return done.stdout
 
 
@@ -136,36 +128,28 @@ def test_a_mesh_that_grows_keeps_what_was_observed(tmp_path):
     np.testing.assert_array_equal(history["energy_max"], ts.roll(small)["energy_max"])
 
 
-def test_every_command_takes_it(package, tmp_path):
-    (tmp_path / "a.toml").write_text(WORN.to_toml())
-    assert "Energy of friction per area" in command(package, tmp_path, "explain", "a.toml")
-    command(package, tmp_path, "run", "a.toml", "-o", "a.h5")
-    shown = json.loads(command(package, tmp_path, "show", "a.h5", "--json"))
+def test_every_command_takes_it(tmp_path, monkeypatch, empty_pictures):
+    monkeypatch.chdir(tmp_path)
+    Path("a.toml").write_text(WORN.to_toml())
+    assert "Energy of friction per area" in command("explain", "a.toml")
+    command("run", "a.toml", "-o", "a.h5")
+    shown = json.loads(command("show", "a.h5", "--json"))
     assert shown["energy_max"][-1] > shown["energy_max"][1] > shown["energy_max"][0] == 0.0
-    assert "energy_max" in command(package, tmp_path, "show", "a.h5")
-    figures = command(package, tmp_path, "plot", "a.h5", "-o", "figures", "--dpi", 40)
+    assert "energy_max" in command("show", "a.h5")
+    figures = command("plot", "a.h5", "-o", "figures")
     assert "friction-energy" in {Path(line).stem for line in figures.split()}
-    command(package, tmp_path, "report", "a.h5", "-o", "a.html")
-    assert "Energy of friction per width across the track" in (tmp_path / "a.html").read_text()
+    command("report", "a.h5", "-o", "a.html")
+    assert "Energy of friction per width across the track" in Path("a.html").read_text()
 
 
-def test_a_file_is_read_where_the_package_is_not_installed(tmp_path):
+def test_a_file_is_read_where_the_package_is_not_installed(package, tmp_path, monkeypatch):
     ts.roll(WORN, tmp_path / "a.h5")
-    code = (
-        "import sys, tractive_sam as ts; h = ts.open_history('a.h5'); "
-        "print(h.field('energy').max() == h['energy_max'][-1]); "
-        "print(h.to_xarray()['energy'].attrs['units']); "
-        "assert 'friction_energy' not in sys.modules"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        cwd=tmp_path,
-        env=os.environ | {"PYTHONPATH": str(Path(ts.__file__).parents[1])},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.stdout.split() == ["True", "mJ/mm2"], done.stderr
+    monkeypatch.setattr(sys, "path", [entry for entry in sys.path if entry != str(package)])
+    del sys.modules["friction_energy"]
+    history = ts.open_history(tmp_path / "a.h5")
+    assert history.field("energy").max() == history["energy_max"][-1]
+    assert history.to_xarray()["energy"].attrs["units"] == "mJ/mm2"
+    assert "friction_energy" not in sys.modules
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,7 @@
 """Titles, widths and measured points of figures, and former names."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from matplotlib.image import imread
@@ -10,7 +12,13 @@ from tractive_sam.plot.options import change_options
 
 
 def test_figures_have_the_width_of_a_column(tmp_path):
-    paths = plot.save_all(strips.history(), tmp_path, dpi=100, width=84.0, titles=False)
+    curves, one = strips.history(stored=()), strips.history(stored=(0,))
+    maps = replace(one, values={name: rows[:1] for name, rows in one.values.items()})
+    options = {"dpi": 100, "width": 84.0, "titles": False}
+    paths = [
+        *plot.save_all(curves, tmp_path / "curves", **options),
+        *plot.save_all(maps, tmp_path / "maps", **options),
+    ]
     widths = {path.stem: imread(path).shape[1] for path in paths}
     assert widths
     # 84 mm at 100 dots an inch, rounded to dots.
