@@ -16,6 +16,8 @@ KINDS = (
     *("wear", "adaptive", "duty", "fatigue", "transient", "shift"),
 )
 
+SLOW = ("duty", "fatigue")
+
 
 @pytest.fixture
 def invariance(monkeypatch):
@@ -29,7 +31,10 @@ def test_every_kind_is_tested(invariance):
     assert set(KINDS) == set(invariance.KINDS)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(
+    "kind",
+    [pytest.param(kind, marks=pytest.mark.slow if kind in SLOW else ()) for kind in KINDS],
+)
 def test_results_follow_the_change_of_the_description(invariance, kind):
     """Mirror image, bodies exchanged, other units, axes exchanged, other steps and records."""
     scene = invariance.random_scene(kind, seed=2, number=KINDS.index(kind))

@@ -18,7 +18,7 @@ def spheres():
 @pytest.fixture(scope="session")
 def discs():
     """Twin discs that wear, on a coarse mesh, with fixed steps."""
-    steps = (0, 1, 2, 4, 8, 16, 30, 60, 120, 240, 480, 1000, 2000, 3000)
+    steps = (0, 1, 5, 20, 80, 300, 1000, 2000, 3000)
     wear = {"coefficient": {"A": 1.3e-4, "B": 2.2e-4}, "revolutions": 3000, "save": steps}
     wear |= {"stepping": "saved", "turns": "equal"}
     scene = ts.Scene.builtin("twin-discs").replace(subsurface=None, wear=wear)

@@ -26,7 +26,7 @@ def test_friction_and_layer_return_from_data_without_noise(spheres):
     start = starts(friction__layer=0.7 * layer_of(spheres))
     found = ts.fit(
         {"scene": spheres, "free": [*truth], "parameter": start,
-         "data": [creep_data(spheres, truth)]}
+         "data": [creep_data(spheres, truth)], "mesh_check": False}
     )  # fmt: skip
     assert np.abs(errors(found, truth)).max() < EXACT
     assert found.points == len(CREEPAGES)
@@ -36,6 +36,7 @@ def test_friction_and_layer_return_from_data_without_noise(spheres):
     assert found.scene.friction.mu == pytest.approx((0.35, 0.35), rel=EXACT)
 
 
+@pytest.mark.slow
 def test_falling_friction_law_returns_from_data_without_noise(spheres):
     truth = {"friction.static": 0.5, "friction.kinetic": 0.25, "friction.half_speed": 20.0}
     law = {"law": "exponential"} | {key.split(".")[1]: one for key, one in truth.items()}
@@ -65,10 +66,11 @@ def test_wear_of_both_bodies_returns_from_masses_and_a_profile(discs):
     assert found.rolls <= 40  # both sets share each roll
 
 
+@pytest.mark.slow
 def test_exponent_of_a_wear_law_returns_from_data_without_noise(discs):
     scene = discs.replace(
         wear={"law": f"{laws.__name__}:PowerLaw", "factor": 1e-9, "exponent": 1.2,
-              "revolutions": 100, "save": (0, 1, 2, 4, 8, 16, 30, 60, 100), "stepping": "saved"}
+              "revolutions": 100, "save": (0, 1, 3, 10, 30, 60, 100), "stepping": "saved"}
     )  # fmt: skip
     truth = {"wear.factor": 1e-9, "wear.exponent": 1.2}
     sets = []
@@ -138,6 +140,7 @@ def test_only_coefficient_times_force_is_determined_in_full_slip(spheres):
     assert product == pytest.approx(force, rel=1e-4)  # the mesh carries the load to this
 
 
+@pytest.mark.slow
 def test_only_coefficient_times_revolutions_is_determined(discs):
     history = ts.roll(discs, progress=False)
     mass = history["worn_mass"][-1, 0]
@@ -187,7 +190,7 @@ def test_random_starts_find_the_same_minimum(spheres):
     data = creep_data(spheres, {"friction.mu": 0.35})
     bounds = {"key": "friction.mu", "start": 0.1, "lower": 0.05, "upper": 0.9}
     design = {"scene": spheres, "free": ["friction.mu"], "data": [data], "parameter": [bounds]}
-    found = ts.fit(design | {"starts": 3, "mesh_check": False})
+    found = ts.fit(design | {"starts": 2, "mesh_check": False})
     assert found.values["friction.mu"] == pytest.approx(0.35, rel=EXACT)
 
 
@@ -195,8 +198,9 @@ def test_an_estimate_at_its_bound_has_a_note(spheres):
     data = creep_data(spheres, {"friction.mu": 0.35})
     bounds = {"key": "friction.mu", "start": 0.25, "upper": 0.3}
     found = ts.fit(
-        {"scene": spheres, "free": ["friction.mu"], "data": [data], "parameter": [bounds]}
-    )
+        {"scene": spheres, "free": ["friction.mu"], "data": [data], "parameter": [bounds],
+         "mesh_check": False}
+    )  # fmt: skip
     assert found.values["friction.mu"] == pytest.approx(0.3)
     assert any("friction.mu is at its upper bound" in note for note in found.notes)
 

@@ -26,6 +26,12 @@ def every():
     return rolled(300, 'wear.stepping="every-revolution"')
 
 
+@pytest.fixture(scope="module")
+def passage():
+    """The hundredth revolution."""
+    return rolled(100)[-1]
+
+
 def deviation(adaptive, every):
     """Largest difference of the last profile, relative to its depth."""
     truth = every[-1].leaving
@@ -42,10 +48,10 @@ def test_every_profile_is_within_three_times_the_tolerance(every, tolerance):
     assert adaptive[-1].contact.Qx == pytest.approx(every[-1].contact.Qx, rel=tolerance)
 
 
-def test_a_jump_of_one_revolution_is_that_revolution(every):
+def test_a_jump_of_one_revolution_is_that_revolution():
     """To the residual that the wear within a pass may leave, which is the tolerance."""
     adaptive = rolled(6, "wear.tolerance=1e-9", "wear.save=[0, 1, 2, 3, 4, 5, 6]")
-    truth = every[6].leaving
+    truth = rolled(6, 'wear.stepping="every-revolution"')[-1].leaving
     np.testing.assert_allclose(adaptive[-1].leaving, truth, atol=1e-8 * truth.max())
 
 
@@ -73,6 +79,7 @@ def test_error_falls_with_the_tolerance():
     assert sum(p.solves for p in coarse) <= sum(p.solves for p in fine)
 
 
+@pytest.mark.slow
 def test_needs_few_contacts(every):
     adaptive = rolled(300)
     assert sum(p.solves for p in adaptive) < 0.2 * sum(p.solves for p in every)
@@ -120,9 +127,8 @@ def test_continues_from_any_passage():
     np.testing.assert_allclose(again[-1].leaving, adaptive[-1].leaving, rtol=1e-10)
 
 
-def test_response_is_near_the_derivative_of_the_wear_of_a_pass(every):
+def test_response_is_near_the_derivative_of_the_wear_of_a_pass(passage):
     """A smooth wave of the profile: slip and contact area, held fixed, cost some ten per cent."""
-    passage = every[100]
     model = Model(passage.contact.scene)
     y = model.grid.y
     touching = passage.contact.touching.any(axis=0)
@@ -139,8 +145,8 @@ def test_response_is_near_the_derivative_of_the_wear_of_a_pass(every):
     np.testing.assert_allclose(response[inside], derivative[inside], atol=0.35 * scale)
 
 
-def test_response_damps(every):
-    response = wear_response(Model(every[0].contact.scene), every[100].contact)
+def test_response_damps(passage):
+    response = wear_response(Model(passage.contact.scene), passage.contact)
     assert np.linalg.eigvals(response).real.max() < 1e-12
 
 

@@ -151,6 +151,7 @@ def test_adaptive_jumps_do_the_damage_of_every_revolution():
     assert (each["damage"][-1] > 0.7 * lives).all()  # found .81 and .85
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4])
 def test_jumps_are_short_where_the_damage_requires_it(each_of_sixty, tolerance):
     """At revolution 52 an element leaves the contact, and with it a third of the damage."""

@@ -90,7 +90,10 @@ def test_fretting_of_a_cylinder_is_that_of_the_closed_form(cycled):
         np.testing.assert_allclose(fatigue.utilisation[0, k], wanted, rtol=5e-3)
 
 
-@pytest.mark.parametrize("criterion", ["dang-van", "findley", "orthogonal-shear"])
+@pytest.mark.parametrize(
+    "criterion",
+    ["dang-van", pytest.param("findley", marks=pytest.mark.slow), "orthogonal-shear"],
+)
 def test_a_steady_transient_has_the_utilisation_of_steady_rolling(criterion):
     fatigue = {"criterion": criterion, "limit": 250.0, "shear_yield": 300.0, "elements": 8}
     if criterion != "orthogonal-shear":

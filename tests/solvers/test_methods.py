@@ -16,7 +16,7 @@ METHODS = ("uzawa", "anderson", "newton", "auto")
 
 @pytest.fixture(scope="module", params=["spheres", "spheres-orthotropic"])
 def contacts(request):
-    return {m: steady(request.param, f'solver.method="{m}"', elements=31) for m in METHODS}
+    return {m: steady(request.param, f'solver.method="{m}"', elements=21) for m in METHODS}
 
 
 def test_all_converge(contacts):
@@ -49,7 +49,7 @@ def test_a_dissimilar_pair(dissimilar):
 
 @pytest.fixture(scope="module")
 def dissimilar():
-    mesh = ("grid.half_length=[0.46, 0.46]", "grid.elements=[21, 21]")
+    mesh = ("grid.half_length=[0.46, 0.46]", "grid.elements=[15, 15]")
     return {
         m: steady("spheres-dissimilar", *mesh, f'solver.method="{m}"')
         for m in ("uzawa", "anderson", "newton")
