@@ -1,0 +1,203 @@
+"""Contact locus of a wheelset: contact points, rolling radii and equivalent conicity."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy  # its parts are loaded when first used
+
+from .contact import contact_points
+from .profile import Array, Profile
+from .wheelset import Wheel, free_roll
+
+
+@dataclass(frozen=True, eq=False)
+class ContactLocus:
+    """Where the wheels of a wheelset touch the rails, over its lateral position.
+
+    Arrays of sides have the right wheel first. Positions of the left side are those of its mirror.
+
+    Attributes
+    ----------
+    y : ndarray, shape (n,)
+        Lateral positions of the wheelset, increasing, mm.
+    roll : ndarray, shape (n,)
+        Roll, rad.
+    points : ndarray, shape (2, n, 3)
+        Contact points in the track frame of each side, mm.
+    wheel, rail : ndarray, shape (2, n, 2)
+        The same points in the frames of the wheel and of the placed rail, lateral and down, mm.
+    angle : ndarray, shape (2, n)
+        Contact angles, rad.
+    radius : ndarray, shape (2, n)
+        Rolling radii, mm.
+    jumps : ndarray of bool, shape (n,)
+        Positions at which the contact of a side is on another part of the profile than before.
+    nominal_radius, tape_distance : float
+        Radius at the tread datum, and distance of the tread data of both wheels, mm.
+
+    Examples
+    --------
+    >>> locus = ts.contact_locus(ts.Scene.builtin("wheel-rail"), [-3.0, 0.0, 3.0])
+    >>> bool(abs(locus.radius_difference[1]) < 1e-9)
+    True
+    """
+
+    y: Array
+    roll: Array
+    points: Array
+    wheel: Array
+    rail: Array
+    angle: Array
+    radius: Array
+    jumps: np.ndarray
+    nominal_radius: float
+    tape_distance: float
+
+    @property
+    def radius_difference(self) -> Array:
+        """Rolling radius of the right wheel less that of the left one, shape (n,), mm."""
+        return np.asarray(self.radius[0] - self.radius[1])
+
+    def conicity(self, amplitude: float, samples: int = 400) -> float:
+        """Return the equivalent conicity by harmonic linearisation, tan gamma_e.
+
+        The cone whose rolling radius difference has the same first harmonic over a sinusoidal
+        motion of the wheelset.
+
+        Parameters
+        ----------
+        amplitude : float
+            Amplitude of the lateral motion, within `y`, mm.
+        samples : int
+            Points over a wavelength.
+
+        Raises
+        ------
+        ValueError
+            If the amplitude is not positive or leaves `y`.
+        """
+        self._check_amplitude(amplitude)
+        phase = 2.0 * np.pi * (np.arange(samples) + 0.5) / samples
+        difference = np.interp(amplitude * np.sin(phase), self.y, self.radius_difference)
+        return float((difference * np.sin(phase)).mean() / amplitude)
+
+    def klingel_conicity(self, amplitude: float) -> float:
+        """Return the equivalent conicity by integration of Klingel's motion, tan gamma_e.
+
+        A free wheelset follows y'' = -difference / (tape distance x radius); the cone has the same
+        wavelength at the same amplitude, half the distance of the extreme positions (EN 15302). The
+        wavelength is a quadrature of the first integral of the motion.
+
+        Parameters
+        ----------
+        amplitude : float
+            Amplitude of the lateral motion, within `y`, mm.
+
+        Raises
+        ------
+        ValueError
+            If the amplitude is not positive or leaves `y`, or the wheelset does not return.
+        """
+        self._check_amplitude(amplitude)
+        potential = self._potential
+        extremes = self._extremes(amplitude)
+        middle, half = 0.5 * sum(extremes), 0.5 * (extremes[1] - extremes[0])
+        angles = np.pi * (np.arange(2000) + 0.5) / 2000 - 0.5 * np.pi  # no end point: 0/0 there
+        energy = potential(extremes[0]) - potential(middle + half * np.sin(angles))
+        if not (energy > 0.0).all():
+            raise ValueError(f"amplitude {amplitude:g} mm: the wheelset does not return to y = 0")
+        wavelength = 2.0 * np.pi * float((half * np.cos(angles) / np.sqrt(2.0 * energy)).mean())
+        return self.tape_distance * self.nominal_radius / 2.0 * (2.0 * np.pi / wavelength) ** 2
+
+    @property
+    def _potential(self) -> scipy.interpolate.PPoly:
+        """Antiderivative of -y'' over y: of a linear interpolant of the radius difference."""
+        values = self.radius_difference / (self.tape_distance * self.nominal_radius)
+        return scipy.interpolate.make_interp_spline(self.y, values, k=1).antiderivative()
+
+    def _extremes(self, amplitude: float) -> tuple[float, float]:
+        """Return the extreme positions of a motion with the same potential energy."""
+        potential = self._potential
+
+        def excess(middle: float) -> float:
+            return float(potential(middle + amplitude) - potential(middle - amplitude))
+
+        room = min(self.y[-1], -self.y[0]) - amplitude
+        if room > 0.0 and excess(-room) * excess(room) < 0.0:
+            middle = float(scipy.optimize.brentq(excess, -room, room, xtol=1e-12))
+        else:
+            middle = 0.0
+        return middle - amplitude, middle + amplitude
+
+    def _check_amplitude(self, amplitude: float) -> None:
+        most = min(-self.y[0], self.y[-1])
+        if not 0.0 < amplitude <= most:
+            raise ValueError(
+                f"amplitude {amplitude:g} mm; allowed: above 0 and up to {most:g}, the positions "
+                "of the locus on both sides"
+            )
+
+    def columns(self) -> dict[str, Array]:
+        """Return the locus as columns by name, angles in degrees, lengths in mm."""
+        sides = {}
+        for k, side in enumerate(("right", "left")):
+            sides |= {
+                f"contact_y_{side}": self.points[k, :, 1],
+                f"wheel_y_{side}": self.wheel[k, :, 0],
+                f"contact_angle_{side}": np.degrees(self.angle[k]),
+                f"rolling_radius_{side}": self.radius[k],
+            }
+        found = {"y": self.y, "roll": 1e3 * self.roll, **sides}
+        return {**found, "radius_difference": self.radius_difference, "jump": self.jumps * 1.0}
+
+
+def find_locus(
+    wheel: Wheel, rail: Profile, positions: Sequence[float], roll: float | None = None
+) -> ContactLocus:
+    """Return the contact locus over lateral positions.
+
+    Parameters
+    ----------
+    wheel : Wheel
+        The right wheel; its y and its roll are not used.
+    rail : Profile
+        The right rail, in the track frame.
+    positions : sequence of float
+        Lateral positions of the wheelset, mm; they are sorted.
+    roll : float, optional
+        Roll, rad; by default both wheels rest on the rails.
+
+    Raises
+    ------
+    NoContactError
+        See `contact_points`.
+    """
+    found, rolls, angle = [], [], wheel.roll
+    ordered = sorted(map(float, positions))
+    for y in ordered:
+        placed = replace(wheel, y=y, roll=angle)
+        angle = free_roll(placed, rail) if roll is None else roll
+        rolls.append(angle)
+        placed = replace(placed, roll=angle)
+        found.append([contact_points(one, rail) for one in (placed, placed.mirrored())])
+    sides = [[pair[k] for pair in found] for k in (0, 1)]
+    wheel_s = np.array([[one.s[0] for one in side] for side in sides])
+    rail_s = np.array([[one.rail_s[0] for one in side] for side in sides])
+    at_wheel, y = wheel.profile.at(wheel_s), np.array(ordered)
+    moved = np.abs(np.diff(wheel_s, axis=1, prepend=wheel_s[:, :1])).max(axis=0)
+    step = np.diff(y, prepend=y[:1])
+    return ContactLocus(
+        y,
+        np.array(rolls),
+        np.array([[one.points[0] for one in side] for side in sides]),
+        at_wheel,
+        rail.at(rail_s),
+        np.array([[one.angles[0, 0] for one in side] for side in sides]),
+        wheel.radius + at_wheel[..., 1],
+        moved > 4.0 * step + 1.0,
+        wheel.radius,
+        2.0 * wheel.datum,
+    )

@@ -1,0 +1,186 @@
+"""Smooth cross-sections of wheels and rails."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy  # its parts are loaded when first used
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Profile:
+    """A cross-section as a smooth curve over its arc length.
+
+    Lateral positions y increase outward, from the track centre to the field side; z points
+    downwards. The origin of a wheel profile is the tread datum, that of a rail profile the middle
+    of its top. Both belong to the right-hand side of a vehicle.
+
+    Parameters
+    ----------
+    s : ndarray, shape (n,)
+        Arc length of the nodes, increasing, mm.
+    points : ndarray, shape (n, 2)
+        y and z of the nodes, mm.
+    tangents : ndarray, shape (n, 2)
+        Unit tangents at the nodes. Between nodes the curve is a cubic in s.
+
+    Examples
+    --------
+    >>> wheel = ts.Profile.builtin("S1002")
+    >>> float(round(wheel.height(-55.0), 6))
+    28.0
+    """
+
+    s: Array
+    points: Array
+    tangents: Array
+
+    @classmethod
+    def from_pieces(cls, pieces: list[tuple[Array, Array]]) -> Profile:
+        """Join pieces of points and unit tangents; each begins where the one before it ends."""
+        points = np.concatenate([p[k > 0 :] for k, (p, _) in enumerate(pieces)])
+        tangents = np.concatenate([t[k > 0 :] for k, (_, t) in enumerate(pieces)])
+        return cls(arc_lengths(points, tangents), points, tangents)
+
+    @classmethod
+    def from_curve(cls, curve: Callable[[Array, int], Array], s: Array) -> Profile:
+        """Return the profile along a curve.
+
+        Parameters
+        ----------
+        curve : callable
+            (s, order) -> derivative of y and z with respect to s, shape (n, 2).
+        s : ndarray, shape (n,)
+            Parameter at the nodes.
+        """
+        tangents = curve(s, 1)
+        tangents = tangents / np.hypot(tangents[:, :1], tangents[:, 1:])
+        points = curve(s, 0)
+        return cls(arc_lengths(points, tangents), points, tangents)
+
+    @classmethod
+    def builtin(cls, name: str) -> Profile:
+        """Return a built-in profile; see `rail.BUILTIN`.
+
+        Raises
+        ------
+        ValueError
+            If there is none of this name.
+        """
+        from .builtin import BUILTIN  # noqa: PLC0415 - it makes profiles
+
+        if name not in BUILTIN:
+            raise ValueError(f"profile {name!r}; allowed: {', '.join(BUILTIN)}, or a file")
+        return BUILTIN[name]()
+
+    @cached_property
+    def _curve(self) -> scipy.interpolate.CubicHermiteSpline:
+        return scipy.interpolate.CubicHermiteSpline(self.s, self.points, self.tangents)
+
+    def at(self, s: ArrayLike, order: int = 0) -> Array:
+        """Return y and z, or a derivative with respect to s, shape (..., 2)."""
+        return np.asarray(self._curve(s, order))
+
+    def angle(self, s: ArrayLike) -> Array:
+        """Return the angle of the tangent, rad: positive if z increases outward."""
+        tangent = self.at(s, 1)
+        return np.arctan2(tangent[..., 1], tangent[..., 0])
+
+    def curvature(self, s: ArrayLike) -> Array:
+        """Return the change of the angle over the arc length, 1/mm."""
+        first, second = self.at(s, 1), self.at(s, 2)
+        cross = first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
+        return cross / (first**2).sum(axis=-1) ** 1.5
+
+    def locate(
+        self, v: ArrayLike, origin: ArrayLike = (0.0, 0.0), angle: float = 0.0, near: float = 0.0
+    ) -> Array:
+        """Return the arc length at positions along an inclined axis.
+
+        Parameters
+        ----------
+        v : array_like
+            Positions along the axis, mm, measured from its origin.
+        origin : array_like, shape (2,)
+            y and z of the origin.
+        angle : float
+            Angle of the axis, rad.
+        near : float
+            y of a point of the part of the profile that is meant if there are several.
+
+        Returns
+        -------
+        ndarray
+            Arc lengths; beyond the ends of the profile those of its ends.
+        """
+        axis = np.array([np.cos(angle), np.sin(angle)])
+        positions = (self.points - np.asarray(origin)) @ axis
+        first, last = _increasing_run(positions, int(np.argmin(np.abs(self.points[:, 0] - near))))
+        run = slice(first, last + 1)
+        s = np.interp(v, positions[run], self.s[run])
+        for _ in range(3):
+            found = (self.at(s) - np.asarray(origin)) @ axis
+            s = s - (found - v) / np.maximum(self.at(s, 1) @ axis, 0.05)
+            s = np.clip(s, self.s[first], self.s[last])
+        return np.asarray(s)
+
+    def height(self, y: ArrayLike) -> Array:
+        """Return z at lateral positions, mm."""
+        return self.at(self.locate(y))[..., 1]
+
+    def moved(self, angle: float, shift: ArrayLike) -> Profile:
+        """Return the profile after a rotation and a shift.
+
+        Parameters
+        ----------
+        angle : float
+            Angle that is added to those of all tangents, rad.
+        shift : array_like, shape (2,)
+            Displacement in y and z of the origin, mm.
+        """
+        turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+        return Profile(self.s, self.points @ turn + np.asarray(shift), self.tangents @ turn)
+
+    def worn(self, depth: ArrayLike, outward: float) -> Profile:
+        """Return the profile with material removed along its normal.
+
+        Parameters
+        ----------
+        depth : array_like, shape (n,)
+            Depth at the nodes, mm; Akima's interpolant (1970, J. ACM 17, 589-602) between them.
+        outward : float
+            1 if the outward normal points downwards (a wheel), -1 if upwards (a rail).
+        """
+        removed = scipy.interpolate.Akima1DInterpolator(self.s, np.asarray(depth, dtype=float))
+        normals = np.stack((-self.tangents[:, 1], self.tangents[:, 0]), axis=1)
+        offset = -outward * removed(self.s)[:, None]
+        slope = -outward * removed(self.s, 1)[:, None]
+        stretch = 1.0 - offset * self.curvature(self.s)[:, None]
+        points, tangents = self.points + offset * normals, stretch * self.tangents + slope * normals
+        tangents = tangents / np.hypot(tangents[:, :1], tangents[:, 1:])
+        return Profile(arc_lengths(points, tangents), points, tangents)
+
+
+def arc_lengths(points: Array, tangents: Array) -> Array:
+    """Return the arc length at points with unit tangents, shape (n,), mm.
+
+    Each chord is taken as that of a circular arc between its tangents, an error of fifth order.
+    """
+    chords = np.hypot(*np.diff(points, axis=0).T)
+    half = 0.5 * np.abs(np.diff(np.unwrap(np.arctan2(tangents[:, 1], tangents[:, 0]))))
+    return np.concatenate(([0.0], np.cumsum(chords / np.sinc(half / np.pi))))
+
+
+def _increasing_run(positions: Array, start: int) -> tuple[int, int]:
+    """Return the first and the last index around `start` between which positions increase."""
+    falls = np.flatnonzero(np.diff(positions) <= 0.0)
+    before, after = falls[falls < start], falls[falls >= start]
+    first = int(before[-1]) + 1 if before.size else 0
+    last = int(after[0]) if after.size else positions.size - 1
+    return first, max(last, first)
