@@ -26,9 +26,9 @@ def s1002_pieces(spacing: float = 0.1) -> list[Piece]:
 
     Neighbouring pieces differ by up to 1.2e-4 mm at their joints, due to rounded coefficients.
     """
-    c = (-4.320221063e3, -1.038384026e3, -1.065501873e2, -6.051367875)
+    c: tuple[float, ...] = (-4.320221063e3, -1.038384026e3, -1.065501873e2, -6.051367875)
     c += (-2.054332446e-1, -4.169739389e-3, -4.687195829e-5, -2.252755540e-7)
-    b = (0.0, -3.358537058e-2, 1.565681624e-3, -2.810427944e-5, 5.844240864e-8)
+    b: tuple[float, ...] = (0.0, -3.358537058e-2, 1.565681624e-3, -2.810427944e-5, 5.844240864e-8)
     b += (-1.562379023e-8, 5.309217349e-15, -5.957839843e-12, 2.646656573e-13)
     return [
         _arc((-49.5, 9.519259302), 20.5, -70.0, -62.764705882, spacing),
@@ -110,3 +110,16 @@ BUILTIN: Mapping[str, Callable[[], Profile]] = {
     "UIC60-manchester": cache(partial(_rail_head, 10.49975, 25.98806)),
 }
 """Built-in profiles by name: S1002 is a wheel, the others are rails."""
+
+
+def builtin_profile(name: str) -> Profile:
+    """Return a built-in profile, one of `BUILTIN`.
+
+    Raises
+    ------
+    ValueError
+        If there is none of this name.
+    """
+    if name not in BUILTIN:
+        raise ValueError(f"profile {name!r}; allowed: {', '.join(BUILTIN)}, or a file")
+    return BUILTIN[name]()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -126,14 +126,39 @@ def lowest_gap(wheel: Wheel, rail: Profile) -> float:
     return float(contact_points(wheel, rail).gap[0])
 
 
+def free_roll(right: Wheel, rail: Profile, tolerance: float = 1e-13) -> float:
+    """Return the roll at which both wheels of a wheelset touch equal rails, rad.
+
+    Parameters
+    ----------
+    right : Wheel
+        The right wheel; its roll is the initial guess.
+    rail : Profile
+        The right rail, in the track frame.
+    tolerance : float
+        Error of the roll, rad.
+    """
+
+    def difference(roll: float) -> float:
+        turned = replace(right, roll=roll)
+        return lowest_gap(turned, rail) - lowest_gap(turned.mirrored(), rail)
+
+    return float(scipy.optimize.newton(difference, right.roll, x1=right.roll + 1e-5, tol=tolerance))
+
+
 def _check_contact(found: Clearance, wheel: Wheel) -> None:
-    """Raise an error unless the wheel rests on the rail with its tread or the face of its flange."""
+    """Raise an error unless the wheel rests on the rail by its tread or the face of its flange.
+
+    Beyond the steepest part of the flange the wheel climbs.
+    """
     if not np.isfinite(found.gap).any():
         raise NoContactError("the wheel does not meet the rail: check y, inner and gauge")
     k = int(np.argmin(found.gap))
+    angles = np.arctan2(wheel.profile.tangents[:, 1], wheel.profile.tangents[:, 0])
     tip = int(np.argmax(wheel.profile.points[:, 1]))
-    if k <= tip:
-        raise NoContactError("the wheel has derailed: the top of its flange is on the rail")
+    steepest = tip + int(np.argmax(angles[tip:] < angles[tip:].min() + 1e-6))
+    if k < steepest:
+        raise NoContactError("the wheel has derailed: its flange is above its steepest part")
     beside = np.isfinite(found.gap[max(k - 1, 0) : k + 2])
     if k == found.gap.size - 1 or not beside.all():
         raise NoContactError(
@@ -349,7 +374,7 @@ class _Overlap:
 
     def patch(self, wheel: Wheel, rail: Profile) -> Patch:
         """Return the patch of the overlap."""
-        points, found = self.clearance.points, self.clearance
+        points = self.clearance.points
         y = self._mean(points[:, 1])
         z = float(rail.at(rail.locate(y, near=_top(rail)))[1])
         origin = np.array([self._mean(points[:, 0]), y, z])
@@ -360,7 +385,7 @@ class _Overlap:
 
 
 def _overlaps(found: Clearance, wheel: Wheel, depth: float) -> list[_Overlap]:
-    """Return the regions of overlap of a wheel that is a vertical distance below the first touch."""
+    """Return the regions of overlap of a wheel at a depth, mm, below the first touch."""
     overlap = depth - found.gap
     edges = np.flatnonzero(np.diff(np.concatenate(([0], (overlap > 0.0).astype(int), [0]))))
     parts = [slice(*pair) for pair in edges.reshape(-1, 2)]

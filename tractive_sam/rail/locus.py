@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy  # its parts are loaded when first used
 
-from .contact import contact_points
+from .contact import contact_points, free_roll
 from .profile import Array, Profile
-from .wheelset import Wheel, free_roll
+from .wheelset import Wheel
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,7 +142,7 @@ class ContactLocus:
 
     def columns(self) -> dict[str, Array]:
         """Return the locus as columns by name, angles in degrees, lengths in mm."""
-        sides = {}
+        sides: dict[str, Array] = {}
         for k, side in enumerate(("right", "left")):
             sides |= {
                 f"contact_y_{side}": self.points[k, :, 1],
@@ -186,11 +186,11 @@ def find_locus(
     sides = [[pair[k] for pair in found] for k in (0, 1)]
     wheel_s = np.array([[one.s[0] for one in side] for side in sides])
     rail_s = np.array([[one.rail_s[0] for one in side] for side in sides])
-    at_wheel, y = wheel.profile.at(wheel_s), np.array(ordered)
+    at_wheel, places = wheel.profile.at(wheel_s), np.array(ordered)
     moved = np.abs(np.diff(wheel_s, axis=1, prepend=wheel_s[:, :1])).max(axis=0)
-    step = np.diff(y, prepend=y[:1])
+    step = np.diff(places, prepend=places[:1])
     return ContactLocus(
-        y,
+        places,
         np.array(rolls),
         np.array([[one.points[0] for one in side] for side in sides]),
         at_wheel,

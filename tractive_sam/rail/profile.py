@@ -32,7 +32,8 @@ class Profile:
 
     Examples
     --------
-    >>> wheel = ts.Profile.builtin("S1002")
+    >>> from tractive_sam.rail import builtin_profile
+    >>> wheel = builtin_profile("S1002")
     >>> float(round(wheel.height(-55.0), 6))
     28.0
     """
@@ -64,21 +65,6 @@ class Profile:
         points = curve(s, 0)
         return cls(arc_lengths(points, tangents), points, tangents)
 
-    @classmethod
-    def builtin(cls, name: str) -> Profile:
-        """Return a built-in profile; see `rail.BUILTIN`.
-
-        Raises
-        ------
-        ValueError
-            If there is none of this name.
-        """
-        from .builtin import BUILTIN  # noqa: PLC0415 - it makes profiles
-
-        if name not in BUILTIN:
-            raise ValueError(f"profile {name!r}; allowed: {', '.join(BUILTIN)}, or a file")
-        return BUILTIN[name]()
-
     @cached_property
     def _curve(self) -> scipy.interpolate.CubicHermiteSpline:
         return scipy.interpolate.CubicHermiteSpline(self.s, self.points, self.tangents)
@@ -96,10 +82,14 @@ class Profile:
         """Return the change of the angle over the arc length, 1/mm."""
         first, second = self.at(s, 1), self.at(s, 2)
         cross = first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
-        return cross / (first**2).sum(axis=-1) ** 1.5
+        return np.asarray(cross / (first**2).sum(axis=-1) ** 1.5)
 
     def locate(
-        self, v: ArrayLike, origin: ArrayLike = (0.0, 0.0), angle: float = 0.0, near: float = 0.0
+        self,
+        v: ArrayLike,
+        origin: ArrayLike = (0.0, 0.0),
+        angle: float = 0.0,
+        near: float | None = None,
     ) -> Array:
         """Return the arc length at positions along an inclined axis.
 
@@ -111,8 +101,9 @@ class Profile:
             y and z of the origin.
         angle : float
             Angle of the axis, rad.
-        near : float
-            y of a point of the part of the profile that is meant if there are several.
+        near : float, optional
+            y of a point of the part of the profile that is meant if there are several; by default
+            that of the median of the positions.
 
         Returns
         -------
@@ -120,10 +111,12 @@ class Profile:
             Arc lengths; beyond the ends of the profile those of its ends.
         """
         axis = np.array([np.cos(angle), np.sin(angle)])
+        if near is None:
+            near = float(np.asarray(origin)[0] + np.median(np.asarray(v)) * axis[0])
         positions = (self.points - np.asarray(origin)) @ axis
         first, last = _increasing_run(positions, int(np.argmin(np.abs(self.points[:, 0] - near))))
         run = slice(first, last + 1)
-        s = np.interp(v, positions[run], self.s[run])
+        s = np.interp(np.asarray(v), positions[run], self.s[run])
         for _ in range(3):
             found = (self.at(s) - np.asarray(origin)) @ axis
             s = s - (found - v) / np.maximum(self.at(s, 1) @ axis, 0.05)
@@ -132,7 +125,7 @@ class Profile:
 
     def height(self, y: ArrayLike) -> Array:
         """Return z at lateral positions, mm."""
-        return self.at(self.locate(y))[..., 1]
+        return np.asarray(self.at(self.locate(y))[..., 1])
 
     def moved(self, angle: float, shift: ArrayLike) -> Profile:
         """Return the profile after a rotation and a shift.

@@ -13,7 +13,6 @@ from functools import cached_property
 from typing import Self
 
 import numpy as np
-import scipy  # its parts are loaded when first used
 
 from .profile import Array, Profile
 
@@ -56,7 +55,8 @@ def place_rail(
     last = int(np.flatnonzero(depth >= gauge_depth)[-1])
     # Between two points of the dense curve the face is straight to 1e-6 mm.
     share = (depth[last] - gauge_depth) / (depth[last] - depth[last + 1])
-    face = min(inner[last + 1 :, 0].min(), float(inner[last, 0] * (1 - share) + inner[last + 1, 0] * share))
+    at_depth = inner[last, 0] + share * (inner[last + 1, 0] - inner[last, 0])
+    face = min(float(inner[last + 1 :, 0].min()), float(at_depth))
     return turned.moved(0.0, (0.5 * gauge - face, -dense[top, 1]))
 
 
@@ -142,24 +142,3 @@ class Wheel:
     def at_contact(self, gap: float) -> Self:
         """Return the wheel lowered by a vertical distance, mm."""
         return replace(self, z=self.z + gap)
-
-
-def free_roll(right: Wheel, rail: Profile, tolerance: float = 1e-13) -> float:
-    """Return the roll at which both wheels of a wheelset touch equal rails, rad.
-
-    Parameters
-    ----------
-    right : Wheel
-        The right wheel; its roll is the initial guess.
-    rail : Profile
-        The right rail, in the track frame.
-    tolerance : float
-        Error of the roll, rad.
-    """
-    from .contact import lowest_gap  # noqa: PLC0415 - it searches between wheels and rails
-
-    def difference(roll: float) -> float:
-        turned = replace(right, roll=roll)
-        return lowest_gap(turned, rail) - lowest_gap(turned.mirrored(), rail)
-
-    return float(scipy.optimize.newton(difference, right.roll, x1=right.roll + 1e-5, tol=tolerance))

@@ -1,0 +1,112 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy
+
+from tractive_sam.rail import ContactLocus, contact_points, find_locus
+
+
+@pytest.fixture(scope="module")
+def locus(wheel, rail):
+    return find_locus(wheel, rail, np.linspace(-4.0, 4.0, 41))
+
+
+def of_difference(y, difference, radius=460.0, distance=1500.0):
+    """A locus with a given rolling radius difference."""
+    shape = np.zeros((2, y.size))
+    at = radius + 0.5 * np.array([difference, -difference])
+    none = y.astype(bool)
+    points = np.zeros((2, y.size, 3))
+    return ContactLocus(
+        y, 0 * y, points, points[..., :2], points[..., :2], shape, at, none, radius, distance
+    )
+
+
+def test_locus_is_antisymmetric(locus):
+    assert np.abs(locus.radius_difference + locus.radius_difference[::-1]).max() < 1e-9
+    assert np.abs(locus.roll + locus.roll[::-1]).max() < 1e-11
+    assert np.abs(locus.angle[0] - locus.angle[1][::-1]).max() < 1e-9
+
+
+def test_locus_does_not_depend_on_neighbours(locus, wheel, rail):
+    one = find_locus(wheel, rail, [locus.y[30]])
+    assert one.radius[0, 0] == pytest.approx(locus.radius[0, 30], abs=1e-9)
+
+
+def test_contact_points_of_a_locus_are_on_both_profiles(locus, wheel, rail):
+    placed = replace(wheel, y=locus.y[30], roll=locus.roll[30])
+    assert contact_points(placed, rail).points[0, 1] == pytest.approx(locus.points[0, 30, 1])
+    assert np.allclose(locus.rail[0, :, 0], locus.points[0, :, 1], atol=1e-9)
+
+
+def test_conicity_of_s1002_on_uic60(locus):
+    # Published for these profiles, 1:40, 1435 and 1360 mm: 0.188 within 0.05; 0.182 without roll.
+    assert 0.182 <= locus.conicity(3.0) <= 0.188
+    assert 0.182 <= locus.klingel_conicity(3.0) <= 0.188
+
+
+@pytest.mark.parametrize("amplitude", [0.5, 3.0, 7.9])
+def test_a_cone_has_its_conicity_at_any_amplitude(amplitude):
+    y = np.linspace(-8.0, 8.0, 33)
+    cone = of_difference(y, 2.0 * 0.05 * y)
+    assert cone.conicity(amplitude) == pytest.approx(0.05, rel=1e-9)
+    assert cone.klingel_conicity(amplitude) == pytest.approx(0.05, rel=1e-6)  # quadrature
+
+
+def test_conicities_of_a_cubic_difference():
+    """For 2 c y^3 the harmonic conicity is 3/4 c A^2, that of Klingel's motion 0.7178 c A^2."""
+    y = np.linspace(-5.0, 5.0, 2001)
+    cubic = of_difference(y, 2.0 * 0.01 * y**3)
+    assert cubic.conicity(4.0) == pytest.approx(0.75 * 0.01 * 16.0, rel=1e-4)
+    quarter = scipy.special.gamma(0.25) ** 2 / (4.0 * np.sqrt(np.pi))  # of y'' = -y^3, A = 1
+    exact = 0.5 * 2.0 * 0.01 * 16.0 * (0.5 * np.pi / quarter) ** 2
+    assert cubic.klingel_conicity(4.0) == pytest.approx(exact, rel=1e-4)
+
+
+def test_klingel_conicity_is_that_of_the_integrated_motion():
+    """Against the wavelength of the ordinary differential equation, with a skewed difference."""
+    y = np.linspace(-6.0, 6.0, 4001)
+    skew = of_difference(y, 0.2 * y + 0.02 * y**2 + 0.004 * y**3)
+    distance, radius = 1500.0, 460.0
+
+    def motion(_x, state):
+        difference = np.interp(state[0], y, skew.radius_difference)
+        return state[1], -difference / (distance * radius)
+
+    def crest(_x, state):
+        return state[1]
+
+    start, tolerance = skew._extremes(3.0)[0], {"rtol": 1e-10, "atol": 1e-14}
+    found = scipy.integrate.solve_ivp(
+        motion, (0.0, 3e4), (start, 0.0), events=crest, max_step=20.0, **tolerance
+    )
+    half = np.diff([x for x in found.t_events[0] if x > 1.0])[0]
+    exact = distance * radius / 2.0 * (np.pi / half) ** 2
+    assert skew.klingel_conicity(3.0) == pytest.approx(exact, rel=1e-4)
+
+
+@pytest.mark.parametrize("amplitude", [0.0, -1.0, 4.1, np.nan])
+def test_amplitudes_beyond_the_locus_are_refused(locus, amplitude):
+    with pytest.raises(ValueError, match="amplitude"):
+        locus.conicity(amplitude)
+    with pytest.raises(ValueError, match="amplitude"):
+        locus.klingel_conicity(amplitude)
+
+
+def test_a_difference_without_restoring_does_not_return():
+    y = np.linspace(-5.0, 5.0, 101)
+    with pytest.raises(ValueError, match="return"):
+        of_difference(y, -0.1 * y).klingel_conicity(3.0)
+
+
+def test_jumps_of_the_contact_are_marked(wheel, rail):
+    locus = find_locus(wheel, rail, np.arange(4.0, 6.01, 0.1))
+    assert locus.jumps.any()
+    assert not locus.jumps.all()
+
+
+def test_columns_are_complete(locus):
+    columns = locus.columns()
+    assert len(columns) == 12
+    assert {array.shape for array in columns.values()} == {(41,)}

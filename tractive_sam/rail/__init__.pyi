@@ -1,0 +1,22 @@
+"""What `rail` exports, for `__init__.py` and for type checkers."""
+
+from .builtin import BUILTIN as BUILTIN
+from .builtin import builtin_profile as builtin_profile
+from .contact import Clearance as Clearance
+from .contact import NoContactError as NoContactError
+from .contact import Patch as Patch
+from .contact import contact_points as contact_points
+from .contact import find_patches as find_patches
+from .contact import free_roll as free_roll
+from .contact import lowest_gap as lowest_gap
+from .files import SUFFIXES as SUFFIXES
+from .files import UNITS as UNITS
+from .files import ProfileError as ProfileError
+from .files import from_measurement as from_measurement
+from .files import read_profile as read_profile
+from .files import write_profile as write_profile
+from .locus import ContactLocus as ContactLocus
+from .locus import find_locus as find_locus
+from .profile import Profile as Profile
+from .wheelset import Wheel as Wheel
+from .wheelset import place_rail as place_rail

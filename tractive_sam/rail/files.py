@@ -1,0 +1,217 @@
+"""Profile files: two columns, as instruments and vehicle programs write them."""
+
+from __future__ import annotations
+
+import re
+from os import PathLike
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import scipy  # its parts are loaded when first used
+
+from tractive_sam.input_file import read_text
+
+from .profile import Array, Profile
+
+SUFFIXES = (".prw", ".prr", ".wheel", ".rail", ".whl", ".ban", ".csv", ".txt", ".dat")
+"""Suffixes of profile files. All are text with a point on each line; other lines are skipped."""
+
+UNITS = {"mm": 1.0, "m": 1e3, "in": 25.4}
+"""Units of length, in mm."""
+
+Kind = Literal["wheel", "rail"]
+
+
+class ProfileError(ValueError):
+    """A profile file cannot be used."""
+
+
+def read_profile(
+    path: str | PathLike[str], kind: Kind, unit: str | None = None, smoothing: float | None = None
+) -> Profile:
+    """Read a profile from a file.
+
+    Lines that begin with two numbers, separated by blanks, tabs, commas or semicolons, are points:
+    lateral position and height. Directions may be reversed: the flange shows which side of a wheel
+    is inside, and flange and flanks which way is down. For files with ``units.len.f = ...`` lengths
+    are divided by this factor to metres.
+
+    Parameters
+    ----------
+    path : path-like
+        The file.
+    kind : {"wheel", "rail"}
+        What it describes.
+    unit : {"mm", "m", "in"}, optional
+        Unit of lengths; by default that of the file, or mm.
+    smoothing : float, optional
+        Root mean square distance of a cubic smoothing spline from the points, mm; by default the
+        profile interpolates the points.
+
+    Raises
+    ------
+    ProfileError
+        If the file cannot be read, or its points are no profile; the message states the line or the
+        place, and what is allowed.
+    """
+    try:
+        text = read_text(path, max_bytes=10**7, encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise ProfileError(f"{path}: cannot be read: {error}") from None
+    try:
+        points = _read_points(text)
+        factor = re.search(r"units\.len\.f\s*=\s*([-+.\deE]+)", text)
+        scale = 1e3 / float(factor[1]) if factor and unit is None else UNITS[unit or "mm"]
+        return from_measurement(scale * points, kind, smoothing)
+    except ValueError as error:
+        raise ProfileError(f"{path}: {error}") from None
+
+
+def _read_points(text: str) -> Array:
+    """Return the points of a file, shape (n, 2)."""
+    block = re.search(r"point\.begin(.*?)point\.end", text, re.DOTALL)
+    points = []
+    for line in (block[1] if block else text).splitlines():
+        entries = re.split(r"[,;\s]+", line.split("!")[0].strip())
+        try:
+            points.append((float(entries[0]), float(entries[1])))
+        except (ValueError, IndexError):
+            if points and any(entry.strip() for entry in entries) and not block:
+                number = text.splitlines().index(line) + 1
+                raise ValueError(f"line {number}: {line.strip()[:40]!r}; two numbers") from None
+    return np.array(points, dtype=float).reshape(-1, 2)
+
+
+def from_measurement(points: Array, kind: Kind, smoothing: float | None = None) -> Profile:
+    """Return the profile through, or near, measured points.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 2)
+        Lateral positions and heights along the profile, mm, in any of the four directions.
+    kind : {"wheel", "rail"}
+        What they describe.
+    smoothing : float, optional
+        See `read_profile`.
+
+    Raises
+    ------
+    ValueError
+        If they are no profile of a wheel or a rail in mm.
+    """
+    if len(points) < 20:
+        raise ValueError(f"{len(points)} points; at least 20 are needed")
+    if not np.isfinite(points).all():
+        raise ValueError("a coordinate is not finite; allowed: finite numbers")
+    points = _outward(points, kind)
+    _check_size(points, kind)
+    steps = np.diff(points, axis=0)
+    lengths = np.hypot(*steps.T)
+    if (lengths == 0.0).any():
+        k = int(np.flatnonzero(lengths == 0.0)[0])
+        raise ValueError(f"points {k + 1} and {k + 2} are equal; allowed: different points")
+    turns = np.abs(np.diff(np.unwrap(np.arctan2(steps[:, 1], steps[:, 0]))))
+    if turns.max() > 0.6 * np.pi:
+        k = int(np.argmax(turns)) + 2
+        raise ValueError(
+            f"the points turn back at point {k} ({points[k - 1, 0]:g}, {points[k - 1, 1]:g}) mm; "
+            "allowed: points in their order along the profile"
+        )
+    _check_crossing(points)
+    s = np.concatenate(([0.0], np.cumsum(lengths)))
+    return _spline(s, points, smoothing)
+
+
+def _spline(s: Array, points: Array, smoothing: float | None) -> Profile:
+    """Return the interpolating spline, or the smoothing spline with the given distance."""
+    if smoothing is None:
+        curve = scipy.interpolate.CubicSpline(s, points)
+        return Profile.from_curve(lambda at, order: np.asarray(curve(at, order)), s)
+
+    def fit(exponent: float) -> scipy.interpolate.BSpline:
+        return scipy.interpolate.make_smoothing_spline(s, points, lam=10.0**exponent)
+
+    def excess(exponent: float) -> float:
+        rest = fit(exponent)(s) - points
+        return float(np.sqrt((rest**2).sum(axis=1).mean())) - smoothing
+
+    low, high = -8.0, 8.0
+    if excess(high) < 0.0:
+        raise ValueError(f"smoothing {smoothing:g} mm leaves a straight line; allowed: less")
+    exponent = low if excess(low) > 0.0 else scipy.optimize.brentq(excess, low, high, xtol=1e-3)
+    curve = fit(exponent)
+    return Profile.from_curve(lambda at, order: np.asarray(curve(at, order)), s)
+
+
+def _outward(points: Array, kind: Kind) -> Array:
+    """Return points with y outward and z down: flange or flanks reach below the tread or top."""
+    middle = np.median(points[:, 1])
+    above, below = points[:, 1].max() - middle, middle - points[:, 1].min()
+    down = above > below  # flange or flanks reach farther from the tread than anything else
+    if not down:
+        points = points * np.array([1.0, -1.0])
+    if kind == "wheel":
+        tip = points[np.argmax(points[:, 1]), 0]
+        if tip > points[:, 0].mean():
+            points = points * np.array([-1.0, 1.0])
+    return points if points[-1, 0] > points[0, 0] else points[::-1]
+
+
+def _check_size(points: Array, kind: Kind) -> None:
+    """Raise an error if lengths are probably in another unit."""
+    width, limits = float(np.ptp(points[:, 0])), {"wheel": (60.0, 200.0), "rail": (25.0, 120.0)}
+    least, most = limits[kind]
+    if not least <= width <= most:
+        units = [u for u, f in UNITS.items() if least <= width * f <= most]
+        hint = f"; its unit is probably {units[0]}: give unit" if units else ""
+        raise ValueError(f"a {kind} {width:.4g} mm wide; allowed: {least:g} to {most:g} mm{hint}")
+
+
+def _check_crossing(points: Array) -> None:
+    """Raise an error if the profile crosses itself: segments that intersect, next ones apart."""
+    if (np.diff(points[:, 0]) > 0.0).all():
+        return  # a graph over y
+    a, d = points[:-1], np.diff(points, axis=0)
+    between = a[None, :, :] - a[:, None, :]
+    cross = d[:, None, 0] * d[None, :, 1] - d[:, None, 1] * d[None, :, 0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        t = (between[..., 0] * d[None, :, 1] - between[..., 1] * d[None, :, 0]) / cross
+        u = (between[..., 0] * d[:, None, 1] - between[..., 1] * d[:, None, 0]) / cross
+    i, j = np.nonzero((t > 0.0) & (t < 1.0) & (u > 0.0) & (u < 1.0))
+    apart = np.abs(i - j) > 1
+    if apart.any():
+        x, y = points[i[apart][0]]
+        raise ValueError(f"the profile crosses itself near ({x:.4g}, {y:.4g}) mm")
+
+
+def write_profile(profile: Profile, path: str | PathLike[str], kind: Kind, title: str = "") -> None:
+    """Write a profile that vehicle programs read: SIMPACK's layout for .prw and .prr, or columns.
+
+    Parameters
+    ----------
+    profile : Profile
+        The profile.
+    path : path-like
+        The file. With the suffix .prw or .prr, z points upwards as these files require; with
+        others, lines of y and z in mm, z downwards.
+    kind : {"wheel", "rail"}
+        What it describes.
+    title : str
+        A line of text about it.
+    """
+    up = -1.0 if Path(path).suffix in (".prw", ".prr") else 1.0
+    lines = [f"{y:.9f} {up * z:.9f}" for y, z in profile.points]
+    if up < 0.0:
+        number = {"wheel": 1, "rail": 0}[kind]
+        head = ["header.begin", "  version = 1", f"  type = {number}", "header.end"]
+        head += [
+            "spline.begin",
+            f"  comment = '{title}'",
+            "  units.len.f = 1000.0",
+            "  point.begin",
+        ]
+        lines = [*head, *lines, "  point.end", "spline.end"]
+    else:
+        lines = [f"! {title or kind}: y and z in mm, y outward, z down", *lines]
+    Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8")
