@@ -21,7 +21,7 @@ LIMITS = {
     "functions over 60 code lines": 6,
     "modules over 250 code lines": 11,
     "module constants": 570,
-    "code lines": 34400,
+    "code lines": 36300,
     "public names": 115,
 }
 

@@ -159,8 +159,8 @@ def _check_contact(found: Clearance, wheel: Wheel) -> None:
     steepest = tip + int(np.argmax(angles[tip:] < angles[tip:].min() + 1e-6))
     if k < steepest:
         raise NoContactError("the wheel has derailed: its flange is above its steepest part")
-    beside = np.isfinite(found.gap[max(k - 1, 0) : k + 2])
-    if k == found.gap.size - 1 or not beside.all():
+    measured = np.isfinite(found.gap[max(k - 1, 0) : k + 2])
+    if k == found.gap.size - 1 or not measured.all():
         raise NoContactError(
             "the contact is at an end of a profile: extend the profile, or check y, inner and gauge"
         )
