@@ -7,13 +7,13 @@ from tests.scenes import steady
 from tractive_sam.contact import Model, equilibrium
 from tractive_sam.run import solve
 from tractive_sam.scene import Scene
-from tractive_sam.schema import SceneWarning
+from tractive_sam.schema import SceneError, SceneWarning
 
 
 def with_gap(x, y, separation, **changes):
     tables = Scene.builtin("spheres").entries()
     tables["grid"]["elements"] = (31, 31)
-    tables |= {"gap": {"x": x, "y": y, "separation": separation}, **changes}
+    tables |= {"gap": {"x": x, "y": y, "separation": separation}} | changes
     scene = Scene(**tables)
     return equilibrium(Model(scene, (scene.gap.x, scene.gap.y, scene.gap.separation)))
 
@@ -47,6 +47,23 @@ def test_a_gap_can_stand_for_the_radii():
     # The interpolation is exact for parabolas: two solves to 1e-8.
     np.testing.assert_allclose(gap.pressure, plain.pressure, atol=1e-6 * plain.p_max)
     assert gap.Qx == pytest.approx(plain.Qx, rel=1e-6)
+
+
+@pytest.mark.parametrize("approach", [0.0, -0.01, 0.01])
+def test_a_separation_may_interfere(approach):
+    """With gap.datum the approach is counted from the zero of the separation."""
+    tables = Scene.builtin("spheres").entries()["body"]
+    flat = {n: b | {"radius_x": float("inf"), "radius_y": float("inf")} for n, b in tables.items()}
+    x = np.linspace(-4.5, 4.5, 301)
+    plain = steady("spheres", elements=31)
+    shape = (x[:, None] ** 2 + x[None, :] ** 2) / 337.5 - (plain.approach - approach)
+    gap = {"x": x, "y": x, "separation": shape, "datum": "separation"}
+    found = with_gap(x, x, shape, body=flat, gap=gap, load={"approach": approach})
+    # Two solves to 1e-8; the error of the approach is the larger one.
+    np.testing.assert_allclose(found.pressure, plain.pressure, atol=1e-6 * plain.p_max)
+    assert found.approach == approach
+    with pytest.raises(SceneError, match=r"load\.approach"):
+        with_gap(x, x, shape, body=flat, load={"approach": -abs(approach)})
 
 
 def test_a_coarse_profile_makes_no_facets():

@@ -152,7 +152,8 @@ class Model:
         """Separation of the unworn, undeformed bodies, mm, zero where they touch first.
 
         That is the vertex of the radii, or the lowest point of radii and measured gap, and may lie
-        between elements: from there the approach is counted.
+        between elements: from there the approach is counted. With ``gap.datum = "separation"`` the
+        separation is not shifted.
         """
         x, y = self.grid.x[:, None], self.grid.y[None, :]
         radius_x, radius_y = self.scene.body.radii
@@ -160,7 +161,9 @@ class Model:
         if self.measured is not None:
             taken = resampled(self.measured, self.grid)
             # At once: a distance that all elements share would take the digits of the parabola.
-            gap = gap + (taken - lowest(self.measured, self.grid, taken, self.scene.body.radii))
+            if self.scene.gap is None or self.scene.gap.datum == "touch":
+                taken = taken - lowest(self.measured, self.grid, taken, self.scene.body.radii)
+            gap = gap + taken
         return gap if self.datum == "vertex" else gap - gap.min()
 
     def with_wear_before(self, worn: np.ndarray | float) -> np.ndarray:
@@ -220,7 +223,9 @@ class Model:
         elif load is not None:
             pressure = load / (np.pi * length**2)
         else:
-            pressure = self.scene.load.approach / gap
+            interference = self.scene.load.approach - float(self.undeformed_gap.min())
+            # Without contact the unit only has to be positive.
+            pressure = (abs(interference) or 1e-3 * length) / gap
         slip = max(self.frame.mu) ** 2 * self.elasticity.slip_per_traction(*sides)
         return Units(pressure, gap * pressure, slip * pressure)
 

@@ -170,7 +170,9 @@ def _pressure(scene: Scene, half_length: tuple[float, ...]) -> float:
     length = 0.5 * math.sqrt(half_length[0] * half_length[-1])
     if scene.normal_load is not None:
         return scene.normal_load / (math.pi * length**2)
-    return 0.5 * scene.material.plane_strain_modulus * scene.load.approach / length
+    # The interference of a separation that is not counted from the first touch is not known yet.
+    approach = max(scene.load.approach, 1e-3 * length)
+    return 0.5 * scene.material.plane_strain_modulus * approach / length
 
 
 def follow(grid: Grid, maps: list[Roughness], most: int = 2**17, slender: float = 5.0) -> Grid:

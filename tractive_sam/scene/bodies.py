@@ -150,8 +150,8 @@ class Bodies(Table):
             return None
         if self.infinitely_long and load.approach is None:
             return hertz_line(e_star, radius_x, load.normal, pressure=load.pressure)
-        if not 0 < radius_y < math.inf:
-            return None
+        if not 0 < radius_y < math.inf or (load.approach is not None and load.approach <= 0):
+            return None  # without a [gap] there is no contact
         given = {"load": load.normal, "approach": load.approach, "pressure": load.pressure}
         return hertz(e_star, radius_x, radius_y, **given)
 

@@ -127,6 +127,15 @@ def _check_pressure_has_no_gap(entries: ValidEntries) -> Iterator[Fault]:
         yield Fault("load.pressure", shorten(pressure), cure)
 
 
+def _check_approach_presses(entries: ValidEntries) -> Iterator[Fault]:
+    """Report an approach of 0 or less, counted from the first touch."""
+    approach, gap = entries["load.approach"], entries["gap"]
+    if approach is None or approach > 0.0 or (gap is not None and gap.datum == "separation"):
+        return
+    cure = 'a number above 0; at 0 or below only a [gap] with datum = "separation" interferes'
+    yield Fault("load.approach", shorten(approach), cure)
+
+
 def _check_share_of_wear(entries: ValidEntries) -> Iterator[Fault]:
     """Report hardness together with a wear coefficient of each body."""
     hard = [key for key in ("body.A.hardness", "body.B.hardness") if key in entries.given]
@@ -176,6 +185,7 @@ SCENE_CHECKS: tuple[Check, ...] = (
     _check_slender_contact_has_grid,
     _check_a_body_turns,
     _check_pressure_has_no_gap,
+    _check_approach_presses,
     _check_share_of_wear,
     _check_inputs_of_wear_law,
     check_blocks,

@@ -35,9 +35,7 @@ class BlockLoad(Table):
     """
 
     normal: Positive | None = entry("normal load P, N; of a line contact N/mm", default=None)
-    approach: Positive | None = entry(
-        "approach of the bodies, mm, from the first touch of the unworn bodies", default=None
-    )
+    approach: Real | None = entry("approach of the bodies, mm, see load.approach", default=None)
     pressure: Positive | None = entry("peak contact pressure p0 by Hertz, MPa", default=None)
     force_x: Real | None = entry("prescribed force Q_x on body A, N or N/mm", default=None)
     force_y: Real | None = entry("prescribed force Q_y on body A, N or N/mm", default=None)

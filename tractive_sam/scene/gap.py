@@ -177,6 +177,11 @@ class Gap(Table):
         "spacing of a matrix without x and y, in the unit of x and y; the matrix is centred at 0",
         default=None,
     )
+    datum: Literal["touch", "separation"] = entry(
+        "zero of the approach: the first touch of the bodies, or the zero of the separation of "
+        "radii and gap, where a negative separation interferes at load.approach = 0",
+        default="touch",
+    )
     checks: ClassVar[tuple[Check, ...]] = (
         _check_source,
         _check_shape,

@@ -52,8 +52,11 @@ class Load(Table):
     """
 
     normal: Positive | None = entry("normal load P, N; of a line contact N/mm", default=None)
-    approach: Positive | None = entry(
-        "approach of the bodies, mm, from the first touch of the unworn bodies", default=None
+    approach: Real | None = entry(
+        "approach of the bodies, mm, from the first touch of the unworn bodies, or from the zero "
+        "of the separation (gap.datum)",
+        'a number above 0; with gap.datum = "separation" any number',
+        None,
     )
     pressure: Positive | None = entry(
         "peak contact pressure p0 of the unworn bodies by Hertz, MPa, from which the load follows",
