@@ -165,9 +165,11 @@ class Laws:
 
 
 def _elasticity(scene: Scene) -> Elasticity:
-    """Of line contact relative to the surface one combined radius away; with the layer."""
-    A, B = scene.materials["A"], scene.materials["B"]
-    bodies = Strips(A, B, scene.body.radii[0]) if scene.line else HalfSpaces(A, B)
+    """Return half-spaces with the layer; of a line contact relative to one radius R_x away."""
+    A, B, radius = scene.materials["A"], scene.materials["B"], scene.body.radii[0]
+    # Flat bodies have no radius: `Strips.spanning` sets the datum by the mesh.
+    datum = radius if 0.0 < radius < math.inf else 0.0
+    bodies = Strips(A, B, datum) if scene.line else HalfSpaces(A, B)
     return _with_layer(bodies, scene)
 
 

@@ -104,6 +104,9 @@ def _usual_grid(scene: Scene, measured: Gap | None, finer: float) -> Grid:
         length = length or (MARGIN * max(half),)
         number = 2 * int(0.5 * ACROSS_LINE * finer * length[0] / min(half)) + 1
         return Grid.of(length, elements or (number,))
+    if scene.line:  # of flat bodies with a profile along x
+        length = length or (float(max(-measured[0][0], measured[0][-1])),)
+        return Grid.of(length, elements or (2 * int(0.5 * ACROSS_LINE * finer) + 1,))
     if scene.hertz is None:
         half_length = length
         if half_length is None:

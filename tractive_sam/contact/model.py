@@ -214,6 +214,8 @@ class Model:
         hertz, sides = self.scene.hertz, (self.grid.dx, self.grid.dy)
         if hertz is not None:
             length = hertz.mean_semi_axis
+        elif self.grid.line:
+            length = 0.5 * self.grid.half_length[0]
         else:
             length = 0.5 * float(np.sqrt(self.grid.half_length[0] * self.grid.half_length[1]))
         gap = self.elasticity.gap_per_pressure(length, *sides)
@@ -221,7 +223,7 @@ class Model:
         if hertz is not None:
             pressure = hertz.p0
         elif load is not None:
-            pressure = load / (np.pi * length**2)
+            pressure = load / (2.0 * length if self.grid.line else np.pi * length**2)
         else:
             interference = self.scene.load.approach - float(self.undeformed_gap.min())
             # Without contact the unit only has to be positive.

@@ -33,7 +33,7 @@ LENGTHS = {"m": 1e3, "mm": 1.0, "um": 1e-3, "nm": 1e-6}
 """Units of length, in mm."""
 
 ALONG = 1e6
-"""Half length in x, mm, over which a profile across the track is constant."""
+"""Half length, mm, over which a profile is constant in the direction across it."""
 
 _ARRAYS = ("x", "y", "separation")
 
@@ -143,9 +143,9 @@ class Gap(Table):
     """A separation on a rectangular grid, or the heights of a body, from a file or as arrays.
 
     `separation` has the shape (len(x), len(y)); without x it is a profile (len(y),), constant along
-    the track. The arrays are read-only. A relative path starts from the folder of the TOML file, or
-    else from the working folder. Only the existence of the file is checked here; see
-    `store.read_gap` for its formats.
+    the track, and without y a profile (len(x),), constant across it. The arrays are read-only. A
+    relative path starts from the folder of the TOML file, or else from the working folder. Only the
+    existence of the file is checked here; see `store.read_gap` for its formats.
 
     Examples
     --------
@@ -177,6 +177,11 @@ class Gap(Table):
         "spacing of a matrix without x and y, in the unit of x and y; the matrix is centred at 0",
         default=None,
     )
+    profile: Literal["x", "y"] = entry(
+        "direction of a profile of two columns, or of arrays without the other coordinate: across "
+        "the track (y), or along it (x), which leaves a line contact one",
+        default="y",
+    )
     datum: Literal["touch", "separation"] = entry(
         "zero of the approach: the first touch of the bodies, or the zero of the separation of "
         "radii and gap, where a negative separation interferes at load.approach = 0",
@@ -196,13 +201,17 @@ class Gap(Table):
 
     @classmethod
     def unfold(cls, given: Mapping[Any, Any]) -> Mapping[Any, Any]:
-        """Return a profile across the track, given without x, as a separation constant in x."""
+        """Return a profile, given without x or y, as a separation constant in this direction."""
         profile = given.get("separation")
         row = isinstance(profile, list | tuple) and not any(map(np.ndim, profile))
         row = row or (isinstance(profile, np.ndarray) and profile.ndim == 1)
-        if given.get("x") is not None or not row:
+        missing = [axis for axis in "xy" if given.get(axis) is None]
+        if not row or len(missing) != 1:
             return given
-        return {**given, "x": [-ALONG, ALONG], "separation": np.ma.array([profile, profile])}
+        both = np.ma.array([profile, profile])
+        if missing == ["y"]:
+            return {**given, "y": [-ALONG, ALONG], "separation": both.T, "profile": "x"}
+        return {**given, "x": [-ALONG, ALONG], "separation": both}
 
     def in_mm(self, x: Any, y: Any, values: Any, units: tuple[str, str] = ("mm", "mm")) -> Any:
         """Convert measured coordinates and values to mm.

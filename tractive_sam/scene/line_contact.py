@@ -12,7 +12,9 @@ _CROWN = "or a finite radius_y of one body, for a contact of finite width"
 
 def is_line(entries: ValidEntries) -> bool:
     """Return whether the entries of a scene describe a line contact."""
-    return entries["gap"] is None and all(entries[f"body.{b}.radius_y"] == math.inf for b in "AB")
+    gap = entries["gap"]
+    long = all(entries[f"body.{b}.radius_y"] == math.inf for b in "AB")
+    return long and (gap is None or gap.profile == "x")
 
 
 def _check_load_is_given(entries: ValidEntries) -> Iterator[Fault]:

@@ -306,7 +306,7 @@ class Scene(Document):
 
         Both bodies have ``radius_y = inf``, and there is no [gap] that limits the contact width.
         """
-        return self.body.infinitely_long and self.gap is None
+        return self.body.infinitely_long and (self.gap is None or self.gap.profile == "x")
 
     @property
     def contact_type(self) -> PointContact:
@@ -324,7 +324,7 @@ class Scene(Document):
 
         The combined curvature must be positive in x and, except for a line contact, in y.
         """
-        if self.body.infinitely_long and self.gap is not None:
+        if self.body.infinitely_long and not self.line:
             return None
         return self.body.hertz(self.load)
 

@@ -145,7 +145,7 @@ def _read_npz(path: Path, settings: scene.Gap) -> _GapData:
     if "x" in arrays:
         return _GapData(_finite(path, arrays["x"], "x"), y, values)
     _check_body(path, settings, () if "separation" not in arrays else ("y", "separation"))
-    return _gap_from_profile(y, values)
+    return _gap_from_profile(settings, y, values)
 
 
 def _gap_from_array(path: Path, settings: scene.Gap, array: np.ndarray) -> _GapData:
@@ -200,7 +200,7 @@ def _gap_from_matrix(
         return _GapData(x, y, array)
     if array.ndim == 2 and array.shape[1] == 2:
         _check_body(path, settings, names)
-        return _gap_from_profile(array[:, 0], array[:, 1])
+        return _gap_from_profile(settings, array[:, 0], array[:, 1])
     if names and names[:2] not in (("x", "y"), ()):
         raise GapError(path, f"columns {', '.join(names)}", "x, y and separation in this order")
     return _gap_from_points(path, array)
@@ -213,11 +213,14 @@ def _check_body(path: Path, settings: scene.Gap, names: tuple[str, ...]) -> None
         raise GapError(path, "a profile without a body or the header separation", cure)
 
 
-def _gap_from_profile(y: np.ndarray, values: np.ndarray) -> _GapData:
-    """Return the gap of a profile across the track, constant along x."""
-    if y.ndim == 1 and y.size > 1 and y[0] > y[-1]:
-        y, values = y[::-1], values[::-1]
-    return _GapData(np.array([-ALONG, ALONG]), y, np.stack([values, values]))
+def _gap_from_profile(settings: scene.Gap, place: np.ndarray, values: np.ndarray) -> _GapData:
+    """Return the gap of a profile over x or y, constant in the other direction."""
+    if place.ndim == 1 and place.size > 1 and place[0] > place[-1]:
+        place, values = place[::-1], values[::-1]
+    ends, both = np.array([-ALONG, ALONG]), np.stack([values, values])
+    if settings.profile == "x":
+        return _GapData(place, ends, both.T)
+    return _GapData(ends, place, both)
 
 
 _READERS = {
