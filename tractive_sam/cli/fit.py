@@ -72,10 +72,7 @@ def fit(
     if output.suffix != ".nc":
         raise error_exit(Status.INVALID, f"{output}: the result is a netCDF file, FILE.nc")
     for path in filter(None, (output, scene)):
-        if not path.absolute().parent.is_dir():
-            raise error_exit(
-                Status.INVALID, f"{path}: there is no folder {path.parent}; make it first"
-            )
+        _check_folder(path)
     with report_errors():
         from tractive_sam.fitting import fit as fit_design
 
@@ -88,13 +85,9 @@ def fit(
                     update(share, f"{contacts} contacts, {rolls} rolls", "")
 
                 result = fit_design(
-                    file,
-                    output,
-                    workers=workers,
-                    overwrite=overwrite,
-                    next_test=design,
+                    file, output, workers=workers, overwrite=overwrite, next_test=design,
                     progress=report,
-                )
+                )  # fmt: skip
         except KeyboardInterrupt:
             held = f"{output} holds the computations so far, the same command resumes from them"
             raise error_exit(Status.INCOMPLETE, f"interrupted; {held}") from None
@@ -109,6 +102,12 @@ def fit(
         raise error_exit(
             Status.INCOMPLETE, "the fit did not converge; the file holds where it ended"
         )
+
+
+def _check_folder(path: Path) -> None:
+    """End with a message if the folder of an output does not exist."""
+    if not path.absolute().parent.is_dir():
+        raise error_exit(Status.INVALID, f"{path}: there is no folder {path.parent}; make it first")
 
 
 def print_fit(result: "FitResult") -> None:

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+import tractive_sam as ts
 from tractive_sam.cli.fit import plot_fit
 from tractive_sam.cli.output import Status, error_exit, print_line, print_note, report_errors
 from tractive_sam.cli.show import Results
@@ -80,6 +81,16 @@ Animated = Annotated[
 ]
 
 
+def _find_blocks(history: "ts.History", names: list[str]) -> list[int]:
+    """Return the indices of blocks of a duty cycle; end with a message if one does not exist."""
+    if names == ["all"]:
+        return list(range(len(history.block_names)))
+    try:
+        return [history.place_of(name) for name in names]
+    except LookupError as error:
+        raise error_exit(Status.INVALID, str(error)) from None
+
+
 def plot(
     file: Results,
     output: Output = None,
@@ -100,11 +111,7 @@ def plot(
         from tractive_sam.store import open_history
 
         history = open_history(file)
-        try:
-            every = range(len(history.block_names))
-            blocks = every if block == ["all"] else [history.place_of(name) for name in block or ()]
-        except LookupError as error:
-            raise error_exit(Status.INVALID, str(error)) from None
+        blocks = _find_blocks(history, block or [])
         try:
             points = None if measured is None else Measurements.from_file(measured)
             folder = output or Path(f"{file.stem}-figures")

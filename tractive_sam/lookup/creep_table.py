@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -71,6 +71,16 @@ class Forces:
         points, coordinates, by_creepage, unit, shape = self._at
         error = self._table.gradient_error_at(points, coordinates)
         return (error * unit[:, None] * by_creepage).reshape(3, 3, *shape)
+
+
+def _flatten(arguments: Sequence[ArrayLike]) -> tuple[np.ndarray, tuple[int, ...]]:
+    """Return broadcast arguments as rows of an array, and the shape of each."""
+    arrays = [np.asarray(values, float) for values in arguments]
+    shape = np.broadcast_shapes(*(values.shape for values in arrays))
+    flat = np.empty((len(arrays), int(np.prod(shape))))
+    for row, values in zip(flat, arrays, strict=True):
+        row.reshape(shape)[...] = values
+    return flat, shape
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,13 +221,7 @@ class CreepTable:
         """
         given = self._contact({"a": a, "b": b, "load": load, "mu": mu, "shear": shear})
         along = self._along(others)
-        arrays = [
-            np.asarray(values, float) for values in (xi_x, xi_y, spin, *given, *along.values())
-        ]
-        shape = np.broadcast_shapes(*(values.shape for values in arrays))
-        flat = np.empty((len(arrays), int(np.prod(shape))))
-        for row, values in zip(flat, arrays, strict=True):
-            row.reshape(shape)[...] = values
+        flat, shape = _flatten([xi_x, xi_y, spin, *given, *along.values()])
         creepages, (a_, b_, load_, mu_, shear_) = flat[:3], flat[3:8]
         if not ((flat[3:8] > 0.0) & np.isfinite(flat[3:8])).all():
             is_valid = ((flat[3:8] > 0.0) & np.isfinite(flat[3:8])).all(axis=1)

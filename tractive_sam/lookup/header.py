@@ -175,11 +175,17 @@ def c_header(table: CreepTable, name: str = "creep_forces") -> str:
     check_name(name)
     for axis in table.names:
         check_axis_name(axis)
-    axes, data = table.law.axes, table.law.coefficients
-    varies, kept = table.law.varying, table.law.kept
+    text = HEAD + _define_arrays(table) + BODY
+    for key, value in (_describe(table) | {"GUARD": f"{name.upper()}_H", "NAME": name}).items():
+        text = text.replace(f"@{key}@", value)
+    return text
+
+
+def _describe(table: CreepTable) -> dict[str, str]:
+    """Return the texts and numbers of a table by their names in the template."""
     low, high = table.ellipticity
     arguments = arguments_of(table)
-    about = {
+    return {
         "TITLE": plain_title(table),
         "GIVEN": ", ".join(arguments),
         "ARGUMENTS": ",\n                  ".join(f"double {argument}" for argument in arguments),
@@ -203,26 +209,23 @@ def c_header(table: CreepTable, name: str = "creep_forces") -> str:
         "LEAST": _number(LEAST),
         "POLE": _number(POLE),
         "PI": _number(np.pi),
-        "N": str(len(varies)),
-        "GUARD": f"{name.upper()}_H",
-        "NAME": name,
+        "N": str(len(table.law.varying)),
     }
-    parts = [HEAD]
-    parts += [
-        f"static const double @NAME@_nodes_{k}[] = {{{_numbers(axes[k])}}};\n" for k in varies
-    ]
+
+
+def _define_arrays(table: CreepTable) -> str:
+    """Return the definitions of the nodes and coefficients of a table."""
+    axes, varies = table.law.axes, table.law.varying
+    data = _numbers(table.law.coefficients[..., table.law.kept, :])
+    parts = [f"static const double @NAME@_nodes_{k}[] = {{{_numbers(axes[k])}}};\n" for k in varies]
     listed = ", ".join(f"@NAME@_nodes_{k}" for k in varies)
     parts += [
         f"static const double *const @NAME@_nodes[] = {{{listed}}};\n",
         f"static const int @NAME@_count[] = {{{', '.join(str(len(axes[k])) for k in varies)}}};\n",
         f"static const int @NAME@_axis[] = {{{', '.join(map(str, varies))}}};\n",
-        f"static const double @NAME@_data[] = {{{_numbers(data[..., kept, :])}}};\n\n",
-        BODY,
+        f"static const double @NAME@_data[] = {{{data}}};\n\n",
     ]
-    text = "".join(parts)
-    for key, value in about.items():
-        text = text.replace(f"@{key}@", value)
-    return text
+    return "".join(parts)
 
 
 def check_name(name: str) -> None:

@@ -263,38 +263,20 @@ class FrictionLaw(Law, ABC):
         weight : float
             Relative weight of slip and traction residuals; the solution does not depend on it.
         """
-        radius, shape = bound.radius, bound.radius.shape
+        shape, staggered = bound.radius.shape, float(staggered)
         state, kappa = np.empty(shape, np.int8), np.empty(shape)
-        direction, across = np.empty((2, *shape)), np.empty((2, 2, *shape))
-        defect = np.empty((2, *shape))
+        direction, defect, across = (np.empty((*size, *shape)) for size in ((2,), (2,), (2, 2)))
+        weights = (weight * axis_weight for axis_weight in self.frame.weights)
         squares, merit = friction.linearise(
-            traction,
-            slip,
-            radius,
-            contact,
-            float(staggered),
-            *(weight * axis_weight for axis_weight in self.frame.weights),
-            state,
-            direction,
-            kappa,
-            across,
-            defect,
+            *(traction, slip, bound.radius, contact, staggered, *weights),
+            *(state, direction, kappa, across, defect),
         )
         if active is not None:
             state[~active] = friction.OPEN
             direction[:, ~active] = 0.0
-        slope = None if bound.slope is None else SlipDependence(bound.slope, float(staggered))
+        slope = None if bound.slope is None else SlipDependence(bound.slope, staggered)
         return Linearisation(
-            state,
-            direction,
-            kappa,
-            across,
-            defect,
-            contact,
-            squares,
-            merit,
-            slope,
-            float(staggered),
+            state, direction, kappa, across, defect, contact, squares, merit, slope, staggered
         )
 
 

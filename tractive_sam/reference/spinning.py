@@ -49,16 +49,7 @@ def full_slip_with_spin(
     # Coordinates in which the ellipse is the unit circle; the pole is at distance d.
     pole = np.array([-slip[1] / spin / stretch, slip[0] / spin * stretch])
     d = math.hypot(*pole)
-    if d < 1.0:
-        # Near the edge the integrand has a peak as wide as the distance of the pole from it.
-        count = int(min(most, points * (1.0 + 0.3 / (1.0 - d))))
-        angle = np.arange(count) * (2.0 * math.pi / count)
-        weight = np.full(count, 2.0 * math.pi / count)
-    else:
-        nodes, weight = np.polynomial.legendre.leggauss(points)
-        half = math.asin(min(1.0, 1.0 / d))
-        angle = math.atan2(-pole[1], -pole[0]) + half * nodes
-        weight = half * weight
+    angle, weight = _angles_around(pole, d, points, most)
     n = np.stack([np.cos(angle), np.sin(angle)])
     m = -(pole @ n)
     h2 = np.maximum(1.0 - (pole[0] * n[1] - pole[1] * n[0]) ** 2, 0.0)
@@ -81,3 +72,16 @@ def full_slip_with_spin(
     about_pole = factor * (weight * moment * length).sum()
     x, y = pole[0] * stretch, pole[1] / stretch
     return float(Qx), float(Qy), float(about_pole + x * Qy - y * Qx)
+
+
+def _angles_around(
+    pole: np.ndarray, distance: float, points: int, most: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the angles at which rays from a pole meet the unit disc, and their weights."""
+    if distance < 1.0:
+        # Near the edge the integrand has a peak as wide as the distance of the pole from it.
+        count = int(min(most, points * (1.0 + 0.3 / (1.0 - distance))))
+        return np.arange(count) * (2.0 * math.pi / count), np.full(count, 2.0 * math.pi / count)
+    nodes, weights = np.polynomial.legendre.leggauss(points)
+    half = math.asin(min(1.0, 1.0 / distance))
+    return math.atan2(-pole[1], -pole[0]) + half * nodes, half * weights

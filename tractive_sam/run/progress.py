@@ -59,35 +59,45 @@ def progress_shown(
     if bar is None:
         yield None
         return
-    began, first = perf_counter(), "solving the unworn bodies"
-    if scene.accuracy is not None and forecast.end:
-        first = "rolling on coarser meshes"
+    shown = _RollProgress(scene, forecast, bar, at_once=bool(progress))
+    try:
+        if progress:
+            bar.show(shown.first, 0.0, None, "")
+        with report_to(shown.show_iteration):
+            yield shown.show_record
+    finally:
+        bar.close()
 
-    def begin(mesh: tuple[int, int], residual: float) -> None:
-        if progress and not forecast.done:
-            bar.show(f"{first}, {_solving(mesh, residual)}", 0.0, None, "")
 
-    def advance(record: Record) -> None:
+class _RollProgress:
+    """The bar of a roll."""
+
+    def __init__(self, scene: Scene, forecast: Forecast, bar: Bar, at_once: bool) -> None:
+        self.scene, self.forecast, self.bar, self.at_once = scene, forecast, bar, at_once
+        self.began, self.first = perf_counter(), "solving the unworn bodies"
+        if scene.accuracy is not None and forecast.end:
+            self.first = "rolling on coarser meshes"
+
+    def show_iteration(self, mesh: tuple[int, int], residual: float) -> None:
+        """Show the residual of the first contact."""
+        if self.at_once and not self.forecast.done:
+            self.bar.show(f"{self.first}, {_solving(mesh, residual)}", 0.0, None, "")
+
+    def show_record(self, record: Record) -> None:
+        """Show how far the roll is, and the time left."""
+        forecast = self.forecast
         numbers = (float(record.values.get(name, 1.0)) for name in ("jump", "solves", "seconds"))
         wear, approach = (float(np.max(record.values[of])) for of in ("wear_max", "approach"))
         worn = wear / approach if approach > 0.0 else 0.0
         forecast.add(float(record.at), *numbers, worn=worn)
-        if progress or perf_counter() - began > AT_FIRST:
+        if self.at_once or perf_counter() - self.began > AT_FIRST:
             along = record.coordinate
             place, end = (format(one, along.format) for one in (record.at, forecast.end))
             text = f"{along.name} {place} of {end}"
-            if scene.has("wear"):
+            if self.scene.has("wear"):
                 text += f", wear {1e3 * wear:.3g} µm"
             left = duration(forecast.seconds_left)
-            bar.show(text, forecast.done, forecast.done + forecast.left, left)
-
-    try:
-        if progress:
-            bar.show(first, 0.0, None, "")
-        with report_to(begin):
-            yield advance
-    finally:
-        bar.close()
+            self.bar.show(text, forecast.done, forecast.done + forecast.left, left)
 
 
 @contextmanager

@@ -32,39 +32,13 @@ SYMMETRIES = "; (w_1, -w_2, -w_3) gives (Qx, -Qy, -Mz), (-w_1, w_2, w_3) gives (
 
 def write_table(table: CreepTable, path: str | PathLike[str]) -> None:
     """Write a table; an existing file is replaced."""
-    every, axes = (*table.names, *NAMES), table.law.axes
-    count = len(every)
-    names = [
-        " ".join(every[k] for k in range(count) if d >> (count - 1 - k) & 1) or "value"
-        for d in range(2**count)
-    ]
+    every = (*table.names, *NAMES)
     about = {k: v for k, v in table.about.items() if not k.startswith("check")}
-    variables: dict[str, Any] = {
-        "coefficients": (
-            (*every, "derivative", "force"),
-            table.law.coefficients,
-            {"long_name": "value, and derivatives by the axes named", "units": "1"},
-        ),
-        "error_bar": (
-            (*every, "force"),
-            table.bars,
-            {"long_name": "error bar of the contact at the node", "units": "1"},
-        ),
-    }
-    for name, errors in zip(every, table.between, strict=True):
-        if len(errors):
-            meaning = f"largest error of interpolation along {name}, within its intervals"
-            variables[f"between_{name}"] = (
-                (f"interval_{name}", "force"),
-                errors,
-                {"long_name": meaning, "units": "1"},
-            )
-    variables |= _checked_errors(table)
     coordinates: dict[str, Any] = {
-        name: ((name,), nodes, {"long_name": MEANINGS.get(name, name), "units": "1"})
-        for name, nodes in zip(every, axes, strict=True)
+        name: _variable((name,), nodes, MEANINGS.get(name, name))
+        for name, nodes in zip(every, table.law.axes, strict=True)
     }
-    coordinates |= {"derivative": names, "force": list(FORCES)}
+    coordinates |= {"derivative": _name_derivatives(every), "force": list(FORCES)}
     format_entries = {
         "format": TABLE_FORMAT,
         "axes": " ".join(every),
@@ -73,24 +47,62 @@ def write_table(table: CreepTable, path: str | PathLike[str]) -> None:
         "scaling": SCALING + ("" if table.whole else SYMMETRIES),
         "version": versions()["tractive-sam"],
     } | dict(table.contact or {})
+    variables = _node_variables(table, every) | _checked_errors(table)
     dataset = xarray.Dataset(variables, coordinates, about | format_entries)
     encoding = {name: {"zlib": True, "complevel": 4} for name in ("coefficients", "error_bar")}
     write_netcdf(path, dataset, encoding)
 
 
-def _checked_errors(table: CreepTable) -> dict[str, Any]:
+Variable = tuple[tuple[str, ...], np.ndarray, dict[str, str]]
+"""Dimensions, values and attributes."""
+
+
+def _variable(dims: tuple[str, ...], values: np.ndarray, meaning: str) -> Variable:
+    """Return a variable without a unit."""
+    return dims, values, {"long_name": meaning, "units": "1"}
+
+
+def _name_derivatives(axes: tuple[str, ...]) -> list[str]:
+    """Return the names of all mixed first derivatives: each axis is a bit, the first the highest.
+
+    >>> _name_derivatives(("u", "tilt"))
+    ['value', 'tilt', 'u', 'u tilt']
+    """
+    count = len(axes)
+    return [
+        " ".join(axes[k] for k in range(count) if number >> (count - 1 - k) & 1) or "value"
+        for number in range(2**count)
+    ]
+
+
+def _node_variables(table: CreepTable, axes: tuple[str, ...]) -> dict[str, Variable]:
+    """Return the variables of the nodes, and of the intervals between them."""
+    variables = {
+        "coefficients": _variable(
+            (*axes, "derivative", "force"),
+            table.law.coefficients,
+            "value, and derivatives by the axes named",
+        ),
+        "error_bar": _variable(
+            (*axes, "force"), table.bars, "error bar of the contact at the node"
+        ),
+    }
+    for name, errors in zip(axes, table.between, strict=True):
+        if len(errors):
+            meaning = f"largest error of interpolation along {name}, within its intervals"
+            variables[f"between_{name}"] = _variable((f"interval_{name}", "force"), errors, meaning)
+    return variables
+
+
+def _checked_errors(table: CreepTable) -> dict[str, Variable]:
     """Return the variables of the check points, and of the error bars of gradients."""
-    variables: dict[str, Any] = {}
+    variables: dict[str, Variable] = {}
     for name, meaning in CHECKS.items():
         if name in table.about:
             last = "axis" if name == "check_points" else "force"
-            values = np.asarray(table.about[name])
-            variables[name] = (("check", last), values, {"long_name": meaning, "units": "1"})
+            variables[name] = _variable(("check", last), np.asarray(table.about[name]), meaning)
     if table.gradient_bars is not None:
         meaning = "error bars of gradients over sqrt(K_ii K_jj): at rest, within each interval of u"
-        variables["gradient_bar"] = (
-            ("gradient_interval", "force", "creepage"),
-            table.gradient_bars,
-            {"long_name": meaning, "units": "1"},
-        )
+        dims = ("gradient_interval", "force", "creepage")
+        variables["gradient_bar"] = _variable(dims, table.gradient_bars, meaning)
     return variables

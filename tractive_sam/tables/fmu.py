@@ -146,6 +146,15 @@ def _inputs(table: CreepTable) -> dict[str, tuple[str, str, float]]:
     return inputs
 
 
+def _outputs() -> dict[str, tuple[str, str]]:
+    """Return meaning and unit of each output."""
+    return FORCES | {
+        f"{force}_by_{by}": (f"derivative of {force} by {by}", "")
+        for force in FORCES
+        for by in ("xi_x", "xi_y", "spin")
+    }
+
+
 def _description(table: CreepTable, name: str, guid: str) -> str:
     """Return the description of the model (XML)."""
     inputs = _inputs(table)
@@ -153,13 +162,7 @@ def _description(table: CreepTable, name: str, guid: str) -> str:
         _variable(place, one, meaning, unit, 'causality="input"', start)
         for place, (one, (meaning, unit, start)) in enumerate(inputs.items())
     ]
-    outputs: dict[str, tuple[str, str]] = dict(FORCES)
-    outputs |= {
-        f"{force}_by_{by}": (f"derivative of {force} by {by}", "")
-        for force in FORCES
-        for by in ("xi_x", "xi_y", "spin")
-    }
-    first = len(inputs)
+    outputs, first = _outputs(), len(inputs)
     variables += [
         _variable(first + place, one, meaning, unit, 'causality="output" initial="calculated"')
         for place, (one, (meaning, unit)) in enumerate(outputs.items())

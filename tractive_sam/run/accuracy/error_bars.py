@@ -127,49 +127,71 @@ class Sample:
         maxima: Mapping[str, Maximum],
         cycled: Mapping[str, BodyFatigue] | None = None,
     ) -> Self:
-        """The sample of a contact, the largest stresses in its bodies, and their fatigue."""
-        names = ("P", *FORCES, "xi_x", "xi_y", "approach", "p_max")
-        values: dict[Name, float] = {name: float(getattr(contact, name)) for name in names}
-        values["wear_max"] = float(contact.wear.max())
-        force = float(np.hypot(*contact.traction).sum() * contact.grid.element_area)
-        arm = contact.half_width_x
-        if math.isfinite(contact.half_width_y):
-            arm = math.sqrt(arm * contact.half_width_y)
-        creepage = math.hypot(contact.xi_x, contact.xi_y, contact.spin * arm)
-        scales = {name: abs(value) for name, value in values.items()}
-        scales |= {"Qx": force, "Qy": force, "Mz": force * arm, "xi_x": creepage, "xi_y": creepage}
-        scales |= dict.fromkeys(off_given(contact), 0.0)
-        if contact.heat is not None:
-            hottest = contact.heat.temperature_max
-            rise = max(abs(hottest - bulk) for bulk in contact.scene.heat.bulks.values())
-            for name in ("temperature_max", "temperature_mean"):
-                values[name], scales[name] = getattr(contact.heat, name), rise
-        for body, largest in maxima.items():
-            column = f"{largest.criterion.name}_max"
-            inside, outside = (LargestStress(column, body, surface) for surface in (False, True))
-            values[inside] = float(np.nan_to_num(largest.interior))
-            values[outside] = largest.surface
-            scales |= {inside: largest.value, outside: largest.value}
-        for body, one in (cycled or {}).items():
-            for name, column in CYCLED.items():
-                largest = one.largest(name)
-                if math.isnan(largest.value):
-                    continue
-                inside, outside = (LargestStress(column, body, at) for at in (False, True))
-                values |= {inside: largest.interior, outside: largest.surface}
-                scales |= {inside: largest.value, outside: largest.value}
-            damage = OfBody("damage", body)
-            values[damage] = scales[damage] = one.damage_max[0] if one.damage.size else 0.0
-            if contact.scene.fatigue.volume is not None:
-                volume, law = OfBody("stressed_volume", body), Laws.of(contact.scene).volume
-                values[volume] = scales[volume] = stressed_volume(one, contact.scene, law)
+        """Return the sample of a contact, the largest stresses in its bodies, and their fatigue."""
+        cycled = cycled or {}
+        numbers = _contact_numbers(contact)
+        for body, stress in maxima.items():
+            interior = float(np.nan_to_num(stress.interior))
+            column = f"{stress.criterion.name}_max"
+            numbers |= _largest_stresses(column, body, interior, stress.surface, stress.value)
+        for body, fatigue in cycled.items():
+            numbers |= _fatigue_numbers(contact, body, fatigue)
+        values = {name: value for name, (value, _) in numbers.items()}
+        scales = {name: scale for name, (_, scale) in numbers.items()}
         factors = {
-            (column, body): getattr(one, column)
-            for body, one in (cycled or {}).items()
+            (column, body): getattr(fatigue, column)
+            for body, fatigue in cycled.items()
             for column in ("shakedown_lower", "shakedown_upper")
         }
-        floors = _path_errors(contact, values, cycled or {})
-        return cls(values, scales, contact.residual, factors, floors)
+        return cls(values, scales, contact.residual, factors, _path_errors(contact, values, cycled))
+
+
+Numbers = dict[Name, tuple[float, float]]
+"""Values with the scales of their errors."""
+
+
+def _contact_numbers(contact: State) -> Numbers:
+    """Return the numbers of the contact itself."""
+    names = ("P", *FORCES, "xi_x", "xi_y", "approach", "p_max")
+    values = {name: float(getattr(contact, name)) for name in names}
+    values["wear_max"] = float(contact.wear.max())
+    force = float(np.hypot(*contact.traction).sum() * contact.grid.element_area)
+    arm = contact.half_width_x
+    if math.isfinite(contact.half_width_y):
+        arm = math.sqrt(arm * contact.half_width_y)
+    creepage = math.hypot(contact.xi_x, contact.xi_y, contact.spin * arm)
+    scales = {name: abs(value) for name, value in values.items()}
+    scales |= {"Qx": force, "Qy": force, "Mz": force * arm, "xi_x": creepage, "xi_y": creepage}
+    scales |= dict.fromkeys(off_given(contact), 0.0)
+    if contact.heat is not None:
+        hottest = contact.heat.temperature_max
+        rise = max(abs(hottest - bulk) for bulk in contact.scene.heat.bulks.values())
+        for name in ("temperature_max", "temperature_mean"):
+            values[name], scales[name] = getattr(contact.heat, name), rise
+    return {name: (value, scales[name]) for name, value in values.items()}
+
+
+def _largest_stresses(
+    column: str, body: str, interior: float, surface: float, largest: float
+) -> Numbers:
+    """Return the largest stress inside a body and that at its surface."""
+    inside, outside = (LargestStress(column, body, at_surface) for at_surface in (False, True))
+    return {inside: (interior, largest), outside: (surface, largest)}
+
+
+def _fatigue_numbers(contact: State, body: str, fatigue: BodyFatigue) -> Numbers:
+    """Return the numbers of the fatigue of a body, without those that have no value."""
+    numbers: Numbers = {}
+    for name, column in CYCLED.items():
+        most = fatigue.largest(name)
+        if not math.isnan(most.value):
+            numbers |= _largest_stresses(column, body, most.interior, most.surface, most.value)
+    damage = fatigue.damage_max[0] if fatigue.damage.size else 0.0
+    numbers[OfBody("damage", body)] = damage, damage
+    if contact.scene.fatigue.volume is not None:
+        volume = stressed_volume(fatigue, contact.scene, Laws.of(contact.scene).volume)
+        numbers[OfBody("stressed_volume", body)] = volume, volume
+    return numbers
 
 
 def _path_errors(
