@@ -14,11 +14,11 @@ import pytest
 import tractive_sam
 
 LIMITS = {
-    "modules on the longest chain of imports": 26,
-    "modules that import each other, in any way": 9,
-    "modules with TYPE_CHECKING": 25,
-    "functions over 40 code lines": 34,
-    "functions over 60 code lines": 6,
+    "modules on the longest chain of imports": 16,
+    "modules that import each other, in any way": 0,
+    "modules with TYPE_CHECKING": 10,
+    "functions over 40 code lines": 17,
+    "functions over 60 code lines": 1,
     "modules over 250 code lines": 11,
     "module constants": 570,
     "code lines": 36300,
