@@ -125,9 +125,10 @@ def standing_roughness(measured: Gap, grid: Grid) -> float:
 def _within(measured: Gap, grid: Grid) -> Gap:
     """What of a gap lies on the mesh; a profile may be told at places far beside it alone."""
     x, y, separation = measured
+    middles = grid.centre[0], grid.centre[1] - grid.shift
     x_in, y_in = (
         known[np.abs(known - middle) <= length]
-        for known, middle, length in zip((x, y), (0.0, -grid.shift), grid.half_length, strict=True)
+        for known, middle, length in zip((x, y), middles, grid.half_length, strict=True)
     )
     if x_in.size and y_in.size:
         return x_in, y_in, separation[np.ix_(np.isin(x, x_in), np.isin(y, y_in))]

@@ -1,6 +1,7 @@
 """The mesh of a scene that does not give one."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -43,14 +44,16 @@ def reaching(grid: Grid, half_length: tuple[float, float]) -> Grid:
         return grid
     elements = tuple(n + 2 * m for n, m in zip(grid.elements, more, strict=True))
     half_length = (0.5 * elements[0] * grid.dx, 0.5 * elements[1] * grid.dy)
-    return Grid(half_length, elements)
+    return replace(grid, half_length=half_length, elements=elements)
 
 
 def as_asked(grid: Grid) -> str:
     """A mesh as a scene asks for it, in digits enough to be the same elements."""
     lengths = ", ".join(f"{half:.10g}" for half in grid.half_length[: grid.directions])
     elements = ", ".join(map(str, grid.elements[: grid.directions]))
-    return f"grid.half_length=[{lengths}] and grid.elements=[{elements}]"
+    centre = ", ".join(f"{place:.10g}" for place in grid.centre[: grid.directions])
+    text = f"grid.half_length=[{lengths}] and grid.elements=[{elements}]"
+    return f"grid.centre=[{centre}], {text}" if any(grid.centre) else text
 
 
 def choose_grid(
@@ -82,7 +85,8 @@ def choose_grid(
         If the domain, as that of a measured gap, is so long that they would be too many; if that of
         flat bodies is to be chosen from a profile.
     """
-    grid = _usual_grid(scene, measured, finer or 1.0)
+    centre = (0.0, 0.0) if scene.grid is None else scene.grid.place
+    grid = replace(_usual_grid(scene, measured, finer or 1.0), centre=centre)
     given = scene.grid is not None and scene.grid.elements is not None
     if given or finer is not None or scene.accuracy is not None:
         return grid

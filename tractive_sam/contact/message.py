@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 from tractive_sam.contact.mesh import as_asked, grown
 from tractive_sam.contact.model import Model
@@ -92,10 +93,8 @@ def not_resolved(contact: State, largest: Sequence[float] | None = None) -> str:
         f"{FewestElements.slip} for a stick and a slip area. "
     )
     needed = [math.ceil(FewestElements.slip / count) for count in across]
-    finer = Grid.of(
-        grid.half_length[: len(across)],
-        tuple(n * more for n, more in zip(grid.elements, needed, strict=False)),
-    )
+    refined = (n * more for n, more in zip(grid.elements, (*needed, 1), strict=False))
+    finer = replace(grid, elements=tuple(refined))
     advised = as_asked(finer)
     smooth = scene.gap is None and largest is None and not contact.wear.any()
     if smooth and scene.hertz is not None:

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -75,8 +75,8 @@ class Roughness:
         if grid.elements[1] == 1:  # a row: only y = 0 counts
             heights = interpolate(y, heights.T, np.clip([0.0], y[0], y[-1])).T
             return self._along(x, heights, grid.x, grid.dx), LeftOut(0.0, 0.0, 0.0)
-        near_y = np.abs(y) <= grid.half_length[1]
-        near_x = np.abs(x) <= (math.inf if self.travels else grid.half_length[0])
+        near_y = np.abs(y - grid.centre[1]) <= grid.half_length[1]
+        near_x = np.abs(x - grid.centre[0]) <= (math.inf if self.travels else grid.half_length[0])
         of_x = heights[:, near_y] if near_y.any() else heights
         of_y = heights[near_x] if near_x.any() else heights
         return (
@@ -128,7 +128,7 @@ class Roughness:
                 elements.append(min(_odd(math.sqrt(2.0) * n), max(n, finest)) if refine else n)
             if tuple(elements) == grid.elements:
                 break
-            grid = Grid(grid.half_length, tuple(elements))
+            grid = replace(grid, elements=tuple(elements))
         return grid
 
 
@@ -198,5 +198,5 @@ def follow(grid: Grid, maps: list[Roughness], most: int = 2**17, slender: float 
         shorter = min(finer.dx, finer.dy)
         sides = zip(finer.elements, (finer.dx, finer.dy), strict=True)
         elements = [max(n, _odd(n * side / (slender * shorter))) for n, side in sides]
-        finer = Grid(grid.half_length, tuple(elements))
+        finer = replace(grid, elements=tuple(elements))
     return finer if math.prod(finer.elements) <= most else grid

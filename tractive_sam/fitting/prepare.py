@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -137,20 +137,21 @@ def fixed(
 
 def _mesh(scene: Scene) -> tuple[Any, ...]:
     grid = Model(scene, measured_gap(scene)).grid
-    return grid.half_length, grid.elements
+    return grid.half_length, grid.elements, grid.centre
 
 
 def grid_entries(grid: Grid) -> dict[str, Any]:
     """Return the entries of a scene that give a mesh."""
     axes = slice(grid.directions)
-    return {"grid.half_length": grid.half_length[axes], "grid.elements": grid.elements[axes]}
+    entries = {"grid.half_length": grid.half_length[axes], "grid.elements": grid.elements[axes]}
+    return entries | ({"grid.centre": grid.centre[axes]} if any(grid.centre) else {})
 
 
 def finer(scene: Scene) -> Scene:
     """Return a scene on a finer mesh of the same extent."""
     grid = Model(scene, measured_gap(scene)).grid
     n_x, n_y = (2 * round(0.5 * (FINER * n - 1)) + 1 if n > 1 else 1 for n in grid.elements)
-    return scene.replace(**grid_entries(Grid(grid.half_length, (n_x, n_y))))
+    return scene.replace(**grid_entries(replace(grid, elements=(n_x, n_y))))
 
 
 def _steps_of(scene: Scene, remember: Remember) -> tuple[tuple[int, ...], Grid]:
@@ -158,7 +159,8 @@ def _steps_of(scene: Scene, remember: Remember) -> tuple[tuple[int, ...], Grid]:
     found = remember(f"steps {scene.fingerprint()}", lambda: _roll_adaptively(scene)).numbers
     (x, y), (n_x, n_y) = found["half_length"].tolist(), found["elements"].tolist()
     steps = tuple(round(n) for n in found["steps"])
-    return steps, Grid((x, y), (round(n_x), round(n_y)))
+    centre = (0.0, 0.0) if scene.grid is None else scene.grid.place
+    return steps, Grid((x, y), (round(n_x), round(n_y)), centre=centre)
 
 
 def _roll_adaptively(scene: Scene) -> Answer:

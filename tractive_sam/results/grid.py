@@ -1,6 +1,6 @@
 """The regular mesh of the potential contact."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -8,7 +8,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Grid:
-    """A rectangle centred at the origin, divided into equal elements.
+    """A rectangle, divided into equal elements.
 
     That of a line contact is a row of elements (n_x, 1), 1 mm long in y: what is summed over it is
     per length.
@@ -21,11 +21,14 @@ class Grid:
         Number of elements (n_x, n_y).
     shift : float
         Lateral place, on the same elements, of what `y` is told from, mm.
+    centre : tuple of float
+        Centre of the rectangle, mm.
     """
 
     half_length: tuple[float, float]
     elements: tuple[int, int]
     shift: float = 0.0
+    centre: tuple[float, float] = (0.0, 0.0)
 
     @classmethod
     def of(cls, half_length: tuple[float, ...], elements: tuple[int, ...]) -> "Grid":
@@ -35,11 +38,12 @@ class Grid:
     def lengthened(self, elements: int) -> "Grid":
         """The same elements, and so many more before and behind in the rolling direction."""
         (half_x, half_y), (nx, ny) = self.half_length, self.elements
-        return Grid((half_x + elements * self.dx, half_y), (nx + 2 * elements, ny), self.shift)
+        longer = half_x + elements * self.dx, half_y
+        return replace(self, half_length=longer, elements=(nx + 2 * elements, ny))
 
     def shifted(self, shift: float) -> "Grid":
         """The same elements, with y told from another lateral place, mm."""
-        return Grid(self.half_length, self.elements, shift)
+        return replace(self, shift=shift)
 
     @property
     def line(self) -> bool:
@@ -78,13 +82,14 @@ class Grid:
     @cached_property
     def x(self) -> np.ndarray:
         """Centres in the rolling direction, ascending, shape (n_x,), mm."""
-        return _centres(self.half_length[0], self.elements[0])
+        x = _centres(self.half_length[0], self.elements[0])
+        return x + self.centre[0] if self.centre[0] else x
 
     @cached_property
     def y(self) -> np.ndarray:
         """Centres in the lateral direction, ascending, shape (n_y,), mm."""
-        y = _centres(self.half_length[1], self.elements[1])
-        return y - self.shift if self.shift else y
+        y, away = _centres(self.half_length[1], self.elements[1]), self.centre[1] - self.shift
+        return y + away if away else y
 
 
 def _centres(half_length: float, elements: int) -> np.ndarray:

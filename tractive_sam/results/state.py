@@ -233,7 +233,8 @@ class State:
         ValueError
             If the wider mesh does not add the same number of elements on either side.
         """
-        if not np.allclose((grid.dx, grid.dy), (self.grid.dx, self.grid.dy), rtol=1e-9):
+        same_sides = np.allclose((grid.dx, grid.dy), (self.grid.dx, self.grid.dy), rtol=1e-9)
+        if not same_sides or grid.centre != self.grid.centre:
             raise ValueError(f"{self.grid} is not the middle of {grid}")
         changes = {
             name: widened(getattr(self, name), grid.elements, math.inf if name == "gap" else 0.0)

@@ -99,7 +99,10 @@ def describe_mesh(model: Model, refinement: Refined | None) -> Iterator[Row]:
     sides, half = grid.sides, grid.half_length[: grid.directions]
     origin = "found by refinement" if refinement else _describe_origin(model)
     yield Row("mesh", f"{grid.describe_size()}, {origin}")
-    yield Row("domain", f"{' x '.join(f'+-{length:.4g}' for length in half)} mm")
+    domain = f"{' x '.join(f'+-{length:.4g}' for length in half)} mm"
+    if any(grid.centre):
+        domain += f" around ({', '.join(f'{x:.4g}' for x in grid.centre[: grid.directions])}) mm"
+    yield Row("domain", domain)
     yield Row("element", f"{' x '.join(f'{side:.4g}' for side in sides)} mm")
     if hertz is not None:
         axes = zip(sides, (hertz.a, hertz.b), strict=False)

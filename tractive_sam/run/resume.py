@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from os import PathLike
 from typing import Any
 
@@ -227,7 +228,8 @@ def _on_grid_of(scene: Scene, measured: Gap | None, last: Step, path: str | Path
     if scene.grid is None:
         return last
     if scene.grid.elements is None:
-        grid = reaching(before, (*scene.grid.half_length, 0.5)[:2])
+        wider = reaching(before, (*scene.grid.half_length, 0.5)[:2])
+        grid = replace(wider, centre=scene.grid.place)
     else:
         grid = choose_grid(scene, measured)
         if not scene.has_fixed_domain:  # it may have grown

@@ -70,10 +70,13 @@ def _check_grid_contains_contact(entries: ValidEntries) -> Iterator[Fault]:
     half_length, contact = entries["grid.half_length"] or (), entries["body"].hertz(entries["load"])
     if contact is None or len(half_length) != (1 if is_line(entries) else 2):
         return
+    place = entries["grid"].place
     for axis, length, name, semi_axis in _directions(half_length, contact):
-        if length < semi_axis:
-            least = f"{1.00001 * semi_axis:.6g}"  # rounded up
+        away = abs(place["xy".index(axis)])
+        if length < semi_axis + away:
+            least = f"{1.00001 * (semi_axis + away):.6g}"  # rounded up
             cure = f"at least {least} in {axis}, the semi-axis {name} of the contact"
+            cure += " and the distance of grid.centre" if away else ""
             pair = Pair.from_tables(entries["body"], entries["load"])
             cure = "; ".join((cure, *pair_notes(pair)))
             yield Fault("grid.half_length", shorten(half_length), cure)

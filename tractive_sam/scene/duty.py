@@ -278,10 +278,12 @@ def check_blocks_on_mesh(scene: Any, scenes: tuple[Any, ...]) -> Iterator[Fault]
     given = None if scene.grid is None else scene.grid.half_length
     if given is None:
         return
-    half = given[-1]  # a line contact has no half length in y, and no shifts
+    half, centre = given[-1], scene.grid.place[1]  # a line contact has no shifts
     for k, (block, block_scene) in enumerate(zip(scene.duty, scenes, strict=True)):
-        reach = abs(block.shift_y) + (0.0 if block_scene.hertz is None else block_scene.hertz.b)
+        half_width = 0.0 if block_scene.hertz is None else block_scene.hertz.b
+        reach = abs(block.shift_y - centre) + half_width
         if block.shift_y and reach > half:
-            cure = f"at most {half - reach + abs(block.shift_y):.4g}, or a wider grid.half_length"
-            outside = f"{block.shift_y:g}: outside the mesh of +-{half:g}"
+            low, high = centre - half, centre + half
+            cure = f"a contact from y = {low:.4g} to {high:.4g}, or a wider grid.half_length"
+            outside = f"{block.shift_y:g}: outside the mesh"
             yield Fault(f"duty[{k}].shift_y", outside, cure)

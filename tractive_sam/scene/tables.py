@@ -26,6 +26,7 @@ from tractive_sam.schema import (
     entry,
     exactly_one,
     number_to_tuple,
+    shorten,
 )
 
 from .plane import Plane
@@ -131,6 +132,10 @@ _OneOrTwo = Annotated[
 ]
 
 
+_Centre = Annotated[
+    tuple[Real, ...], BeforeValidator(number_to_tuple), Field(min_length=1, max_length=2)
+]
+
 MOST_ELEMENTS = 5 * 10**7
 """Largest number of elements of a grid: more would need several hundred GiB."""
 
@@ -160,6 +165,18 @@ def _check_shape_of_elements(entries: ValidEntries, longest: float = 1e6) -> Ite
             yield Fault("half_length", given, f"elements at most {longest:g} times as long as wide")
 
 
+def _check_centre_of_domain(entries: ValidEntries) -> Iterator[Fault]:
+    """Report a centre without a domain, or with another number of directions."""
+    centre, half_length = entries["centre"], entries["half_length"]
+    if centre is None:
+        return
+    if half_length is None:
+        cure = "only with half_length: a chosen domain is centred at the origin"
+        yield Fault("centre", shorten(centre), cure)
+    elif len(centre) != len(half_length):
+        yield Fault("centre", shorten(centre), "as many numbers as half_length")
+
+
 def _check_grid_is_not_empty(entries: ValidEntries) -> Iterator[Fault]:
     """Report a [grid] without keys."""
     if entries["half_length"] is None and entries["elements"] is None:
@@ -167,7 +184,7 @@ def _check_grid_is_not_empty(entries: ValidEntries) -> Iterator[Fault]:
 
 
 class Mesh(Table):
-    """The [grid] table: a rectangle of equal elements around the origin.
+    """The [grid] table: a rectangle of equal elements, around the origin or another centre.
 
     For a line contact each pair is one number, the value in x. Without `half_length` the domain is
     chosen from the contact, as in a scene without [grid]; it grows with the contact, by elements of
@@ -190,11 +207,23 @@ class Mesh(Table):
         "a pair of whole numbers from 3 to 1e6",
         None,
     )
+    centre: _Centre | None = entry(
+        "centre of the domain in x and y, mm; default: the origin, the vertex of the radii",
+        "a pair of numbers",
+        None,
+    )
     checks: ClassVar[tuple[Check, ...]] = (
         _check_grid_is_not_empty,
+        _check_centre_of_domain,
         _check_number_of_elements,
         _check_shape_of_elements,
     )
+
+    @property
+    def place(self) -> tuple[float, float]:
+        """Centre of the domain, mm."""
+        x, y = (*(self.centre or ()), 0.0, 0.0)[:2]
+        return x, y
 
     @property
     def origin(self) -> str:

@@ -136,6 +136,7 @@ def create_layout(
     set_versions(file, [])
     grid = file.create_group("grid")
     grid.attrs["half_length"] = mesh.half_length
+    grid.attrs["centre"] = mesh.centre
     for name, centres, along in (("x", mesh.x, "rolling"), ("y", mesh.y, "lateral")):
         about = Quantity(name, "mm", f"centres of the elements in the {along} direction")
         _create_scale(grid, name, centres, about)

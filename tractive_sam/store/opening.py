@@ -6,6 +6,7 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+from numpy.typing import ArrayLike
 
 from tractive_sam.output_file import describe_os_error
 from tractive_sam.store import layout
@@ -192,10 +193,12 @@ class ResultsFile:
             check_claimed_size(item, item.nbytes)
             return tuple(map(decode_text, item[:].tolist()))
 
-    def attribute(self, name: str, attribute: str) -> np.ndarray:
-        """Read a numeric attribute."""
+    def attribute(self, name: str, attribute: str, default: ArrayLike | None = None) -> np.ndarray:
+        """Read a numeric attribute; with a default, files may lack it."""
         with self._report_damage(f"{name} {attribute}"):
-            return np.asarray(self._item(name).attrs[attribute], float)
+            attributes = self._item(name).attrs
+            missing = default is not None and attribute not in attributes
+            return np.asarray(default if missing else attributes[attribute], float)
 
     def attributes(self, name: str) -> tuple[str, ...]:
         """Return the names of all attributes."""

@@ -111,6 +111,7 @@ def _read_history(file: ResultsFile) -> History:
     n, m = file.records, file.length("fields/record")
     mesh = (file.length("grid/x"), file.length("grid/y"))
     half_x, half_y = map(float, file.attribute("grid", "half_length"))
+    centre_x, centre_y = map(float, file.attribute("grid", "centre", (0.0, 0.0)))
     scene = _read_scene(file)
     # Also the dimensions for duty cycles: each block, and the wear of each body in each block.
     dims = (*DIMS, *(("block", *axes) for axes in DIMS), PARTS.dims)
@@ -124,7 +125,7 @@ def _read_history(file: ResultsFile) -> History:
         scene,
         file.text("scene", "status"),
         file.text("scene", "message"),
-        Grid((half_x, half_y), mesh),
+        Grid((half_x, half_y), mesh, centre=(centre_x, centre_y)),
         quantities,
         {name: _read_column(file, quantity, n, mesh) for name, quantity in quantities.items()},
         {name: StoredField(file.path, name, m) for name in stored_fields},

@@ -54,7 +54,9 @@ def read_grid(file: h5py.File) -> Grid:
     """Return the mesh of a file."""
     grid = file["grid"]
     half_x, half_y = map(float, grid.attrs["half_length"])
-    return Grid((half_x, half_y), (len(grid["x"]), len(grid["y"])))
+    centre_x, centre_y = map(float, grid.attrs.get("centre", (0.0, 0.0)))
+    elements = len(grid["x"]), len(grid["y"])
+    return Grid((half_x, half_y), elements, centre=(centre_x, centre_y))
 
 
 def _field_groups(record: Record) -> list[str]:

@@ -273,7 +273,7 @@ def _columns(grid: Grid, half_width: float, more: int, depth: float, spaces: int
     end = grid.half_length[0] + (more - 0.5) * grid.dx
     nearest = end - half_width + depth
     x = end + nearest * ((spaces / np.arange(spaces - 1, 0, -1)) ** 2 - 1.0)
-    return np.concatenate((x, -x))
+    return grid.centre[0] + np.concatenate((x, -x))
 
 
 def _surfaces(contact: State, laws: Laws) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
