@@ -3,12 +3,13 @@
 import json
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, TypeAlias
+from typing import Annotated, TypeAlias
 
 import typer
 from rich import box
 from rich.table import Table
 
+import tractive_sam as ts
 from tractive_sam.cli.output import (
     Quiet,
     Status,
@@ -22,10 +23,6 @@ from tractive_sam.cli.output import (
     report_warnings,
     show_progress,
 )
-
-if TYPE_CHECKING:
-    from tractive_sam.fitting import Evaluations, FitResult
-
 
 Output: TypeAlias = Annotated[
     Path,
@@ -74,12 +71,13 @@ def fit(
     for path in filter(None, (output, scene)):
         _check_folder(path)
     with report_errors():
+        from tractive_sam.fitting import Evaluations
         from tractive_sam.fitting import fit as fit_design
 
         try:
             with report_compiling(), show_progress() as update, report_warnings():
 
-                def report(done: "Evaluations") -> None:
+                def report(done: Evaluations) -> None:
                     contacts, rolls, _ = done.cost
                     share = 1.0 - 0.98 ** len(done.known)  # the number of steps is not known
                     update(share, f"{contacts} contacts, {rolls} rolls", "")
@@ -110,7 +108,7 @@ def _check_folder(path: Path) -> None:
         raise error_exit(Status.INVALID, f"{path}: there is no folder {path.parent}; make it first")
 
 
-def print_fit(result: "FitResult") -> None:
+def print_fit(result: "ts.FitResult") -> None:
     """Print the estimates of a fit, and what is doubtful about it."""
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     level = f"{result.design.fit.level:.0%}"
@@ -142,7 +140,7 @@ STRONG = 0.1
 """Correlation from which on it is printed."""
 
 
-def _print_tests(result: "FitResult") -> None:
+def _print_tests(result: "ts.FitResult") -> None:
     tests = result.next_tests()
     if not tests:
         return
@@ -203,14 +201,14 @@ def report_fit(file: Path, output: Path | None) -> bool:
     return True
 
 
-def _opened(file: Path) -> "FitResult":
+def _opened(file: Path) -> "ts.FitResult":
     with report_errors():
         from tractive_sam.fitting import open_fit
 
         return open_fit(file)
 
 
-def _complete(file: Path) -> "FitResult":
+def _complete(file: Path) -> "ts.FitResult":
     result = _opened(file)
     if not result.finished:
         cure = "tractive-sam fit resumes it"

@@ -31,7 +31,6 @@ of every change above, and within the matrix to that of every step (`_WarmSystem
 
 from collections.abc import Callable, Container
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -40,12 +39,10 @@ from tractive_sam.contact.model import Model
 from tractive_sam.contact.steady import start_of
 from tractive_sam.extras import check_extra
 from tractive_sam.mechanics import Coulomb, FallingCoulomb
+from tractive_sam.optional import xarray
 from tractive_sam.results import COLUMNS, State, by_name
 from tractive_sam.schema import warn
 from tractive_sam.solvers import Iterate, Problem, System, gmres
-
-if TYPE_CHECKING:
-    import xarray
 
 TOLERANCE = 1e-7
 """Relative residual of a linear system."""
@@ -86,8 +83,6 @@ def jacobian_of(
     only : container of str, optional
         Columns that are wanted; by default all.
     """
-    import xarray  # noqa: PLC0415 - of an extra
-
     if model.scene.friction is not None and model.scene.friction.temperature:
         model = model.with_friction(in_warmth(model, contact.heat.temperature["A"]))
     gap = (model.undeformed_gap + contact.wear) / model.units.gap

@@ -4,13 +4,14 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
-from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar
+from typing import Any, Protocol, Self, TypeVar
 
 import numpy as np
 
 from tractive_sam.description import text_table
-from tractive_sam.extras import require_extra
+from tractive_sam.extras import check_extra
 from tractive_sam.mechanics import Frame
+from tractive_sam.optional import pandas, xarray
 from tractive_sam.results.balance import balance_of
 from tractive_sam.results.column_table import PARTS, STRESSES, columns
 from tractive_sam.results.cycle import PREFIX
@@ -27,10 +28,6 @@ from tractive_sam.results.state import State
 from tractive_sam.results.status import Cost, Status
 from tractive_sam.results.stored_fields import BOUND, FIELDS, OUTSIDE, WARM, kept_fields
 from tractive_sam.scene import Scene, block_label
-
-if TYPE_CHECKING:
-    import pandas
-    import xarray
 
 DONE = "done"
 """The `History.status` that means that nothing is missing."""
@@ -640,9 +637,7 @@ class History:
         >>> history.to_dataframe()["worn_mass A"].loc[2] == history["worn_mass"][2, 0]
         True
         """
-        with require_extra("history.to_dataframe"):
-            import pandas  # noqa: PLC0415 - of an extra
-
+        check_extra("pandas", "history.to_dataframe")
         return pandas.DataFrame(self.numbers()).set_index(self.coordinate.name)
 
     def to_xarray(self) -> "xarray.Dataset":
@@ -658,8 +653,7 @@ class History:
         >>> history.to_xarray()["Qx"].sel(revolution=2).item() == history["Qx"][2]
         True
         """
-        with require_extra("history.to_xarray"):
-            import xarray  # noqa: PLC0415 - of an extra
+        check_extra("xarray", "history.to_xarray")
 
         def about(one: Quantity) -> dict[str, str]:
             return {"units": one.unit, "long_name": one.long_name}

@@ -4,21 +4,19 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from tractive_sam.description import text_table
 from tractive_sam.mechanics import Frame
+from tractive_sam.optional import xarray
 from tractive_sam.results.edges import covered, extent
 from tractive_sam.results.figure_table import html_with_figure
 from tractive_sam.results.grid import Grid, widened
 from tractive_sam.results.heat import FlashTemperature
 from tractive_sam.results.status import Cost, Status
 from tractive_sam.scene import Scene
-
-if TYPE_CHECKING:
-    import xarray
 
 ON_THE_BOUND = 1e-5
 """Distance from the friction bound, over the peak pressure, below which an element slips: well

@@ -5,14 +5,15 @@ import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from tractive_sam import interrupt
 from tractive_sam.contact import Model, check_jacobian, equilibrium, fitted, jacobian_of
-from tractive_sam.extras import require_extra
+from tractive_sam.extras import check_extra
 from tractive_sam.operators import one_blas_thread
+from tractive_sam.optional import xarray
 from tractive_sam.results import History, Quantity, State, Status, columns
 from tractive_sam.rolling import begun, process_of
 from tractive_sam.run import given, memory
@@ -22,9 +23,6 @@ from tractive_sam.run.pipeline import roll
 from tractive_sam.run.recording import Recording
 from tractive_sam.scene import Scene
 from tractive_sam.schema import Fault, SceneError, shorten
-
-if TYPE_CHECKING:
-    import xarray
 
 CREEPAGES = ("creepage.longitudinal", "creepage.lateral", "creepage.spin")
 """What changes nothing but the rigid slip: a scene is checked, and operators are made, once."""
@@ -80,8 +78,7 @@ def solve_many(
     >>> bool((found["Qx"].diff("creepage.longitudinal") > 0.0).all())
     True
     """
-    with require_extra("solve_many"):
-        import xarray  # noqa: PLC0415 - of an extra
+    check_extra("xarray", "solve_many")
     given.check_scene(scene)
     if scene.accuracy is not None:
         raise ValueError("solve_many: one mesh is needed; give the scene [grid], not [accuracy]")

@@ -10,14 +10,15 @@ from functools import cached_property
 from io import StringIO
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from tractive_sam import interrupt
 from tractive_sam.description import html_table, text_table
-from tractive_sam.extras import require_extra
+from tractive_sam.extras import check_extra
 from tractive_sam.markup import Html
+from tractive_sam.optional import xarray
 from tractive_sam.output_file import write_file
 from tractive_sam.results import BODIES, COLUMNS, History, Quantity, by_name
 from tractive_sam.safe_text import csv_cell
@@ -27,9 +28,6 @@ from tractive_sam.studies.case import Case, cases, title_of
 from tractive_sam.studies.design import Study
 from tractive_sam.studies.folder import Folder
 from tractive_sam.studies.task import COMPLETE, FAILED, summary
-
-if TYPE_CHECKING:
-    import xarray
 
 RUNNING, INTERRUPTED, WAITING = "running", "interrupted", "waiting"
 STATUSES = (COMPLETE, RUNNING, INTERRUPTED, FAILED, WAITING)
@@ -242,9 +240,7 @@ class StudyResults:
         revolution : int, optional
             Revolution of the records instead of the last one of each case; nan if there is none.
         """
-        with require_extra("study results"):
-            import xarray  # of an extra
-
+        check_extra("xarray", "study results")
         study = self.study
         dims, shape = [one.name for one in study.dimensions], study.shape
         coordinates = {

@@ -1,0 +1,4 @@
+"""The packages of `optional`, for type checkers."""
+
+import pandas as pandas
+import xarray as xarray
