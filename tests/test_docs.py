@@ -18,7 +18,12 @@ STUDIES = sorted(one.name for one in iter_modules(tractive_sam.studies.__path__)
 
 ROOMS = ("tractive_sam", "tractive_sam.plot", "tractive_sam.subsurface", "tractive_sam.reference")
 
-SLOW = {"tractive_sam.build_table", "tractive_sam.plot.save_all", "tractive_sam.plot.worn_track"}
+SLOW = {
+    "tractive_sam.build_table",
+    "tractive_sam.plot.save_all",
+    "tractive_sam.plot.worn_track",
+    "tractive_sam.subsurface.course_fatigue",
+}
 """Names whose examples take seconds."""
 
 

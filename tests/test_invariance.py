@@ -16,7 +16,7 @@ KINDS = (
     *("wear", "adaptive", "duty", "fatigue", "transient", "shift"),
 )
 
-SLOW = ("duty", "fatigue")
+SLOW = ("duty", "fatigue", "heat", "shift")
 
 
 @pytest.fixture

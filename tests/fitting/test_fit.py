@@ -47,6 +47,7 @@ def test_falling_friction_law_returns_from_data_without_noise(spheres):
     assert np.abs(errors(found, truth)).max() < EXACT
 
 
+@pytest.mark.slow
 def test_wear_of_both_bodies_returns_from_masses_and_a_profile(discs):
     truth = {"wear.coefficient.A": 1.3e-4, "wear.coefficient.B": 2.2e-4}
     history = ts.roll(discs, progress=False)
@@ -167,6 +168,7 @@ def test_a_prior_decides_what_data_do_not(spheres):
     assert "priors decide" in found.undetermined[0]
 
 
+@pytest.mark.slow
 def test_profile_likelihood_of_a_nearly_linear_problem_is_the_linear_interval(spheres):
     data = creep_data(spheres, {"friction.mu": 0.35}, noise=0.02)
     design = {"scene": spheres, "free": ["friction.mu"], "data": [data], "mesh_check": False}
@@ -177,6 +179,7 @@ def test_profile_likelihood_of_a_nearly_linear_problem_is_the_linear_interval(sp
     assert (profile.dataset["likelihood"].values[:, 2] >= 0.0).all()
 
 
+@pytest.mark.slow
 def test_an_outlier_counts_less_by_a_robust_loss(spheres):
     factors = np.array([1.0, 1.0, 1.0, 1.6])
     data = creep_data(spheres, {"friction.mu": 0.35}, noise={"absolute": 0.005}, factors=factors)
@@ -186,6 +189,7 @@ def test_an_outlier_counts_less_by_a_robust_loss(spheres):
     assert any("chi-square" in note for note in linear.notes)
 
 
+@pytest.mark.slow
 def test_random_starts_find_the_same_minimum(spheres):
     data = creep_data(spheres, {"friction.mu": 0.35})
     bounds = {"key": "friction.mu", "start": 0.1, "lower": 0.05, "upper": 0.9}

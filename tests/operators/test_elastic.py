@@ -34,12 +34,14 @@ def point_kernels(x, y, mesh, material):
 def dense(mesh, material, ahead=0):
     """u at the elements `ahead` of each one from all tractions, shape (3, n, 3, n)."""
     nx, ny = mesh.shape
-    places = [(i * mesh.dx, j * mesh.dy) for i in range(nx) for j in range(ny)]
-    out = np.empty((3, len(places), 3, len(places)))
-    for m, (xo, yo) in enumerate(places):
-        for n, (xs, ys) in enumerate(places):
-            out[:, m, :, n] = point_kernels(xo + ahead * mesh.dx - xs, yo - ys, mesh, material)
-    return out
+    by_offset = np.empty((2 * nx - 1, 2 * ny - 1, 3, 3))
+    for i in range(2 * nx - 1):
+        for j in range(2 * ny - 1):
+            x, y = (i - nx + 1 + ahead) * mesh.dx, (j - ny + 1) * mesh.dy
+            by_offset[i, j] = point_kernels(x, y, mesh, material)
+    i, j = np.divmod(np.arange(nx * ny), ny)
+    pairs = by_offset[i[:, None] - i + nx - 1, j[:, None] - j + ny - 1]
+    return np.moveaxis(pairs, (2, 3), (0, 2))
 
 
 @pytest.fixture(scope="module")

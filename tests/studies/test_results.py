@@ -161,6 +161,7 @@ def test_figures_over_two_axes(done, tmp_path):
     assert all(path.stat().st_size > 5000 for path in paths)
 
 
+@pytest.mark.usefixtures("empty_pictures")
 def test_figures_by_default_are_of_what_varies(done, tmp_path):
     names = {path.name.partition("-")[0] for path in save_figures(done, tmp_path)}
     assert names == {"Qx_over_P", "stick_fraction"}  # the pressure is the same everywhere
@@ -179,6 +180,7 @@ def test_axes_that_are_fixed_are_distinguished():
     assert _short("friction.mu", study) == "mu"
 
 
+@pytest.mark.usefixtures("empty_pictures")
 def test_figures_of_samples(tmp_path):
     latin = {
         "number": 4,
