@@ -5,10 +5,8 @@ language need not be English, understands it at first reading: "report", not "te
 """
 
 import ast
-import io
 import json
 import re
-import tokenize
 from collections import Counter
 from pathlib import Path
 
@@ -47,6 +45,9 @@ LIMITS = {  # names, phrases
 }
 
 
+COMMENT = re.compile(r"(?:^|\s)# .*", re.MULTILINE)
+
+
 def read_python(source):
     """Return the names that a module gives, and its prose: comments and strings with a space."""
     names, prose = [], []
@@ -58,8 +59,7 @@ def read_python(source):
                 names.append(name)
             case ast.Constant(value=str(text)) if " " in text:
                 prose.append(text)
-    tokens = tokenize.generate_tokens(io.StringIO(source).readline)
-    return names, prose + [token.string for token in tokens if token.type == tokenize.COMMENT]
+    return names, prose + COMMENT.findall(source)
 
 
 def read_notebook(source):
